@@ -1,0 +1,130 @@
+//! The sole home of column names, with the unit of each.
+//!
+//! A quantity has one name in `session.toml` (`pressure`) and one column inside, with its unit in the name (`pressure_kpa`). Any other
+//! name that a user gives is an extra column: it keeps its name, its unit and its values, and travels through every stage.
+
+use crate::base::units::Quantity;
+
+/// A quantity that `session.toml` may name, and the column that holds it inside.
+#[derive(Clone, Copy, Debug)]
+pub struct KnownColumn {
+    /// Name in `[columns]` of `session.toml`.
+    pub quantity_name: &'static str,
+    /// Name inside, in `derived/` and in tables.
+    pub column: &'static str,
+    /// Dimension; none for the phase, which is a state.
+    pub quantity: Option<Quantity>,
+}
+
+/// Time since the start of the log, s.
+pub const TIME: &str = "time_s";
+/// Axial force, N.
+pub const FORCE: &str = "force_n";
+/// Torque about the joint, N.m.
+pub const TORQUE: &str = "torque_nm";
+/// Gauge pressure, kPa.
+pub const PRESSURE: &str = "pressure_kpa";
+/// Actuator length held, m.
+pub const LENGTH: &str = "length_m";
+/// Actuator length measured on the knee stand, m.
+pub const MUSCLE_LENGTH: &str = "muscle_length_m";
+/// Moment arm measured on the knee stand, m.
+pub const MOMENT_ARM: &str = "moment_arm_m";
+/// Joint angle, rad.
+pub const ANGLE: &str = "angle_rad";
+/// Whether the actuator was being filled or vented.
+pub const PHASE: &str = "phase";
+/// Temperature, degrees Celsius.
+pub const TEMPERATURE: &str = "temperature_c";
+
+/// Columns that later stages add.
+pub mod derived {
+    /// Session id.
+    pub const SESSION: &str = "session";
+    /// Campaign id.
+    pub const CAMPAIGN: &str = "campaign";
+    /// Specimen id.
+    pub const SPECIMEN: &str = "specimen";
+    /// Log file within the session.
+    pub const LOG: &str = "log";
+    /// Run number, as declared.
+    pub const RUN: &str = "run";
+    /// Line in the log (points) or middle of the plateau's samples (time series).
+    pub const ROW: &str = "row";
+    /// Samples averaged.
+    pub const SAMPLES: &str = "n_samples";
+    /// Standard deviation of the samples' force about its mean, N.
+    pub const SD_FORCE: &str = "sd_force_n";
+    /// Standard deviation of the samples' pressure about its mean, kPa.
+    pub const SD_PRESSURE: &str = "sd_pressure_kpa";
+    /// Uninflated inner diameter, mm.
+    pub const DIAMETER: &str = "diameter_mm";
+    /// Resting length, m.
+    pub const REST_LENGTH: &str = "rest_length_m";
+    /// Free length at 620 kPa, m.
+    pub const CONTRACTED_LENGTH: &str = "contracted_length_m";
+    /// eps = (l_rest - l) / l_rest.
+    pub const CONTRACTION: &str = "contraction";
+    /// eps* = eps / eps_620.
+    pub const CONTRACTION_REL: &str = "contraction_rel";
+    /// P* = P / 620 kPa.
+    pub const PRESSURE_REL: &str = "pressure_rel";
+}
+
+/// Every quantity that has a meaning of its own.
+pub const KNOWN: &[KnownColumn] = &[
+    known("time", TIME, Some(Quantity::Time)),
+    known("force", FORCE, Some(Quantity::Force)),
+    known("torque", TORQUE, Some(Quantity::Torque)),
+    known("pressure", PRESSURE, Some(Quantity::Pressure)),
+    known("length", LENGTH, Some(Quantity::Length)),
+    known("muscle_length", MUSCLE_LENGTH, Some(Quantity::Length)),
+    known("moment_arm", MOMENT_ARM, Some(Quantity::Length)),
+    known("angle", ANGLE, Some(Quantity::Angle)),
+    known("phase", PHASE, None),
+    known("temperature", TEMPERATURE, Some(Quantity::Temperature)),
+];
+
+const fn known(
+    quantity_name: &'static str,
+    column: &'static str,
+    quantity: Option<Quantity>,
+) -> KnownColumn {
+    KnownColumn {
+        quantity_name,
+        column,
+        quantity,
+    }
+}
+
+/// The known quantity of that name in `session.toml`, if it is one.
+pub fn by_quantity_name(name: &str) -> Option<&'static KnownColumn> {
+    KNOWN.iter().find(|k| k.quantity_name == name)
+}
+
+/// Whether a column name is one that the pipeline itself writes, so that no extra column may take it.
+pub fn is_reserved(name: &str) -> bool {
+    use derived::*;
+    KNOWN.iter().any(|k| k.column == name)
+        || [
+            SESSION,
+            CAMPAIGN,
+            SPECIMEN,
+            LOG,
+            RUN,
+            ROW,
+            SAMPLES,
+            SD_FORCE,
+            SD_PRESSURE,
+            DIAMETER,
+            REST_LENGTH,
+            CONTRACTED_LENGTH,
+            CONTRACTION,
+            CONTRACTION_REL,
+            PRESSURE_REL,
+            "role",
+            "kind",
+            "exclude",
+        ]
+        .contains(&name)
+}

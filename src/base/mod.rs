@@ -1,0 +1,14 @@
+//! What everything else stands on: units, column names, tables, diagnostics and errors.
+//!
+//! Architecture invariant: nothing in here knows a stage, a model, the cache or the command line.
+
+pub mod columns;
+pub mod diagnostics;
+pub mod error;
+pub mod frame;
+pub mod reading;
+pub mod reject;
+pub mod row;
+pub mod session;
+pub mod toml_reader;
+pub mod units;

@@ -1,0 +1,363 @@
+//! `pipeline.toml`: every option with its default, and strict reading.
+//!
+//! Each section belongs to one stage, and only its options enter that stage's cache key: a changed report title redoes no fit.
+
+use crate::base::diagnostics::{Diagnostic, nearest};
+use crate::base::error::{Error, Result};
+use crate::numerics::plateaus::PlateauOptions;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// All options. `pipeline config` prints the defaults.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    /// Cleaning of logs.
+    pub clean: CleanOptions,
+    /// Fits of the new model.
+    pub fit: FitOptions,
+    /// Which models are compared.
+    pub compare: CompareOptions,
+    /// The reports.
+    pub report: ReportOptions,
+}
+
+/// Where the zero of the force channel comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ZeroRule {
+    /// The session's zero log; see `stages::clean::zero` for what happens where it cannot be used.
+    ZeroLog,
+    /// Forces are taken as they were logged.
+    None,
+}
+
+/// Options of the clean stage.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CleanOptions {
+    /// "zero-log" or "none".
+    pub zero: ZeroRule,
+    /// Width of the bins in which the pressure is looked at, s.
+    pub bin_s: f64,
+    /// Rate of pressure above which a valve must be open, kPa/s.
+    pub step_rate_kpa_per_s: f64,
+    /// Time after a step that is left out, s.
+    pub settle_s: f64,
+    /// Length of a plateau's window, s.
+    pub window_s: f64,
+    /// Shortest window that is used, s.
+    pub shortest_window_s: f64,
+    /// Pressure by which two windows between the same two steps must differ, kPa.
+    pub distinct_kpa: f64,
+    /// A pause of the clock that ends a plateau, s.
+    pub longest_gap_s: f64,
+    /// Change of pressure that turns filling into venting where no state is logged, kPa.
+    pub turning_kpa: f64,
+    /// Fewest samples of a plateau.
+    pub fewest_samples: usize,
+    /// Pressure may drift by this much within a window, kPa.
+    pub largest_drift_kpa: f64,
+    /// Force may drift by this fraction of the session's range of force within a window (at least 2 N).
+    pub largest_force_drift: f64,
+    /// Fraction of a plateau's samples at the converter's limit above which it is censored.
+    pub most_clipped: f64,
+    /// Fraction of unusable rows above which a log is left out.
+    pub most_bad_rows: f64,
+    /// Gauge pressures outside are no pressures, kPa.
+    pub pressure_range_kpa: [f64; 2],
+    /// Forces beyond are no forces, N.
+    pub largest_force_n: f64,
+    /// An isolated sample that differs from its neighbours by this fraction of the channel's range is a spike.
+    pub spike_fraction: f64,
+}
+
+impl Default for CleanOptions {
+    fn default() -> Self {
+        Self {
+            zero: ZeroRule::ZeroLog,
+            bin_s: 0.02,
+            step_rate_kpa_per_s: 60.0,
+            settle_s: 0.15,
+            window_s: 0.25,
+            shortest_window_s: 0.1,
+            distinct_kpa: 5.0,
+            longest_gap_s: 0.1,
+            turning_kpa: 4.0,
+            fewest_samples: 10,
+            largest_drift_kpa: 5.0,
+            largest_force_drift: 0.01,
+            most_clipped: 0.05,
+            most_bad_rows: 0.01,
+            pressure_range_kpa: [-50.0, 1500.0],
+            largest_force_n: 20_000.0,
+            spike_fraction: 0.1,
+        }
+    }
+}
+
+impl CleanOptions {
+    /// The options of the plateau search.
+    pub fn plateaus(&self) -> PlateauOptions {
+        PlateauOptions {
+            bin_s: self.bin_s,
+            step_rate_kpa_per_s: self.step_rate_kpa_per_s,
+            settle_s: self.settle_s,
+            window_s: self.window_s,
+            shortest_window_s: self.shortest_window_s,
+            distinct_kpa: self.distinct_kpa,
+            longest_gap_s: self.longest_gap_s,
+        }
+    }
+}
+
+/// Options of the fit stage.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FitOptions {
+    /// "huber", "least_squares", "lar", "bisquare" or "cauchy".
+    pub loss: String,
+    /// Confidence of the intervals.
+    pub confidence: f64,
+    /// Rows with |eps*| up to this count as measured at resting length.
+    pub at_rest: f64,
+    /// Rows within this of 620 kPa give the measured maximum force, kPa.
+    pub near_620_kpa: f64,
+    /// Length at which the end caps of 10 mm actuators touch, m.
+    pub l_0_10mm_m: f64,
+    /// The same for 20 mm.
+    pub l_0_20mm_m: f64,
+    /// Also fit each diameter over all measured campaigns that have it.
+    pub pool: bool,
+}
+
+impl Default for FitOptions {
+    fn default() -> Self {
+        Self {
+            loss: "huber".to_owned(),
+            confidence: 0.95,
+            at_rest: 0.05,
+            near_620_kpa: 15.0,
+            l_0_10mm_m: 0.0075,
+            l_0_20mm_m: 0.013,
+            pool: true,
+        }
+    }
+}
+
+/// Options of the compare stage.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CompareOptions {
+    /// Ids of the published models to compare; empty for all.
+    pub models: Vec<String>,
+}
+
+/// Options of the report stage.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ReportOptions {
+    /// Title of `force.pdf`.
+    pub title: String,
+    /// Authors, as they are to be printed; empty for none.
+    pub author: String,
+    /// Date of the document, ISO 8601; empty for none. Never today's.
+    pub date: String,
+    /// Resolution of the PNG figures, dots per inch.
+    pub png_dpi: f64,
+}
+
+impl Default for ReportOptions {
+    fn default() -> Self {
+        Self {
+            title: "Isometric force of braided pneumatic actuators".to_owned(),
+            author: String::new(),
+            date: String::new(),
+            png_dpi: 200.0,
+        }
+    }
+}
+
+impl Config {
+    /// The defaults as TOML.
+    pub fn to_toml(&self) -> Result<String> {
+        toml::to_string(self).map_err(Error::internal)
+    }
+
+    /// Reads a configuration file, or the defaults where there is none at the default place.
+    ///
+    /// # Errors
+    /// The file cannot be read, or says something that is not understood.
+    pub fn load(path: Option<&Path>) -> Result<Self> {
+        let default = Path::new("pipeline.toml");
+        let path = match path {
+            Some(path) => path,
+            None if default.exists() => default,
+            None => return Ok(Self::default()),
+        };
+        let text = std::fs::read_to_string(path).map_err(|e| {
+            Error::Usage(format!("cannot read the configuration {}: {e}", path.display()))
+        })?;
+        Self::read(&path.display().to_string(), &text)
+    }
+
+    /// Reads the text of a configuration; messages call it `file`.
+    ///
+    /// # Errors
+    /// Every unknown key with the nearest known one, or the first value of a wrong type.
+    pub fn read(file: &str, text: &str) -> Result<Self> {
+        let syntax = |e: toml::de::Error| {
+            let row = e.span().map(|s| 1 + text[..s.start].matches('\n').count() as u64);
+            let mut diagnostic = Diagnostic::error(
+                file,
+                e.message().lines().next().unwrap_or_default(),
+                "an option as `pipeline config` prints it",
+                "mend the line",
+            );
+            diagnostic.row = row;
+            Error::Config(vec![diagnostic])
+        };
+        let given: toml::Table = toml::from_str(text).map_err(syntax)?;
+        let known = toml::Table::try_from(Config::default()).map_err(Error::internal)?;
+        let mut unknown = Vec::new();
+        find_unknown(file, text, "", &given, &known, &mut unknown);
+        if !unknown.is_empty() {
+            return Err(Error::Config(unknown));
+        }
+        let config: Config = toml::from_str(text).map_err(syntax)?;
+        let mistakes = config.mistakes(file);
+        if mistakes.is_empty() {
+            Ok(config)
+        } else {
+            Err(Error::Config(mistakes))
+        }
+    }
+
+    /// Values that are of the right type and make no sense.
+    fn mistakes(&self, file: &str) -> Vec<Diagnostic> {
+        let c = &self.clean;
+        let positive = [
+            ("clean.bin_s", c.bin_s),
+            ("clean.step_rate_kpa_per_s", c.step_rate_kpa_per_s),
+            ("clean.window_s", c.window_s),
+            ("clean.shortest_window_s", c.shortest_window_s),
+            ("clean.longest_gap_s", c.longest_gap_s),
+            ("clean.spike_fraction", c.spike_fraction),
+            ("fit.at_rest", self.fit.at_rest),
+            ("fit.near_620_kpa", self.fit.near_620_kpa),
+            ("report.png_dpi", self.report.png_dpi),
+        ];
+        let mut mistakes: Vec<Diagnostic> = positive
+            .iter()
+            .filter(|(_, x)| !(*x > 0.0 && x.is_finite()))
+            .map(|(key, x)| mistake(file, key, &x.to_string(), "a positive number"))
+            .collect();
+        if !(self.fit.confidence > 0.0 && self.fit.confidence < 1.0) {
+            let found = self.fit.confidence.to_string();
+            mistakes.push(mistake(file, "fit.confidence", &found, "a number between 0 and 1"));
+        }
+        if self.fit.loss.parse::<crate::numerics::loss::Loss>().is_err() {
+            mistakes.push(mistake(
+                file,
+                "fit.loss",
+                &self.fit.loss,
+                "huber, least_squares, lar, bisquare or cauchy",
+            ));
+        }
+        let ids: Vec<&str> = crate::models::published().iter().map(|m| m.id()).collect();
+        for id in self.compare.models.iter().filter(|id| !ids.contains(&id.as_str())) {
+            mistakes.push(mistake(file, "compare.models", id, &format!("ids among {}", ids.join(", "))));
+        }
+        mistakes
+    }
+}
+
+fn mistake(file: &str, key: &str, found: &str, expected: &str) -> Diagnostic {
+    Diagnostic::error(file, found, expected, "see `pipeline config`").in_column(key)
+}
+
+fn find_unknown(
+    file: &str,
+    text: &str,
+    path: &str,
+    given: &toml::Table,
+    known: &toml::Table,
+    unknown: &mut Vec<Diagnostic>,
+) {
+    for (key, value) in given {
+        let full = if path.is_empty() {
+            key.clone()
+        } else {
+            format!("{path}.{key}")
+        };
+        match (known.get(key), value) {
+            (None, _) => {
+                let hint = match nearest(key, known.keys().map(String::as_str)) {
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => "see `pipeline config` for all options".to_owned(),
+                };
+                let names: Vec<&str> = known.keys().map(String::as_str).collect();
+                let mut diagnostic =
+                    Diagnostic::error(file, "an unknown key", format!("one of {}", names.join(", ")), hint)
+                        .in_column(full);
+                let line = text.lines().position(|l| {
+                    let l = l.trim_start().trim_start_matches('[');
+                    l.strip_prefix(key.as_str())
+                        .is_some_and(|rest| rest.trim_start().starts_with(['=', ']', '.']))
+                });
+                diagnostic.row = line.map(|l| l as u64 + 1);
+                unknown.push(diagnostic);
+            }
+            (Some(toml::Value::Table(known)), toml::Value::Table(given)) => {
+                find_unknown(file, text, &full, given, known, unknown);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// The options of one section by dotted name, for a cache key.
+pub fn flatten(section: &str, options: &impl Serialize) -> Result<BTreeMap<String, String>> {
+    let table = toml::Table::try_from(options).map_err(Error::internal)?;
+    Ok(table
+        .into_iter()
+        .map(|(key, value)| (format!("{section}.{key}"), value.to_string()))
+        .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_printed_defaults_read_back_as_the_defaults() {
+        let text = Config::default().to_toml().unwrap();
+        assert_eq!(Config::read("pipeline.toml", &text).unwrap(), Config::default());
+        assert_eq!(Config::read("pipeline.toml", "").unwrap(), Config::default());
+    }
+
+    #[test]
+    fn an_unknown_key_is_an_error_that_names_the_nearest() {
+        let error = Config::read("p.toml", "\n[clean]\nsetle_s = 0.1\n").unwrap_err();
+        let text = error.to_string();
+        assert!(text.contains("p.toml:3 [clean.setle_s]"), "{text}");
+        assert!(text.contains("did you mean `settle_s`?"), "{text}");
+        assert_eq!(error.exit_code(), 2);
+        assert!(Config::read("p.toml", "[clena]\n").unwrap_err().to_string().contains("`clean`"));
+    }
+
+    #[test]
+    fn wrong_types_and_senseless_values_are_errors() {
+        for text in [
+            "[clean]\nbin_s = \"x\"",
+            "[clean]\nbin_s = -1.0",
+            "[fit]\nloss = \"cubic\"",
+            "[fit]\nconfidence = 1.5",
+            "[compare]\nmodels = [\"hunt\"]",
+            "[clean",
+        ] {
+            assert!(Config::read("p.toml", text).is_err(), "{text}");
+        }
+    }
+}

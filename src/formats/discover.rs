@@ -1,0 +1,206 @@
+//! Finding sessions: every folder below a raw directory that holds a `session.toml`, in sorted order.
+
+use crate::base::diagnostics::{Diagnostic, Severity};
+use crate::base::session::Session;
+use crate::formats::session_toml;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use walkdir::WalkDir;
+
+/// The file that makes a folder a session.
+pub const SESSION_FILE: &str = "session.toml";
+
+/// The largest `session.toml` that is read, bytes.
+const LARGEST_SESSION_FILE: u64 = 1 << 20;
+
+/// A session on disk.
+#[derive(Clone, Debug)]
+pub struct Located {
+    /// The checked contents of `session.toml`.
+    pub session: Session,
+    /// The folder.
+    pub directory: PathBuf,
+    /// The folder relative to its raw directory, with forward slashes.
+    pub relative: String,
+}
+
+/// A session that cannot be used, with every reason.
+#[derive(Clone, Debug)]
+pub struct Unusable {
+    /// Its id, where it could be read.
+    pub id: Option<String>,
+    /// The folder relative to its raw directory.
+    pub relative: String,
+    /// Why.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// What lies below the raw directories.
+#[derive(Clone, Debug, Default)]
+pub struct Discovery {
+    /// Usable sessions, sorted by id.
+    pub sessions: Vec<Located>,
+    /// Unusable ones, sorted by folder.
+    pub unusable: Vec<Unusable>,
+    /// What is wrong with the tree itself: unreadable folders, loops of links, contradictions between sessions.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// Walks the raw directories and reads every `session.toml`. Links are followed; a loop of links is reported and not entered.
+pub fn discover(roots: &[PathBuf]) -> Discovery {
+    let mut found = Discovery::default();
+    for root in roots {
+        walk(root, &mut found);
+    }
+    reject_duplicates(&mut found);
+    note_contradictions(&mut found);
+    found.sessions.sort_by(|a, b| a.session.id.cmp(&b.session.id));
+    found
+}
+
+fn walk(root: &Path, found: &mut Discovery) {
+    let entries = WalkDir::new(root).follow_links(true).sort_by_file_name();
+    for entry in entries {
+        match entry {
+            Ok(entry) if entry.file_name() == SESSION_FILE && entry.file_type().is_file() => {
+                let directory = entry.path().parent().unwrap_or(root);
+                read_session(root, directory, found);
+            }
+            Ok(_) => {}
+            Err(error) => found.diagnostics.push(unreadable(root, &error)),
+        }
+    }
+}
+
+fn unreadable(root: &Path, error: &walkdir::Error) -> Diagnostic {
+    let path = error.path().unwrap_or(root);
+    let (what, hint) = match (error.loop_ancestor(), error.io_error()) {
+        (Some(_), _) => (
+            "a link to a folder above itself".to_owned(),
+            "remove the link; it was not entered",
+        ),
+        (None, Some(io)) => (
+            format!("\"{}\"", io.kind()),
+            "mend the permissions; what is below was not seen",
+        ),
+        (None, None) => ("an unreadable entry".to_owned(), "look at it"),
+    };
+    Diagnostic::error(relative_to(root, path), what, "a readable file or folder", hint)
+        .with_severity(Severity::Warning)
+}
+
+/// `path` relative to `root` with forward slashes; "." for the root itself.
+fn relative_to(root: &Path, path: &Path) -> String {
+    let relative = path.strip_prefix(root).unwrap_or(path);
+    let parts: Vec<String> = relative
+        .components()
+        .map(|c| c.as_os_str().to_string_lossy().into_owned())
+        .collect();
+    if parts.is_empty() {
+        ".".to_owned()
+    } else {
+        parts.join("/")
+    }
+}
+
+fn read_session(root: &Path, directory: &Path, found: &mut Discovery) {
+    let relative = relative_to(root, directory);
+    let file = format!("{relative}/{SESSION_FILE}");
+    match read_text(&directory.join(SESSION_FILE), &file)
+        .map_err(|d| vec![d])
+        .and_then(|text| session_toml::read(&file, &text))
+    {
+        Ok(session) => found.sessions.push(Located {
+            session,
+            directory: directory.to_path_buf(),
+            relative,
+        }),
+        Err(diagnostics) => found.unusable.push(Unusable {
+            id: None,
+            relative,
+            diagnostics,
+        }),
+    }
+}
+
+fn read_text(path: &Path, file: &str) -> Result<String, Diagnostic> {
+    let fail = |found: String, hint: &str| Diagnostic::error(file, found, "a readable TOML file", hint);
+    let size = std::fs::metadata(path)
+        .map_err(|e| fail(format!("\"{}\"", e.kind()), "mend the permissions"))?
+        .len();
+    if size > LARGEST_SESSION_FILE {
+        return Err(fail(
+            format!("{size} bytes"),
+            "a session.toml holds a description, not data",
+        ));
+    }
+    let bytes = std::fs::read(path)
+        .map_err(|e| fail(format!("\"{}\"", e.kind()), "mend the permissions"))?;
+    String::from_utf8(bytes).map_err(|e| {
+        let offset = e.utf8_error().valid_up_to();
+        let row = 1 + e.as_bytes()[..offset].iter().filter(|b| **b == b'\n').count();
+        fail(
+            "bytes that are not UTF-8".to_owned(),
+            "save the file as UTF-8",
+        )
+        .at_row(row as u64)
+    })
+}
+
+/// Of sessions with one id the first in path order stays; the others are unusable.
+fn reject_duplicates(found: &mut Discovery) {
+    let mut first: BTreeMap<String, String> = BTreeMap::new();
+    let mut kept = Vec::with_capacity(found.sessions.len());
+    for located in found.sessions.drain(..) {
+        let id = located.session.id.clone();
+        match first.get(&id) {
+            None => {
+                first.insert(id, located.relative.clone());
+                kept.push(located);
+            }
+            Some(other) => found.unusable.push(Unusable {
+                diagnostics: vec![
+                    Diagnostic::error(
+                        format!("{}/{SESSION_FILE}", located.relative),
+                        format!("\"{id}\", which {other}/{SESSION_FILE} has already"),
+                        "an id that is unique over the whole raw tree",
+                        "give this session another id",
+                    )
+                    .in_column("id"),
+                ],
+                id: Some(id),
+                relative: located.relative,
+            }),
+        }
+    }
+    found.sessions = kept;
+    found.unusable.sort_by(|a, b| a.relative.cmp(&b.relative));
+}
+
+/// One specimen described in two ways is worth a note; the lengths may have been measured twice.
+fn note_contradictions(found: &mut Discovery) {
+    let mut first: BTreeMap<&str, &Located> = BTreeMap::new();
+    for located in &found.sessions {
+        let specimen = &located.session.specimen;
+        let seen = first.entry(&specimen.id).or_insert(located);
+        let other = &seen.session.specimen;
+        if other != specimen {
+            found.diagnostics.push(
+                Diagnostic::error(
+                    format!("{}/{SESSION_FILE}", located.relative),
+                    format!(
+                        "specimen \"{}\" with diameter {} mm, l_rest {:.4} m, l_620 {:.4} m",
+                        specimen.id, specimen.diameter_mm, specimen.rest_length_m, specimen.contracted_length_m
+                    ),
+                    format!(
+                        "{} mm, {:.4} m, {:.4} m as in {}/{SESSION_FILE}",
+                        other.diameter_mm, other.rest_length_m, other.contracted_length_m, seen.relative
+                    ),
+                    "correct one of them, or give the second actuator its own id",
+                )
+                .with_severity(Severity::Note)
+                .in_column("specimen"),
+            );
+        }
+    }
+}

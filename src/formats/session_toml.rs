@@ -1,0 +1,471 @@
+//! `session.toml`, schema `bpa-session/1`: strict, every mistake at once.
+
+use crate::base::columns::{self, KnownColumn};
+use crate::base::diagnostics::{Diagnostic, nearest};
+use crate::base::session::{
+    ColumnSpec, Constant, Joint, Kind, LogSpec, Phase, Position, Role, Sampling, Session, Specimen,
+};
+use crate::base::toml_reader::{Entry, Reader, Section, parse};
+use crate::base::units::Quantity;
+use std::collections::BTreeMap;
+
+/// The only schema that is understood.
+pub const SCHEMA: &str = "bpa-session/1";
+
+/// Reads and checks the text of a `session.toml`; messages call it `file`.
+///
+/// # Errors
+/// Every mistake of the file, in the order of its lines.
+pub fn read(file: &str, text: &str) -> Result<Session, Vec<Diagnostic>> {
+    let table = parse(file, text).map_err(|d| vec![d])?;
+    let reader = Reader::new(file, text);
+    let session = session(&reader.root(&table));
+    let mistakes = reader.finish();
+    match session {
+        Some(session) if mistakes.is_empty() => Ok(session),
+        _ => Err(mistakes),
+    }
+}
+
+fn session(root: &Section) -> Option<Session> {
+    if let Some(entry) = root.require("schema", SCHEMA, "write schema = \"bpa-session/1\"") {
+        entry.choice(&[(SCHEMA, ())]);
+    }
+    let id = identifier(root, "id", "a name that no other session has");
+    let kind = root
+        .require("kind", "isometric or knee-torque", "say what was measured")
+        .and_then(|e| {
+            e.choice(&[
+                ("isometric", Kind::Isometric),
+                ("knee-torque", Kind::KneeTorque),
+            ])
+        });
+    let sampling = root
+        .require("sampling", "timeseries or points", "say how it was logged")
+        .and_then(|e| {
+            e.choice(&[
+                ("timeseries", Sampling::Timeseries),
+                ("points", Sampling::Points),
+            ])
+        });
+    let campaign = identifier(root, "campaign", "the name of what was measured together");
+    let date = root.get("date").and_then(|e| date(&e));
+    let role = root.get("role").and_then(|e| {
+        e.choice(&[
+            ("train", Role::Train),
+            ("validation", Role::Validation),
+            ("holdout", Role::Holdout),
+        ])
+    });
+    let exclude = root.get("exclude").and_then(|e| e.string());
+    let notes = root.get("notes").and_then(|e| e.string());
+    let specimen = root
+        .require("specimen", "a table [specimen]", "describe the actuator")
+        .and_then(|e| e.table())
+        .and_then(|t| specimen(&t));
+    let setup = root
+        .get("setup")
+        .and_then(|e| e.table())
+        .map(|t| setup(&t))
+        .unwrap_or_default();
+    let joint_entry = root.get("joint");
+    let columns = root
+        .require("columns", "a table [columns]", "say which quantity stands where")
+        .and_then(|e| e.table())
+        .map(|t| column_specs(&t));
+    let logs = root
+        .require("log", "at least one [[log]]", "name the log files")
+        .and_then(|e| e.list())
+        .map(|l| l.iter().filter_map(log).collect::<Vec<_>>());
+    root.close();
+    let joint = joint(root, kind, joint_entry);
+    let session = Session {
+        id: id?,
+        kind: kind?,
+        sampling: sampling?,
+        campaign: campaign?,
+        date,
+        role,
+        exclude,
+        notes,
+        specimen: specimen?,
+        setup,
+        joint,
+        columns: columns?,
+        logs: logs?,
+    };
+    check_columns(root, &session);
+    check_positions(root, &session);
+    check_logs(root, &session);
+    Some(session)
+}
+
+fn identifier(root: &Section, key: &'static str, expected: &str) -> Option<String> {
+    let entry = root.require(key, expected, "add it")?;
+    let text = entry.string()?;
+    if text.trim().is_empty() || text.chars().any(char::is_control) {
+        entry.reject(expected, "write a name without line breaks");
+        return None;
+    }
+    Some(text)
+}
+
+fn date(entry: &Entry) -> Option<String> {
+    let text = entry.as_string().unwrap_or_else(|| entry.describe());
+    let digits = |s: &str, n: usize| s.len() == n && s.bytes().all(|b| b.is_ascii_digit());
+    let parts: Vec<&str> = text.split('-').collect();
+    let in_range = |s: &str, top: u32| s.parse::<u32>().is_ok_and(|x| (1..=top).contains(&x));
+    let good = match parts[..] {
+        [y, m] => digits(y, 4) && digits(m, 2) && in_range(m, 12),
+        [y, m, d] => {
+            digits(y, 4) && digits(m, 2) && digits(d, 2) && in_range(m, 12) && in_range(d, 31)
+        }
+        _ => false,
+    };
+    if !good {
+        entry.reject("a date, ISO 8601: a day or a month", "write \"2022-11\" or \"2022-11-30\"");
+        return None;
+    }
+    Some(text)
+}
+
+fn specimen(table: &Section) -> Option<Specimen> {
+    let id = identifier(table, "id", "the name of the physical actuator");
+    let diameter = table
+        .require("diameter_mm", "10, 20 or 40", "write the uninflated inner diameter")
+        .and_then(|e| {
+            let mm = e.number()?;
+            if [10.0, 20.0, 40.0].contains(&mm) {
+                return Some(mm);
+            }
+            e.reject("10, 20 or 40 (mm)", "write the uninflated inner diameter");
+            None
+        });
+    let rest = table
+        .require("rest_length_mm", "l_rest in mm", "write the distance between the hose clamps")
+        .and_then(|e| e.positive("mm", "write the distance between the hose clamps"));
+    let contracted = table.require(
+        "contracted_length_mm",
+        "l_620 in mm",
+        "write the free length at 620 kPa without load",
+    );
+    let contracted = contracted.and_then(|e| {
+        let mm = e.positive("mm", "write the free length at 620 kPa without load")?;
+        if rest.is_some_and(|l| mm >= l) {
+            e.reject(
+                "a length below rest_length_mm: an actuator contracts under pressure",
+                "check whether the two lengths are swapped",
+            );
+            return None;
+        }
+        Some(mm)
+    });
+    table.close();
+    Some(Specimen {
+        id: id?,
+        diameter_mm: diameter?,
+        rest_length_m: rest? * 1e-3,
+        contracted_length_m: contracted? * 1e-3,
+    })
+}
+
+/// A key of `[setup]` such as `length_mm` or `temperature_c`: quantity and unit, the unit's case ignored.
+fn split_unit(key: &str) -> Option<(&'static KnownColumn, crate::base::units::Unit)> {
+    columns::KNOWN.iter().find_map(|known| {
+        let suffix = key.strip_prefix(known.quantity_name)?.strip_prefix('_')?;
+        let unit = known
+            .quantity?
+            .units()
+            .find(|u| u.symbol.replace('.', "").eq_ignore_ascii_case(suffix))?;
+        Some((known, unit))
+    })
+}
+
+fn setup(table: &Section) -> BTreeMap<String, Constant> {
+    let mut constants = BTreeMap::new();
+    for (key, entry) in table.entries() {
+        if let Some((known, unit)) = split_unit(&key) {
+            if let Some(value) = entry.number().and_then(|x| quantity_value(&entry, known, unit.to_inside(x))) {
+                constants.insert(known.column.to_owned(), Constant::Number(value));
+            }
+        } else if let Some(known) = columns::by_quantity_name(&key) {
+            let example = known.quantity.and_then(|q| q.units().last()).map_or("", |u| u.symbol);
+            entry.reject(
+                "the unit in the key",
+                &format!("write `{key}_{}`", example.to_lowercase()),
+            );
+        } else if columns::is_reserved(&key) {
+            entry.reject("a name that the pipeline does not use itself", "choose another name");
+        } else if let Some(number) = entry.as_number() {
+            constants.insert(key, Constant::Number(number));
+        } else if let Some(text) = entry.string() {
+            constants.insert(key, Constant::Text(text));
+        }
+    }
+    constants
+}
+
+fn quantity_value(entry: &Entry, known: &KnownColumn, value: f64) -> Option<f64> {
+    if known.quantity == Some(Quantity::Length) && value <= 0.0 {
+        entry.reject("a positive length", "write the length that was held");
+        return None;
+    }
+    Some(value)
+}
+
+fn joint(root: &Section, kind: Option<Kind>, entry: Option<Entry>) -> Option<Joint> {
+    match (kind, entry) {
+        (Some(Kind::KneeTorque), Some(entry)) => joint_table(&entry.table()?),
+        (Some(Kind::KneeTorque), None) => {
+            root.require("joint", "a table [joint]", "a knee-torque session needs knee and muscle");
+            None
+        }
+        (Some(Kind::Isometric), Some(entry)) => {
+            entry.reject("no [joint] in an isometric session", "remove it, or correct `kind`");
+            None
+        }
+        _ => None,
+    }
+}
+
+fn joint_table(table: &Section) -> Option<Joint> {
+    let knee = table
+        .require("knee", "pinned or biomimetic", "name the knee")
+        .and_then(|e| e.choice(&[("pinned", "pinned"), ("biomimetic", "biomimetic")]));
+    let muscle = table
+        .require("muscle", "flexor or extensor", "name the muscle")
+        .and_then(|e| e.choice(&[("flexor", "flexor"), ("extensor", "extensor")]));
+    let tendon = table.get("tendon_mm").and_then(|e| {
+        let mm = e.number()?;
+        if mm < 0.0 {
+            e.reject("a length of at least 0 mm", "leave it out where it was not recorded");
+            return None;
+        }
+        Some(mm * 1e-3)
+    });
+    table.close();
+    Some(Joint {
+        knee: knee?.to_owned(),
+        muscle: muscle?.to_owned(),
+        tendon_m: tendon,
+    })
+}
+
+fn column_specs(table: &Section) -> Vec<ColumnSpec> {
+    table
+        .entries()
+        .iter()
+        .filter_map(|(name, entry)| column_spec(name, entry))
+        .collect()
+}
+
+fn column_spec(name: &str, entry: &Entry) -> Option<ColumnSpec> {
+    let known = columns::by_quantity_name(name);
+    if known.is_none() && columns::is_reserved(name) {
+        entry.reject("a name that the pipeline does not use itself", "choose another name");
+        return None;
+    }
+    let table = entry.table()?;
+    let position = position(entry, &table);
+    let unit_entry = table.get("unit");
+    let gain = table.get("gain").map_or(Some(1.0), |e| e.number());
+    let offset = table.get("offset").map_or(Some(0.0), |e| e.number());
+    let low = table.get("saturation_low").and_then(|e| e.number());
+    let high = table.get("saturation_high").and_then(|e| e.number());
+    let values = table.get("values");
+    table.close();
+    let (unit, factor, constant) = unit_of(name, known, entry, unit_entry)?;
+    let (gain, offset) = (gain?, offset?);
+    if gain == 0.0 {
+        entry.reject("a gain other than 0", "write the converter's gain");
+        return None;
+    }
+    Some(ColumnSpec {
+        column: known.map_or(name, |k| k.column).to_owned(),
+        position: position?,
+        unit,
+        factor: gain * factor,
+        constant: offset * factor + constant,
+        saturation_low: low.map(|x| x * factor + constant),
+        saturation_high: high.map(|x| x * factor + constant),
+        values: phase_values(known, entry, values)?,
+    })
+}
+
+fn position(entry: &Entry, table: &Section) -> Option<Position> {
+    match (table.get("index"), table.get("name")) {
+        (Some(index), None) => match index.integer()? {
+            i if (0..10_000).contains(&i) => Some(Position::Index(i as usize)),
+            _ => {
+                index.reject("a column number from 0", "count the first column as 0");
+                None
+            }
+        },
+        (None, Some(name)) => name.string().map(Position::Name),
+        _ => {
+            entry.reject(
+                "either `index` (file without header) or `name` (header line)",
+                "say where the column stands",
+            );
+            None
+        }
+    }
+}
+
+/// Unit as written, factor and constant to the unit used inside.
+fn unit_of(
+    name: &str,
+    known: Option<&KnownColumn>,
+    entry: &Entry,
+    unit: Option<Entry>,
+) -> Option<(String, f64, f64)> {
+    let Some(quantity) = known.and_then(|k| k.quantity) else {
+        let text = unit.map_or(Some(String::new()), |u| u.string())?;
+        return Some((text, 1.0, 0.0));
+    };
+    let expected = format!("a unit of {name}: {}", quantity.list_of_units());
+    let Some(unit_entry) = unit else {
+        entry.reject(&expected, "add `unit = \"...\"`");
+        return None;
+    };
+    let symbol = unit_entry.string()?;
+    let Some(unit) = quantity.unit(&symbol) else {
+        let hint = match nearest(&symbol, quantity.units().map(|u| u.symbol)) {
+            Some(near) => format!("did you mean \"{near}\"?"),
+            None => "convert it, or give gain and offset to one of these units".to_owned(),
+        };
+        unit_entry.reject(&expected, &hint);
+        return None;
+    };
+    let constant = unit.to_inside(0.0);
+    Some((symbol, unit.to_inside(1.0) - constant, constant))
+}
+
+fn phase_values(
+    known: Option<&KnownColumn>,
+    entry: &Entry,
+    values: Option<Entry>,
+) -> Option<BTreeMap<String, Phase>> {
+    let is_phase = known.is_some_and(|k| k.column == columns::PHASE);
+    match (is_phase, values) {
+        (false, None) => Some(BTreeMap::new()),
+        (false, Some(v)) => {
+            v.reject("`values` at the phase only", "remove it");
+            None
+        }
+        (true, None) => {
+            entry.reject(
+                "`values`, from what stands in the log to pressurizing or depressurizing",
+                "write values = { \"1\" = \"pressurizing\", \"2\" = \"depressurizing\" }",
+            );
+            None
+        }
+        (true, Some(v)) => {
+            let mut map = BTreeMap::new();
+            for (raw, state) in v.table()?.entries() {
+                let phase = state.choice(&[
+                    ("pressurizing", Phase::Pressurizing),
+                    ("depressurizing", Phase::Depressurizing),
+                ])?;
+                map.insert(raw, phase);
+            }
+            Some(map)
+        }
+    }
+}
+
+fn log(entry: &Entry) -> Option<LogSpec> {
+    let table = entry.table()?;
+    let file = table.require("file", "the name of a log file", "add it");
+    let role = table.get("role").map(|e| e.choice(&[("zero", ())]));
+    let run = table.get("run").and_then(|e| e.integer());
+    table.close();
+    let file = file.and_then(|e| {
+        let text = e.string()?;
+        let inside = !text.is_empty()
+            && !text.starts_with('/')
+            && !text.contains('\\')
+            && !text.split('/').any(|part| part == ".." || part.is_empty());
+        if !inside {
+            e.reject(
+                "a path below the session's folder, with forward slashes",
+                "put the log beside session.toml",
+            );
+            return None;
+        }
+        Some(text)
+    });
+    Some(LogSpec {
+        file: file?,
+        is_zero: role.is_some(),
+        run,
+    })
+}
+
+/// The columns that this kind and sampling cannot do without.
+fn check_columns(root: &Section, session: &Session) {
+    let mut needed: Vec<&str> = match session.kind {
+        Kind::Isometric => vec![columns::FORCE, columns::PRESSURE],
+        Kind::KneeTorque => vec![columns::TORQUE, columns::ANGLE],
+    };
+    if session.sampling == Sampling::Timeseries {
+        needed.push(columns::TIME);
+    }
+    if session.kind == Kind::Isometric {
+        needed.push(columns::LENGTH);
+    }
+    for column in needed {
+        let name = columns::KNOWN
+            .iter()
+            .find(|k| k.column == column)
+            .map_or(column, |k| k.quantity_name);
+        let constant = session.setup.contains_key(column) && column != columns::TIME;
+        if session.column(column).is_none() && !constant {
+            root.reader().report(
+                root.line(),
+                &format!("columns.{name}"),
+                "nothing",
+                &format!("the column `{name}`, or where it is constant the set-up's `{column}`"),
+                "say where it stands in the log",
+            );
+        }
+    }
+}
+
+fn check_positions(root: &Section, session: &Session) {
+    let by_name = |c: &&ColumnSpec| matches!(c.position, Position::Name(_));
+    let named = session.columns.iter().filter(by_name).count();
+    if named != 0 && named != session.columns.len() {
+        root.reader().report(
+            root.line(),
+            "columns",
+            "some columns by `index` and some by `name`",
+            "all by `index` (files without header) or all by `name` (files with a header line)",
+            "use one way for all columns",
+        );
+    }
+}
+
+fn check_logs(root: &Section, session: &Session) {
+    let measuring = session.logs.iter().filter(|l| !l.is_zero).count();
+    if measuring == 0 {
+        root.reader().report(
+            root.line(),
+            "log",
+            format!("{} zero logs and no other", session.logs.len()),
+            "at least one [[log]] that measures",
+            "add it, or remove role = \"zero\"",
+        );
+    }
+    for (k, log) in session.logs.iter().enumerate() {
+        if session.logs[..k].iter().any(|l| l.file == log.file) {
+            root.reader().report(
+                root.line(),
+                &format!("log[{k}].file"),
+                format!("\"{}\" a second time", log.file),
+                "every log file once",
+                "remove one of them",
+            );
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! Numerical methods: slices in, vectors out.
+//!
+//! | module | idea |
+//! |---|---|
+//! | [`real`] | numbers that carry exact derivatives |
+//! | [`matrix`], [`qr`], [`covariance`] | dense linear least squares and what it says about uncertainty |
+//! | [`trust_region`], [`levenberg_marquardt`], [`fit`] | nonlinear least squares: one step, one minimum, one report |
+//! | [`bounds`], [`loss`], [`dual_problem`] | box constraints, robust losses, problems written as a closure |
+//! | [`lar`] | the statistics that the papers printed, reproduced under their own name |
+//! | [`plateaus`] | the steady stretches of a staircase of pressure |
+//! | [`special`], [`distributions`] | incomplete beta and gamma functions, and the distributions made of them |
+//! | [`statistics`], [`interpolate`] | sums, quantiles, goodness of fit; curves through knots |
+//!
+//! Architecture invariant: nothing here does I/O, sees a data frame, keeps a global, starts a thread or draws a random number.
+//! Sums run in slice order and transcendental functions come from `libm`, so equal inputs give equal bits on every platform.
+
+pub mod bounds;
+pub mod covariance;
+pub mod distributions;
+pub mod dual_problem;
+pub mod fit;
+mod fit_report;
+pub mod interpolate;
+pub mod lar;
+mod lar_scale;
+pub mod levenberg_marquardt;
+pub mod loss;
+pub mod matrix;
+pub mod plateaus;
+mod problem;
+pub mod qr;
+pub mod real;
+pub mod special;
+pub mod statistics;
+pub mod trust_region;

@@ -1,0 +1,234 @@
+//! Descriptive statistics and the goodness of a fit.
+//!
+//! Sums are compensated (Neumaier, *Zeitschrift für angewandte Mathematik und Mechanik* 54, 1974, pp. 39-51) and run in slice
+//! order. A statistic that does not exist (of no values, of one value where two are needed) is NaN. NaN among the values makes
+//! sums NaN; order statistics put it last and so must not be given any.
+
+/// The median absolute deviation of a standard normal variable, to the four digits that robust regression has always used.
+pub const NORMAL_MAD: f64 = 0.6745;
+
+/// The sum, exact but for one rounding unless the condition is extreme; 0 of no values.
+pub fn sum(values: &[f64]) -> f64 {
+    let (mut total, mut lost) = (0.0_f64, 0.0_f64);
+    for &value in values {
+        let next = total + value;
+        lost += if total.abs() >= value.abs() {
+            (total - next) + value
+        } else {
+            (value - next) + total
+        };
+        total = next;
+    }
+    if total.is_finite() {
+        total + lost
+    } else {
+        total
+    }
+}
+
+/// The sum of squares.
+pub fn sum_of_squares(values: &[f64]) -> f64 {
+    let squares: Vec<f64> = values.iter().map(|v| v * v).collect();
+    sum(&squares)
+}
+
+/// The arithmetic mean; NaN of no values.
+pub fn mean(values: &[f64]) -> f64 {
+    sum(values) / values.len() as f64
+}
+
+/// The sum of squares about the mean; NaN of no values.
+pub fn sum_of_squares_about_mean(values: &[f64]) -> f64 {
+    let centre = mean(values);
+    let deviations: Vec<f64> = values.iter().map(|v| v - centre).collect();
+    if values.is_empty() {
+        f64::NAN
+    } else {
+        sum_of_squares(&deviations)
+    }
+}
+
+/// The sample standard deviation, with `n - 1`; NaN of fewer than two values.
+pub fn standard_deviation(values: &[f64]) -> f64 {
+    if values.len() < 2 {
+        return f64::NAN;
+    }
+    (sum_of_squares_about_mean(values) / (values.len() - 1) as f64).sqrt()
+}
+
+/// The values in ascending order.
+fn sorted(values: &[f64]) -> Vec<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted
+}
+
+/// The quantile at `probability` between 0 and 1, interpolated between order statistics; NaN of no values or outside 0..1.
+///
+/// Definition 7 of Hyndman and Fan, *The American Statistician* 50, 1996: the default of R, NumPy and Excel.
+pub fn quantile(values: &[f64], probability: f64) -> f64 {
+    if values.is_empty() || !(0.0..=1.0).contains(&probability) {
+        return f64::NAN;
+    }
+    let sorted = sorted(values);
+    let position = probability * (sorted.len() - 1) as f64;
+    let below = position.floor() as usize;
+    let above = (below + 1).min(sorted.len() - 1);
+    sorted[below] + (position - below as f64) * (sorted[above] - sorted[below])
+}
+
+/// The median; NaN of no values.
+pub fn median(values: &[f64]) -> f64 {
+    quantile(values, 0.5)
+}
+
+/// The median absolute deviation from the median, unscaled; NaN of no values.
+pub fn median_absolute_deviation(values: &[f64]) -> f64 {
+    let centre = median(values);
+    let deviations: Vec<f64> = values.iter().map(|v| (v - centre).abs()).collect();
+    median(&deviations)
+}
+
+/// Robust scale of residuals about zero: the median of `|r|` from the `parameters`-th smallest up, divided by 0.6745.
+///
+/// A fit of `p` parameters makes about `p` residuals nearly zero, and these say nothing of the scale (DuMouchel and O'Brien 1989).
+/// NaN of no residuals; with fewer residuals than parameters only the largest is left.
+pub fn residual_mad_scale(residuals: &[f64], parameters: usize) -> f64 {
+    let sizes: Vec<f64> = residuals.iter().map(|r| r.abs()).collect();
+    let sizes = sorted(&sizes);
+    let first = parameters.max(1).min(sizes.len().max(1)) - 1;
+    median(&sizes[first..]) / NORMAL_MAD
+}
+
+/// How well a model meets the data: the honest statistics, those of the residuals themselves.
+///
+/// Fields that do not exist are NaN: all of them without rows, `rmse` and `adjusted_r2` unless `n > parameters`, `r2` and
+/// `adjusted_r2` where the observations do not vary.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GoodnessOfFit {
+    /// Number of rows.
+    pub n: usize,
+    /// Coefficients fitted on these rows; 0 for a split or a model that was not fitted on them.
+    pub parameters: usize,
+    /// Sum of squared residuals, in the squared unit of the data.
+    pub sse: f64,
+    /// `sqrt(sse/(n - parameters))`, which is `sqrt(sse/n)` where nothing was fitted.
+    pub rmse: f64,
+    /// `1 - sse/sst` with the sum of squares about the mean of the observations.
+    pub r2: f64,
+    /// `1 - (1 - r2)(n - 1)/(n - parameters)`.
+    pub adjusted_r2: f64,
+    /// Largest absolute residual.
+    pub max_abs_error: f64,
+    /// Mean residual, observed minus predicted.
+    pub bias: f64,
+}
+
+impl GoodnessOfFit {
+    /// Compares rows of observations with predictions.
+    ///
+    /// # Panics
+    /// If the slices differ in length.
+    pub fn new(observed: &[f64], predicted: &[f64], parameters: usize) -> Self {
+        assert_eq!(observed.len(), predicted.len(), "one prediction a row");
+        let residuals: Vec<f64> = observed.iter().zip(predicted).map(|(y, f)| y - f).collect();
+        let n = observed.len();
+        if n == 0 {
+            return Self::undefined(parameters);
+        }
+        let sse = sum_of_squares(&residuals);
+        let sst = sum_of_squares_about_mean(observed);
+        let freedom = if n > parameters {
+            (n - parameters) as f64
+        } else {
+            f64::NAN
+        };
+        let r2 = if sst > 0.0 { 1.0 - sse / sst } else { f64::NAN };
+        Self {
+            n,
+            parameters,
+            sse,
+            rmse: (sse / freedom).sqrt(),
+            r2,
+            adjusted_r2: 1.0 - (1.0 - r2) * (n - 1) as f64 / freedom,
+            max_abs_error: largest_size(&residuals),
+            bias: mean(&residuals),
+        }
+    }
+
+    fn undefined(parameters: usize) -> Self {
+        Self {
+            n: 0,
+            parameters,
+            sse: f64::NAN,
+            rmse: f64::NAN,
+            r2: f64::NAN,
+            adjusted_r2: f64::NAN,
+            max_abs_error: f64::NAN,
+            bias: f64::NAN,
+        }
+    }
+}
+
+/// The largest absolute value; NaN if one of them is.
+fn largest_size(values: &[f64]) -> f64 {
+    values.iter().fold(
+        0.0,
+        |largest: f64, v| {
+            if v.abs() <= largest { largest } else { v.abs() }
+        },
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_keep_what_plain_addition_loses() {
+        assert_eq!(sum(&[1.0, 1e100, 1.0, -1e100]), 2.0);
+        assert_eq!(sum(&[]), 0.0);
+        assert_eq!(sum(&[f64::MAX, f64::MAX]), f64::INFINITY);
+    }
+
+    #[test]
+    fn quantiles_are_those_of_numpy() {
+        let x = [3.0, 1.0, 2.0, 10.0];
+        assert_eq!(median(&x), 2.5);
+        assert_eq!(quantile(&x, 0.1), 1.3);
+        assert_eq!(quantile(&x, 1.0), 10.0);
+        assert_eq!(median_absolute_deviation(&x), 1.0);
+        assert!(median(&[]).is_nan() && quantile(&x, 1.1).is_nan());
+    }
+
+    #[test]
+    fn the_smallest_residuals_do_not_enter_the_scale() {
+        let r = [0.0, -0.0, 1.0, -2.0, 3.0];
+        assert_eq!(residual_mad_scale(&r, 3), 2.0 / NORMAL_MAD);
+        assert_eq!(residual_mad_scale(&r, 0), 1.0 / NORMAL_MAD);
+        assert_eq!(residual_mad_scale(&r, 9), 3.0 / NORMAL_MAD);
+        assert!(residual_mad_scale(&[], 3).is_nan());
+    }
+
+    #[test]
+    fn goodness_of_fit_by_hand() {
+        let g = GoodnessOfFit::new(&[1.0, 2.0, 3.0, 6.0], &[1.0, 2.5, 2.0, 6.5], 2);
+        assert_eq!((g.n, g.sse, g.max_abs_error, g.bias), (4, 1.5, 1.0, 0.0));
+        assert_eq!(g.rmse, 0.75_f64.sqrt());
+        assert!((g.r2 - (1.0 - 1.5 / 14.0)).abs() < 1e-15);
+        assert!((g.adjusted_r2 - (1.0 - 1.5 / 14.0 * 1.5)).abs() < 1e-15);
+        let unfitted = GoodnessOfFit::new(&[1.0, 3.0], &[0.0, 4.0], 0);
+        assert_eq!(unfitted.rmse, 1.0);
+        assert!((standard_deviation(&[1.0, 3.0]) - 2.0_f64.sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn statistics_that_do_not_exist_are_nan() {
+        assert!(GoodnessOfFit::new(&[], &[], 0).sse.is_nan());
+        let few = GoodnessOfFit::new(&[1.0, 2.0], &[1.0, 2.0], 2);
+        assert!(few.rmse.is_nan() && few.adjusted_r2.is_nan() && few.r2 == 1.0);
+        let flat = GoodnessOfFit::new(&[2.0, 2.0], &[1.0, 2.0], 1);
+        assert!(flat.r2.is_nan() && flat.adjusted_r2.is_nan() && flat.rmse == 1.0);
+        assert!(standard_deviation(&[1.0]).is_nan() && mean(&[]).is_nan());
+    }
+}

@@ -1,0 +1,188 @@
+//! One reading for every steady plateau of a time series.
+//!
+//! A plateau is used if it has enough samples, if the converter clips next to none of them, and if pressure and force stand still in
+//! it; else it is left out with its reason. The reading is the mean over the window.
+
+use crate::base::columns::{FORCE, PHASE, PRESSURE, TIME};
+use crate::base::reading::Reading;
+use crate::base::reject::{Extent, Reject};
+use crate::base::session::{ColumnSpec, Phase, Session};
+use crate::config::CleanOptions;
+use crate::numerics::plateaus::{Plateau, find_plateaus, rising};
+use crate::numerics::statistics::{mean, quantile, standard_deviation, sum};
+use crate::stages::clean::screen::Screened;
+use crate::stages::clean::zero::is_clipped;
+use std::ops::Range;
+
+const TOO_SHORT: &str = "a steady stretch too short to be used";
+const TOO_FEW: &str = "too few samples";
+const CLIPPED: &str = "force at the limit of the converter";
+const PRESSURE_DRIFTS: &str = "pressure still drifts";
+const FORCE_DRIFTS: &str = "force still drifts";
+const BETWEEN: &str = "outside the steady windows";
+/// Force may always drift by this much within a window, N.
+const FORCE_DRIFT_N: f64 = 2.0;
+
+/// The columns of a log in its usable rows.
+struct Series<'a> {
+    log: &'a Screened<'a>,
+    time: Vec<f64>,
+    pressure: Vec<f64>,
+    force: Vec<f64>,
+    phase: Vec<f64>,
+    others: Vec<(&'a str, Vec<f64>)>,
+}
+
+/// Adds the readings of one log, and everything of it that was left out.
+pub fn readings(
+    session: &Session,
+    log: &Screened,
+    options: &CleanOptions,
+    readings: &mut Vec<Reading>,
+    rejects: &mut Vec<Reject>,
+) {
+    let series = Series::new(log);
+    let found = find_plateaus(&series.time, &series.pressure, &options.plateaus());
+    let reject = |range: &Range<usize>, extent: Extent, reason: &str| Reject {
+        session: session.id.clone(),
+        log: log.log.spec.file.clone(),
+        first_row: Some(log.line(range.start)),
+        last_row: Some(log.line(range.end - 1)),
+        count: range.len() as u64,
+        extent,
+        reason: reason.to_owned(),
+    };
+    let column = session.column(FORCE);
+    let drift_n = series.force_drift_limit(options);
+    let (mut used, mut counted) = (Vec::new(), 0);
+    for plateau in &found.plateaus {
+        match series.defect(&plateau.window, column, options, drift_n) {
+            Some(reason) => {
+                counted += plateau.window.len();
+                rejects.push(reject(&plateau.window, Extent::Plateau, reason));
+            }
+            None => used.push(plateau),
+        }
+    }
+    for segment in &found.too_short {
+        counted += segment.len();
+        rejects.push(reject(segment, Extent::Plateau, TOO_SHORT));
+    }
+    counted += used.iter().map(|p| p.window.len()).sum::<usize>();
+    if counted < log.rows.len() {
+        let mut between = reject(&(0..log.rows.len()), Extent::Transient, BETWEEN);
+        between.count = (log.rows.len() - counted) as u64;
+        rejects.push(between);
+    }
+    let phases = series.phases(&used, options.turning_kpa);
+    readings.extend(used.iter().zip(phases).map(|(p, phase)| series.reading(&p.window, phase)));
+}
+
+impl<'a> Series<'a> {
+    fn new(log: &'a Screened<'a>) -> Self {
+        let named = [TIME, PRESSURE, FORCE, PHASE];
+        let others = log
+            .log
+            .columns
+            .iter()
+            .filter(|(name, _)| !named.contains(&name.as_str()))
+            .map(|(name, _)| (name.as_str(), log.column(name)))
+            .collect();
+        Self {
+            log,
+            time: log.column(TIME),
+            pressure: log.column(PRESSURE),
+            force: log.column(FORCE),
+            phase: log.column(PHASE),
+            others,
+        }
+    }
+
+    fn force_drift_limit(&self, options: &CleanOptions) -> f64 {
+        if self.force.is_empty() {
+            return f64::INFINITY;
+        }
+        let range = quantile(&self.force, 0.99) - quantile(&self.force, 0.01);
+        FORCE_DRIFT_N.max(options.largest_force_drift * range)
+    }
+
+    /// Why a window cannot be used.
+    fn defect(
+        &self,
+        window: &Range<usize>,
+        column: Option<&ColumnSpec>,
+        options: &CleanOptions,
+        drift_n: f64,
+    ) -> Option<&'static str> {
+        let time = &self.time[window.clone()];
+        if window.len() < options.fewest_samples {
+            return Some(TOO_FEW);
+        }
+        let force = self.force.get(window.clone()).unwrap_or_default();
+        let clipped = column.map_or(0, |c| force.iter().filter(|f| is_clipped(c, **f)).count());
+        if clipped as f64 > options.most_clipped * window.len() as f64 {
+            return Some(CLIPPED);
+        }
+        if drift(time, &self.pressure[window.clone()]) > options.largest_drift_kpa {
+            return Some(PRESSURE_DRIFTS);
+        }
+        (drift(time, force) > drift_n).then_some(FORCE_DRIFTS)
+    }
+
+    /// Filling or venting: what most of the segment's rows state, else what follows from the sequence of levels.
+    fn phases(&self, used: &[&Plateau], turning_kpa: f64) -> Vec<Option<Phase>> {
+        if self.phase.is_empty() {
+            let levels: Vec<f64> = used.iter().map(|p| mean(&self.pressure[p.window.clone()])).collect();
+            let name = |up: bool| if up { Phase::Pressurizing } else { Phase::Depressurizing };
+            return rising(&levels, turning_kpa).into_iter().map(|up| Some(name(up))).collect();
+        }
+        used.iter()
+            .map(|plateau| {
+                let states = &self.phase[plateau.segment.clone()];
+                let filling = states.iter().filter(|c| **c == Phase::Pressurizing.code()).count();
+                let code = if 2 * filling >= states.len() { Phase::Pressurizing } else { Phase::Depressurizing };
+                Some(code)
+            })
+            .collect()
+    }
+
+    fn reading(&self, window: &Range<usize>, phase: Option<Phase>) -> Reading {
+        let over = |values: &[f64]| mean(&values[window.clone()]);
+        let mut values: std::collections::BTreeMap<String, f64> = self
+            .others
+            .iter()
+            .map(|(name, column)| ((*name).to_owned(), over(column)))
+            .filter(|(_, x)| x.is_finite())
+            .collect();
+        values.insert(TIME.to_owned(), over(&self.time));
+        values.insert(PRESSURE.to_owned(), over(&self.pressure));
+        if !self.force.is_empty() {
+            values.insert(FORCE.to_owned(), over(&self.force));
+        }
+        let scatter = |column: &[f64]| column.get(window.clone()).map_or(f64::NAN, standard_deviation);
+        Reading {
+            log: self.log.log.spec.file.clone(),
+            run: self.log.log.spec.run,
+            first_row: self.log.line(window.start) as i64,
+            last_row: self.log.line(window.end - 1) as i64,
+            phase,
+            samples: window.len() as i64,
+            sd_force_n: scatter(&self.force),
+            sd_pressure_kpa: scatter(&self.pressure),
+            values,
+        }
+    }
+}
+
+/// The change of a quantity over a window along its least-squares line; 0 for an empty column.
+fn drift(time: &[f64], values: &[f64]) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let (t0, v0) = (mean(time), mean(values));
+    let products: Vec<f64> = time.iter().zip(values).map(|(t, v)| (t - t0) * (v - v0)).collect();
+    let squares: Vec<f64> = time.iter().map(|t| (t - t0) * (t - t0)).collect();
+    let span = time[time.len() - 1] - time[0];
+    let slope = sum(&products) / sum(&squares).max(f64::MIN_POSITIVE);
+    (slope * span).abs()
+}

@@ -1,0 +1,176 @@
+//! Ingest: the logs of one session, calibrated and in one unit a quantity.
+//!
+//! Every row of a log is kept, in its order; a cell that is no number is NaN. What follows from it is for the clean stage. A log that
+//! cannot be read at all is left out here, with its diagnostic and a reject; a session without any usable log is left out.
+
+use crate::base::columns::PHASE;
+use crate::base::diagnostics::{Diagnostic, Severity};
+use crate::base::frame::{Frame, Values};
+use crate::base::reject::{Extent, Reject};
+use crate::base::session::{LogSpec, Session};
+use crate::formats::csv::{self, RawLog, Request};
+use serde::{Deserialize, Serialize};
+
+/// Raised when results change without a change of this stage's source files.
+pub const VERSION: u32 = 1;
+
+/// One log as ingested.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LogSamples {
+    /// Which log of the session.
+    pub spec: LogSpec,
+    /// Line of the first row in the file, counted from 1.
+    pub first_line: u64,
+    /// Column names and values in the units used inside.
+    pub columns: Vec<(String, Vec<f64>)>,
+}
+
+impl LogSamples {
+    /// The values of a column, if the log has it.
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        self.columns
+            .iter()
+            .find(|(n, _)| n == name)
+            .map(|(_, v)| v.as_slice())
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.columns.first().map_or(0, |(_, v)| v.len())
+    }
+
+    /// Whether there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The log as a table.
+    pub fn to_frame(&self) -> Frame {
+        let mut frame = Frame::default();
+        for (name, values) in &self.columns {
+            frame = frame.with(name, Values::Number(values.clone()));
+        }
+        frame
+    }
+}
+
+/// What is known of a log beside its values.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LogHeader {
+    /// Which log of the session.
+    pub spec: LogSpec,
+    /// Line of the first row in the file, counted from 1.
+    pub first_line: u64,
+    /// Name of the output that holds the values.
+    pub output: String,
+}
+
+/// A session as ingested, without the values of its logs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct IngestHeader {
+    /// The session.
+    pub session: Session,
+    /// Readable logs, in the order of `session.toml`.
+    pub logs: Vec<LogHeader>,
+    /// What is wrong with the logs.
+    pub diagnostics: Vec<Diagnostic>,
+    /// Logs that could not be read.
+    pub rejects: Vec<Reject>,
+}
+
+/// What ingest gives for one session.
+#[derive(Clone, Debug)]
+pub struct Ingested {
+    /// Everything but the values.
+    pub header: IngestHeader,
+    /// The values, in the order of `header.logs`.
+    pub logs: Vec<LogSamples>,
+}
+
+/// A log file as it was found: its bytes, or why there are none.
+pub type LogBytes = Result<Vec<u8>, Diagnostic>;
+
+/// Reads the logs of a session that lies in the folder `relative` (for messages), with the bytes in the order of `session.logs`.
+pub fn ingest(session: &Session, relative: &str, files: Vec<LogBytes>) -> Ingested {
+    let requests: Vec<Request> = session
+        .columns
+        .iter()
+        .map(|c| Request {
+            name: c.column.clone(),
+            position: c.position.clone(),
+            codes: c.values.iter().map(|(raw, phase)| (raw.clone(), phase.code())).collect(),
+        })
+        .collect();
+    let mut ingested = Ingested {
+        header: IngestHeader {
+            session: session.clone(),
+            logs: Vec::new(),
+            diagnostics: Vec::new(),
+            rejects: Vec::new(),
+        },
+        logs: Vec::new(),
+    };
+    for (index, (spec, bytes)) in session.logs.iter().zip(files).enumerate() {
+        let file = format!("{relative}/{}", spec.file);
+        match bytes.and_then(|bytes| csv::read(&file, &bytes, &requests)) {
+            Ok(raw) => keep(&mut ingested, index, spec, &file, raw),
+            Err(diagnostic) => leave_out(&mut ingested.header, spec, diagnostic),
+        }
+    }
+    ingested
+}
+
+fn keep(ingested: &mut Ingested, index: usize, spec: &LogSpec, file: &str, raw: RawLog) {
+    let session = &ingested.header.session;
+    for cell in &raw.bad_cells {
+        let expected = if cell.column == PHASE {
+            "one of the states in `values`"
+        } else {
+            "a finite number"
+        };
+        let hint = format!(
+            "the row is left out ({} such cells in this log)",
+            raw.bad_cell_count
+        );
+        ingested.header.diagnostics.push(
+            Diagnostic::error(file, cell.found.clone(), expected, hint)
+                .with_severity(Severity::Warning)
+                .at_row(cell.line)
+                .in_column(&cell.column),
+        );
+    }
+    let columns = session
+        .columns
+        .iter()
+        .zip(raw.columns)
+        .map(|(c, mut values)| {
+            if c.factor != 1.0 || c.constant != 0.0 {
+                values.iter_mut().for_each(|x| *x = c.factor * *x + c.constant);
+            }
+            (c.column.clone(), values)
+        })
+        .collect();
+    ingested.header.logs.push(LogHeader {
+        spec: spec.clone(),
+        first_line: raw.first_line,
+        output: format!("{index:03}.parquet"),
+    });
+    ingested.logs.push(LogSamples {
+        spec: spec.clone(),
+        first_line: raw.first_line,
+        columns,
+    });
+}
+
+fn leave_out(header: &mut IngestHeader, spec: &LogSpec, diagnostic: Diagnostic) {
+    header.rejects.push(Reject {
+        session: header.session.id.clone(),
+        log: spec.file.clone(),
+        first_row: diagnostic.row,
+        last_row: None,
+        count: 0,
+        extent: Extent::Log,
+        reason: format!("unreadable: {}, expected {}", diagnostic.found, diagnostic.expected),
+    });
+    header.diagnostics.push(diagnostic);
+}

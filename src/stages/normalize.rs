@@ -1,0 +1,102 @@
+//! Normalize: readings with what is known of their specimen, and the dimensionless numbers of the force paper.
+//!
+//! eps = (l_rest - l)/l_rest (Eq. 2), eps_620 the same of l_620 (Eq. 3), eps* = eps/eps_620 (Eq. 4), P* = P/620 kPa.
+
+use crate::base::columns::{self, FORCE, LENGTH, MUSCLE_LENGTH, PRESSURE, TIME};
+use crate::base::reading::Reading;
+use crate::base::reject::{Extent, Reject};
+use crate::base::row::Row;
+use crate::base::session::{Constant, Kind, Session};
+use crate::models::P_620_KPA;
+
+/// Raised when results change without a change of this stage's source files.
+pub const VERSION: u32 = 1;
+
+/// Contractions outside are no contractions of a braided actuator, but a wrong length or unit.
+const CONTRACTION_RANGE: (f64, f64) = (-0.3, 0.6);
+
+/// The rows of one session, and the readings that could not be normalised.
+pub fn normalize(session: &Session, readings: &[Reading]) -> (Vec<Row>, Vec<Reject>) {
+    let mut rejects = Vec::new();
+    let mut rows = Vec::with_capacity(readings.len());
+    for reading in readings {
+        let row = row(session, reading);
+        if !row.length_m.is_nan() && !(CONTRACTION_RANGE.0..=CONTRACTION_RANGE.1).contains(&row.contraction) {
+            rejects.push(Reject {
+                session: session.id.clone(),
+                log: reading.log.clone(),
+                first_row: Some(reading.first_row as u64),
+                last_row: Some(reading.last_row as u64),
+                count: reading.samples as u64,
+                extent: Extent::Plateau,
+                reason: "a length that gives a contraction outside -30% to 60%".to_owned(),
+            });
+        } else {
+            rows.push(row);
+        }
+    }
+    (rows, rejects)
+}
+
+fn row(session: &Session, reading: &Reading) -> Row {
+    let specimen = &session.specimen;
+    let quantity = |column: &str| {
+        let logged = reading.value(column);
+        if logged.is_nan() {
+            session.setup_number(column).unwrap_or(f64::NAN)
+        } else {
+            logged
+        }
+    };
+    let length_m = match session.kind {
+        Kind::Isometric => quantity(LENGTH),
+        Kind::KneeTorque => quantity(MUSCLE_LENGTH),
+    };
+    let contraction = (specimen.rest_length_m - length_m) / specimen.rest_length_m;
+    let contraction_620 = (specimen.rest_length_m - specimen.contracted_length_m) / specimen.rest_length_m;
+    let pressure_kpa = quantity(PRESSURE);
+    Row {
+        session: session.id.clone(),
+        campaign: session.campaign.clone(),
+        specimen: specimen.id.clone(),
+        kind: session.kind,
+        role: session.role,
+        excluded: session.exclude.is_some(),
+        simulated: session.is_simulated(),
+        log: reading.log.clone(),
+        run: reading.run,
+        first_row: reading.first_row,
+        phase: reading.phase,
+        samples: reading.samples,
+        sd_force_n: reading.sd_force_n,
+        diameter_mm: specimen.diameter_mm,
+        rest_length_m: specimen.rest_length_m,
+        contracted_length_m: specimen.contracted_length_m,
+        time_s: reading.value(TIME),
+        pressure_kpa,
+        force_n: quantity(FORCE),
+        length_m,
+        contraction,
+        contraction_rel: contraction / contraction_620,
+        pressure_rel: pressure_kpa / P_620_KPA,
+        extras: extras(session, reading),
+    }
+}
+
+/// Every column without a field of its own, constants of the set-up and the tendon included.
+fn extras(session: &Session, reading: &Reading) -> std::collections::BTreeMap<String, f64> {
+    let fields = [TIME, PRESSURE, FORCE, LENGTH];
+    let constants = session.setup.iter().filter_map(|(name, constant)| match constant {
+        Constant::Number(x) => Some((name.clone(), *x)),
+        Constant::Text(_) => None,
+    });
+    let mut extras: std::collections::BTreeMap<String, f64> = constants
+        .chain(reading.values.iter().map(|(name, x)| (name.clone(), *x)))
+        .filter(|(name, _)| !fields.contains(&name.as_str()))
+        .collect();
+    if let Some(tendon) = session.joint.as_ref().and_then(|j| j.tendon_m) {
+        extras.insert("tendon_m".to_owned(), tendon);
+    }
+    debug_assert!(!extras.contains_key(columns::PHASE));
+    extras
+}
