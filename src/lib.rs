@@ -3,8 +3,12 @@
 
 pub mod base;
 pub mod cache;
+pub mod cli;
 pub mod config;
 pub mod formats;
 pub mod models;
 pub mod numerics;
+pub mod report;
+pub mod run;
+pub mod simulate;
 pub mod stages;

@@ -20,6 +20,8 @@ pub enum Error {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A stored result does not agree with its digest; its entry has been dropped, and the run starts again.
+    Damaged(String),
     /// A defect of the program itself.
     Internal(String),
 }
@@ -32,7 +34,7 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Error::Config(_) | Error::Usage(_) => 2,
-            Error::Io { .. } | Error::Internal(_) => 4,
+            Error::Io { .. } | Error::Damaged(_) | Error::Internal(_) => 4,
         }
     }
 
@@ -65,6 +67,7 @@ impl fmt::Display for Error {
                 path,
                 source,
             } => write!(f, "error: cannot {action} {}: {source}", path.display()),
+            Error::Damaged(what) => write!(f, "error: damaged cache: {what}"),
             Error::Internal(message) => write!(
                 f,
                 "error: internal: {message}; this is a defect of pipeline itself, please report it"

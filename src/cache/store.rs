@@ -128,6 +128,11 @@ impl Store {
         Ok(entry)
     }
 
+    /// Drops an entry, so that its computation is done again.
+    pub fn forget(&self, key: &Digest) {
+        let _ = std::fs::remove_file(self.path("entries", key, ".json"));
+    }
+
     /// A small file of the store, empty where it is not there.
     pub fn read_aside(&self, name: &str) -> Vec<u8> {
         std::fs::read(self.root.join(name)).unwrap_or_default()

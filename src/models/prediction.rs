@@ -103,6 +103,22 @@ impl Reason {
     }
 }
 
+impl Reason {
+    /// The reason without the value of the single state: what alike reasons share.
+    pub fn kind(&self) -> String {
+        match self {
+            Self::Beyond {
+                quantity,
+                value,
+                low,
+                high: _,
+            } if value < low => format!("{} below the model's range", quantity.name()),
+            Self::Beyond { quantity, .. } => format!("{} above the model's range", quantity.name()),
+            other => other.to_string(),
+        }
+    }
+}
+
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -1,0 +1,95 @@
+//! The arguments, with their help.
+
+use clap::{ArgAction, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// From raw test-rig sessions of braided pneumatic actuators to a paper's tables, figures and reports.
+#[derive(Debug, Parser)]
+#[command(
+    name = "pipeline",
+    version,
+    about,
+    subcommand_required = true,
+    arg_required_else_help = true,
+    after_help = "Example:\n  pipeline run --raw my-sessions --reports my-reports\n\nStages, in order: ingest, clean, normalize, fit, compare, report. Results are cached by content in derived/; a second run does nothing."
+)]
+pub struct Args {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run every stage whose inputs changed
+    #[command(
+        after_help = "Examples:\n  pipeline run\n  pipeline run --raw raw --raw ../rig --explain\n  pipeline run --force fit --strict\n\nExit codes: 0 done; 2 usage, configuration or no usable input; 3 done, but sessions were rejected (with --strict); 4 internal."
+    )]
+    Run(RunArgs),
+    /// Say what would run and why; exit code 1 if anything would
+    #[command(after_help = "Example:\n  pipeline status --raw ../rig")]
+    Status(RunArgs),
+    /// Write a simulated campaign of raw sessions from a truth file
+    #[command(
+        after_help = "Example:\n  pipeline simulate truths/simulated-10mm.toml --out /tmp/campaign --truth-out /tmp/truth.json\n\nThe sessions say in their notes that they are simulated. What was drawn (specimen strengths, zeros) goes to the file named with --truth-out, outside of the campaign's folder."
+    )]
+    Simulate(SimulateArgs),
+    /// Print all options with their defaults, as a pipeline.toml
+    #[command(after_help = "Example:\n  pipeline config > pipeline.toml")]
+    Config,
+}
+
+/// Arguments of `run` and `status`.
+#[derive(Debug, clap::Args)]
+pub struct RunArgs {
+    /// Raw directory, read-only; may be given several times
+    #[arg(long, value_name = "DIR", default_value = "raw")]
+    pub raw: Vec<PathBuf>,
+    /// Where the cache and the tidy data go
+    #[arg(long, value_name = "DIR", default_value = "derived")]
+    pub derived: PathBuf,
+    /// Where reports, tables and figures go
+    #[arg(long, value_name = "DIR", default_value = "reports")]
+    pub reports: PathBuf,
+    /// Configuration [default: pipeline.toml, if there is one]
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Threads; 0 for as many as there are cores
+    #[arg(long, short, value_name = "N", default_value_t = 0)]
+    pub jobs: usize,
+    /// Do this stage again whatever the cache holds
+    #[arg(long, value_name = "STAGE")]
+    pub force: Option<String>,
+    /// Exit with 3 if a session was rejected
+    #[arg(long)]
+    pub strict: bool,
+    /// Print one line for every result that was computed, with the reason
+    #[arg(long)]
+    pub explain: bool,
+    /// Say what would run, and do nothing
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Print the outcome as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Print every message about the inputs, notes included
+    #[arg(long, short, action = ArgAction::SetTrue)]
+    pub verbose: bool,
+}
+
+/// Arguments of `simulate`.
+#[derive(Debug, clap::Args)]
+pub struct SimulateArgs {
+    /// What is true: coefficients, specimens, rig (TOML, schema bpa-truth/1)
+    pub truth: PathBuf,
+    /// Where the campaign goes
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Where the drawn truth goes, as JSON
+    #[arg(long, value_name = "FILE")]
+    pub truth_out: Option<PathBuf>,
+    /// Replace a campaign that is there already
+    #[arg(long)]
+    pub replace: bool,
+}

@@ -1,0 +1,109 @@
+//! The command line: arguments, and all printing.
+//!
+//! Results go to standard output; progress, warnings and errors to standard error. Exit codes: 0 done; 1 `status` found work to do;
+//! 2 usage, configuration or no usable input; 3 done, but sessions were rejected and `--strict` was given; 4 internal.
+
+mod args;
+mod print;
+mod progress;
+
+use crate::base::error::{Error, Result};
+use crate::config::Config;
+use crate::run::{self, Outcome, RunOptions};
+use crate::simulate;
+use args::{Args, Command, RunArgs, SimulateArgs};
+use clap::Parser;
+use std::ffi::OsString;
+
+const DONE: u8 = 0;
+const DIFFERENCE: u8 = 1;
+const USAGE: u8 = 2;
+const REJECTED: u8 = 3;
+
+/// Runs the command that the arguments name; the exit code.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let args = match Args::try_parse_from(arguments) {
+        Ok(args) => args,
+        Err(error) => {
+            let _ = error.print();
+            return if error.use_stderr() { USAGE } else { DONE };
+        }
+    };
+    let done = match &args.command {
+        Command::Run(run) => run_command(run),
+        Command::Status(run) => status_command(run),
+        Command::Simulate(simulate) => simulate_command(simulate),
+        Command::Config => Config::default().to_toml().map(|text| {
+            print::config(&text);
+            DONE
+        }),
+    };
+    done.unwrap_or_else(|error| {
+        eprintln!("{error}");
+        error.exit_code()
+    })
+}
+
+fn options(args: &RunArgs, dry_run: bool) -> Result<RunOptions> {
+    let force = match args.force.as_deref() {
+        Some(stage) if !run::STAGES.contains(&stage) => {
+            return Err(Error::Usage(format!(
+                "no stage is called \"{stage}\"; the stages are {}",
+                run::STAGES.join(", ")
+            )));
+        }
+        force => force.map(ToOwned::to_owned),
+    };
+    Ok(RunOptions {
+        raw: args.raw.clone(),
+        derived: args.derived.clone(),
+        reports: args.reports.clone(),
+        config: Config::load(args.config.as_deref())?,
+        jobs: args.jobs,
+        force,
+        dry_run,
+    })
+}
+
+fn run_command(args: &RunArgs) -> Result<u8> {
+    let started = std::time::Instant::now();
+    let options = options(args, args.dry_run)?;
+    let progress = progress::Shown::new(args.json);
+    let outcome = run::run(&options, &progress)?;
+    progress.finish();
+    print::diagnostics(&outcome.diagnostics, args.verbose);
+    if args.dry_run {
+        print::status(&outcome, args.json)?;
+        return Ok(DONE);
+    }
+    print::run(&outcome, started.elapsed(), args.explain, args.json)?;
+    nothing_usable(&outcome)?;
+    let strict = args.strict && !outcome.rejected.is_empty();
+    Ok(if strict { REJECTED } else { DONE })
+}
+
+/// A run in which every session was rejected is no success.
+fn nothing_usable(outcome: &Outcome) -> Result<()> {
+    if outcome.rejected.len() >= outcome.sessions && outcome.pdfs.is_empty() {
+        return Err(Error::Usage("no session could be used; the messages above say why".to_owned()));
+    }
+    Ok(())
+}
+
+fn status_command(args: &RunArgs) -> Result<u8> {
+    let outcome = run::run(&options(args, true)?, &progress::Shown::new(true))?;
+    print::diagnostics(&outcome.diagnostics, args.verbose);
+    print::status(&outcome, args.json)?;
+    Ok(if outcome.work.is_empty() { DONE } else { DIFFERENCE })
+}
+
+fn simulate_command(args: &SimulateArgs) -> Result<u8> {
+    let file = args.truth.display().to_string();
+    let text = std::fs::read_to_string(&args.truth)
+        .map_err(|e| Error::Usage(format!("cannot read the truth file {file}: {e}")))?;
+    let truth = simulate::read_truth(&file, &text).map_err(Error::Config)?;
+    let campaign = simulate::simulate(&truth);
+    simulate::write(&campaign, &args.out, args.truth_out.as_deref(), args.replace)?;
+    print::simulated(&campaign, &args.out);
+    Ok(DONE)
+}

@@ -1,0 +1,129 @@
+//! What the commands print.
+
+use crate::base::diagnostics::{Diagnostic, Severity};
+use crate::base::error::{Error, Result};
+use crate::cache::reason::one_line;
+use crate::run::{Outcome, STAGES};
+use crate::simulate::Campaign;
+use serde_json::json;
+use std::io::Write;
+use std::path::Path;
+use std::time::Duration;
+
+/// How many messages of one kind are printed before the rest is counted.
+const SHOWN: usize = 20;
+
+/// Prints to standard output; a closed pipe (`pipeline run | head`) ends the printing, not the program.
+fn line(text: impl std::fmt::Display) {
+    let _ = writeln!(std::io::stdout(), "{text}");
+}
+
+/// The defaults.
+pub fn config(text: &str) {
+    line(text.trim_end());
+}
+
+/// Errors and warnings; notes only if asked for.
+pub fn diagnostics(all: &[Diagnostic], verbose: bool) {
+    let loud: Vec<&Diagnostic> = all.iter().filter(|d| verbose || d.severity != Severity::Note).collect();
+    let shown = if verbose { loud.len() } else { SHOWN };
+    for diagnostic in loud.iter().take(shown) {
+        eprintln!("{diagnostic}");
+    }
+    if loud.len() > shown {
+        eprintln!("and {} more messages; --verbose prints them all", loud.len() - shown);
+    }
+}
+
+fn counts(outcome: &Outcome) -> String {
+    let of = |stage: &str| outcome.work.iter().filter(|w| w.stage == stage).count();
+    let parts: Vec<String> = STAGES
+        .iter()
+        .map(|stage| (stage, of(stage)))
+        .filter(|(_, n)| *n > 0)
+        .map(|(stage, n)| format!("{stage} {n}"))
+        .collect();
+    parts.join(", ")
+}
+
+fn work_json(outcome: &Outcome) -> Vec<serde_json::Value> {
+    let entry = |w: &crate::run::engine::Work| {
+        let reasons: Vec<String> = w.reasons.iter().map(ToString::to_string).collect();
+        json!({ "stage": w.stage, "unit": w.unit, "reasons": reasons })
+    };
+    outcome.work.iter().map(entry).collect()
+}
+
+fn print_json(value: &serde_json::Value) -> Result<()> {
+    line(serde_json::to_string_pretty(value).map_err(Error::internal)?);
+    Ok(())
+}
+
+/// The outcome of a run.
+pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> Result<()> {
+    if as_json {
+        let rejected: Vec<_> = outcome.rejected.iter().map(|(id, why)| json!({ "session": id, "reason": why })).collect();
+        let logs: Vec<_> = outcome
+            .rejected_logs
+            .iter()
+            .map(|(session, log, why)| json!({ "session": session, "log": log, "reason": why }))
+            .collect();
+        let reports: Vec<String> = outcome.pdfs.iter().map(|p| p.display().to_string()).collect();
+        return print_json(&json!({
+            "sessions": outcome.sessions, "computed": work_json(outcome), "up_to_date": outcome.fresh,
+            "rejected_sessions": rejected, "rejected_logs": logs, "reports": reports,
+        }));
+    }
+    if explain {
+        for work in &outcome.work {
+            line(format!("{} {}: {}", work.stage, work.unit, one_line(&work.reasons)));
+        }
+    }
+    for (session, log, why) in &outcome.rejected_logs {
+        line(format!("left out: log {log} of session {session}: {why}"));
+    }
+    for (session, why) in &outcome.rejected {
+        line(format!("left out: session {session}: {why}"));
+    }
+    let seconds = took.as_secs_f64();
+    if outcome.work.is_empty() && outcome.written.is_empty() {
+        line(format!(
+            "nothing to do: {} sessions, all {} results are up to date ({seconds:.2} s)",
+            outcome.sessions, outcome.fresh
+        ));
+    } else {
+        line(format!(
+            "{} sessions: computed {} results ({}), {} were up to date; {} files written ({seconds:.2} s)",
+            outcome.sessions,
+            outcome.work.len(),
+            if outcome.work.is_empty() { "none".to_owned() } else { counts(outcome) },
+            outcome.fresh,
+            outcome.written.len()
+        ));
+    }
+    for pdf in &outcome.pdfs {
+        line(format!("report: {}", pdf.display()));
+    }
+    Ok(())
+}
+
+/// What would run.
+pub fn status(outcome: &Outcome, as_json: bool) -> Result<()> {
+    if as_json {
+        return print_json(&json!({ "would_run": work_json(outcome), "up_to_date": outcome.fresh }));
+    }
+    for work in &outcome.work {
+        line(format!("{} {}: {}", work.stage, work.unit, one_line(&work.reasons)));
+    }
+    if outcome.work.is_empty() {
+        line(format!("nothing to do: all {} results are up to date", outcome.fresh));
+    } else {
+        line(format!("{} results would be computed ({}), {} are up to date", outcome.work.len(), counts(outcome), outcome.fresh));
+    }
+    Ok(())
+}
+
+/// What was simulated.
+pub fn simulated(campaign: &Campaign, out: &Path) {
+    line(format!("{} simulated sessions written to {}", campaign.sessions.len(), out.display()));
+}

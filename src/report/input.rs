@@ -1,0 +1,88 @@
+//! Everything that a report is made of. Tables and figures read it and compute no statistic of their own.
+
+use crate::base::diagnostics::Diagnostic;
+use crate::base::frame::Frame;
+use crate::base::reject::Reject;
+use crate::base::row::Row;
+use crate::stages::clean::CleanHeader;
+use crate::stages::compare::{GroupComparison, Predictions};
+use crate::stages::fit::GroupFit;
+use crate::stages::ingest::IngestHeader;
+
+/// One session as the stages left it.
+#[derive(Clone, Debug)]
+pub struct SessionInput {
+    /// Of ingest.
+    pub ingest: IngestHeader,
+    /// Of clean.
+    pub clean: CleanHeader,
+    /// Of normalize.
+    pub normalize_rejects: Vec<Reject>,
+    /// Readings that are left.
+    pub readings: usize,
+}
+
+impl SessionInput {
+    /// Everything of this session that was left out, stage by stage.
+    pub fn rejects(&self) -> impl Iterator<Item = &Reject> {
+        self.ingest
+            .rejects
+            .iter()
+            .chain(&self.clean.rejects)
+            .chain(&self.normalize_rejects)
+    }
+}
+
+/// One group of rows that were fitted together.
+#[derive(Clone, Debug)]
+pub struct GroupInput {
+    /// The fit.
+    pub fit: GroupFit,
+    /// The comparison of models.
+    pub comparison: GroupComparison,
+    /// The rows with every model's prediction.
+    pub predictions: Predictions,
+}
+
+/// The samples of one log, to be drawn.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    /// Session id.
+    pub session: String,
+    /// Campaign id.
+    pub campaign: String,
+    /// Log file.
+    pub log: String,
+    /// Whether the session is simulated.
+    pub simulated: bool,
+    /// Columns of the log as ingested.
+    pub samples: Frame,
+}
+
+/// Everything that a report is made of.
+#[derive(Clone, Debug)]
+pub struct ReportInput {
+    /// Sessions that cannot be used: id or folder, and every reason.
+    pub unusable: Vec<(String, Vec<Diagnostic>)>,
+    /// What is wrong with the raw tree itself.
+    pub diagnostics: Vec<Diagnostic>,
+    /// Usable sessions, by id.
+    pub sessions: Vec<SessionInput>,
+    /// The rows of all sessions, by session.
+    pub rows: Vec<Row>,
+    /// The groups, by campaign.
+    pub groups: Vec<GroupInput>,
+    /// The logs to draw.
+    pub traces: Vec<Trace>,
+    /// One digest over every input.
+    pub input_digest: String,
+}
+
+impl ReportInput {
+    /// Whether a session's data are simulated, by its id.
+    pub fn is_simulated(&self, session: &str) -> bool {
+        self.sessions
+            .iter()
+            .any(|s| s.ingest.session.id == session && s.ingest.session.is_simulated())
+    }
+}

@@ -1,0 +1,129 @@
+//! What people see of a table, rounded and parsed, before any format's signs are put around it.
+
+use crate::report::markup::{self, Piece};
+use crate::report::number::Rounded;
+use crate::report::table::{Align, Audience, Cell, Column, Table};
+
+/// A cell as people see it.
+pub enum Printed {
+    Empty,
+    /// No finite number.
+    Undefined,
+    Text(String),
+    Rich(Vec<Piece>),
+    Number(Rounded),
+    Interval(Rounded, Rounded),
+    Flag(bool),
+}
+
+/// A column as people see it.
+pub struct Head {
+    /// Heading and unit.
+    pub heading: Vec<Piece>,
+    pub align: Align,
+    /// Digits before and after the point, where all numbers of the column are plain and there is nothing but numbers.
+    pub decimal: Option<(usize, usize)>,
+}
+
+/// A heading over the columns `first..=last`, counted among those that people see.
+pub struct Group {
+    pub heading: Vec<Piece>,
+    pub first: usize,
+    pub last: usize,
+}
+
+/// A table as people see it.
+pub struct PrintedTable {
+    pub heads: Vec<Head>,
+    pub groups: Vec<Group>,
+    pub rows: Vec<Vec<Printed>>,
+}
+
+impl PrintedTable {
+    /// Leaves out what only machines read, rounds, and parses the markup.
+    pub fn new(table: &Table) -> PrintedTable {
+        let seen: Vec<usize> = (0..table.columns.len())
+            .filter(|&i| table.columns[i].audience != Audience::Machines)
+            .collect();
+        let row = |row: &Vec<Cell>| seen.iter().map(|&i| printed(&row[i])).collect();
+        let rows: Vec<Vec<Printed>> = table.rows.iter().map(row).collect();
+        let heads = seen.iter().enumerate();
+        PrintedTable {
+            heads: heads
+                .map(|(at, &i)| head(&table.columns[i], rows.iter().map(|row| &row[at])))
+                .collect(),
+            groups: groups(table, &seen),
+            rows,
+        }
+    }
+}
+
+fn head<'a>(column: &Column, cells: impl Iterator<Item = &'a Printed>) -> Head {
+    let heading = if column.unit.is_empty() {
+        column.heading.clone()
+    } else {
+        format!("{} ({})", column.heading, column.unit)
+    };
+    Head {
+        heading: markup::parse(&heading),
+        align: column.align,
+        decimal: (column.align == Align::Right)
+            .then(|| decimal_places(cells))
+            .flatten(),
+    }
+}
+
+fn decimal_places<'a>(cells: impl Iterator<Item = &'a Printed>) -> Option<(usize, usize)> {
+    let mut places = None;
+    for cell in cells {
+        match cell {
+            Printed::Empty => {}
+            Printed::Number(n) if n.is_plain() => {
+                let (whole, fraction) = places.unwrap_or((1, 0));
+                let signed = n.whole.len() + usize::from(n.negative);
+                places = Some((signed.max(whole), n.fraction.len().max(fraction)));
+            }
+            _ => return None,
+        }
+    }
+    places
+}
+
+fn groups(table: &Table, seen: &[usize]) -> Vec<Group> {
+    let position = |key: &str| table.columns.iter().position(|c| c.key == key);
+    let group = |span: &crate::report::table::Span| {
+        let (first, last) = (position(&span.first)?, position(&span.last)?);
+        let covered = |&at: &usize| (first..=last).contains(&seen[at]);
+        let mut below = (0..seen.len()).filter(covered);
+        let first = below.next()?;
+        Some(Group {
+            heading: markup::parse(&span.heading),
+            first,
+            last: below.last().unwrap_or(first),
+        })
+    };
+    let mut groups: Vec<Group> = table.spans.iter().filter_map(group).collect();
+    groups.sort_by_key(|g| g.first);
+    groups
+}
+
+fn printed(cell: &Cell) -> Printed {
+    match cell {
+        Cell::Empty => Printed::Empty,
+        Cell::Text(text) => Printed::Text(text.split_whitespace().collect::<Vec<_>>().join(" ")),
+        Cell::Symbol(symbol) => Printed::Rich(markup::parse(symbol)),
+        Cell::Integer(value) => Printed::Number(Rounded::integer(*value)),
+        Cell::Number { value, rounding } => rounding
+            .round(*value)
+            .map_or(Printed::Undefined, Printed::Number),
+        Cell::Interval {
+            low,
+            high,
+            rounding,
+        } => match (rounding.round(*low), rounding.round(*high)) {
+            (Some(low), Some(high)) => Printed::Interval(low, high),
+            _ => Printed::Undefined,
+        },
+        Cell::Flag(flag) => Printed::Flag(*flag),
+    }
+}

@@ -1,0 +1,213 @@
+//! Typst: a `figure` of kind table in the manner of booktabs. The file needs no template and can be included anywhere.
+
+use super::Renderer;
+use super::printed::{Group, Printed, PrintedTable};
+use crate::report::markup::{self, Piece, Script};
+use crate::report::number::Rounded;
+use crate::report::table::{Align, Table};
+
+/// Typst.
+pub struct Typst;
+
+const HEAVY: &str = "0.8pt";
+const LIGHT: &str = "0.5pt";
+const THIN: &str = "0.3pt";
+
+impl Renderer for Typst {
+    fn extension(&self) -> &'static str {
+        "typ"
+    }
+
+    fn render(&self, table: &Table) -> String {
+        let printed = PrintedTable::new(table);
+        let aligns: Vec<&str> = printed.heads.iter().map(|h| side(h.align)).collect();
+        let mut lines = vec![
+            "#figure(".to_string(),
+            "  kind: table,".into(),
+            format!("  caption: {},", rich(&markup::parse(&table.caption))),
+            "  {".into(),
+            "    set text(number-type: \"lining\", number-width: \"tabular\")".into(),
+            "    table(".into(),
+            format!("      columns: {},", printed.heads.len()),
+            format!("      align: ({},),", aligns.join(", ")),
+            "      stroke: none, inset: (x: 0pt, y: 0.3em), column-gutter: 1.2em,".into(),
+            format!("      table.hline(stroke: {HEAVY}),"),
+        ];
+        lines.extend(header(&printed));
+        lines.extend(body(&printed, &table.rules));
+        lines.push(format!("      table.hline(stroke: {HEAVY}),"));
+        lines.push("    )".into());
+        for note in &table.notes {
+            let note = rich(&markup::parse(note));
+            lines.push(format!(
+                "    block(above: 0.6em, width: 100%, align(left, text(size: 0.9em, {note})))"
+            ));
+        }
+        lines.push("  },".into());
+        lines.push(format!(") <tab-{}>\n", table.id.replace('_', "-")));
+        lines.join("\n")
+    }
+}
+
+fn header(printed: &PrintedTable) -> Vec<String> {
+    let mut lines = vec!["      table.header(".to_string()];
+    let mut at = 0;
+    for group in &printed.groups {
+        lines.extend((at..group.first).map(|_| "        [],".to_string()));
+        at = group.last + 1;
+        let (span, heading) = (at - group.first, rich(&group.heading));
+        lines.push(format!(
+            "        table.cell(colspan: {span}, align: center, {heading}),"
+        ));
+    }
+    if at > 0 {
+        lines.extend((at..printed.heads.len()).map(|_| "        [],".to_string()));
+    }
+    for Group { first, last, .. } in &printed.groups {
+        let end = last + 1;
+        lines.push(format!(
+            "        table.hline(start: {first}, end: {end}, stroke: {THIN}),"
+        ));
+    }
+    let headings: Vec<String> = printed.heads.iter().map(|h| rich(&h.heading)).collect();
+    lines.push(format!("        {},", headings.join(", ")));
+    lines.push(format!("        table.hline(stroke: {LIGHT}),"));
+    lines.push("      ),".into());
+    lines
+}
+
+fn body(printed: &PrintedTable, rules: &[usize]) -> Vec<String> {
+    let mut lines = Vec::new();
+    for (i, row) in printed.rows.iter().enumerate() {
+        if rules.contains(&i) {
+            lines.push(format!("      table.hline(stroke: {THIN}),"));
+        }
+        let cells = row.iter().zip(&printed.heads);
+        let cells: Vec<String> = cells
+            .map(|(c, head)| cell(c, head.decimal.map(|(_, fraction)| fraction)))
+            .collect();
+        lines.push(format!("      {},", cells.join(", ")));
+    }
+    lines
+}
+
+fn side(align: Align) -> &'static str {
+    match align {
+        Align::Left => "left",
+        Align::Center => "center",
+        Align::Right => "right",
+    }
+}
+
+/// A cell; in a decimal column padded to `fraction` digits after the point.
+fn cell(cell: &Printed, fraction: Option<usize>) -> String {
+    match cell {
+        Printed::Empty => "[]".into(),
+        Printed::Undefined => quoted("–"),
+        Printed::Text(text) => quoted(text),
+        Printed::Rich(pieces) => rich(pieces),
+        Printed::Number(n) => match fraction {
+            Some(digits) => quoted(&padded(n, digits)),
+            None => quoted(&number(n)),
+        },
+        Printed::Interval(low, high) => quoted(&format!("[{}, {}]", number(low), number(high))),
+        Printed::Flag(true) => quoted("yes"),
+        Printed::Flag(false) => quoted("no"),
+    }
+}
+
+/// Spaces as wide as a point and as a digit stand for those that are missing, so that right alignment aligns the points.
+fn padded(n: &Rounded, digits: usize) -> String {
+    let mut text = n.typeset();
+    if n.fraction.is_empty() && digits > 0 {
+        text.push('\u{2008}');
+    }
+    text.extend(std::iter::repeat_n('\u{2007}', digits - n.fraction.len()));
+    text
+}
+
+fn number(n: &Rounded) -> String {
+    let percent = if n.percent { "%" } else { "" };
+    let power = n.exponent.map(power_of_ten).unwrap_or_default();
+    format!("{}{power}{percent}", n.typeset())
+}
+
+fn power_of_ten(exponent: i32) -> String {
+    let raised = |c: char| match c {
+        '-' => '⁻',
+        digit => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹']
+            [digit.to_digit(10).unwrap_or(0) as usize],
+    };
+    let exponent: String = exponent.to_string().chars().map(raised).collect();
+    format!("\u{2009}×\u{2009}10{exponent}")
+}
+
+fn rich(pieces: &[Piece]) -> String {
+    let piece = |p: &Piece| {
+        let text = quoted(&p.text);
+        let text = if p.italic { format!("emph({text})") } else { text };
+        match p.script {
+            Script::Base => format!("#{text}"),
+            Script::Sub => format!("#sub({text})"),
+            Script::Super => format!("#super({text})"),
+        }
+    };
+    // A semicolon ends each expression, so that a bracket or a point after it is text.
+    let inner: String = pieces.iter().map(|p| piece(p) + ";").collect();
+    format!("[{inner}]")
+}
+
+/// A string literal, which Typst prints as it stands. The one place of escapes of this format.
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::render::tests::sample;
+
+    #[test]
+    fn golden() {
+        let expected = r##"#figure(
+  kind: table,
+  caption: [#"Coefficients of ";#emph("F");#sub("620");#", ";#emph("R");#super("2");#" & ";#emph("ε");#"*";],
+  {
+    set text(number-type: "lining", number-width: "tabular")
+    table(
+      columns: 6,
+      align: (left, left, right, center, right, center,),
+      stroke: none, inset: (x: 0pt, y: 0.3em), column-gutter: 1.2em,
+      table.hline(stroke: 0.8pt),
+      table.header(
+        [],
+        [],
+        table.cell(colspan: 2, align: center, [#"Estimate";]),
+        [],
+        [],
+        table.hline(start: 2, end: 4, stroke: 0.3pt),
+        [#"Model";], [#"Coefficient";], [#"Value (1/m)";], [#"95 % CI (1/m)";], [#emph("n");], [#"Fitted";],
+        table.hline(stroke: 0.5pt),
+      ),
+      "A&B \"x\", #1", [#emph("b");#sub("1");], "−7.1 ", "[−8.3, −5.9]", "12 345", "yes",
+      table.hline(stroke: 0.3pt),
+      "two lines | a_b", [#emph("F");#sub("620");], "0.25", [], "7", "no",
+      table.hline(stroke: 0.8pt),
+    )
+    block(above: 0.6em, width: 100%, align(left, text(size: 0.9em, [#"Sizes in µm_; 5 % of all.";])))
+  },
+) <tab-coefficients>
+"##;
+        let expected = expected
+            .replace("−7.1 ", "−7.1\u{2007}")
+            .replace("12 345", "12\u{202f}345");
+        assert_eq!(Typst.render(&sample()), expected);
+    }
+
+    #[test]
+    fn missing_decimals_are_padded_and_powers_raised() {
+        assert_eq!(padded(&Rounded::integer(7), 2), "7\u{2008}\u{2007}\u{2007}");
+        let small = crate::report::number::Rounding::Digits(2).round(1.5e-7).unwrap();
+        assert_eq!(number(&small), "1.5\u{2009}×\u{2009}10⁻⁷");
+    }
+}

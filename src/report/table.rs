@@ -1,0 +1,260 @@
+//! The one model of a table: what its columns mean and what its cells hold. Renderers turn it into files.
+//!
+//! Headings, captions and notes are written in the markup of [`crate::report::markup`]; text cells are taken as they stand.
+
+pub use crate::report::number::Rounding;
+
+/// A cell.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    /// Nothing to say: an empty field in data files, blank in print.
+    Empty,
+    /// Plain text.
+    Text(String),
+    /// A symbol in markup, such as `b_1`; data files hold it without braces.
+    Symbol(String),
+    /// A count.
+    Integer(i64),
+    /// A measured or computed value.
+    Number {
+        /// The value, in the unit of its column.
+        value: f64,
+        /// How it is rounded in print.
+        rounding: Rounding,
+    },
+    /// Both ends of an interval: two fields in data files, `[low, high]` in print.
+    Interval {
+        /// Lower end.
+        low: f64,
+        /// Upper end.
+        high: f64,
+        /// How the ends are rounded in print.
+        rounding: Rounding,
+    },
+    /// Yes or no.
+    Flag(bool),
+}
+
+impl Cell {
+    /// Plain text.
+    pub fn text(text: impl Into<String>) -> Cell {
+        Cell::Text(text.into())
+    }
+
+    /// A value with so many significant digits in print; empty where there is none.
+    pub fn number(value: impl Into<Option<f64>>, rounding: Rounding) -> Cell {
+        match value.into() {
+            Some(value) => Cell::Number { value, rounding },
+            None => Cell::Empty,
+        }
+    }
+
+    /// A value and its interval as two cells, both rounded to two digits of the half width.
+    pub fn with_interval(value: f64, low: f64, high: f64) -> [Cell; 2] {
+        let rounding = Rounding::ByInterval { low, high };
+        [
+            Cell::Number { value, rounding },
+            Cell::Interval { low, high, rounding },
+        ]
+    }
+}
+
+/// On which side of its column a cell stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Align {
+    /// Words.
+    Left,
+    /// Marks.
+    Center,
+    /// Numbers, aligned at the decimal point.
+    Right,
+}
+
+/// Who gets to see a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Audience {
+    /// Data files and print.
+    Everyone,
+    /// Data files only.
+    Machines,
+    /// Print only.
+    People,
+}
+
+/// What a column means.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Column {
+    /// Name in data files, in snake case; an interval column becomes `{key}_low` and `{key}_high`.
+    pub key: String,
+    /// Name for people, in markup, without its unit.
+    pub heading: String,
+    /// Unit in markup, shown in parentheses; empty where there is none.
+    pub unit: String,
+    /// Side on which cells stand.
+    pub align: Align,
+    /// Holds intervals: two fields in data files.
+    pub interval: bool,
+    /// Who gets to see it.
+    pub audience: Audience,
+}
+
+impl Column {
+    /// A column of words.
+    pub fn text(key: &str, heading: &str) -> Column {
+        Column {
+            key: key.into(),
+            heading: heading.into(),
+            unit: String::new(),
+            align: Align::Left,
+            interval: false,
+            audience: Audience::Everyone,
+        }
+    }
+
+    /// A column of numbers in `unit`; an empty unit for pure numbers.
+    pub fn number(key: &str, heading: &str, unit: &str) -> Column {
+        Column {
+            unit: unit.into(),
+            align: Align::Right,
+            ..Column::text(key, heading)
+        }
+    }
+
+    /// A column of intervals in `unit`.
+    pub fn interval(key: &str, heading: &str, unit: &str) -> Column {
+        Column {
+            unit: unit.into(),
+            align: Align::Center,
+            interval: true,
+            ..Column::text(key, heading)
+        }
+    }
+
+    /// A column of marks.
+    pub fn flag(key: &str, heading: &str) -> Column {
+        Column {
+            align: Align::Center,
+            ..Column::text(key, heading)
+        }
+    }
+
+    /// The same column for another audience.
+    pub fn seen_by(mut self, audience: Audience) -> Column {
+        self.audience = audience;
+        self
+    }
+}
+
+/// A heading over several neighbouring columns.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Span {
+    /// The heading, in markup.
+    pub heading: String,
+    /// Key of the first column below it.
+    pub first: String,
+    /// Key of the last column below it.
+    pub last: String,
+}
+
+/// A table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// Name of its files and anchor for references, in snake case.
+    pub id: String,
+    /// What it shows, in markup.
+    pub caption: String,
+    /// Remarks below it, in markup.
+    pub notes: Vec<String>,
+    /// Its columns.
+    pub columns: Vec<Column>,
+    /// Headings over several columns.
+    pub spans: Vec<Span>,
+    /// Its rows, each as long as `columns`.
+    pub rows: Vec<Vec<Cell>>,
+    /// Rows before which a rule parts two groups.
+    pub rules: Vec<usize>,
+}
+
+impl Table {
+    /// A table without rows.
+    pub fn new(id: &str, caption: &str, columns: Vec<Column>) -> Table {
+        Table {
+            id: id.into(),
+            caption: caption.into(),
+            notes: Vec::new(),
+            columns,
+            spans: Vec::new(),
+            rows: Vec::new(),
+            rules: Vec::new(),
+        }
+    }
+
+    /// The same table with a remark below it.
+    pub fn note(mut self, note: &str) -> Table {
+        self.notes.push(note.into());
+        self
+    }
+
+    /// The same table with a heading over the columns from `first` to `last`.
+    pub fn span(mut self, heading: &str, first: &str, last: &str) -> Table {
+        self.spans.push(Span {
+            heading: heading.into(),
+            first: first.into(),
+            last: last.into(),
+        });
+        self
+    }
+
+    /// Adds a row.
+    ///
+    /// # Panics
+    /// If it has not as many cells as the table has columns: a mistake in the code that fills the table.
+    pub fn push(&mut self, row: Vec<Cell>) {
+        assert_eq!(
+            row.len(),
+            self.columns.len(),
+            "table {}: a row must have a cell for every column",
+            self.id
+        );
+        self.rows.push(row);
+    }
+
+    /// Parts the rows so far from those to come by a rule; does nothing before the first row or twice in a row.
+    pub fn rule(&mut self) {
+        let at = self.rows.len();
+        if at > 0 && self.rules.last() != Some(&at) {
+            self.rules.push(at);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_and_its_interval_share_their_rounding() {
+        let [value, interval] = Cell::with_interval(7.1234, 5.9, 8.3);
+        let Cell::Number { rounding, value } = value else {
+            panic!("a number");
+        };
+        assert_eq!(rounding.round(value).unwrap().ascii(), "7.1");
+        assert!(matches!(interval, Cell::Interval { rounding: r, .. } if r == rounding));
+    }
+
+    #[test]
+    fn rules_stand_between_rows_only() {
+        let mut table = Table::new("t", "T", vec![Column::text("a", "A")]);
+        table.rule();
+        table.push(vec![Cell::Empty]);
+        table.rule();
+        table.rule();
+        assert_eq!(table.rules, [1]);
+    }
+
+    #[test]
+    #[should_panic(expected = "a cell for every column")]
+    fn a_short_row_is_a_mistake() {
+        Table::new("t", "T", vec![Column::text("a", "A")]).push(vec![]);
+    }
+}

@@ -1,0 +1,30 @@
+//! The tables, one file each. A new table is one new file and one line in [`ALL`].
+
+mod coefficients;
+mod model_comparison;
+mod plateaus;
+mod rejects;
+mod sessions;
+mod specimens;
+mod zeros;
+
+use crate::report::input::ReportInput;
+use crate::report::table::Table;
+
+/// Every table, in the order in which the summary lists them.
+pub const ALL: &[fn(&ReportInput) -> Table] = &[
+    sessions::table,
+    rejects::table,
+    zeros::table,
+    plateaus::table,
+    specimens::table,
+    coefficients::table,
+    model_comparison::table,
+];
+
+pub use coefficients::of_group as coefficients_of;
+pub use model_comparison::of_group as comparison_of;
+pub use rejects::summary as rejects_summary;
+pub use sessions::table as sessions;
+pub use specimens::of_group as specimens_of;
+pub use zeros::table as zeros;

@@ -1,0 +1,280 @@
+//! One step of the pipeline: a stage applied to a unit, taken from the cache where its key is known.
+
+use crate::base::error::{Error, Result};
+use crate::cache::key::KeyParts;
+use crate::cache::reason::{Reason, differences};
+use crate::cache::store::{Entry, Object, Outputs, Store};
+use crate::cache::{Digest, FileHashes};
+use crate::run::{Progress, RunOptions};
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::sync::Mutex;
+
+include!(concat!(env!("OUT_DIR"), "/fingerprints.rs"));
+
+/// A stage as the cache sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Stage {
+    /// Name, as in `--force`.
+    pub name: &'static str,
+    /// Version constant.
+    pub version: u32,
+    /// Fingerprint of its sources.
+    pub code: &'static str,
+}
+
+/// A unit that was computed, or would be.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Work {
+    /// Name of the stage.
+    pub stage: &'static str,
+    /// Session, group or report.
+    pub unit: String,
+    /// Why.
+    pub reasons: Vec<Reason>,
+}
+
+/// The result of a step.
+pub enum Step {
+    /// The outputs were there.
+    Fresh(Entry),
+    /// The outputs were computed; the bytes are at hand.
+    Done(Entry, Outputs),
+    /// A dry run: they would be computed.
+    Pending,
+}
+
+impl Step {
+    /// The entry, unless the step is pending.
+    pub fn entry(&self) -> Option<&Entry> {
+        match self {
+            Step::Fresh(entry) | Step::Done(entry, _) => Some(entry),
+            Step::Pending => None,
+        }
+    }
+}
+
+/// The cache of a run, with what it has done so far.
+pub struct Engine {
+    store: Store,
+    /// Digests of raw files.
+    pub hashes: FileHashes,
+    last: BTreeMap<String, Digest>,
+    now: Mutex<BTreeMap<String, Digest>>,
+    work: Mutex<Vec<Work>>,
+    fresh: Mutex<usize>,
+    force: Option<String>,
+    dry_run: bool,
+    _lock: Option<File>,
+}
+
+const STATE: &str = "state.json";
+const HASHES: &str = "hashes.json";
+const LOCK: &str = "lock";
+
+impl Engine {
+    /// Opens the cache below `derived/`; waits for another run on it to end.
+    ///
+    /// # Errors
+    /// The directory cannot be made or written.
+    pub fn open(options: &RunOptions, progress: &dyn Progress) -> Result<Self> {
+        let root = options.derived.join("cache");
+        let lock = if options.dry_run {
+            None
+        } else {
+            std::fs::create_dir_all(&root).map_err(Error::io("create the folder", &root))?;
+            Some(lock(&root.join(LOCK), progress)?)
+        };
+        let store = Store::new(&root);
+        Ok(Self {
+            hashes: FileHashes::from_json(&store.read_aside(HASHES)),
+            last: serde_json::from_slice(&store.read_aside(STATE)).unwrap_or_default(),
+            store,
+            now: Mutex::default(),
+            work: Mutex::default(),
+            fresh: Mutex::default(),
+            force: options.force.clone(),
+            dry_run: options.dry_run,
+            _lock: lock,
+        })
+    }
+
+    /// Applies `stage` to `unit`: `compute` is called only if no result with this key is there.
+    ///
+    /// # Errors
+    /// Whatever `compute` fails with, and system errors of the store.
+    pub fn step(
+        &self,
+        stage: Stage,
+        unit: &str,
+        options: BTreeMap<String, String>,
+        inputs: BTreeMap<String, Digest>,
+        compute: impl FnOnce() -> Result<Outputs>,
+    ) -> Result<Step> {
+        let parts = KeyParts {
+            stage: stage.name.to_owned(),
+            version: stage.version,
+            code: stage.code.to_owned(),
+            options,
+            inputs,
+        };
+        let key = parts.key();
+        let reasons = match self.store.entry(&key) {
+            Ok(Some(entry)) if self.force.as_deref() != Some(stage.name) => {
+                *self.fresh.lock().map_err(Error::internal)? += 1;
+                self.remember(stage, unit, key)?;
+                return Ok(Step::Fresh(entry));
+            }
+            Ok(Some(_)) => vec![Reason::Forced],
+            Ok(None) => self.why(stage, unit, &parts),
+            Err(damage) => vec![Reason::Damaged(damage)],
+        };
+        self.record(stage, unit, reasons)?;
+        if self.dry_run {
+            return Ok(Step::Pending);
+        }
+        let outputs = compute()?;
+        let entry = self.store.put(parts, &outputs)?;
+        self.remember(stage, unit, key)?;
+        Ok(Step::Done(entry, outputs))
+    }
+
+    /// Notes, in a dry run, that a unit waits for an earlier stage.
+    ///
+    /// # Errors
+    /// Another thread panicked.
+    pub fn waits(&self, stage: Stage, unit: &str, on: &str) -> Result<Step> {
+        self.record(stage, unit, vec![Reason::Waits(on.to_owned())])?;
+        Ok(Step::Pending)
+    }
+
+    /// The bytes of an output, from memory if the step has just made it.
+    ///
+    /// # Errors
+    /// The stored bytes are missing or damaged; the entry is dropped, so that the next attempt computes it again.
+    pub fn read(&self, step: &Step, name: &str) -> Result<Vec<u8>> {
+        match step {
+            Step::Done(_, outputs) => outputs.get(name).cloned().ok_or_else(|| missing(name)),
+            Step::Fresh(entry) => {
+                let object = entry.outputs.get(name).ok_or_else(|| missing(name))?;
+                self.store.read(object).map_err(|damage| {
+                    self.store.forget(&entry.parts.key());
+                    Error::Damaged(format!("{name} of {}: {damage}", entry.parts.stage))
+                })
+            }
+            Step::Pending => Err(missing(name)),
+        }
+    }
+
+    /// A small file of the cache, empty where it is not there.
+    pub fn read_aside(&self, name: &str) -> Vec<u8> {
+        self.store.read_aside(name)
+    }
+
+    /// Replaces a small file of the cache.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn write_aside(&self, name: &str, bytes: &[u8]) -> Result<()> {
+        self.store.write_aside(name, bytes)
+    }
+
+    /// Path of an object's file, for links.
+    pub fn object_path(&self, object: &Object) -> std::path::PathBuf {
+        self.store.object_path(&object.digest)
+    }
+
+    fn why(&self, stage: Stage, unit: &str, parts: &KeyParts) -> Vec<Reason> {
+        let Some(last) = self.last.get(&name_of(stage, unit)) else {
+            return vec![Reason::FirstTime];
+        };
+        match self.store.parts(last) {
+            Some(old) => {
+                let reasons = differences(&old, parts);
+                if reasons.is_empty() {
+                    vec![Reason::Damaged("the entry is missing".to_owned())]
+                } else {
+                    reasons
+                }
+            }
+            None => vec![Reason::Damaged("the entry is missing".to_owned())],
+        }
+    }
+
+    fn record(&self, stage: Stage, unit: &str, reasons: Vec<Reason>) -> Result<()> {
+        self.work.lock().map_err(Error::internal)?.push(Work {
+            stage: stage.name,
+            unit: unit.to_owned(),
+            reasons,
+        });
+        Ok(())
+    }
+
+    fn remember(&self, stage: Stage, unit: &str, key: Digest) -> Result<()> {
+        self.now
+            .lock()
+            .map_err(Error::internal)?
+            .insert(name_of(stage, unit), key);
+        Ok(())
+    }
+
+    /// Writes down which keys are current, and what is known of the raw files.
+    ///
+    /// # Errors
+    /// System errors of the store.
+    pub fn close(&self) -> Result<()> {
+        let now = self.now.lock().map_err(Error::internal)?;
+        if *now != self.last {
+            let json = serde_json::to_vec(&*now).map_err(Error::internal)?;
+            self.store.write_aside(STATE, &json)?;
+        }
+        if let Some(json) = self.hashes.to_json() {
+            self.store.write_aside(HASHES, &json)?;
+        }
+        Ok(())
+    }
+
+    /// Begins again after a damaged entry was dropped: what has been computed since is fresh now.
+    ///
+    /// # Errors
+    /// Another thread panicked.
+    pub fn restart(&self) -> Result<()> {
+        *self.fresh.lock().map_err(Error::internal)? = 0;
+        Ok(())
+    }
+
+    /// What was computed, by stage and unit, and how many units were fresh.
+    pub fn into_work(self) -> (Vec<Work>, usize) {
+        let mut work = self.work.into_inner().unwrap_or_default();
+        let place = |w: &Work| crate::run::STAGES.iter().position(|s| *s == w.stage);
+        work.sort_by(|a, b| (place(a), &a.unit).cmp(&(place(b), &b.unit)));
+        (work, self.fresh.into_inner().unwrap_or_default())
+    }
+}
+
+fn name_of(stage: Stage, unit: &str) -> String {
+    format!("{}/{unit}", stage.name)
+}
+
+fn missing(name: &str) -> Error {
+    Error::Internal(format!("output {name} is missing"))
+}
+
+/// Takes the lock of a cache; it dies with the process.
+fn lock(path: &std::path::Path, progress: &dyn Progress) -> Result<File> {
+    let file = File::options()
+        .create(true)
+        .truncate(false)
+        .write(true)
+        .open(path)
+        .map_err(Error::io("open the lock", path))?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(std::fs::TryLockError::WouldBlock) => {
+            progress.note("another run works on this directory; waiting for it to end");
+            file.lock().map_err(Error::io("lock", path))?;
+            Ok(file)
+        }
+        Err(std::fs::TryLockError::Error(e)) => Err(Error::io("lock", path)(e)),
+    }
+}

@@ -1,0 +1,184 @@
+//! The stages of one group of rows: fit and compare.
+
+use crate::base::error::{Error, Result};
+use crate::base::frame::{Frame, Values};
+use crate::base::row::{self, Row};
+use crate::base::session::Kind;
+use crate::cache::Digest;
+use crate::cache::store::Outputs;
+use crate::config::{Config, FitOptions, flatten};
+use crate::formats::discover::Discovery;
+use crate::run::engine::{self, Engine, Stage, Step};
+use crate::run::sessions::{ROWS, SessionResult};
+use crate::stages::compare::{self, GroupComparison, Predictions};
+use crate::stages::fit::{self, Group, GroupFit};
+use std::collections::BTreeMap;
+
+const FIT: Stage = Stage {
+    name: "fit",
+    version: fit::VERSION,
+    code: engine::FIT,
+};
+const COMPARE: Stage = Stage {
+    name: "compare",
+    version: compare::VERSION,
+    code: engine::COMPARE,
+};
+
+const FIT_JSON: &str = "fit.json";
+const COMPARISON_JSON: &str = "comparison.json";
+/// Rows with the prediction of every model.
+pub const PREDICTIONS: &str = "predictions.parquet";
+const PREDICTED: &str = "force_n by ";
+
+/// The steps of one group.
+pub struct GroupResult {
+    /// Which rows.
+    pub group: Group,
+    /// Fit.
+    pub fit: Step,
+    /// Compare.
+    pub compare: Step,
+}
+
+/// The groups among the isometric sessions found.
+pub fn of(discovery: &Discovery, options: &FitOptions) -> Vec<Group> {
+    let isometric = discovery.sessions.iter().filter(|l| l.session.kind == Kind::Isometric);
+    let members: Vec<(String, u32, bool)> = isometric
+        .map(|l| {
+            let s = &l.session;
+            (s.campaign.clone(), s.specimen.diameter_mm as u32, s.is_simulated())
+        })
+        .collect();
+    fit::groups(&members, options.pool)
+}
+
+/// Brings one group up to date.
+///
+/// # Errors
+/// System errors of the store, damaged entries.
+pub fn process(
+    engine: &Engine,
+    group: &Group,
+    discovery: &Discovery,
+    sessions: &[SessionResult],
+    config: &Config,
+) -> Result<GroupResult> {
+    let members = members(group, discovery, sessions);
+    let unit = format!("{} {} mm", group.campaign, group.diameter_mm);
+    let mut inputs = BTreeMap::from([("group".to_owned(), Digest::of(&json(group)?))]);
+    for member in &members {
+        match member.normalize.entry().and_then(|e| e.outputs.get(ROWS)) {
+            Some(object) => inputs.insert(member.id.clone(), object.digest.clone()),
+            None => {
+                return Ok(GroupResult {
+                    group: group.clone(),
+                    fit: engine.waits(FIT, &unit, &format!("normalize of {}", member.id))?,
+                    compare: engine.waits(COMPARE, &unit, "fit")?,
+                });
+            }
+        };
+    }
+    let options = flatten("fit", &config.fit)?;
+    let fit = engine.step(FIT, &unit, options.clone(), inputs.clone(), || {
+        let fit = fit::fit_group(group, &rows(engine, &members)?, &config.fit);
+        Ok(Outputs::from([(FIT_JSON.to_owned(), json(&fit)?)]))
+    })?;
+    let Some(object) = fit.entry().and_then(|e| e.outputs.get(FIT_JSON)) else {
+        return Ok(GroupResult {
+            group: group.clone(),
+            fit,
+            compare: engine.waits(COMPARE, &unit, "fit")?,
+        });
+    };
+    inputs.insert(FIT_JSON.to_owned(), object.digest.clone());
+    let mut options = options;
+    options.extend(flatten("compare", &config.compare)?);
+    let compare = engine.step(COMPARE, &unit, options, inputs, || {
+        let fitted: GroupFit = serde_json::from_slice(&engine.read(&fit, FIT_JSON)?).map_err(Error::internal)?;
+        let rows = rows(engine, &members)?;
+        let (comparison, predictions) = compare::compare(&fitted, &rows, &config.compare, &config.fit);
+        Ok(Outputs::from([
+            (COMPARISON_JSON.to_owned(), json(&comparison)?),
+            (PREDICTIONS.to_owned(), predictions_frame(&predictions).to_parquet()?),
+        ]))
+    })?;
+    Ok(GroupResult {
+        group: group.clone(),
+        fit,
+        compare,
+    })
+}
+
+fn json(value: &impl serde::Serialize) -> Result<Vec<u8>> {
+    serde_json::to_vec(value).map_err(Error::internal)
+}
+
+/// The sessions of a group, by id.
+fn members<'a>(group: &Group, discovery: &Discovery, sessions: &'a [SessionResult]) -> Vec<&'a SessionResult> {
+    let belongs = |s: &crate::base::session::Session| {
+        s.kind == Kind::Isometric
+            && group.members.contains(&s.campaign)
+            && s.specimen.diameter_mm as u32 == group.diameter_mm
+    };
+    discovery
+        .sessions
+        .iter()
+        .zip(sessions)
+        .filter(|(located, _)| belongs(&located.session))
+        .map(|(_, result)| result)
+        .collect()
+}
+
+fn rows(engine: &Engine, members: &[&SessionResult]) -> Result<Vec<Row>> {
+    let mut all = Vec::new();
+    for member in members {
+        all.extend(member.rows(engine)?);
+    }
+    Ok(all)
+}
+
+fn predictions_frame(predictions: &Predictions) -> Frame {
+    let mut frame = row::to_frame(&predictions.rows);
+    for (model, forces) in &predictions.by_model {
+        frame = frame.with(&format!("{PREDICTED}{model}"), Values::Number(forces.clone()));
+    }
+    frame
+}
+
+impl GroupResult {
+    /// The fit.
+    ///
+    /// # Errors
+    /// A damaged entry.
+    pub fn fitted(&self, engine: &Engine) -> Result<GroupFit> {
+        serde_json::from_slice(&engine.read(&self.fit, FIT_JSON)?).map_err(Error::internal)
+    }
+
+    /// The comparison.
+    ///
+    /// # Errors
+    /// A damaged entry.
+    pub fn compared(&self, engine: &Engine) -> Result<GroupComparison> {
+        serde_json::from_slice(&engine.read(&self.compare, COMPARISON_JSON)?).map_err(Error::internal)
+    }
+
+    /// The predictions of every model on the group's rows.
+    ///
+    /// # Errors
+    /// A damaged entry.
+    pub fn predictions(&self, engine: &Engine) -> Result<Predictions> {
+        let frame = Frame::from_parquet(&engine.read(&self.compare, PREDICTIONS)?)?;
+        let mut rows = row::from_frame(&frame)?;
+        let mut by_model = BTreeMap::new();
+        for (name, values) in &frame.columns {
+            if let (Some(model), Values::Number(forces)) = (name.strip_prefix(PREDICTED), values) {
+                by_model.insert(model.to_owned(), forces.clone());
+                for row in &mut rows {
+                    row.extras.remove(name);
+                }
+            }
+        }
+        Ok(Predictions { rows, by_model })
+    }
+}

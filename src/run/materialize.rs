@@ -1,0 +1,145 @@
+//! Puts outputs where people look for them: reports, tables and figures below `reports/`, tidy data below `derived/`.
+//!
+//! A file is written only where its contents differ, so that time stamps tell what changed. A file that an earlier run wrote and this
+//! one does not is removed, unless somebody has changed it since.
+
+use crate::base::error::{Error, Result};
+use crate::cache::hashing::{self, Digest};
+use crate::cache::store::{Object, write_atomically};
+use crate::run::RunOptions;
+use crate::run::engine::{Engine, Step};
+use crate::run::sessions::{READINGS, ROWS, SessionResult};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Files put in place.
+#[derive(Debug, Default)]
+pub struct Written {
+    /// Those that differed.
+    pub changed: Vec<PathBuf>,
+    /// The reports.
+    pub pdfs: Vec<PathBuf>,
+}
+
+const DERIVED: &str = "derived/";
+const REPORTS: &str = "reports/";
+const LIST: &str = "materialized.json";
+
+/// Brings `reports/` and the tidy part of `derived/` in line with the results.
+///
+/// # Errors
+/// A file cannot be written; a stored result is damaged.
+pub fn materialize(engine: &Engine, report: &Step, sessions: &[SessionResult], options: &RunOptions) -> Result<Written> {
+    let mut written = Written::default();
+    let mut present = BTreeMap::new();
+    let entry = report.entry().ok_or_else(|| Error::internal("a report without outputs"))?;
+    for (name, object) in &entry.outputs {
+        let Some(path) = place(name, options) else { continue };
+        if hashing::of_file(&path).ok().as_ref() != Some(&object.digest) {
+            write_atomically(&path, &engine.read(report, name)?)?;
+            written.changed.push(path.clone());
+        }
+        let is_report = name.strip_prefix(REPORTS).is_some_and(|n| n.ends_with(".pdf") && !n.contains('/'));
+        if is_report {
+            written.pdfs.push(path);
+        }
+        present.insert(name.clone(), object.digest.clone());
+    }
+    for session in sessions {
+        link_session(engine, session, options)?;
+    }
+    remove_stale(engine, &present, options)?;
+    Ok(written)
+}
+
+fn place(name: &str, options: &RunOptions) -> Option<PathBuf> {
+    match (name.strip_prefix(REPORTS), name.strip_prefix(DERIVED)) {
+        (Some(rest), _) => Some(options.reports.join(rest)),
+        (_, Some(rest)) => Some(options.derived.join(rest)),
+        _ => None,
+    }
+}
+
+fn remove_stale(engine: &Engine, present: &BTreeMap<String, Digest>, options: &RunOptions) -> Result<()> {
+    let before: BTreeMap<String, Digest> = serde_json::from_slice(&engine.read_aside(LIST)).unwrap_or_default();
+    for (name, digest) in before.iter().filter(|(name, _)| !present.contains_key(*name)) {
+        if let Some(path) = place(name, options)
+            && hashing::of_file(&path).ok().as_ref() == Some(digest)
+        {
+            std::fs::remove_file(&path).map_err(Error::io("remove", &path))?;
+        }
+    }
+    if before != *present {
+        let json = serde_json::to_vec(present).map_err(Error::internal)?;
+        engine.write_aside(LIST, &json)?;
+    }
+    Ok(())
+}
+
+/// `derived/sessions/<id>/`: the calibrated logs, the readings and the normalised rows of one session, as links to the cache's objects
+/// (copies where the file system has no links).
+fn link_session(engine: &Engine, session: &SessionResult, options: &RunOptions) -> Result<()> {
+    let folder = options.derived.join("sessions").join(file_name(&session.id));
+    let (Some(ingest), Some(clean), Some(normalize)) =
+        (session.ingest.entry(), session.clean.entry(), session.normalize.entry())
+    else {
+        return Ok(());
+    };
+    let mut links: Vec<(PathBuf, &Object)> = Vec::new();
+    let logs = ingest.outputs.iter().filter(|(name, _)| name.ends_with(".parquet"));
+    links.extend(logs.map(|(name, object)| (folder.join("logs").join(name), object)));
+    links.extend(clean.outputs.get(READINGS).map(|o| (folder.join(READINGS), o)));
+    links.extend(normalize.outputs.get(ROWS).map(|o| (folder.join(ROWS), o)));
+    for (path, object) in links {
+        link(&engine.object_path(object), &path, object.size)?;
+    }
+    Ok(())
+}
+
+fn link(object: &Path, path: &Path, size: u64) -> Result<()> {
+    if same_file(object, path, size) {
+        return Ok(());
+    }
+    let folder = path.parent().unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder).map_err(Error::io("create the folder", folder))?;
+    let _ = std::fs::remove_file(path);
+    std::fs::hard_link(object, path)
+        .or_else(|_| std::fs::copy(object, path).map(|_| ()))
+        .map_err(Error::io("write", path))
+}
+
+#[cfg(unix)]
+fn same_file(a: &Path, b: &Path, _size: u64) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    match (std::fs::metadata(a), std::fs::metadata(b)) {
+        (Ok(a), Ok(b)) => (a.dev(), a.ino()) == (b.dev(), b.ino()),
+        _ => false,
+    }
+}
+
+#[cfg(not(unix))]
+fn same_file(_a: &Path, b: &Path, size: u64) -> bool {
+    std::fs::metadata(b).is_ok_and(|m| m.len() == size)
+}
+
+/// A session id as a file name: everything but letters, digits, `-`, `_` and `.` is written as its code.
+pub fn file_name(id: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    let name: String = id
+        .chars()
+        .map(|c| if plain(c) { c.to_string() } else { format!("%{:X}", c as u32) })
+        .collect();
+    if name.starts_with('.') { format!("%2E{}", &name[1..]) } else { name }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_id_cannot_leave_its_folder() {
+        assert_eq!(file_name("iso10-l182_c25.a"), "iso10-l182_c25.a");
+        assert_eq!(file_name("../x"), "%2E.%2Fx");
+        assert_eq!(file_name("a b/c"), "a%20b%2Fc");
+    }
+}

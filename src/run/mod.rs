@@ -1,0 +1,195 @@
+//! Drives the stages: asks the cache, executes, records, explains.
+//!
+//! ```text
+//! raw/…/session.toml + logs ── ingest ── clean ── normalize ──┐   one unit a session, in parallel
+//!                                                             ├── fit ── compare ──┐   one unit a group
+//!                                                             └────────────────────┴── report   one unit
+//! ```
+//! Everything that a stage reads comes through [`engine::Engine::step`], which derives its key; a stage function itself is pure: values
+//! in, values out. The result is independent of the number of jobs, because units meet only in sorted collections.
+
+pub mod engine;
+pub mod groups;
+pub mod materialize;
+pub mod reports;
+pub mod sessions;
+
+use crate::base::diagnostics::{Diagnostic, Severity};
+use crate::base::error::{Error, Result};
+use crate::base::reject::Extent;
+use crate::config::Config;
+use crate::formats::discover::{Discovery, discover};
+use engine::{Engine, Work};
+use rayon::prelude::*;
+use sessions::SessionResult;
+use std::path::{Path, PathBuf};
+
+/// The stages, in order, as users name them.
+pub const STAGES: &[&str] = &["ingest", "clean", "normalize", "fit", "compare", "report"];
+
+/// What a run is to do.
+#[derive(Clone, Debug)]
+pub struct RunOptions {
+    /// Raw directories, read-only.
+    pub raw: Vec<PathBuf>,
+    /// Cache and tidy data.
+    pub derived: PathBuf,
+    /// Tables, figures and reports.
+    pub reports: PathBuf,
+    /// Options of the stages.
+    pub config: Config,
+    /// Threads; 0 for as many as there are cores.
+    pub jobs: usize,
+    /// A stage that is done again whatever the cache holds.
+    pub force: Option<String>,
+    /// Look, and do nothing.
+    pub dry_run: bool,
+}
+
+/// What a run did.
+#[derive(Debug, Default)]
+pub struct Outcome {
+    /// Every unit that was computed (or would be), in the order of stages and units.
+    pub work: Vec<Work>,
+    /// Units whose results were there already.
+    pub fresh: usize,
+    /// Usable sessions found.
+    pub sessions: usize,
+    /// Sessions that gave nothing: id or folder, and why.
+    pub rejected: Vec<(String, String)>,
+    /// Logs left out: session, log, why.
+    pub rejected_logs: Vec<(String, String, String)>,
+    /// What is wrong with the inputs.
+    pub diagnostics: Vec<Diagnostic>,
+    /// Files written below `reports/`.
+    pub written: Vec<PathBuf>,
+    /// Reports that exist now.
+    pub pdfs: Vec<PathBuf>,
+}
+
+/// Hears how far a run is.
+pub trait Progress: Sync {
+    /// So many units of a stage are to come.
+    fn begin(&self, stage: &str, units: usize);
+    /// One unit is done.
+    fn tick(&self);
+    /// Something that the user should know now.
+    fn note(&self, message: &str);
+}
+
+/// Runs every stage whose inputs changed.
+///
+/// # Errors
+/// There is nothing to work on, or a file of `derived/` or `reports/` cannot be written.
+pub fn run(options: &RunOptions, progress: &dyn Progress) -> Result<Outcome> {
+    for raw in &options.raw {
+        check_raw(raw)?;
+    }
+    let discovery = discover(&options.raw);
+    if discovery.sessions.is_empty() && discovery.unusable.is_empty() {
+        return Err(Error::Usage(no_sessions(options, &discovery)));
+    }
+    let engine = Engine::open(options, progress)?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.jobs)
+        .build()
+        .map_err(Error::internal)?;
+    let mut outcome = loop {
+        match pool.install(|| drive(&engine, options, &discovery, progress)) {
+            Err(Error::Damaged(what)) => {
+                progress.note(&format!("damaged cache: {what}; computing it again"));
+                engine.restart()?;
+            }
+            other => break other?,
+        }
+    };
+    if !options.dry_run {
+        engine.close()?;
+    }
+    (outcome.work, outcome.fresh) = engine.into_work();
+    Ok(outcome)
+}
+
+fn drive(engine: &Engine, options: &RunOptions, discovery: &Discovery, progress: &dyn Progress) -> Result<Outcome> {
+    progress.begin("sessions", discovery.sessions.len());
+    let results: Vec<SessionResult> = discovery
+        .sessions
+        .par_iter()
+        .map(|located| {
+            let result = sessions::process(engine, located, &options.config);
+            progress.tick();
+            result
+        })
+        .collect::<Result<_>>()?;
+    let groups = groups::of(discovery, &options.config.fit);
+    progress.begin("fits", groups.len());
+    let group_results: Vec<groups::GroupResult> = groups
+        .par_iter()
+        .map(|group| {
+            let result = groups::process(engine, group, discovery, &results, &options.config);
+            progress.tick();
+            result
+        })
+        .collect::<Result<_>>()?;
+    progress.begin("report", 1);
+    let written = reports::process(engine, discovery, &results, &group_results, options)?;
+    progress.tick();
+    let mut outcome = summary(engine, discovery, &results)?;
+    outcome.pdfs = written.pdfs;
+    outcome.written = written.changed;
+    Ok(outcome)
+}
+
+fn check_raw(raw: &Path) -> Result<()> {
+    match std::fs::read_dir(raw) {
+        Ok(_) => Ok(()),
+        Err(e) => Err(Error::Usage(format!(
+            "cannot read the raw directory {}: {e}; give it with --raw DIR",
+            raw.display()
+        ))),
+    }
+}
+
+fn no_sessions(options: &RunOptions, discovery: &Discovery) -> String {
+    let roots: Vec<String> = options.raw.iter().map(|r| r.display().to_string()).collect();
+    let mut message = format!(
+        "no session.toml below {}; a session is a folder with a session.toml and its logs (see README.md, Raw sessions)",
+        roots.join(", ")
+    );
+    for diagnostic in &discovery.diagnostics {
+        message.push_str(&format!("\n{diagnostic}"));
+    }
+    message
+}
+
+/// What the user is told of the inputs.
+fn summary(engine: &Engine, discovery: &Discovery, results: &[SessionResult]) -> Result<Outcome> {
+    let mut outcome = Outcome {
+        sessions: discovery.sessions.len(),
+        diagnostics: discovery.diagnostics.clone(),
+        ..Outcome::default()
+    };
+    for unusable in &discovery.unusable {
+        let name = unusable.id.clone().unwrap_or_else(|| unusable.relative.clone());
+        let why = unusable.diagnostics.first().map_or_else(String::new, |d| d.found.clone());
+        outcome.rejected.push((name, why));
+        outcome.diagnostics.extend(unusable.diagnostics.iter().cloned());
+    }
+    for result in results {
+        let Some((ingest, clean)) = result.headers(engine)? else { continue };
+        let loud = |d: &&Diagnostic| d.severity != Severity::Note;
+        outcome.diagnostics.extend(ingest.diagnostics.iter().filter(loud).cloned());
+        for reject in ingest.rejects.iter().chain(&clean.rejects) {
+            match reject.extent {
+                Extent::Session => outcome.rejected.push((reject.session.clone(), reject.reason.clone())),
+                Extent::Log => outcome.rejected_logs.push((
+                    reject.session.clone(),
+                    reject.log.clone(),
+                    reject.reason.clone(),
+                )),
+                _ => {}
+            }
+        }
+    }
+    Ok(outcome)
+}

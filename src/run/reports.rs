@@ -1,0 +1,153 @@
+//! The report stage: one unit, over everything.
+
+use crate::base::error::{Error, Result};
+use crate::base::row::Row;
+use crate::cache::Digest;
+use crate::cache::store::Entry;
+use crate::config::flatten;
+use crate::formats::discover::Discovery;
+use crate::run::RunOptions;
+use crate::run::engine::{self, Engine, Stage};
+use crate::run::groups::GroupResult;
+use crate::run::materialize::{Written, materialize};
+use crate::run::sessions::SessionResult;
+use crate::stages::report::{self, GroupInput, ReportInput, SessionInput, Trace};
+use std::collections::BTreeMap;
+
+const REPORT: Stage = Stage {
+    name: "report",
+    version: report::VERSION,
+    code: engine::REPORT,
+};
+
+/// Brings tables, figures and reports up to date, and puts them where people look for them.
+///
+/// # Errors
+/// System errors, damaged entries, a template that does not compile.
+pub fn process(
+    engine: &Engine,
+    discovery: &Discovery,
+    sessions: &[SessionResult],
+    groups: &[GroupResult],
+    options: &RunOptions,
+) -> Result<Written> {
+    const UNIT: &str = "reports";
+    let discovered = discovery_digest(discovery)?;
+    let mut inputs = BTreeMap::from([("sessions found".to_owned(), discovered)]);
+    for session in sessions {
+        let (Some(i), Some(c), Some(n)) = (session.ingest.entry(), session.clean.entry(), session.normalize.entry())
+        else {
+            engine.waits(REPORT, UNIT, &format!("session {}", session.id))?;
+            return Ok(Written::default());
+        };
+        for (stage, entry) in [("ingest", i), ("clean", c), ("normalize", n)] {
+            inputs.insert(format!("{} {stage}", session.id), digest_of(entry));
+        }
+    }
+    for result in groups {
+        let (Some(f), Some(c)) = (result.fit.entry(), result.compare.entry()) else {
+            engine.waits(REPORT, UNIT, &format!("fit of {}", result.group.campaign))?;
+            return Ok(Written::default());
+        };
+        let name = format!("{} {} mm", result.group.campaign, result.group.diameter_mm);
+        inputs.insert(format!("{name} fit"), digest_of(f));
+        inputs.insert(format!("{name} compare"), digest_of(c));
+    }
+    let mut keyed = flatten("report", &options.config.report)?;
+    keyed.extend(flatten("fit", &options.config.fit)?);
+    let input_digest = combined(&inputs);
+    let step = engine.step(REPORT, UNIT, keyed, inputs, || {
+        let input = gather(engine, discovery, sessions, groups, &input_digest)?;
+        report::report(&input, &options.config)
+    })?;
+    if options.dry_run {
+        return Ok(Written::default());
+    }
+    materialize(engine, &step, sessions, options)
+}
+
+fn discovery_digest(discovery: &Discovery) -> Result<Digest> {
+    let unusable: Vec<_> = discovery
+        .unusable
+        .iter()
+        .map(|u| (&u.id, &u.relative, &u.diagnostics))
+        .collect();
+    let json = serde_json::to_vec(&(unusable, &discovery.diagnostics)).map_err(Error::internal)?;
+    Ok(Digest::of(&json))
+}
+
+/// One digest over all outputs of an entry.
+fn digest_of(entry: &Entry) -> Digest {
+    combined(&entry.outputs.iter().map(|(n, o)| (n.clone(), o.digest.clone())).collect())
+}
+
+fn combined(digests: &BTreeMap<String, Digest>) -> Digest {
+    let lines: Vec<String> = digests.iter().map(|(name, d)| format!("{name:?} {d}\n")).collect();
+    Digest::of(lines.concat().as_bytes())
+}
+
+fn gather(
+    engine: &Engine,
+    discovery: &Discovery,
+    sessions: &[SessionResult],
+    groups: &[GroupResult],
+    input_digest: &Digest,
+) -> Result<ReportInput> {
+    let mut inputs = Vec::with_capacity(sessions.len());
+    let mut rows: Vec<Row> = Vec::new();
+    for result in sessions {
+        let Some((ingest, clean)) = result.headers(engine)? else {
+            return Err(Error::internal("a report without its sessions"));
+        };
+        let session_rows = result.rows(engine)?;
+        inputs.push(SessionInput {
+            readings: session_rows.len(),
+            ingest,
+            clean,
+            normalize_rejects: result.normalize_rejects(engine)?,
+        });
+        rows.extend(session_rows);
+    }
+    let traces = traces(engine, sessions, &inputs, &rows)?;
+    let groups = groups
+        .iter()
+        .map(|g| {
+            Ok(GroupInput {
+                fit: g.fitted(engine)?,
+                comparison: g.compared(engine)?,
+                predictions: g.predictions(engine)?,
+            })
+        })
+        .collect::<Result<_>>()?;
+    Ok(ReportInput {
+        unusable: discovery
+            .unusable
+            .iter()
+            .map(|u| (u.id.clone().unwrap_or_else(|| u.relative.clone()), u.diagnostics.clone()))
+            .collect(),
+        diagnostics: discovery.diagnostics.clone(),
+        sessions: inputs,
+        rows,
+        groups,
+        traces,
+        input_digest: input_digest.to_string(),
+    })
+}
+
+/// The samples of the logs that the report draws.
+fn traces(engine: &Engine, sessions: &[SessionResult], inputs: &[SessionInput], rows: &[Row]) -> Result<Vec<Trace>> {
+    report::traces_wanted(inputs, rows)
+        .into_iter()
+        .map(|(session, log)| {
+            let (result, input) = (&sessions[session], &inputs[session]);
+            let header = &input.ingest.logs[log];
+            Ok(Trace {
+                session: result.id.clone(),
+                campaign: input.ingest.session.campaign.clone(),
+                log: header.spec.file.clone(),
+                simulated: input.ingest.session.is_simulated(),
+                samples: result.samples(engine, &header.output)?,
+            })
+        })
+        .collect()
+}

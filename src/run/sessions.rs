@@ -1,0 +1,285 @@
+//! The stages of one session: ingest, clean, normalize.
+
+use crate::base::diagnostics::{Diagnostic, Severity};
+use crate::base::error::{Error, Result};
+use crate::base::frame::Frame;
+use crate::base::reject::Reject;
+use crate::base::row::{self, Row};
+use crate::base::{reading, reading::Reading};
+use crate::cache::store::Outputs;
+use crate::cache::{Digest, hashing};
+use crate::config::{Config, flatten};
+use crate::formats::csv::check_line_lengths;
+use crate::formats::discover::Located;
+use crate::run::engine::{self, Engine, Stage, Step};
+use crate::stages::clean::{self, CleanHeader};
+use crate::stages::ingest::{self, IngestHeader, LogBytes, LogSamples};
+use crate::stages::normalize;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+const INGEST: Stage = Stage {
+    name: "ingest",
+    version: ingest::VERSION,
+    code: engine::INGEST,
+};
+const CLEAN: Stage = Stage {
+    name: "clean",
+    version: clean::VERSION,
+    code: engine::CLEAN,
+};
+const NORMALIZE: Stage = Stage {
+    name: "normalize",
+    version: normalize::VERSION,
+    code: engine::NORMALIZE,
+};
+
+/// Names of outputs.
+pub const HEADER: &str = "header.json";
+/// Readings of the clean stage.
+pub const READINGS: &str = "readings.parquet";
+/// Rows of the normalize stage.
+pub const ROWS: &str = "rows.parquet";
+/// Rejects of the normalize stage.
+pub const REJECTS: &str = "rejects.json";
+
+/// The steps of one session.
+pub struct SessionResult {
+    /// Session id.
+    pub id: String,
+    /// Ingest.
+    pub ingest: Step,
+    /// Clean.
+    pub clean: Step,
+    /// Normalize.
+    pub normalize: Step,
+}
+
+/// Why a session has to be started again.
+enum Again {
+    /// A file changed between hashing and reading.
+    Retry,
+    Failed(Error),
+}
+
+impl From<Error> for Again {
+    fn from(error: Error) -> Self {
+        Again::Failed(error)
+    }
+}
+
+/// Brings one session up to date.
+///
+/// # Errors
+/// System errors of the store; bad input is no error here.
+pub fn process(engine: &Engine, located: &Located, config: &Config) -> Result<SessionResult> {
+    const ATTEMPTS: usize = 3;
+    for _ in 0..ATTEMPTS {
+        match attempt(engine, located, config) {
+            Ok(result) => return Ok(result),
+            Err(Again::Failed(error)) => return Err(error),
+            Err(Again::Retry) => {}
+        }
+    }
+    Err(Error::Usage(format!(
+        "the logs of session {} change while they are read; run again when they are at rest",
+        located.session.id
+    )))
+}
+
+fn attempt(engine: &Engine, located: &Located, config: &Config) -> std::result::Result<SessionResult, Again> {
+    let session = &located.session;
+    let id = session.id.clone();
+    let ingest = ingest_step(engine, located)?;
+    let Some(entry) = ingest.entry() else {
+        return Ok(SessionResult {
+            clean: engine.waits(CLEAN, &id, "ingest")?,
+            normalize: engine.waits(NORMALIZE, &id, "clean")?,
+            id,
+            ingest,
+        });
+    };
+    let digests = |step: &crate::cache::store::Entry, prefix: &str| -> BTreeMap<String, Digest> {
+        let named = |(name, o): (&String, &crate::cache::store::Object)| (format!("{prefix}/{name}"), o.digest.clone());
+        step.outputs.iter().map(named).collect()
+    };
+    let options = flatten("clean", &config.clean)?;
+    let clean = engine.step(CLEAN, &id, options, digests(entry, "ingest"), || {
+        let logs = read_logs(engine, &ingest)?;
+        let cleaned = clean::clean(session, &logs, &config.clean);
+        let header = to_json(&cleaned.header)?;
+        let readings = reading::to_frame(&cleaned.readings).to_parquet()?;
+        Ok(Outputs::from([(HEADER.to_owned(), header), (READINGS.to_owned(), readings)]))
+    })?;
+    let Some(entry) = clean.entry() else {
+        return Ok(SessionResult {
+            normalize: engine.waits(NORMALIZE, &id, "clean")?,
+            id,
+            ingest,
+            clean,
+        });
+    };
+    let mut inputs = digests(entry, "clean");
+    inputs.insert("session.toml".to_owned(), Digest::of(&to_json(session)?));
+    inputs.remove(&format!("clean/{HEADER}"));
+    let normalize = engine.step(NORMALIZE, &id, BTreeMap::new(), inputs, || {
+        let readings = read_readings(engine, &clean)?;
+        let (rows, rejects) = normalize::normalize(session, &readings);
+        let rows = row::to_frame(&rows).to_parquet()?;
+        Ok(Outputs::from([
+            (ROWS.to_owned(), rows),
+            (REJECTS.to_owned(), to_json(&rejects)?),
+        ]))
+    })?;
+    Ok(SessionResult {
+        id,
+        ingest,
+        clean,
+        normalize,
+    })
+}
+
+fn ingest_step(engine: &Engine, located: &Located) -> std::result::Result<Step, Again> {
+    let session = &located.session;
+    let name = |file: &str| format!("{}/{file}", located.relative);
+    let mut inputs = BTreeMap::from([("session.toml".to_owned(), Digest::of(&to_json(session)?))]);
+    for log in &session.logs {
+        let path = located.directory.join(&log.file);
+        let digest = match engine.hashes.digest(&format!("{}:{}", session.id, log.file), &path) {
+            Ok(digest) => digest,
+            Err(e) => unreadable_digest(&e),
+        };
+        inputs.insert(log.file.clone(), digest);
+    }
+    let options = BTreeMap::from([("folder".to_owned(), located.relative.clone())]);
+    let expected = inputs.clone();
+    let mut changed = false;
+    let step = engine.step(INGEST, &session.id, options, inputs, || {
+        let mut files = Vec::with_capacity(session.logs.len());
+        for log in &session.logs {
+            let path = located.directory.join(&log.file);
+            let (bytes, digest) = read_log(&path, &name(&log.file));
+            changed |= expected.get(&log.file) != Some(&digest);
+            files.push(bytes);
+        }
+        if changed {
+            return Err(Error::Usage(String::new()));
+        }
+        ingest_outputs(&ingest::ingest(session, &located.relative, files))
+    });
+    match step {
+        Err(_) if changed => Err(Again::Retry),
+        Err(error) => Err(error.into()),
+        Ok(step) => Ok(step),
+    }
+}
+
+/// A file that cannot be read has a digest too, so that its return is a change of input.
+fn unreadable_digest(error: &std::io::Error) -> Digest {
+    Digest::of(format!("unreadable: {}", error.kind()).as_bytes())
+}
+
+/// The bytes of a log and their digest; a diagnostic where it cannot be read or has a line without end.
+fn read_log(path: &Path, file: &str) -> (LogBytes, Digest) {
+    let unreadable = |e: std::io::Error| {
+        let (found, hint) = match e.kind() {
+            std::io::ErrorKind::NotFound => (
+                "no such file".to_owned(),
+                "put the log beside session.toml, or remove its [[log]]",
+            ),
+            kind => (format!("\"{kind}\""), "mend the permissions"),
+        };
+        let diagnostic = Diagnostic::error(file, found, "a readable log", hint).with_severity(Severity::Warning);
+        (Err(diagnostic), unreadable_digest(&e))
+    };
+    let checked = std::fs::File::open(path).and_then(|f| check_line_lengths(file, f));
+    match checked {
+        Err(e) => unreadable(e),
+        Ok(Err(diagnostic)) => match hashing::of_file(path) {
+            Ok(digest) => (Err(diagnostic), digest),
+            Err(e) => unreadable(e),
+        },
+        Ok(Ok(())) => match std::fs::read(path) {
+            Ok(bytes) => {
+                let digest = Digest::of(&bytes);
+                (Ok(bytes), digest)
+            }
+            Err(e) => unreadable(e),
+        },
+    }
+}
+
+fn ingest_outputs(ingested: &ingest::Ingested) -> Result<Outputs> {
+    let mut outputs = Outputs::from([(HEADER.to_owned(), to_json(&ingested.header)?)]);
+    for (header, log) in ingested.header.logs.iter().zip(&ingested.logs) {
+        outputs.insert(header.output.clone(), log.to_frame().to_parquet()?);
+    }
+    Ok(outputs)
+}
+
+fn to_json(value: &impl serde::Serialize) -> Result<Vec<u8>> {
+    serde_json::to_vec(value).map_err(Error::internal)
+}
+
+fn read_logs(engine: &Engine, ingest: &Step) -> Result<Vec<LogSamples>> {
+    let header: IngestHeader = serde_json::from_slice(&engine.read(ingest, HEADER)?).map_err(Error::internal)?;
+    header
+        .logs
+        .iter()
+        .map(|log| {
+            let frame = Frame::from_parquet(&engine.read(ingest, &log.output)?)?;
+            let numbers = |(name, values)| match values {
+                crate::base::frame::Values::Number(x) => Some((name, x)),
+                _ => None,
+            };
+            Ok(LogSamples {
+                spec: log.spec.clone(),
+                first_line: log.first_line,
+                columns: frame.columns.into_iter().filter_map(numbers).collect(),
+            })
+        })
+        .collect()
+}
+
+fn read_readings(engine: &Engine, clean: &Step) -> Result<Vec<Reading>> {
+    reading::from_frame(&Frame::from_parquet(&engine.read(clean, READINGS)?)?)
+}
+
+impl SessionResult {
+    /// The headers of ingest and clean; `None` in a dry run.
+    ///
+    /// # Errors
+    /// A damaged cache.
+    pub fn headers(&self, engine: &Engine) -> Result<Option<(IngestHeader, CleanHeader)>> {
+        if self.clean.entry().is_none() || self.ingest.entry().is_none() {
+            return Ok(None);
+        }
+        let ingest = serde_json::from_slice(&engine.read(&self.ingest, HEADER)?).map_err(Error::internal)?;
+        let clean = serde_json::from_slice(&engine.read(&self.clean, HEADER)?).map_err(Error::internal)?;
+        Ok(Some((ingest, clean)))
+    }
+
+    /// The normalised rows.
+    ///
+    /// # Errors
+    /// A damaged cache.
+    pub fn rows(&self, engine: &Engine) -> Result<Vec<Row>> {
+        row::from_frame(&Frame::from_parquet(&engine.read(&self.normalize, ROWS)?)?)
+    }
+
+    /// The readings that could not be normalised.
+    ///
+    /// # Errors
+    /// A damaged cache.
+    pub fn normalize_rejects(&self, engine: &Engine) -> Result<Vec<Reject>> {
+        serde_json::from_slice(&engine.read(&self.normalize, REJECTS)?).map_err(Error::internal)
+    }
+
+    /// The samples of one log, by its position in the ingest header.
+    ///
+    /// # Errors
+    /// A damaged cache.
+    pub fn samples(&self, engine: &Engine, output_name: &str) -> Result<Frame> {
+        Frame::from_parquet(&engine.read(&self.ingest, output_name)?)
+    }
+}

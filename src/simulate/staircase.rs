@@ -1,0 +1,204 @@
+//! Pressure over time: a staircase of valve openings, at the actuator and as the sensor near the inlet sees it.
+//!
+//! Every [`STEP_S`] the valve opens for some tens of milliseconds: the inlet valve while the rig fills, the outlet valve while it
+//! vents. In a step that begins at t_0, with u = t - t_0 and flow from u_1 to u_2 (constants below):
+//!
+//! - Bulk pressure: P(u) = (P_0 + D g (1 + rho exp(-(u - u_2)/tau))) exp(-lambda u), where g rises linearly from 0 at u_1 to 1 at
+//!   u_2 and D is the step's height. The bracket with rho (for u > u_2) is air that was warmed or cooled by the step and takes the
+//!   wall's temperature, less so while venting; lambda is the leak. Every step starts from the pressure at which the one before
+//!   ended.
+//! - Height, filling: D = min(0.95, f s j (1 + 1.7 x^2)) (P_supply - P_0), x = P_0/P_supply, with share f, run speed s and jitter
+//!   j. The parabola was read off the 10 mm logs, where an opening covers 14% of the distance at first and 37% near the supply.
+//! - Height, venting: D = -min(0.95, f j) (P_0 - P_floor): the outlet stops before the actuator is empty.
+//! - Strength of the pressure wave: A = A_0 (1 - exp(-|D|/D_0)), with the sign of the step.
+//! - Sensor: P(u) + A (1 - exp(-(u - u_1)/2 ms)) while air flows, P(u) - 0.4 A exp(-v/T_d) cos(2 pi v/T) after it, v = u - u_2.
+//! - Actuator: the wave arrives [`WAVE_DELAY_S`] later and in antiphase, as force leads and lags in the logs: P(u') + 0.55 A g'
+//!   while air flows, P(u') + 0.55 A exp(-v'/T_d) cos(2 pi v'/T) after it, with primes for times taken [`WAVE_DELAY_S`] earlier.
+//!
+//! The wave decays within T_d = 50 ms sqrt(P/500 kPa), P the pressure at the end of the step, at least 10 ms: thin air rings less.
+//! Before the next step it is down to 1e-3 of its height: there sensor and actuator agree.
+
+use super::random::Stream;
+use super::rig_settings::Rig;
+use crate::base::session::Phase;
+use std::f64::consts::TAU;
+
+/// Time from one opening of the valve to the next, s.
+pub const STEP_S: f64 = 0.5;
+/// Time by which the pressure wave reaches the actuator later than the sensor, s.
+pub const WAVE_DELAY_S: f64 = 0.009;
+/// From the step's beginning until air flows, s.
+const LATENCY_S: f64 = 0.013;
+/// Rise time of the sensor's overshoot, s.
+const SENSOR_RISE_S: f64 = 0.002;
+/// Period T of the wave in the tube, s.
+const WAVE_PERIOD_S: f64 = 0.029;
+/// Decay time T_d of the wave at `WAVE_LEVEL_KPA`, s.
+const WAVE_DECAY_S: f64 = 0.05;
+/// See `WAVE_DECAY_S`.
+const WAVE_LEVEL_KPA: f64 = 500.0;
+/// Decay time of the wave in thin air, s.
+const LEAST_DECAY_S: f64 = 0.01;
+/// Growth of the filling share with the square of the pressure.
+const FILL_CURVATURE: f64 = 1.7;
+/// Largest share of the distance that one opening covers.
+const LARGEST_SHARE: f64 = 0.95;
+
+/// What differs between the valve that fills and the one that vents.
+struct Valve {
+    /// How long air flows, u_2 - u_1, s.
+    flow_s: f64,
+    /// Step height D_0 at which the wave comes near its full strength, kPa.
+    wave_height_kpa: f64,
+    /// Factor on the rig's relaxation.
+    relaxation: f64,
+    /// Factor on the rig's jitter.
+    jitter: f64,
+}
+
+const INLET: Valve = Valve {
+    flow_s: 0.017,
+    wave_height_kpa: 11.0,
+    relaxation: 1.0,
+    jitter: 1.0,
+};
+
+const OUTLET: Valve = Valve {
+    flow_s: 0.035,
+    wave_height_kpa: 60.0,
+    relaxation: 0.15,
+    jitter: 0.2,
+};
+
+/// One opening of the valve.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    start_s: f64,
+    from_kpa: f64,
+    height_kpa: f64,
+    wave_kpa: f64,
+    decay_s: f64,
+    flow_s: f64,
+    relaxation: f64,
+}
+
+/// The pressures between which one session's air moves.
+#[derive(Clone, Copy, Debug)]
+pub struct Air {
+    /// Filling approaches this, kPa.
+    pub supply_kpa: f64,
+    /// Venting approaches this, kPa.
+    pub floor_kpa: f64,
+    /// Factor on the share that one opening covers while filling.
+    pub speed: f64,
+}
+
+/// The pressure history of one run, from an empty actuator at time 0.
+pub struct Staircase<'a> {
+    rig: &'a Rig,
+    air: Air,
+    valve: Stream,
+    steps: Vec<Step>,
+}
+
+impl<'a> Staircase<'a> {
+    /// A history without steps yet. `valve` gives each opening its own jitter.
+    pub fn new(rig: &'a Rig, air: Air, valve: Stream) -> Self {
+        Self {
+            rig,
+            air,
+            valve,
+            steps: Vec::new(),
+        }
+    }
+
+    /// Adds the steps that begin at or before `time_s`; they fill or vent as `phase` says. Times must not decrease.
+    pub fn advance(&mut self, time_s: f64, phase: Phase) {
+        while self.steps.len() as f64 * STEP_S <= time_s {
+            let start_s = self.steps.len() as f64 * STEP_S;
+            let from = self.steps.last().map_or(0.0, |s| s.bulk(start_s, self.rig));
+            let step = self.step(start_s, from, phase);
+            self.steps.push(step);
+        }
+    }
+
+    fn step(&mut self, start_s: f64, from_kpa: f64, phase: Phase) -> Step {
+        let (rig, air) = (self.rig, self.air);
+        let (valve, share, room) = if phase == Phase::Pressurizing {
+            let x = from_kpa / air.supply_kpa;
+            let share = rig.fill_share * air.speed * (1.0 + FILL_CURVATURE * x * x);
+            (&INLET, share, (air.supply_kpa - from_kpa).max(0.0))
+        } else {
+            (&OUTLET, rig.vent_share, (air.floor_kpa - from_kpa).min(0.0))
+        };
+        let jitter = 1.0 + valve.jitter * rig.valve_jitter * self.valve.normal();
+        let height_kpa = (share * jitter.clamp(0.3, 2.0)).min(LARGEST_SHARE) * room;
+        let strength = 1.0 - libm::exp(-height_kpa.abs() / valve.wave_height_kpa);
+        let density = ((from_kpa + height_kpa) / WAVE_LEVEL_KPA).max(0.0);
+        Step {
+            start_s,
+            from_kpa,
+            height_kpa,
+            wave_kpa: (rig.overshoot_kpa * strength).copysign(height_kpa),
+            decay_s: (WAVE_DECAY_S * density.sqrt()).max(LEAST_DECAY_S),
+            flow_s: valve.flow_s,
+            relaxation: valve.relaxation * rig.relaxation,
+        }
+    }
+
+    fn step_at(&self, time_s: f64) -> Option<&Step> {
+        let after = self.steps.partition_point(|s| s.start_s <= time_s);
+        self.steps.get(after.saturating_sub(1))
+    }
+
+    /// Pressure without waves, kPa, at a time up to which the history has been advanced.
+    pub fn bulk(&self, time_s: f64) -> f64 {
+        self.step_at(time_s)
+            .map_or(0.0, |s| s.bulk(time_s, self.rig))
+    }
+
+    /// True gauge pressure in the actuator, kPa.
+    pub fn actuator(&self, time_s: f64) -> f64 {
+        let time_s = time_s - WAVE_DELAY_S;
+        let at = |s: &Step| s.bulk(time_s, self.rig) + s.actuator_wave(time_s);
+        self.step_at(time_s).map_or(0.0, at).max(0.0)
+    }
+
+    /// Gauge pressure at the sensor near the inlet, kPa.
+    pub fn sensor(&self, time_s: f64) -> f64 {
+        let at = |s: &Step| s.bulk(time_s, self.rig) + s.sensor_wave(time_s);
+        self.step_at(time_s).map_or(0.0, at).max(0.0)
+    }
+}
+
+impl Step {
+    /// Time since the air began to flow, s; negative before.
+    fn since_flow(&self, time_s: f64) -> f64 {
+        time_s - self.start_s - LATENCY_S
+    }
+
+    fn bulk(&self, time_s: f64, rig: &Rig) -> f64 {
+        let since = self.since_flow(time_s);
+        let risen = (since / self.flow_s).clamp(0.0, 1.0);
+        let cooling = libm::exp(-(since - self.flow_s).max(0.0) / rig.relaxation_s);
+        let leak = libm::exp(-rig.leak_per_s * (time_s - self.start_s).max(0.0));
+        let warm = 1.0 + self.relaxation * cooling;
+        (self.from_kpa + self.height_kpa * risen * warm) * leak
+    }
+
+    /// The wave after the flow has ended, relative to its strength; `None` while air flows or has not begun to.
+    fn ringing(&self, time_s: f64) -> Option<f64> {
+        let v = self.since_flow(time_s) - self.flow_s;
+        (v >= 0.0).then(|| libm::exp(-v / self.decay_s) * libm::cos(TAU * v / WAVE_PERIOD_S))
+    }
+
+    fn sensor_wave(&self, time_s: f64) -> f64 {
+        let flowing = 1.0 - libm::exp(-self.since_flow(time_s).max(0.0) / SENSOR_RISE_S);
+        self.wave_kpa * self.ringing(time_s).map_or(flowing, |ring| -0.4 * ring)
+    }
+
+    fn actuator_wave(&self, time_s: f64) -> f64 {
+        let flowing = (self.since_flow(time_s) / self.flow_s).max(0.0);
+        0.55 * self.wave_kpa * self.ringing(time_s).unwrap_or(flowing)
+    }
+}

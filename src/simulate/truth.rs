@@ -1,0 +1,253 @@
+//! The truth file of a simulated campaign, schema `bpa-truth/1`: what is measured, and on which rig.
+//!
+//! ```toml
+//! schema = "bpa-truth/1"
+//! campaign = "sim10"                    # id of the campaign, first part of every session's id
+//! seed = 1                              # the same seed, the same bytes
+//! date = "2026-01"                      # optional, as in session.toml
+//! notes = "free text"                   # optional
+//! diameter_mm = 10
+//! coefficients = "published"            # or { b1 = 303.5, b2 = 19.03, l_0 = 0.0075, c0 = 0.5682, c1 = 4.254, c2 = 0.5597 }
+//! contractions = [0, 0.25, 0.5, 0.75]   # relative contractions eps*: one session a specimen and contraction
+//! runs = [8, 9, 10]
+//! run_speed = [1, 0.56, 0.56]           # optional: how fast each run fills; the first run 1 and the others 0.56, as on the rig
+//! sampling = "timeseries"               # or "points", with pressures_kpa = [100, 200, ...]
+//!
+//! [[specimen]]
+//! id = "sim10-l182"
+//! rest_length_mm = 182
+//! contraction_max = 0.165               # eps_620; l_620 is rounded to 0.1 mm, and eps_620 is what then stands in session.toml
+//! role = "holdout"                      # optional, as in session.toml
+//!
+//! [rig]                                 # optional: see `Rig`
+//! rows = 15000
+//! ```
+//!
+//! The file is read strictly: an unknown key is a mistake, and all mistakes are reported at once.
+
+use super::rig_settings::{Rig, within};
+use super::truth_lists;
+use crate::base::diagnostics::Diagnostic;
+use crate::base::session::{Role, Sampling};
+use crate::base::toml_reader::{Entry, Reader, Section, parse};
+use crate::models::new::{PUBLISHED_10, PUBLISHED_20, f620};
+use crate::models::values;
+use serde::Serialize;
+
+/// The only schema that is understood.
+pub const SCHEMA: &str = "bpa-truth/1";
+
+/// Coefficients of the new model (force paper, Eqs. 5, 6 and 8).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Coefficients {
+    /// N.
+    pub b1: f64,
+    /// 1/m.
+    pub b2: f64,
+    /// m.
+    pub l_0: f64,
+    /// c0, c1 and c2 of the dimensionless surface.
+    pub c: [f64; 3],
+}
+
+/// One actuator that the campaign measures.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SpecimenTruth {
+    /// Id in `session.toml`, and the name of its folder.
+    pub id: String,
+    /// l_rest, mm.
+    pub rest_length_mm: f64,
+    /// l_620, mm, a whole number of tenths.
+    pub contracted_length_mm: f64,
+    /// Role of its sessions, where one is given.
+    pub role: Option<Role>,
+}
+
+/// One run of every session.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Run {
+    /// Number, as declared in `session.toml`.
+    pub number: i64,
+    /// Factor on the share that one opening of the filling valve covers.
+    pub speed: f64,
+}
+
+/// A checked truth file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Truth {
+    /// Id of the campaign.
+    pub campaign: String,
+    /// Seed of every random number.
+    pub seed: u64,
+    /// ISO 8601, day or month.
+    pub date: Option<String>,
+    /// Free text.
+    pub notes: Option<String>,
+    /// 10, 20 or 40.
+    pub diameter_mm: u32,
+    /// Coefficients of the force model.
+    pub coefficients: Coefficients,
+    /// Relative contractions.
+    pub contractions: Vec<f64>,
+    /// Runs of every session.
+    pub runs: Vec<Run>,
+    /// Logs over time, or steady readings.
+    pub sampling: Sampling,
+    /// Pressures of the steady readings, kPa; empty for logs over time.
+    pub pressures_kpa: Vec<f64>,
+    /// The actuators.
+    pub specimens: Vec<SpecimenTruth>,
+    /// The rig.
+    pub rig: Rig,
+}
+
+impl Coefficients {
+    /// The published coefficients, where F_620 depends on the resting length.
+    pub fn published(diameter_mm: u32) -> Option<Self> {
+        let list = match diameter_mm {
+            10 => &PUBLISHED_10,
+            20 => &PUBLISHED_20,
+            _ => return None,
+        };
+        let [b1, b2, l_0, _, _, _, c0, c1, c2] = values(list);
+        let c = [c0, c1, c2];
+        Some(Self { b1, b2, l_0, c })
+    }
+
+    /// F_620 in N of an actuator of this resting length in m.
+    pub fn f620(&self, rest_length_m: f64) -> f64 {
+        f620(self.b1, self.b2, self.l_0, rest_length_m)
+    }
+}
+
+impl SpecimenTruth {
+    /// eps_620 as it follows from the two lengths.
+    pub fn contraction_max(&self) -> f64 {
+        (self.rest_length_mm - self.contracted_length_mm) / self.rest_length_mm
+    }
+}
+
+/// Reads and checks the text of a truth file; messages call it `file`.
+///
+/// # Errors
+/// Every mistake of the file, in the order of its lines.
+pub fn read_truth(file: &str, text: &str) -> Result<Truth, Vec<Diagnostic>> {
+    let table = parse(file, text).map_err(|d| vec![d])?;
+    let reader = Reader::new(file, text);
+    let truth = truth(&reader.root(&table));
+    let mistakes = reader.finish();
+    match truth {
+        Some(truth) if mistakes.is_empty() => Ok(truth),
+        _ => Err(mistakes),
+    }
+}
+
+fn truth(root: &Section) -> Option<Truth> {
+    if let Some(entry) = root.require("schema", SCHEMA, "write schema = \"bpa-truth/1\"") {
+        entry.choice(&[(SCHEMA, ())]);
+    }
+    let campaign = truth_lists::identifier(root, "campaign", "an id for the campaign");
+    let seed = root
+        .require(
+            "seed",
+            "a whole number from 0",
+            "the same seed gives the same bytes",
+        )
+        .and_then(|e| seed(&e));
+    let date = root.get("date").and_then(|e| truth_lists::date(&e));
+    let notes = root.get("notes").and_then(|e| e.string());
+    let diameter = root
+        .require("diameter_mm", "10, 20 or 40", "say which size is simulated")
+        .and_then(|e| diameter(&e));
+    let coefficients = root
+        .require(
+            "coefficients",
+            "\"published\" or a table",
+            "write coefficients = \"published\"",
+        )
+        .and_then(|e| coefficients(&e, diameter));
+    let contractions = truth_lists::contractions(root);
+    let runs = truth_lists::runs(root);
+    let words = [
+        ("timeseries", Sampling::Timeseries),
+        ("points", Sampling::Points),
+    ];
+    let sampling = root
+        .require("sampling", "timeseries or points", "say how it is logged")
+        .and_then(|e| e.choice(&words));
+    let pressures = truth_lists::pressures(root, sampling);
+    let specimens = truth_lists::specimens(root);
+    let rig_table = root.get("rig").and_then(|e| e.table());
+    let mm = diameter.unwrap_or(10);
+    let rig = rig_table.map_or_else(|| Rig::for_diameter(mm), |t| Rig::read(&t, mm));
+    root.close();
+    let truth = Truth {
+        campaign: campaign?,
+        seed: seed?,
+        date,
+        notes,
+        diameter_mm: diameter?,
+        coefficients: coefficients?,
+        contractions: contractions?,
+        runs: runs?,
+        sampling: sampling?,
+        pressures_kpa: pressures?,
+        specimens: specimens?,
+        rig,
+    };
+    truth_lists::check_rig(root, &truth);
+    Some(truth)
+}
+
+fn seed(entry: &Entry) -> Option<u64> {
+    let seed = u64::try_from(entry.integer()?).ok();
+    if seed.is_none() {
+        entry.reject("a whole number from 0", "leave out the sign");
+    }
+    seed
+}
+
+fn diameter(entry: &Entry) -> Option<u32> {
+    let mm = entry.number()?;
+    let known = [10_u32, 20, 40].into_iter().find(|d| f64::from(*d) == mm);
+    if known.is_none() {
+        entry.reject("10, 20 or 40 (mm)", "write the uninflated inner diameter");
+    }
+    known
+}
+
+fn coefficients(entry: &Entry, diameter_mm: Option<u32>) -> Option<Coefficients> {
+    const SIX: &str = "write { b1 = .., b2 = .., l_0 = .., c0 = .., c1 = .., c2 = .. }";
+    if entry.as_string().is_none() {
+        return explicit(&entry.table()?);
+    }
+    entry.choice(&[("published", ())])?;
+    let published = Coefficients::published(diameter_mm?);
+    if published.is_none() {
+        entry.reject(
+            "explicit coefficients: for this diameter F_620(l_rest) is not published",
+            SIX,
+        );
+    }
+    published
+}
+
+fn explicit(table: &Section) -> Option<Coefficients> {
+    let hint = "all six coefficients of the new model are needed";
+    let read = |key, low, high, unit| {
+        let entry = table.require(key, &format!("a number ({unit})"), hint)?;
+        within(&entry, low, high, unit, "see the published values")
+    };
+    let b1 = read("b1", 1.0, 1e5, "N");
+    let b2 = read("b2", 0.01, 1e6, "1/m");
+    let l_0 = read("l_0", 0.0, 0.2, "m");
+    let c = [("c0", 5.0), ("c1", 50.0), ("c2", 50.0)].map(|(key, top)| read(key, 0.0, top, "1"));
+    table.close();
+    let c = [c[0]?, c[1]?, c[2]?];
+    Some(Coefficients {
+        b1: b1?,
+        b2: b2?,
+        l_0: l_0?,
+        c,
+    })
+}

@@ -1,0 +1,284 @@
+//! Compare: every model on the same rows, with the honest statistics.
+//!
+//! The new model as fitted is judged three times: on the rows it was fitted to (`train`, RMSE over n - p), on each specimen by the fit
+//! that has not seen it (`loso`, leave one specimen out), and on what its owner held out. A published model has seen none of the rows,
+//! so p is 0 and all its splits are predictions. Where a model has no answer the row is not counted for it (`n_excluded`); where it
+//! answers beyond what it was fitted to, the row counts and is said so (`n_extrapolated`).
+
+use crate::base::row::Row;
+use crate::base::session::Role;
+use crate::config::{CompareOptions, FitOptions};
+use crate::models::{Direction, ForceModel, Prediction, State, published};
+use crate::numerics::statistics::GoodnessOfFit;
+use crate::stages::fit::equations::{JOINT, joint_force};
+use crate::stages::fit::{Group, GroupFit, is_fitted, is_usable};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Raised when results change without a change of this stage's source files.
+pub const VERSION: u32 = 1;
+
+/// Id of the new model with the coefficients fitted here.
+pub const NEW: &str = "new";
+
+/// One line of the comparison.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    /// Model id.
+    pub model: String,
+    /// Model title, for people.
+    pub title: String,
+    /// Whether its coefficients were fitted to this group.
+    pub fitted_here: bool,
+    /// "train", "validation", "loso", "holdout" or "all".
+    pub split: String,
+    /// Rows compared.
+    pub n: usize,
+    /// Adjusted R2; NaN is written as null.
+    pub adj_r2: Option<f64>,
+    /// Root of the mean squared error, N.
+    pub rmse: Option<f64>,
+    /// Largest absolute error, N.
+    pub max_abs_error: Option<f64>,
+    /// Largest absolute error in percent of its specimen's measured maximum.
+    pub max_abs_error_pct: Option<f64>,
+    /// Mean of measured minus predicted, N.
+    pub bias: Option<f64>,
+    /// Rows for which the model gives nothing.
+    pub n_excluded: usize,
+    /// Rows for which it answers beyond what it was fitted to.
+    pub n_extrapolated: usize,
+}
+
+/// Why a model left rows out or went beyond its data.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DomainNote {
+    /// Model id.
+    pub model: String,
+    /// Whether the rows are left out, or answered all the same.
+    pub excluded: bool,
+    /// An example of the reason.
+    pub reason: String,
+    /// How many rows.
+    pub count: usize,
+}
+
+/// The comparison of one group.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GroupComparison {
+    /// Which rows.
+    pub group: Group,
+    /// Every model and split.
+    pub comparisons: Vec<Comparison>,
+    /// Where models end.
+    pub domain: Vec<DomainNote>,
+}
+
+/// The predictions of a group: measured rows and, by model id, what it predicts (NaN where it gives nothing).
+#[derive(Clone, Debug)]
+pub struct Predictions {
+    /// The usable rows.
+    pub rows: Vec<Row>,
+    /// Predicted force by model, N; `new (loso)` holds the predictions of the fits that have not seen the row's specimen.
+    pub by_model: BTreeMap<String, Vec<f64>>,
+}
+
+/// Name of the predictions by the fits that have not seen the row's specimen.
+pub const NEW_LOSO: &str = "new (loso)";
+
+struct Answers {
+    id: String,
+    title: String,
+    fitted_here: bool,
+    predictions: Vec<Prediction>,
+}
+
+/// Compares the models on the rows of a group.
+pub fn compare(
+    fit: &GroupFit,
+    rows: &[Row],
+    options: &CompareOptions,
+    fit_options: &FitOptions,
+) -> (GroupComparison, Predictions) {
+    let rows: Vec<Row> = rows.iter().filter(|r| is_usable(r)).cloned().collect();
+    let strongest = strongest(&rows);
+    let mut comparisons = Vec::new();
+    let mut domain = Vec::new();
+    let mut by_model = BTreeMap::new();
+    let new = new_model(fit, &rows, fit_options);
+    let loso = leave_one_specimen_out(fit, &rows, fit_options);
+    let chosen = |m: &&'static dyn ForceModel| {
+        m.diameters().contains(&fit.group.diameter_mm)
+            && (options.models.is_empty() || options.models.iter().any(|id| id == m.id()))
+    };
+    let baselines = published().into_iter().filter(chosen).map(|m| baseline(m, &rows));
+    for answers in new.into_iter().chain(baselines) {
+        let parameters = if answers.fitted_here { parameters(fit) } else { 0 };
+        for split in SPLITS {
+            let (used, p) = match (split, answers.fitted_here) {
+                ("loso", true) => (loso.as_ref(), 0),
+                ("train" | "all", true) => (Some(&answers), parameters),
+                _ => (Some(&answers), 0),
+            };
+            let line = used.and_then(|used| statistics(used, &answers, split, &rows, p, &strongest));
+            comparisons.extend(line);
+        }
+        domain.extend(domain_notes(&answers));
+        by_model.insert(answers.id.clone(), forces(&answers.predictions));
+    }
+    if let Some(loso) = &loso {
+        by_model.insert(NEW_LOSO.to_owned(), forces(&loso.predictions));
+    }
+    let comparison = GroupComparison {
+        group: fit.group.clone(),
+        comparisons,
+        domain,
+    };
+    (comparison, Predictions { rows, by_model })
+}
+
+const SPLITS: [&str; 5] = ["train", "loso", "validation", "holdout", "all"];
+
+fn in_split(split: &str, row: &Row) -> bool {
+    match split {
+        "train" | "loso" => is_fitted(row),
+        "validation" => row.role == Some(Role::Validation),
+        "holdout" => row.role == Some(Role::Holdout),
+        _ => true,
+    }
+}
+
+fn forces(predictions: &[Prediction]) -> Vec<f64> {
+    predictions.iter().map(|p| p.force_n().unwrap_or(f64::NAN)).collect()
+}
+
+/// Number of coefficients that the joint fit determined.
+fn parameters(fit: &GroupFit) -> usize {
+    fit.equation(JOINT).map_or(0, |e| e.p)
+}
+
+fn strongest(rows: &[Row]) -> BTreeMap<String, f64> {
+    let mut strongest = BTreeMap::new();
+    for row in rows {
+        let slot = strongest.entry(row.specimen.clone()).or_insert(f64::NEG_INFINITY);
+        *slot = row.force_n.max(*slot);
+    }
+    strongest
+}
+
+fn state(row: &Row) -> State {
+    State {
+        diameter_mm: row.diameter_mm,
+        rest_length_m: row.rest_length_m,
+        contracted_length_m: row.contracted_length_m,
+        length_m: row.length_m,
+        pressure_kpa: row.pressure_kpa,
+        direction: Direction::Isometric,
+    }
+}
+
+fn baseline(model: &dyn ForceModel, rows: &[Row]) -> Answers {
+    Answers {
+        id: model.id().to_owned(),
+        title: model.title().to_owned(),
+        fitted_here: false,
+        predictions: rows.iter().map(|r| model.predict(&state(r))).collect(),
+    }
+}
+
+fn new_model(fit: &GroupFit, rows: &[Row], options: &FitOptions) -> Option<Answers> {
+    let coefficients = fit.equation(JOINT)?.values();
+    let force = |r: &Row| joint_force(&coefficients, fit.group.diameter_mm, r, options);
+    Some(Answers {
+        id: NEW.to_owned(),
+        title: "New model, fitted here".to_owned(),
+        fitted_here: true,
+        predictions: rows.iter().map(|r| Prediction::new(force(r), None)).collect(),
+    })
+}
+
+/// Every row predicted by the fit without its specimen; rows of specimens that no fit left out get nothing.
+fn leave_one_specimen_out(fit: &GroupFit, rows: &[Row], options: &FitOptions) -> Option<Answers> {
+    let joint = fit.equation(JOINT)?;
+    if joint.folds.is_empty() {
+        return None;
+    }
+    let folds: BTreeMap<&str, &[f64]> = joint
+        .folds
+        .iter()
+        .map(|f| (f.left_out.as_str(), f.coefficients.as_slice()))
+        .collect();
+    let predict = |row: &Row| match folds.get(row.specimen.as_str()) {
+        Some(c) => Prediction::new(joint_force(c, fit.group.diameter_mm, row, options), None),
+        None => Prediction::outside(crate::models::Reason::NotAState("no fit left this specimen out")),
+    };
+    Some(Answers {
+        id: NEW_LOSO.to_owned(),
+        title: String::new(),
+        fitted_here: true,
+        predictions: rows.iter().map(predict).collect(),
+    })
+}
+
+/// The statistics of one model on one split; `None` where the split has no rows.
+fn statistics(
+    used: &Answers,
+    named: &Answers,
+    split: &str,
+    rows: &[Row],
+    parameters: usize,
+    strongest: &BTreeMap<String, f64>,
+) -> Option<Comparison> {
+    let members: Vec<usize> = (0..rows.len()).filter(|k| in_split(split, &rows[*k])).collect();
+    if members.is_empty() {
+        return None;
+    }
+    let answered: Vec<(usize, f64)> = members
+        .iter()
+        .filter_map(|k| Some((*k, used.predictions[*k].force_n()?)))
+        .collect();
+    let observed: Vec<f64> = answered.iter().map(|(k, _)| rows[*k].force_n).collect();
+    let predicted: Vec<f64> = answered.iter().map(|(_, f)| *f).collect();
+    let goodness = GoodnessOfFit::new(&observed, &predicted, parameters);
+    let percent = |(k, f): &(usize, f64)| {
+        let most = strongest.get(&rows[*k].specimen).copied().unwrap_or(f64::NAN);
+        100.0 * (rows[*k].force_n - f).abs() / most
+    };
+    let finite = |x: f64| x.is_finite().then_some(x);
+    let extrapolated = |k: &&usize| matches!(used.predictions[**k], Prediction::Extrapolated { .. });
+    Some(Comparison {
+        model: named.id.clone(),
+        title: named.title.clone(),
+        fitted_here: named.fitted_here,
+        split: split.to_owned(),
+        n: goodness.n,
+        adj_r2: finite(goodness.adjusted_r2),
+        rmse: finite(goodness.rmse),
+        max_abs_error: finite(goodness.max_abs_error),
+        max_abs_error_pct: answered.iter().map(percent).reduce(f64::max).and_then(finite),
+        bias: finite(goodness.bias),
+        n_excluded: members.len() - answered.len(),
+        n_extrapolated: members.iter().filter(extrapolated).count(),
+    })
+}
+
+/// The reasons of one model, alike ones together: their quantity and bounds, without the value of the single row.
+fn domain_notes(answers: &Answers) -> Vec<DomainNote> {
+    let mut notes: Vec<DomainNote> = Vec::new();
+    for prediction in &answers.predictions {
+        let Some(reason) = prediction.reason() else { continue };
+        let excluded = prediction.force_n().is_none();
+        let kind = reason.kind();
+        match notes.iter_mut().find(|n| n.excluded == excluded && n.reason == kind) {
+            Some(note) => note.count += 1,
+            None => notes.push(DomainNote {
+                model: answers.id.clone(),
+                excluded,
+                reason: kind,
+                count: 1,
+            }),
+        }
+    }
+    notes.sort_by(|a, b| (a.excluded, &a.reason).cmp(&(b.excluded, &b.reason)));
+    notes
+}

@@ -1,0 +1,260 @@
+//! The equations of the force paper, ready to be fitted to a group.
+
+use crate::base::row::Row;
+use crate::config::FitOptions;
+use crate::models::{Coefficient, new};
+use crate::numerics::real::{Dual, Real};
+use crate::stages::fit::contraction_620;
+use crate::stages::fit::engine::{Equation, EquationFit, Symbol};
+use crate::stages::fit::maxima::Maximum;
+use std::collections::BTreeSet;
+
+/// Id of the fit of F_620(l_rest): Eq. 5 (10 mm) or Eq. 6 (20 mm).
+pub const MAXIMUM_FORCE: &str = "F_620(l_rest)";
+/// Id of the fit of F_max(l_rest, P): Eq. 7.
+pub const FORCE_AT_REST: &str = "F_max(l_rest, P)";
+/// Id of the fit of F*(eps*, P*): Eq. 8.
+pub const SURFACE: &str = "F*(eps*, P*)";
+/// Id of the fit of all coefficients jointly: Eq. 9.
+pub const JOINT: &str = "F(eps*, P*, l_rest)";
+/// Id of the straight line through eps_620 against l_rest.
+pub const CONTRACTION: &str = "eps_620(l_rest)";
+
+/// What stands for an actuator whose diameter has no published law of length: a nearly constant F_620.
+const NO_LENGTH_LAW: f64 = 1e4;
+
+/// The published coefficients of a diameter, by symbol.
+fn published(diameter_mm: u32, symbol: &str) -> Option<&'static Coefficient> {
+    let list: &'static [Coefficient] = match diameter_mm {
+        10 => &new::PUBLISHED_10,
+        20 => &new::PUBLISHED_20,
+        40 => &new::PUBLISHED_40,
+        _ => &[],
+    };
+    list.iter().find(|c| c.symbol == symbol)
+}
+
+/// The length at which the end caps touch, m: a constant of the construction, not fitted.
+pub fn cap_length_m(diameter_mm: u32, options: &FitOptions) -> f64 {
+    match diameter_mm {
+        10 => options.l_0_10mm_m,
+        20 => options.l_0_20mm_m,
+        _ => 0.0,
+    }
+}
+
+fn symbol(diameter_mm: u32, name: &'static str, unit: &'static str, bounds: (f64, f64)) -> Symbol {
+    Symbol {
+        name,
+        unit,
+        bounds,
+        published: published(diameter_mm, name).map(|c| (c.value, c.interval_95)),
+    }
+}
+
+fn start(diameter_mm: u32, name: &str, otherwise: f64) -> f64 {
+    published(diameter_mm, name).map_or(otherwise, |c| c.value)
+}
+
+/// How many resting lengths are among the rows.
+fn lengths(rows: &[&Row]) -> usize {
+    let distinct: BTreeSet<u64> = rows.iter().map(|r| r.rest_length_m.to_bits()).collect();
+    distinct.len()
+}
+
+/// Fits every equation that the rows allow; `notes` say which they do not, and why.
+pub fn fit_all(
+    diameter_mm: u32,
+    rows: &[&Row],
+    maxima: &[Maximum],
+    options: &FitOptions,
+    notes: &mut Vec<String>,
+) -> Vec<EquationFit> {
+    let by_length = maximum_force(diameter_mm, maxima, options);
+    let f620 = by_length.as_ref().map(|fit| fit.values());
+    let fits = [
+        (MAXIMUM_FORCE, by_length, "needs a measured maximum of at least three specimens"),
+        (FORCE_AT_REST, force_at_rest(diameter_mm, rows, options), "needs rows at resting length of at least two specimens"),
+        (SURFACE, surface(diameter_mm, rows, maxima, f620.as_deref(), options), "needs the measured maximum of its specimens"),
+        (JOINT, joint(diameter_mm, rows, options), "needs more rows than coefficients"),
+        (CONTRACTION, contraction(rows, options), "needs at least three specimens"),
+    ];
+    fits.into_iter()
+        .filter_map(|(id, fit, needs)| {
+            if fit.is_none() {
+                notes.push(format!("{id} was not fitted: it {needs}"));
+            }
+            fit
+        })
+        .collect()
+}
+
+fn maximum_force(diameter_mm: u32, maxima: &[Maximum], options: &FitOptions) -> Option<EquationFit> {
+    let rows: Vec<Row> = maxima
+        .iter()
+        .map(|m| {
+            let mut row = Row::blank();
+            (row.specimen, row.rest_length_m, row.force_n) = (m.specimen.clone(), m.rest_length_m, m.force_n);
+            row
+        })
+        .collect();
+    let rows: Vec<&Row> = rows.iter().collect();
+    if lengths(&rows) < 3 {
+        return None;
+    }
+    let offset = cap_length_m(diameter_mm, options);
+    let (b1, b2) = (start(diameter_mm, "b1", 1000.0), start(diameter_mm, "b2", 15.0));
+    let equation = Equation::<2> {
+        id: MAXIMUM_FORCE,
+        title: "maximum force at 620 kPa against resting length",
+        unit: "N",
+        symbols: [
+            symbol(diameter_mm, "b1", "N", (1e-3, 1e5)),
+            symbol(diameter_mm, "b2", "1/m", (1e-2, 1e4)),
+        ],
+        starts: vec![[b1, b2], [b1, 0.3 * b2], [b1, 3.0 * b2]],
+        held: &|_| [None; 2],
+        observed: &|r| r.force_n,
+        model: &|r, c| new::f620(c[0], c[1], Dual::constant(offset), Dual::constant(r.rest_length_m)),
+    };
+    equation.fit(&rows, options)
+}
+
+fn force_at_rest(diameter_mm: u32, rows: &[&Row], options: &FitOptions) -> Option<EquationFit> {
+    let rows: Vec<&Row> = rows
+        .iter()
+        .copied()
+        .filter(|r| r.contraction_rel.abs() <= options.at_rest)
+        .collect();
+    if lengths(&rows) < 2 {
+        return None;
+    }
+    let offset = published(diameter_mm, "l_0 (Eq. 7)").map_or(0.0, |c| c.value);
+    let (a1, a2) = (start(diameter_mm, "a1", 1.0), start(diameter_mm, "a2", 0.03));
+    let equation = Equation::<2> {
+        id: FORCE_AT_REST,
+        title: "force at resting length against resting length and pressure",
+        unit: "N",
+        symbols: [
+            symbol(diameter_mm, "a1", "N/kPa", (1e-6, 1e3)),
+            symbol(diameter_mm, "a2", "1/(kPa m)", (1e-6, 1e3)),
+        ],
+        starts: vec![[a1, a2], [a1, 0.3 * a2], [a1, 3.0 * a2]],
+        held: &|rows| [None, (lengths(rows) < 2).then_some(a2)],
+        observed: &|r| r.force_n,
+        model: &|r, c| {
+            let (length, pressure) = (Dual::constant(r.rest_length_m), Dual::constant(r.pressure_kpa));
+            new::fmax(c[0], c[1], Dual::constant(offset), length, pressure)
+        },
+    };
+    equation.fit(&rows, options)
+}
+
+const SURFACE_BOUNDS: [(f64, f64); 3] = [(0.0, 5.0), (1e-3, 100.0), (-2.0, 50.0)];
+
+fn surface_symbols(diameter_mm: u32) -> [Symbol; 3] {
+    [
+        symbol(diameter_mm, "c0", "1", SURFACE_BOUNDS[0]),
+        symbol(diameter_mm, "c1", "1", SURFACE_BOUNDS[1]),
+        symbol(diameter_mm, "c2", "1", SURFACE_BOUNDS[2]),
+    ]
+}
+
+fn surface_start(diameter_mm: u32) -> [f64; 3] {
+    [
+        start(diameter_mm, "c0", 0.4),
+        start(diameter_mm, "c1", 5.0),
+        start(diameter_mm, "c2", 1.0),
+    ]
+}
+
+/// Eq. 8: forces divided by the fitted F_620 of their resting length, or by the specimen's own where no law of length could be fitted.
+fn surface(
+    diameter_mm: u32,
+    rows: &[&Row],
+    maxima: &[Maximum],
+    f620: Option<&[f64]>,
+    options: &FitOptions,
+) -> Option<EquationFit> {
+    let offset = cap_length_m(diameter_mm, options);
+    let scale = |r: &Row| match f620 {
+        Some(b) => Some(new::f620(b[0], b[1], offset, r.rest_length_m)),
+        None => maxima.iter().find(|m| m.specimen == r.specimen).map(|m| m.force_n),
+    };
+    let rows: Vec<&Row> = rows.iter().copied().filter(|r| scale(r).is_some()).collect();
+    let equation = Equation::<3> {
+        id: SURFACE,
+        title: "relative force against relative contraction and relative pressure",
+        unit: "1",
+        symbols: surface_symbols(diameter_mm),
+        starts: vec![surface_start(diameter_mm)],
+        held: &|_| [None; 3],
+        observed: &|r| r.force_n / scale(r).unwrap_or(f64::NAN),
+        model: &|r, c| new::surface(*c, Dual::constant(r.contraction_rel), Dual::constant(r.pressure_rel)),
+    };
+    equation.fit(&rows, options)
+}
+
+/// Eq. 9 with all coefficients free: b1, b2, c0, c1, c2, in N. With one resting length b2 cannot be told from b1 and is held.
+fn joint(diameter_mm: u32, rows: &[&Row], options: &FitOptions) -> Option<EquationFit> {
+    let offset = cap_length_m(diameter_mm, options);
+    let constant = start(diameter_mm, "F_620", 1000.0) / std::f64::consts::FRAC_PI_2;
+    let (b1, b2) = (start(diameter_mm, "b1", constant), start(diameter_mm, "b2", NO_LENGTH_LAW));
+    let [c0, c1, c2] = surface_start(diameter_mm);
+    let has_law = published(diameter_mm, "b2").is_some();
+    let symbols = surface_symbols(diameter_mm);
+    let equation = Equation::<5> {
+        id: JOINT,
+        title: "force against resting length, contraction and pressure, all coefficients jointly",
+        unit: "N",
+        symbols: [
+            symbol(diameter_mm, "b1", "N", (1e-3, 1e5)),
+            symbol(diameter_mm, "b2", "1/m", (1e-2, 1e4)),
+            symbols[0],
+            symbols[1],
+            symbols[2],
+        ],
+        starts: [1.0, 0.3, 3.0].iter().map(|k| [b1, k * b2, c0, c1, c2]).collect(),
+        held: &|rows| [None, (!has_law || lengths(rows) < 2).then_some(b2), None, None, None],
+        observed: &|r| r.force_n,
+        model: &|r, c| {
+            let f620 = new::f620(c[0], c[1], Dual::constant(offset), Dual::constant(r.rest_length_m));
+            let (contraction, pressure) = (Dual::constant(r.contraction_rel), Dual::constant(r.pressure_rel));
+            new::force([c[2], c[3], c[4]], f620, contraction, pressure)
+        },
+    };
+    equation.fit(rows, options)
+}
+
+/// The force of Eq. 9 with jointly fitted coefficients, N.
+pub fn joint_force(coefficients: &[f64], diameter_mm: u32, row: &Row, options: &FitOptions) -> f64 {
+    let c = coefficients;
+    let f620 = new::f620(c[0], c[1], cap_length_m(diameter_mm, options), row.rest_length_m);
+    new::force([c[2], c[3], c[4]], f620, row.contraction_rel, row.pressure_rel)
+}
+
+/// eps_620 in percent against l_rest in m, one point a specimen (force paper, Fig. 3B).
+fn contraction(rows: &[&Row], options: &FitOptions) -> Option<EquationFit> {
+    let specimens: std::collections::BTreeMap<&str, &Row> = rows.iter().map(|r| (r.specimen.as_str(), *r)).collect();
+    let rows: Vec<&Row> = specimens.into_values().collect();
+    if lengths(&rows) < 3 {
+        return None;
+    }
+    let free = |name, unit| Symbol {
+        name,
+        unit,
+        bounds: (f64::NEG_INFINITY, f64::INFINITY),
+        published: None,
+    };
+    let equation = Equation::<2> {
+        id: CONTRACTION,
+        title: "contraction at 620 kPa without load against resting length",
+        unit: "1",
+        symbols: [free("intercept", "1"), free("slope", "1/m")],
+        starts: vec![[0.16, 0.0]],
+        held: &|_| [None; 2],
+        observed: &contraction_620,
+        model: &|r, c| c[0] + c[1] * r.rest_length_m,
+    };
+    equation.fit(&rows, options)
+}
