@@ -66,6 +66,9 @@ pub fn of_file(path: &Path) -> std::io::Result<Digest> {
     }
 }
 
+/// The largest file whose bytes are kept between hashing and reading.
+pub const LARGEST_IN_MEMORY: u64 = 64 << 20;
+
 /// A file's size and time of change, with the digest that its contents had then.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Seen {
@@ -104,11 +107,13 @@ impl FileHashes {
         serde_json::to_vec(&*current).ok()
     }
 
-    /// The digest of the file at `path`, remembered under `name`.
+    /// The digest of the file at `path`, remembered under `name`, and its bytes if they had to be read for it.
+    ///
+    /// A file of more than [`LARGEST_IN_MEMORY`] bytes is hashed in pieces and not kept.
     ///
     /// # Errors
     /// What the system says.
-    pub fn digest(&self, name: &str, path: &Path) -> std::io::Result<Digest> {
+    pub fn digest(&self, name: &str, path: &Path) -> std::io::Result<(Digest, Option<Vec<u8>>)> {
         let metadata = std::fs::metadata(path)?;
         if metadata.is_dir() {
             return Err(std::io::ErrorKind::IsADirectory.into());
@@ -120,9 +125,14 @@ impl FileHashes {
             && (seen.size, seen.modified_ns) == (size, modified_ns)
         {
             self.remember(name, seen.clone());
-            return Ok(seen.digest.clone());
+            return Ok((seen.digest.clone(), None));
         }
-        let digest = of_file(path)?;
+        let (digest, bytes) = if size <= LARGEST_IN_MEMORY {
+            let bytes = std::fs::read(path)?;
+            (Digest::of(&bytes), Some(bytes))
+        } else {
+            (of_file(path)?, None)
+        };
         let age = SystemTime::now().duration_since(modified).unwrap_or_default();
         if age > TOO_FRESH {
             self.remember(
@@ -134,7 +144,7 @@ impl FileHashes {
                 },
             );
         }
-        Ok(digest)
+        Ok((digest, bytes))
     }
 
     fn remember(&self, name: &str, seen: Seen) {
@@ -163,12 +173,12 @@ mod tests {
         std::fs::write(&path, b"one").unwrap();
         let time = std::fs::metadata(&path).unwrap().modified().unwrap();
         let hashes = FileHashes::default();
-        let first = hashes.digest("log.csv", &path).unwrap();
+        let first = hashes.digest("log.csv", &path).unwrap().0;
         let hashes = FileHashes::from_json(&hashes.to_json().unwrap_or_default());
         std::fs::write(&path, b"two").unwrap();
         let file = std::fs::File::options().write(true).open(&path).unwrap();
         file.set_modified(time).unwrap();
-        assert_ne!(hashes.digest("log.csv", &path).unwrap(), first);
+        assert_ne!(hashes.digest("log.csv", &path).unwrap().0, first);
     }
 
     #[test]
@@ -182,11 +192,11 @@ mod tests {
         };
         set(b"one", 100);
         let hashes = FileHashes::default();
-        let first = hashes.digest("log.csv", &path).unwrap();
+        let first = hashes.digest("log.csv", &path).unwrap().0;
         let next = FileHashes::from_json(&hashes.to_json().unwrap());
-        assert_eq!(next.digest("log.csv", &path).unwrap(), first);
+        assert_eq!(next.digest("log.csv", &path).unwrap(), (first, None));
         assert!(next.to_json().is_none(), "nothing new was seen");
         set(b"two", 50);
-        assert_eq!(next.digest("log.csv", &path).unwrap(), Digest::of(b"two"));
+        assert_eq!(next.digest("log.csv", &path).unwrap().0, Digest::of(b"two"));
     }
 }

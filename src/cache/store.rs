@@ -1,7 +1,9 @@
-//! The store: objects by content, entries by key; written to a temporary place, synced, renamed, the entry last.
+//! The store: objects by content, entries by key; written to a temporary place, renamed, the entry last.
 //!
-//! A process killed at any moment leaves temporary files or objects without an entry, never an entry without its objects. Objects are
-//! checked against their digest whenever they are read; what does not agree is as good as absent.
+//! A process killed at any moment leaves temporary files or objects without an entry, never an entry without its objects. After a
+//! power failure the system may have kept the name and lost the contents; that is seen, because an object is checked against its digest
+//! whenever it is read and an entry against its key, and what does not agree is as good as absent. So nothing waits for the disk: five
+//! hundred `fsync` calls took 3 s of a run of 5.5 s over 39 MB of logs.
 
 use crate::base::error::{Error, Result};
 use crate::cache::hashing::Digest;
@@ -147,7 +149,7 @@ impl Store {
     }
 }
 
-/// Writes a file so that a reader sees the old contents or the new, never a part: temporary file beside it, sync, rename.
+/// Writes a file so that a reader sees the old contents or the new, never a part: temporary file beside it, then rename.
 ///
 /// # Errors
 /// What the system says.
@@ -160,7 +162,6 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
         .map_err(Error::io("write in", folder))?;
     temporary
         .write_all(bytes)
-        .and_then(|()| temporary.as_file().sync_data())
         .map_err(Error::io("write", path))?;
     set_ordinary_permissions(temporary.path());
     temporary

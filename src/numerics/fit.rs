@@ -51,6 +51,9 @@ pub fn fit_multi_start<P: LeastSquaresProblem + ?Sized>(
     best.map(|(_, start, minimum)| fitter.finish(start, minimum))
 }
 
+/// Trial points of one reweighted pass.
+const POINTS_A_PASS: usize = 3;
+
 /// The end of the reweighted passes.
 struct Reweighted {
     minimum: Minimum,
@@ -85,10 +88,15 @@ impl<'a, P: LeastSquaresProblem + ?Sized> Fitter<'a, P> {
     }
 
     fn descend(&self, start: &[f64], weights: &[f64]) -> Minimum {
+        self.descend_at_most(self.options.max_iterations, start, weights, true)
+    }
+
+    fn descend_at_most(&self, max_iterations: usize, start: &[f64], weights: &[f64], polish: bool) -> Minimum {
         let row_factors: Vec<f64> = weights.iter().map(|w| w.sqrt()).collect();
         let limits = Limits {
-            max_iterations: self.options.max_iterations,
+            max_iterations,
             tolerance: self.options.tolerance,
+            polish,
         };
         minimise(self.problem, start, &row_factors, &self.bounds, limits)
     }
@@ -115,7 +123,14 @@ impl<'a, P: LeastSquaresProblem + ?Sized> Fitter<'a, P> {
         while now.passes < self.options.max_passes {
             let moved = self.pass(&mut now, floor);
             if moved <= self.options.pass_tolerance {
-                return now;
+                // A short pass may also stand still because its few trial points failed: arrive, and see whether that moves.
+                let end = self.descend(&now.minimum.parameters, &now.weights);
+                let moved = largest_relative_move(&now.minimum.parameters, &end.parameters);
+                let iterations = now.minimum.iterations + end.iterations;
+                now.minimum = Minimum { iterations, ..end };
+                if moved <= self.options.pass_tolerance {
+                    return now;
+                }
             }
         }
         now.minimum.outcome = Outcome::MaxIterations;
@@ -123,6 +138,8 @@ impl<'a, P: LeastSquaresProblem + ?Sized> Fitter<'a, P> {
     }
 
     /// One reweighted pass; returns the largest relative move of a parameter.
+    ///
+    /// A few trial points are enough, since the weights change before the next: only the last descent has to arrive.
     fn pass(&self, now: &mut Reweighted, floor: f64) -> f64 {
         let r = self.residuals(&now.minimum.parameters);
         let n = now.minimum.parameters.len();
@@ -132,7 +149,7 @@ impl<'a, P: LeastSquaresProblem + ?Sized> Fitter<'a, P> {
             .iter()
             .map(|v| self.options.loss.weight(v / now.scale))
             .collect();
-        let next = self.descend(&now.minimum.parameters, &now.weights);
+        let next = self.descend_at_most(POINTS_A_PASS, &now.minimum.parameters, &now.weights, false);
         let moved = largest_relative_move(&now.minimum.parameters, &next.parameters);
         now.passes += 1;
         now.minimum = Minimum {

@@ -29,6 +29,7 @@ const PASS_TOLERANCE: f64 = 1e-6;
 const LIMITS: Limits = Limits {
     max_iterations: 2000,
     tolerance: f64::EPSILON,
+    polish: true,
 };
 
 /// How to fit.

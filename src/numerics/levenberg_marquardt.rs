@@ -46,6 +46,8 @@ pub struct Limits {
     pub max_iterations: usize,
     /// Relative change of the sum of squares and of the parameters below which the trust-region phase ends.
     pub tolerance: f64,
+    /// Whether the end is then polished to machine precision.
+    pub polish: bool,
 }
 
 /// First radius of the trust region, in units of the scaled length of the starting point (MINPACK's `factor`). Its 100 lets the
@@ -94,7 +96,9 @@ pub fn minimise<P: LeastSquaresProblem + ?Sized>(
     let outcome = if !descent.descend(limits) {
         Outcome::MaxIterations
     } else {
-        descent.polish();
+        if limits.polish {
+            descent.polish();
+        }
         if descent.stalled() {
             Outcome::Stalled
         } else {

@@ -109,6 +109,7 @@ impl<const N: usize> Dual<N> {
         Self { value, gradient }
     }
 
+    #[inline]
     fn map2(self, other: Self, value: f64, left: f64, right: f64) -> Self {
         let mut gradient = [0.0; N];
         for (k, slot) in gradient.iter_mut().enumerate() {
@@ -128,34 +129,41 @@ impl<const N: usize> Real for Dual<N> {
     fn value(self) -> f64 {
         self.value
     }
-    fn chain(self, value: f64, slope: f64) -> Self {
-        Self {
-            value,
-            gradient: self.gradient.map(|d| slope * d),
+    #[inline]
+    fn chain(mut self, value: f64, slope: f64) -> Self {
+        // A plain loop: `array::map` is not unrolled, and this is the innermost loop of every fit.
+        for d in &mut self.gradient {
+            *d *= slope;
         }
+        self.value = value;
+        self
     }
 }
 
 impl<const N: usize> Add for Dual<N> {
     type Output = Self;
+    #[inline]
     fn add(self, o: Self) -> Self {
         self.map2(o, self.value + o.value, 1.0, 1.0)
     }
 }
 impl<const N: usize> Sub for Dual<N> {
     type Output = Self;
+    #[inline]
     fn sub(self, o: Self) -> Self {
         self.map2(o, self.value - o.value, 1.0, -1.0)
     }
 }
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
+    #[inline]
     fn mul(self, o: Self) -> Self {
         self.map2(o, self.value * o.value, o.value, self.value)
     }
 }
 impl<const N: usize> Div for Dual<N> {
     type Output = Self;
+    #[inline]
     fn div(self, o: Self) -> Self {
         let quotient = self.value / o.value;
         self.map2(o, quotient, 1.0 / o.value, -quotient / o.value)
@@ -169,24 +177,28 @@ impl<const N: usize> Neg for Dual<N> {
 }
 impl<const N: usize> Add<f64> for Dual<N> {
     type Output = Self;
+    #[inline]
     fn add(self, c: f64) -> Self {
         self.chain(self.value + c, 1.0)
     }
 }
 impl<const N: usize> Sub<f64> for Dual<N> {
     type Output = Self;
+    #[inline]
     fn sub(self, c: f64) -> Self {
         self.chain(self.value - c, 1.0)
     }
 }
 impl<const N: usize> Mul<f64> for Dual<N> {
     type Output = Self;
+    #[inline]
     fn mul(self, c: f64) -> Self {
         self.chain(self.value * c, c)
     }
 }
 impl<const N: usize> Div<f64> for Dual<N> {
     type Output = Self;
+    #[inline]
     fn div(self, c: f64) -> Self {
         self.chain(self.value / c, 1.0 / c)
     }

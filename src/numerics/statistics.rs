@@ -70,7 +70,20 @@ pub fn quantile(values: &[f64], probability: f64) -> f64 {
     if values.is_empty() || !(0.0..=1.0).contains(&probability) {
         return f64::NAN;
     }
+    of_sorted(&sorted(values), probability)
+}
+
+/// The distance between two quantiles, such as 0.01 and 0.99 for a range that stray values do not widen; NaN like [`quantile`].
+pub fn quantile_range(values: &[f64], low: f64, high: f64) -> f64 {
+    let outside = |p: f64| !(0.0..=1.0).contains(&p);
+    if values.is_empty() || outside(low) || outside(high) {
+        return f64::NAN;
+    }
     let sorted = sorted(values);
+    of_sorted(&sorted, high) - of_sorted(&sorted, low)
+}
+
+fn of_sorted(sorted: &[f64], probability: f64) -> f64 {
     let position = probability * (sorted.len() - 1) as f64;
     let below = position.floor() as usize;
     let above = (below + 1).min(sorted.len() - 1);

@@ -7,7 +7,7 @@ use crate::base::reject::Reject;
 use crate::base::row::{self, Row};
 use crate::base::{reading, reading::Reading};
 use crate::cache::store::Outputs;
-use crate::cache::{Digest, hashing};
+use crate::cache::Digest;
 use crate::config::{Config, flatten};
 use crate::formats::csv::check_line_lengths;
 use crate::formats::discover::Located;
@@ -141,25 +141,24 @@ fn attempt(engine: &Engine, located: &Located, config: &Config) -> std::result::
 
 fn ingest_step(engine: &Engine, located: &Located) -> std::result::Result<Step, Again> {
     let session = &located.session;
-    let name = |file: &str| format!("{}/{file}", located.relative);
     let mut inputs = BTreeMap::from([("session.toml".to_owned(), Digest::of(&to_json(session)?))]);
+    let mut at_hand = Vec::with_capacity(session.logs.len());
     for log in &session.logs {
         let path = located.directory.join(&log.file);
-        let digest = match engine.hashes.digest(&format!("{}:{}", session.id, log.file), &path) {
-            Ok(digest) => digest,
-            Err(e) => unreadable_digest(&e),
-        };
-        inputs.insert(log.file.clone(), digest);
+        let (digest, bytes) = engine
+            .hashes
+            .digest(&format!("{}:{}", session.id, log.file), &path)
+            .unwrap_or_else(|e| (unreadable_digest(&e), None));
+        inputs.insert(log.file.clone(), digest.clone());
+        at_hand.push((path, digest, bytes));
     }
     let options = BTreeMap::from([("folder".to_owned(), located.relative.clone())]);
-    let expected = inputs.clone();
     let mut changed = false;
     let step = engine.step(INGEST, &session.id, options, inputs, || {
-        let mut files = Vec::with_capacity(session.logs.len());
-        for log in &session.logs {
-            let path = located.directory.join(&log.file);
-            let (bytes, digest) = read_log(&path, &name(&log.file));
-            changed |= expected.get(&log.file) != Some(&digest);
+        let mut files = Vec::with_capacity(at_hand.len());
+        for (log, (path, digest, bytes)) in session.logs.iter().zip(at_hand) {
+            let (bytes, read) = read_log(&path, &format!("{}/{}", located.relative, log.file), bytes);
+            changed |= read.is_some_and(|read| read != digest);
             files.push(bytes);
         }
         if changed {
@@ -179,34 +178,38 @@ fn unreadable_digest(error: &std::io::Error) -> Digest {
     Digest::of(format!("unreadable: {}", error.kind()).as_bytes())
 }
 
-/// The bytes of a log and their digest; a diagnostic where it cannot be read or has a line without end.
-fn read_log(path: &Path, file: &str) -> (LogBytes, Digest) {
-    let unreadable = |e: std::io::Error| {
-        let (found, hint) = match e.kind() {
-            std::io::ErrorKind::NotFound => (
-                "no such file".to_owned(),
-                "put the log beside session.toml, or remove its [[log]]",
-            ),
-            kind => (format!("\"{kind}\""), "mend the permissions"),
+/// The bytes of a log, or a diagnostic where it cannot be read or has a line without end; and the digest of what was read, if it was
+/// read now.
+fn read_log(path: &Path, file: &str, at_hand: Option<Vec<u8>>) -> (LogBytes, Option<Digest>) {
+    if let Some(bytes) = at_hand {
+        return match check_line_lengths(file, bytes.as_slice()) {
+            Ok(Err(diagnostic)) => (Err(diagnostic), None),
+            _ => (Ok(bytes), None),
         };
-        let diagnostic = Diagnostic::error(file, found, "a readable log", hint).with_severity(Severity::Warning);
-        (Err(diagnostic), unreadable_digest(&e))
-    };
-    let checked = std::fs::File::open(path).and_then(|f| check_line_lengths(file, f));
-    match checked {
-        Err(e) => unreadable(e),
-        Ok(Err(diagnostic)) => match hashing::of_file(path) {
-            Ok(digest) => (Err(diagnostic), digest),
-            Err(e) => unreadable(e),
-        },
+    }
+    match std::fs::File::open(path).and_then(|f| check_line_lengths(file, f)) {
+        Err(e) => unreadable(file, &e),
+        Ok(Err(diagnostic)) => (Err(diagnostic), None),
         Ok(Ok(())) => match std::fs::read(path) {
             Ok(bytes) => {
                 let digest = Digest::of(&bytes);
-                (Ok(bytes), digest)
+                (Ok(bytes), Some(digest))
             }
-            Err(e) => unreadable(e),
+            Err(e) => unreadable(file, &e),
         },
     }
+}
+
+fn unreadable(file: &str, error: &std::io::Error) -> (LogBytes, Option<Digest>) {
+    let (found, hint) = match error.kind() {
+        std::io::ErrorKind::NotFound => (
+            "no such file".to_owned(),
+            "put the log beside session.toml, or remove its [[log]]",
+        ),
+        kind => (format!("\"{kind}\""), "mend the permissions"),
+    };
+    let diagnostic = Diagnostic::error(file, found, "a readable log", hint).with_severity(Severity::Warning);
+    (Err(diagnostic), Some(unreadable_digest(error)))
 }
 
 fn ingest_outputs(ingested: &ingest::Ingested) -> Result<Outputs> {

@@ -10,7 +10,6 @@
 //! file, belongs in this file.
 
 use super::random::Stream;
-use super::rig_settings::TOP_COUNT;
 use crate::models::new;
 use crate::models::{Direction, State};
 
@@ -57,6 +56,9 @@ pub struct Channel {
     /// Value at 0 counts.
     pub clip: f64,
 }
+
+/// Counts at which the 10-bit converter ends.
+pub const TOP_COUNT: f64 = 1023.0;
 
 /// Share of the samples that a disturbance reaches, and how much wider than the others they scatter: in the real logs most samples
 /// stand on one count or its neighbour, and a few lie up to six counts away.

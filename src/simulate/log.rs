@@ -1,8 +1,9 @@
 //! The log files of a session, as bytes.
 //!
-//! Two habits of the real rig make its clock: the controller sends each row over a serial line at 117,647 baud, so that a row with
-//! more digits takes longer and the first rows, which a 64-byte buffer takes up, come faster; and its millisecond counter advances by
-//! overflows of 1.024 ms, so that some milliseconds are missing. Stamps can repeat in the first rows.
+//! Two habits of the real rig make its clock, as far as the logs tell: the controller sends each row over a serial line at 117,647
+//! baud, so that a row with more digits takes longer and the first rows, which a 64-byte buffer takes up, come faster; and its
+//! millisecond counter advances by overflows of 1.024 ms, so that some milliseconds are missing. Stamps can repeat in the first
+//! rows.
 
 use super::chain::{Actuator, Channel};
 use super::draw::{DrawnSession, DrawnTruth};

@@ -1,11 +1,12 @@
 //! The test rig in software: a truth file in, a campaign of raw sessions out.
 //!
-//! [`read_truth`] checks the truth file, [`simulate`] measures it in memory, [`write()`](fn@write) puts it below a folder and the truth
-//! that was drawn into a file outside of it; [`rows`] skips the logs and gives their steady readings, for tests with many seeds.
+//! [`read_truth`] checks the truth file, [`simulate`] measures it in memory, [`write()`](fn@write) puts it below a folder and the
+//! truth that was drawn into a file outside of it; [`rows`] skips the logs and gives their steady readings, for tests with many
+//! seeds.
 //!
 //! | file | idea |
 //! |---|---|
-//! | [`truth`], `truth_lists`, [`rig_settings`] | the truth file, strictly read |
+//! | [`truth`], `truth_lists`, [`coefficients`], [`rig_settings`] | the truth file, strictly read |
 //! | [`random`] | random numbers that do not depend on what else is drawn |
 //! | [`draw`] | strengths, zeros and pressures of the sessions |
 //! | [`staircase`] | pressure over time |
@@ -18,6 +19,7 @@
 //! from `libm` and random numbers from ChaCha8, so that equal truth files give equal bytes on every machine.
 
 pub mod chain;
+pub mod coefficients;
 pub mod draw;
 mod log;
 mod number;

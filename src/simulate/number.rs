@@ -1,6 +1,6 @@
 //! Numbers as the rig writes them: few digits, no zeros at the end.
 
-/// Five significant digits without trailing zeros, the rig's "%.5g" (for magnitudes from 1e-4 to 99,999): `8.18`, `-8.7354`, `372.42`.
+/// Five significant digits without trailing zeros, the rig's "%.5g" (for magnitudes from 1e-4 to 99,999): `8.18`, `-8.7354`.
 pub fn five_digits(x: f64) -> String {
     const LEADING: [f64; 9] = [1e4, 1e3, 1e2, 1e1, 1e0, 1e-1, 1e-2, 1e-3, 1e-4];
     let decimals = LEADING
@@ -36,11 +36,11 @@ mod tests {
             (0.14486, "0.14486"),
             (1447.03, "1447"),
             (0.0, "0"),
-            (-1e-9, "0"),
         ] {
             assert_eq!(five_digits(x), text);
         }
         assert_eq!(fixed(12.340, 3), "12.34");
         assert_eq!(fixed(1400.0, 0), "1400");
+        assert_eq!(fixed(-0.0001, 3), "0");
     }
 }

@@ -73,8 +73,12 @@ pub struct Rig {
     pub specimen_scatter: f64,
 }
 
-/// Counts at which the 10-bit converter ends.
-pub const TOP_COUNT: f64 = 1023.0;
+/// A number of the table, under the name of its field.
+macro_rules! number {
+    ($rig:ident, $key:ident, $low:expr, $high:expr, $unit:expr) => {
+        (stringify!($key), &mut $rig.$key, ($low, $high), $unit)
+    };
+}
 
 impl Rig {
     /// The rig that measured actuators of this diameter.
@@ -175,67 +179,30 @@ impl Rig {
 
     /// Every number of the table: key, place, smallest and largest value, unit.
     fn numbers(&mut self) -> [(&'static str, &mut f64, (f64, f64), &'static str); 23] {
-        let share = (0.001, 0.9);
-        let (spread, signed) = ((0.0, 200.0), (-200.0, 200.0));
         [
-            ("interval_ms", &mut self.interval_ms, (1.0, 10.0), "ms"),
-            ("filling", &mut self.filling, (0.05, 1.0), "1"),
-            ("supply_kpa", &mut self.supply_kpa, (50.0, 740.0), "kPa"),
-            ("supply_sd_kpa", &mut self.supply_sd_kpa, (0.0, 10.0), "kPa"),
-            ("floor_kpa", &mut self.floor_kpa, (0.0, 300.0), "kPa"),
-            ("floor_sd_kpa", &mut self.floor_sd_kpa, (0.0, 10.0), "kPa"),
-            ("fill_share", &mut self.fill_share, share, "1"),
-            ("vent_share", &mut self.vent_share, share, "1"),
-            ("valve_jitter", &mut self.valve_jitter, (0.0, 0.5), "1"),
-            (
-                "overshoot_kpa",
-                &mut self.overshoot_kpa,
-                (0.0, 100.0),
-                "kPa",
-            ),
-            ("relaxation", &mut self.relaxation, (0.0, 0.6), "1"),
-            ("relaxation_s", &mut self.relaxation_s, (0.01, 10.0), "s"),
-            ("leak_per_s", &mut self.leak_per_s, (0.0, 0.2), "1/s"),
-            (
-                "force_quantum_n",
-                &mut self.force_quantum_n,
-                (1e-6, 50.0),
-                "N",
-            ),
-            ("force_clip_n", &mut self.force_clip_n, (-2000.0, 0.0), "N"),
-            (
-                "pressure_quantum_kpa",
-                &mut self.pressure_quantum_kpa,
-                (1e-6, 10.0),
-                "kPa",
-            ),
-            (
-                "pressure_clip_kpa",
-                &mut self.pressure_clip_kpa,
-                (-200.0, 0.0),
-                "kPa",
-            ),
-            ("force_noise_n", &mut self.force_noise_n, spread, "N"),
-            (
-                "pressure_noise_kpa",
-                &mut self.pressure_noise_kpa,
-                spread,
-                "kPa",
-            ),
-            ("zero_mean_n", &mut self.zero_mean_n, signed, "N"),
-            ("zero_sd_n", &mut self.zero_sd_n, spread, "N"),
-            (
-                "pressure_zero_kpa",
-                &mut self.pressure_zero_kpa,
-                signed,
-                "kPa",
-            ),
-            (
-                "specimen_scatter",
-                &mut self.specimen_scatter,
-                (0.0, 0.3),
-                "1",
-            ),
+            number!(self, interval_ms, 1.0, 10.0, "ms"),
+            number!(self, filling, 0.05, 1.0, "1"),
+            number!(self, supply_kpa, 50.0, 740.0, "kPa"),
+            number!(self, supply_sd_kpa, 0.0, 10.0, "kPa"),
+            number!(self, floor_kpa, 0.0, 300.0, "kPa"),
+            number!(self, floor_sd_kpa, 0.0, 10.0, "kPa"),
+            number!(self, fill_share, 0.001, 0.9, "1"),
+            number!(self, vent_share, 0.001, 0.9, "1"),
+            number!(self, valve_jitter, 0.0, 0.5, "1"),
+            number!(self, overshoot_kpa, 0.0, 100.0, "kPa"),
+            number!(self, relaxation, 0.0, 0.6, "1"),
+            number!(self, relaxation_s, 0.01, 10.0, "s"),
+            number!(self, leak_per_s, 0.0, 0.2, "1/s"),
+            number!(self, force_quantum_n, 1e-6, 50.0, "N"),
+            number!(self, force_clip_n, -2000.0, 0.0, "N"),
+            number!(self, pressure_quantum_kpa, 0.01, 10.0, "kPa"),
+            number!(self, pressure_clip_kpa, -200.0, 0.0, "kPa"),
+            number!(self, force_noise_n, 0.0, 200.0, "N"),
+            number!(self, pressure_noise_kpa, 0.0, 50.0, "kPa"),
+            number!(self, zero_mean_n, -200.0, 200.0, "N"),
+            number!(self, zero_sd_n, 0.0, 200.0, "N"),
+            number!(self, pressure_zero_kpa, -50.0, 50.0, "kPa"),
+            number!(self, specimen_scatter, 0.0, 0.3, "1"),
         ]
     }
 }

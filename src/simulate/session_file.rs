@@ -1,8 +1,9 @@
 //! `session.toml` of a simulated session, in the style of the real ones.
 
+use super::chain::TOP_COUNT;
 use super::draw::{DrawnSession, DrawnTruth};
 use super::number::{five_digits, fixed};
-use super::rig_settings::{LogUnit, TOP_COUNT};
+use super::rig_settings::LogUnit;
 use crate::base::session::{Role, Sampling};
 use std::fmt::Write;
 

@@ -3,20 +3,21 @@
 //! Every [`STEP_S`] the valve opens for some tens of milliseconds: the inlet valve while the rig fills, the outlet valve while it
 //! vents. In a step that begins at t_0, with u = t - t_0 and flow from u_1 to u_2 (constants below):
 //!
-//! - Bulk pressure: P(u) = (P_0 + D g (1 + rho exp(-(u - u_2)/tau))) exp(-lambda u), where g rises linearly from 0 at u_1 to 1 at
-//!   u_2 and D is the step's height. The bracket with rho (for u > u_2) is air that was warmed or cooled by the step and takes the
-//!   wall's temperature, less so while venting; lambda is the leak. Every step starts from the pressure at which the one before
-//!   ended.
+//! - Bulk pressure: P(u) = (P_0 + D g(u) (1 + rho c(u))) exp(-lambda u), where g rises linearly from 0 at u_1 to 1 at u_2, c is 1
+//!   up to u_2 and exp(-(u - u_2)/tau) after it, and D is the step's height. The bracket with rho is air that was warmed or cooled
+//!   by the step and takes the wall's temperature, less so while venting; lambda is the leak. Every step starts from the pressure
+//!   at which the one before ended.
 //! - Height, filling: D = min(0.95, f s j (1 + 1.7 x^2)) (P_supply - P_0), x = P_0/P_supply, with share f, run speed s and jitter
 //!   j. The parabola was read off the 10 mm logs, where an opening covers 14% of the distance at first and 37% near the supply.
 //! - Height, venting: D = -min(0.95, f j) (P_0 - P_floor): the outlet stops before the actuator is empty.
 //! - Strength of the pressure wave: A = A_0 (1 - exp(-|D|/D_0)), with the sign of the step.
 //! - Sensor: P(u) + A (1 - exp(-(u - u_1)/2 ms)) while air flows, P(u) - 0.4 A exp(-v/T_d) cos(2 pi v/T) after it, v = u - u_2.
-//! - Actuator: the wave arrives [`WAVE_DELAY_S`] later and in antiphase, as force leads and lags in the logs: P(u') + 0.55 A g'
-//!   while air flows, P(u') + 0.55 A exp(-v'/T_d) cos(2 pi v'/T) after it, with primes for times taken [`WAVE_DELAY_S`] earlier.
+//! - Actuator: rise and wave arrive [`WAVE_DELAY_S`] later, the wave in antiphase, as force does in the logs: P with g(u') in place
+//!   of g(u), plus 0.55 A g(u') while air flows and 0.55 A exp(-v'/T_d) cos(2 pi v'/T) after it, with u' = u - [`WAVE_DELAY_S`].
+//!   Relaxation and leak are not delayed: on a plateau sensor and actuator agree.
 //!
 //! The wave decays within T_d = 50 ms sqrt(P/500 kPa), P the pressure at the end of the step, at least 10 ms: thin air rings less.
-//! Before the next step it is down to 1e-3 of its height: there sensor and actuator agree.
+//! Before the next step it is down to 1e-3 of its height.
 
 use super::random::Stream;
 use super::rig_settings::Rig;
@@ -159,8 +160,9 @@ impl<'a> Staircase<'a> {
 
     /// True gauge pressure in the actuator, kPa.
     pub fn actuator(&self, time_s: f64) -> f64 {
-        let time_s = time_s - WAVE_DELAY_S;
-        let at = |s: &Step| s.bulk(time_s, self.rig) + s.actuator_wave(time_s);
+        let before_s = time_s - WAVE_DELAY_S;
+        let at =
+            |s: &Step| s.settled(time_s, s.risen(before_s), self.rig) + s.actuator_wave(before_s);
         self.step_at(time_s).map_or(0.0, at).max(0.0)
     }
 
@@ -177,12 +179,20 @@ impl Step {
         time_s - self.start_s - LATENCY_S
     }
 
+    /// g: the part of the step that has come through.
+    fn risen(&self, time_s: f64) -> f64 {
+        (self.since_flow(time_s) / self.flow_s).clamp(0.0, 1.0)
+    }
+
     fn bulk(&self, time_s: f64, rig: &Rig) -> f64 {
-        let since = self.since_flow(time_s);
-        let risen = (since / self.flow_s).clamp(0.0, 1.0);
-        let cooling = libm::exp(-(since - self.flow_s).max(0.0) / rig.relaxation_s);
-        let leak = libm::exp(-rig.leak_per_s * (time_s - self.start_s).max(0.0));
-        let warm = 1.0 + self.relaxation * cooling;
+        self.settled(time_s, self.risen(time_s), rig)
+    }
+
+    /// The bulk pressure where the part `risen` of the step has arrived.
+    fn settled(&self, time_s: f64, risen: f64, rig: &Rig) -> f64 {
+        let since_closed = (self.since_flow(time_s) - self.flow_s).max(0.0);
+        let warm = 1.0 + self.relaxation * libm::exp(-since_closed / rig.relaxation_s);
+        let leak = libm::exp(-rig.leak_per_s * (time_s - self.start_s));
         (self.from_kpa + self.height_kpa * risen * warm) * leak
     }
 
@@ -198,7 +208,34 @@ impl Step {
     }
 
     fn actuator_wave(&self, time_s: f64) -> f64 {
-        let flowing = (self.since_flow(time_s) / self.flow_s).max(0.0);
-        0.55 * self.wave_kpa * self.ringing(time_s).unwrap_or(flowing)
+        let arrived = self.ringing(time_s).unwrap_or(self.risen(time_s));
+        0.55 * self.wave_kpa * arrived
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_wave_is_seen_at_the_step_and_gone_before_the_next() {
+        let rig = Rig::for_diameter(10);
+        let air = Air {
+            supply_kpa: 624.0,
+            floor_kpa: 73.0,
+            speed: 1.0,
+        };
+        let mut staircase = Staircase::new(&rig, air, Stream::new(1, &[]));
+        let mut reached = 0.0;
+        for step in 0..10 {
+            let start_s = f64::from(step) * STEP_S;
+            staircase.advance(start_s, Phase::Pressurizing);
+            let end_s = start_s + 0.99 * STEP_S;
+            let level = staircase.bulk(end_s);
+            assert!(level > reached && level < 624.0, "step {step}: {level} kPa");
+            assert!((staircase.sensor(end_s) - staircase.actuator(end_s)).abs() < 0.05);
+            assert!(staircase.sensor(start_s + 0.029) > level + 5.0);
+            reached = level;
+        }
     }
 }

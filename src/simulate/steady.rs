@@ -4,8 +4,8 @@
 //! samples of a plateau, rounding included; the error of the declared zero, common to a session; the readings that clipping
 //! takes away.
 //!
-//! Skipped: the samples themselves, hence pressure waves and heavy tails, which no plateau mean shows; the pace of the serial line (the
-//! switch to venting may fall into the neighbouring step); the clipping bias of a zero that lies near the clipping level.
+//! Skipped: the samples themselves, hence pressure waves and heavy tails, which no plateau mean shows; the pace of the serial line
+//! (the switch to venting may fall into the neighbouring step); the clipping bias of a zero that lies near the clipping level.
 
 use super::draw::{DrawnSession, DrawnTruth};
 use super::random::Stream;
@@ -148,7 +148,7 @@ impl<'a> Reader<'a> {
         let force = actuator.force(session.length_mm * 1e-3, pressure);
         let shown = force + session.force_zero_n;
         let clipped = shown - 2.0 * force_channel.noise_sd < force_channel.clip;
-        (!clipped).then(|| SteadyRow {
+        (!clipped).then_some(SteadyRow {
             session: self.k,
             run: self.run,
             time_s,

@@ -1,6 +1,7 @@
 //! The lists and identifiers of a truth file, and the check that the rig can measure what the file asks for.
 
-use super::rig_settings::{TOP_COUNT, within};
+use super::chain::TOP_COUNT;
+use super::rig_settings::within;
 use super::truth::{Run, SpecimenTruth, Truth};
 use crate::base::session::{Role, Sampling};
 use crate::base::toml_reader::{Entry, Section};

@@ -9,7 +9,7 @@ use crate::base::columns::{FORCE, LENGTH, PHASE, PRESSURE, TIME, TORQUE};
 use crate::base::reject::{Extent, Reject};
 use crate::base::session::{Sampling, Session};
 use crate::config::CleanOptions;
-use crate::numerics::statistics::quantile;
+use crate::numerics::statistics::quantile_range;
 use crate::stages::ingest::LogSamples;
 use std::collections::BTreeMap;
 
@@ -157,7 +157,7 @@ fn spikes(log: &LogSamples, fraction: f64, reasons: &mut [Option<&'static str>])
         };
         let usable: Vec<usize> = (0..values.len()).filter(|k| reasons[*k].is_none()).collect();
         let levels: Vec<f64> = usable.iter().map(|k| values[*k]).collect();
-        let range = quantile(&levels, 0.99) - quantile(&levels, 0.01);
+        let range = quantile_range(&levels, 0.01, 0.99);
         let limit = (fraction * range).max(20.0);
         for w in usable.windows(3) {
             let [a, b, c] = [values[w[0]], values[w[1]], values[w[2]]];

@@ -9,7 +9,7 @@ use crate::base::reject::{Extent, Reject};
 use crate::base::session::{ColumnSpec, Phase, Session};
 use crate::config::CleanOptions;
 use crate::numerics::plateaus::{Plateau, find_plateaus, rising};
-use crate::numerics::statistics::{mean, quantile, standard_deviation, sum};
+use crate::numerics::statistics::{mean, quantile_range, standard_deviation, sum};
 use crate::stages::clean::screen::Screened;
 use crate::stages::clean::zero::is_clipped;
 use std::ops::Range;
@@ -102,7 +102,7 @@ impl<'a> Series<'a> {
         if self.force.is_empty() {
             return f64::INFINITY;
         }
-        let range = quantile(&self.force, 0.99) - quantile(&self.force, 0.01);
+        let range = quantile_range(&self.force, 0.01, 0.99);
         FORCE_DRIFT_N.max(options.largest_force_drift * range)
     }
 

@@ -17,7 +17,7 @@ use crate::base::columns::{FORCE, PRESSURE};
 use crate::base::reading::Reading;
 use crate::base::session::ColumnSpec;
 use crate::config::ZeroRule;
-use crate::numerics::statistics::{median, quantile};
+use crate::numerics::statistics::{median, quantile_range};
 use crate::stages::clean::screen::Screened;
 use serde::{Deserialize, Serialize};
 
@@ -114,7 +114,7 @@ fn force_range(readings: &[Reading]) -> f64 {
     if forces.is_empty() {
         return 0.0;
     }
-    quantile(&forces, 1.0) - quantile(&forces, 0.0)
+    quantile_range(&forces, 0.0, 1.0)
 }
 
 /// The force along the longest run of plateaus from the lowest pressure upwards in which it stays within `tolerance`; `None` if that

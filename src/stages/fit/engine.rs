@@ -8,6 +8,7 @@ use crate::numerics::fit::{Fit, Options, ParameterState, Status, fit, fit_multi_
 use crate::numerics::loss::Loss;
 use crate::numerics::real::Dual;
 use crate::numerics::statistics::{GoodnessOfFit, sum_of_squares};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
@@ -25,9 +26,9 @@ pub struct Symbol {
 }
 
 /// The model's value at a row, with its derivatives.
-pub type Model<'a, const N: usize> = &'a dyn Fn(&Row, &[Dual<N>; N]) -> Dual<N>;
+pub type Model<'a, const N: usize> = &'a (dyn Fn(&Row, &[Dual<N>; N]) -> Dual<N> + Sync);
 /// The coefficients that some rows cannot determine, with the value at which they are held.
-pub type Held<'a, const N: usize> = &'a dyn Fn(&[&Row]) -> [Option<f64>; N];
+pub type Held<'a, const N: usize> = &'a (dyn Fn(&[&Row]) -> [Option<f64>; N] + Sync);
 
 /// An equation that can be fitted.
 pub struct Equation<'a, const N: usize> {
@@ -44,7 +45,7 @@ pub struct Equation<'a, const N: usize> {
     /// Coefficients that the rows cannot determine, and the value at which they are held.
     pub held: Held<'a, N>,
     /// What is fitted.
-    pub observed: &'a dyn Fn(&Row) -> f64,
+    pub observed: &'a (dyn Fn(&Row) -> f64 + Sync),
     /// The model of it.
     pub model: Model<'a, N>,
 }
@@ -121,10 +122,28 @@ impl EquationFit {
     }
 }
 
+/// Relative change of the sum of squares that ends a descent.
+const TOLERANCE: f64 = 1e-10;
+/// Relative change of every coefficient that ends the reweighted passes, as in the robust fits of the force paper.
+const PASS_TOLERANCE: f64 = 1e-6;
+
 struct Solution<const N: usize> {
     values: [f64; N],
     held: [Option<f64>; N],
     fit: Fit,
+}
+
+impl<const N: usize> Solution<N> {
+    /// What became of a coefficient; `None` where it was held.
+    fn state(&self, k: usize) -> Option<ParameterState> {
+        let free = (0..k).filter(|j| self.held[*j].is_none()).count();
+        self.held[k].is_none().then(|| self.fit.states[free])
+    }
+
+    /// Whether the rows determine a coefficient.
+    fn determines(&self, k: usize) -> bool {
+        self.state(k) == Some(ParameterState::Ok)
+    }
 }
 
 impl<const N: usize> Equation<'_, N> {
@@ -139,6 +158,8 @@ impl<const N: usize> Equation<'_, N> {
         let options = Options {
             loss,
             bounds: Some(free.iter().map(|k| self.symbols[*k].bounds).collect()),
+            tolerance: TOLERANCE,
+            pass_tolerance: PASS_TOLERANCE,
             ..Options::default()
         };
         let starts: Vec<Vec<f64>> = starts.iter().map(|s| problem.free(s)).collect();
@@ -158,8 +179,9 @@ impl<const N: usize> Equation<'_, N> {
         let loss: Loss = options.loss.parse().unwrap_or(Loss::LeastSquares);
         let full = self.solve(rows, &self.starts, loss)?;
         let specimens: BTreeSet<&str> = rows.iter().map(|r| r.specimen.as_str()).collect();
+        let specimens: Vec<&str> = specimens.into_iter().collect();
         let refits: Vec<(&str, Option<Solution<N>>)> = specimens
-            .iter()
+            .par_iter()
             .map(|id| {
                 let others: Vec<&Row> = rows.iter().copied().filter(|r| r.specimen != *id).collect();
                 (*id, self.solve(&others, &[full.values], loss))
@@ -177,7 +199,7 @@ impl<const N: usize> Equation<'_, N> {
             loss: loss.name().to_owned(),
             ci_method: if clustered { "jackknife by specimen" } else { "linearised" }.to_owned(),
             status: full.fit.status.to_string(),
-            coefficients: self.coefficients(&full, spread.as_ref(), quantile, confidence),
+            coefficients: self.coefficients(&full, &refits, spread.as_ref(), quantile, confidence),
             folds: self.folds(&refits),
             ..self.statistics(rows, &full)
         })
@@ -207,6 +229,7 @@ impl<const N: usize> Equation<'_, N> {
     fn coefficients(
         &self,
         full: &Solution<N>,
+        refits: &[(&str, Option<Solution<N>>)],
         spread: Option<&[f64; N]>,
         quantile: f64,
         confidence: f64,
@@ -214,20 +237,13 @@ impl<const N: usize> Equation<'_, N> {
         let errors = linearised_errors(&full.fit);
         let freedom = (full.fit.residuals.len() - full.fit.parameters.len()) as f64;
         let row_quantile = student_t_quantile(confidence, freedom);
-        let mut next_free = 0;
         (0..N)
             .map(|k| {
                 let value = full.values[k];
                 let around = |half: f64| (half.is_finite() && half > 0.0).then_some((value - half, value + half));
-                let (linearised, state) = if full.held[k].is_some() {
-                    (None, "held: not determined by these specimens".to_owned())
-                } else {
-                    next_free += 1;
-                    let state = &full.fit.states[next_free - 1];
-                    (around(row_quantile * errors[next_free - 1]), describe(state))
-                };
+                let free = (0..k).filter(|j| full.held[*j].is_none()).count();
+                let linearised = full.held[k].is_none().then(|| around(row_quantile * errors[free])).flatten();
                 let interval = match spread {
-                    _ if full.held[k].is_some() => None,
                     Some(spread) => around(quantile * spread[k]),
                     None => linearised,
                 };
@@ -238,7 +254,7 @@ impl<const N: usize> Equation<'_, N> {
                     ci_low: interval.map(|i| i.0),
                     ci_high: interval.map(|i| i.1),
                     linearised,
-                    state,
+                    state: remark(k, full, refits),
                     published: self.symbols[k].published.map(|p| p.0),
                     published_interval: self.symbols[k].published.and_then(|p| p.1),
                 }
@@ -272,27 +288,41 @@ fn linearised_errors(fit: &Fit) -> Vec<f64> {
         .collect()
 }
 
-fn describe(state: &ParameterState) -> String {
-    match state {
+/// "ok", or what a reader of the coefficient must know.
+fn remark<const N: usize>(k: usize, full: &Solution<N>, refits: &[(&str, Option<Solution<N>>)]) -> String {
+    let of = |state: ParameterState| match state {
         ParameterState::Ok => "ok",
         ParameterState::AtLowerBound => "at its lower bound",
         ParameterState::AtUpperBound => "at its upper bound",
         ParameterState::NotIdentified => "not identified",
         ParameterState::Unmoved => "unmoved",
+    };
+    match full.state(k) {
+        None => "held: not determined by these specimens".to_owned(),
+        Some(ParameterState::Ok) => {
+            let lost = refits.iter().find(|(_, s)| s.as_ref().is_some_and(|s| !s.determines(k)));
+            match lost {
+                Some((id, _)) if refits.len() >= 3 => format!("interval open: not determined without {id}"),
+                _ => "ok".to_owned(),
+            }
+        }
+        Some(state) => of(state).to_owned(),
     }
-    .to_owned()
 }
 
 /// Jackknife standard errors over specimens: sqrt((G - 1)/G sum (b_g - b)^2), about the full estimate, which is never smaller than about
-/// the mean. `None` below three specimens, or where a refit failed or had to hold what the full fit determined.
+/// the mean. NaN for a coefficient that the full fit or one of the refits could not determine (at a bound, held): its interval is open.
+/// `None` below three specimens, or where a refit failed altogether.
 fn jackknife<const N: usize>(full: &Solution<N>, refits: &[(&str, Option<Solution<N>>)]) -> Option<[f64; N]> {
     let g = refits.len() as f64;
-    let same_freedom = |s: &Solution<N>| (0..N).all(|k| s.held[k].is_some() == full.held[k].is_some());
     let solutions: Vec<&Solution<N>> = refits.iter().filter_map(|(_, s)| s.as_ref()).collect();
-    if refits.len() < 3 || solutions.len() < refits.len() || !solutions.iter().all(|s| same_freedom(s)) {
+    if refits.len() < 3 || solutions.len() < refits.len() {
         return None;
     }
     Some(std::array::from_fn(|k| {
+        if !full.determines(k) || !solutions.iter().all(|s| s.determines(k)) {
+            return f64::NAN;
+        }
         let deviations: Vec<f64> = solutions.iter().map(|s| s.values[k] - full.values[k]).collect();
         ((g - 1.0) / g * sum_of_squares(&deviations)).sqrt()
     }))

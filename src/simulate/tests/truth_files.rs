@@ -1,0 +1,73 @@
+//! Mistakes in a truth file.
+
+use super::SMALL;
+use crate::simulate::read_truth;
+
+#[test]
+fn every_mistake_of_a_truth_file_is_reported_with_line_and_hint() {
+    let text = SMALL
+        .replace("seed = 5", "sede = 5")
+        .replace("[0, 0.5]", "[0, 3, 0]")
+        .replace("contraction_max = 0.157", "contraction_max = 157")
+        .replace(
+            "rows = 600",
+            "rows = 600\nsuply_kpa = 620\n[[effect]]\nid = \"creep\"",
+        );
+    let mistakes = read_truth("truth.toml", &text).expect_err("four mistakes");
+    let lines: Vec<String> = mistakes.iter().map(ToString::to_string).collect();
+    let has = |parts: &[&str]| lines.iter().any(|l| parts.iter().all(|p| l.contains(p)));
+    assert!(has(&["truth.toml:1 [seed]", "found nothing"]), "{lines:#?}");
+    assert!(
+        has(&["truth.toml:4 [sede]", "did you mean `seed`?"]),
+        "{lines:#?}"
+    );
+    assert!(
+        has(&["truth.toml:7 [contractions[1]]", "found 3"]),
+        "{lines:#?}"
+    );
+    assert!(
+        has(&["[specimen[1].contraction_max]", "found 157"]),
+        "{lines:#?}"
+    );
+    assert!(
+        has(&["[rig.suply_kpa]", "did you mean `supply_kpa`?"]),
+        "{lines:#?}"
+    );
+    assert!(has(&["[effect]", "an unknown key"]), "{lines:#?}");
+}
+
+#[test]
+fn what_the_rig_cannot_measure_is_refused() {
+    let mistake = |text: &str| read_truth("t", text).expect_err("a mistake")[0].to_string();
+    let strong = "coefficients = { b1 = 3000, b2 = 19, l_0 = 0.0075, c0 = 0.5, c1 = 4, c2 = 0.5 }";
+    let text = SMALL.replace("coefficients = \"published\"", strong);
+    assert!(
+        mistake(&text).contains("force_quantum_n"),
+        "{}",
+        mistake(&text)
+    );
+    let text = SMALL.replace("diameter_mm = 10", "diameter_mm = 40");
+    assert!(
+        mistake(&text).contains("not published"),
+        "{}",
+        mistake(&text)
+    );
+    let text = SMALL.replace("id = \"b\"", "id = \"A\"");
+    assert!(
+        mistake(&text).contains("`a` a second time"),
+        "{}",
+        mistake(&text)
+    );
+    let text = SMALL.replace("rows = 600", "rows = 600\nfloor_kpa = 80\nsupply_kpa = 70");
+    assert!(
+        mistake(&text).contains("rig.floor_kpa"),
+        "{}",
+        mistake(&text)
+    );
+    let text = SMALL.replace("id = \"b\"", "id = \"../b\"");
+    assert!(
+        mistake(&text).contains("letters, digits"),
+        "{}",
+        mistake(&text)
+    );
+}
