@@ -1,5 +1,52 @@
 #![warn(missing_docs)]
 //! `pipeline`: from raw test-rig sessions of braided pneumatic actuators to a paper's tables, figures and reports.
+//!
+//! This page is the map. Every folder's `mod.rs` goes on from here.
+//!
+//! # What happens to a session
+//! ```text
+//! raw/…/session.toml + logs        (never written)
+//!   ingest     every row, calibrated, one unit a quantity        stages::ingest     formats
+//!   clean      rows that are no measurements out; the force       stages::clean      numerics::plateaus
+//!              channel's zero off; steady plateaus -> readings
+//!   normalize  eps, eps*, P* of every reading -> rows             stages::normalize
+//!   fit        the new model, equation by equation and jointly,   stages::fit        models, numerics
+//!              with intervals from refits without each specimen
+//!   compare    every model on the same rows                       stages::compare    models
+//!   report     tables, figures, force.pdf, summary.json           stages::report     report
+//! derived/  the cache and the tidy data        reports/  for people
+//! ```
+//! The first three stages work on one session at a time, `fit` and `compare` on one group of rows (a campaign and diameter, or a
+//! diameter over all measured campaigns), `report` on everything.
+//!
+//! # Where things are
+//! | folder | idea | to add to it |
+//! |---|---|---|
+//! | [`base`] | units, column names, tables, diagnostics, errors; what a session, a reading and a row are | |
+//! | [`cache`] | keys, objects by content, reasons for a rerun | |
+//! | [`formats`] | `session.toml`, logs, finding sessions | a log format: one file, one line in `formats/mod.rs` |
+//! | [`models`] | one file a force model: pure equations, published coefficients, domain | one file, one line in `models/mod.rs` |
+//! | [`numerics`] | least squares, robust losses, statistics, plateaus: slices in, vectors out | |
+//! | [`simulate`] | the test rig in software | |
+//! | [`stages`] | one file or folder a stage, pure | |
+//! | [`report`] | tables, figures, pages | a table or figure: one file, one line in its folder's `mod.rs` |
+//! | [`run`] | drives the stages through the cache | |
+//! | [`config`] | `pipeline.toml` | |
+//! | [`cli`] | arguments, and all printing | |
+//!
+//! # Invariants
+//! - **Directions**: `main -> cli -> run -> stages -> {formats, models, numerics, report, simulate} -> base`, and `run -> cache -> base`.
+//!   `cache` knows no stage; stages know no cache and no command line; `models` and `numerics` do no I/O and see no data frame; only
+//!   `report` knows plotters and Typst, and it computes no statistic: every number comes from a stage.
+//! - **Nothing below `raw/` is ever written**, and nothing is left out without a line in `rejects.csv`.
+//! - **Same inputs, same bytes**: no clock, host, path or hash order in an output; sums in the order of rows; transcendental functions
+//!   from `libm` (`clippy.toml` bans the platform's); units meet only in sorted collections, so the number of jobs does not matter.
+//! - **A key holds everything that a result depends on** ([`cache::key`]), the stage's own source files included.
+//! - **Bad input is a value, not an error**: it becomes a [`base::diagnostics::Diagnostic`] and a [`base::reject::Reject`]; the run goes
+//!   on. An [`base::error::Error`] ends a command and has an exit code.
+//! - **Only what is declared is corrected** ([`stages::clean`]): a drift, gain or compliance stays in the readings for the residual search.
+//! - **One unit a quantity inside** ([`base::units`]): N, kPa, m, rad, s, N.m, degrees Celsius; and one home of column names
+//!   ([`base::columns`]).
 
 pub mod base;
 pub mod cache;

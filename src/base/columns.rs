@@ -49,8 +49,10 @@ pub mod derived {
     pub const LOG: &str = "log";
     /// Run number, as declared.
     pub const RUN: &str = "run";
-    /// Line in the log (points) or middle of the plateau's samples (time series).
+    /// First line of the log that entered a reading, counted from 1.
     pub const ROW: &str = "row";
+    /// Last line of the log that entered a reading.
+    pub const LAST_ROW: &str = "last_row";
     /// Samples averaged.
     pub const SAMPLES: &str = "n_samples";
     /// Standard deviation of the samples' force about its mean, N.
@@ -113,6 +115,7 @@ pub fn is_reserved(name: &str) -> bool {
             LOG,
             RUN,
             ROW,
+            LAST_ROW,
             SAMPLES,
             SD_FORCE,
             SD_PRESSURE,

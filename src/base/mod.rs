@@ -6,6 +6,7 @@ pub mod columns;
 pub mod diagnostics;
 pub mod error;
 pub mod frame;
+pub mod names;
 pub mod reading;
 pub mod reject;
 pub mod row;

@@ -36,8 +36,6 @@ impl Reading {
     }
 }
 
-const LAST_ROW: &str = "last_row";
-
 /// The readings as a table; extra columns follow the fixed ones by name.
 pub fn to_frame(readings: &[Reading]) -> Frame {
     let numbers = |f: &dyn Fn(&Reading) -> f64| Values::Number(readings.iter().map(f).collect());
@@ -47,7 +45,7 @@ pub fn to_frame(readings: &[Reading]) -> Frame {
         .with(derived::LOG, texts(&|r| Some(r.log.clone())))
         .with(derived::RUN, integers(&|r| r.run))
         .with(derived::ROW, integers(&|r| Some(r.first_row)))
-        .with(LAST_ROW, integers(&|r| Some(r.last_row)))
+        .with(derived::LAST_ROW, integers(&|r| Some(r.last_row)))
         .with(columns::PHASE, texts(&|r| r.phase.map(|p| p.name().to_owned())))
         .with(derived::SAMPLES, integers(&|r| Some(r.samples)))
         .with(derived::SD_FORCE, numbers(&|r| r.sd_force_n))
@@ -68,7 +66,7 @@ pub fn from_frame(frame: &Frame) -> Result<Vec<Reading>> {
         derived::LOG,
         derived::RUN,
         derived::ROW,
-        LAST_ROW,
+        derived::LAST_ROW,
         columns::PHASE,
         derived::SAMPLES,
         derived::SD_FORCE,

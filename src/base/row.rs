@@ -28,8 +28,10 @@ pub struct Row {
     pub log: String,
     /// Run number.
     pub run: Option<i64>,
-    /// First line of the log.
+    /// First line of the log that entered, counted from 1.
     pub first_row: i64,
+    /// Last line of the log that entered.
+    pub last_row: i64,
     /// Filling or venting.
     pub phase: Option<Phase>,
     /// Samples averaged.
@@ -126,6 +128,11 @@ const INTEGERS: &[IntegerField] = &[
         |r, i| r.first_row = i.unwrap_or(0),
     ),
     (
+        derived::LAST_ROW,
+        |r| Some(r.last_row),
+        |r, i| r.last_row = i.unwrap_or(0),
+    ),
+    (
         derived::SAMPLES,
         |r| Some(r.samples),
         |r, i| r.samples = i.unwrap_or(0),
@@ -169,6 +176,7 @@ impl Row {
             log: String::new(),
             run: None,
             first_row: 0,
+            last_row: 0,
             phase: None,
             samples: 0,
             sd_force_n: f64::NAN,

@@ -3,15 +3,26 @@
 //! | module | what |
 //! |---|---|
 //! | [`input`] | everything that a report is made of |
-//! | [`table`], [`number`], [`markup`] | one table model: cells, rounding, symbols |
+//! | [`table`], [`number`], [`markup`], [`symbols`] | one table model: cells, rounding, symbols |
 //! | [`render`] | tables as CSV, LaTeX, Typst, Markdown: one file a format |
 //! | [`tables`] | one file a table |
+//! | [`plot`] | journal figures on plotters: axes, layers, legends |
+//! | [`figures`] | one file a figure |
+//! | [`force`] | the pages of `force.pdf` |
+//! | [`typeset`], [`raster`], [`fonts`] | pages through Typst, figures as PNG, the bundled fonts |
 //!
 //! Architecture invariant: only this folder knows plotters and Typst, and it computes no statistic: every number comes from a stage.
 
+pub mod figures;
+pub mod fonts;
+pub mod force;
 pub mod input;
 pub mod markup;
 pub mod number;
+pub mod plot;
+pub mod raster;
 pub mod render;
+pub mod symbols;
 pub mod table;
 pub mod tables;
+pub mod typeset;

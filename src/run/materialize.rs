@@ -4,6 +4,7 @@
 //! one does not is removed, unless somebody has changed it since.
 
 use crate::base::error::{Error, Result};
+use crate::base::names::file_name;
 use crate::cache::hashing::{self, Digest};
 use crate::cache::store::{Object, write_atomically};
 use crate::run::RunOptions;
@@ -120,26 +121,4 @@ fn same_file(a: &Path, b: &Path, _size: u64) -> bool {
 #[cfg(not(unix))]
 fn same_file(_a: &Path, b: &Path, size: u64) -> bool {
     std::fs::metadata(b).is_ok_and(|m| m.len() == size)
-}
-
-/// A session id as a file name: everything but letters, digits, `-`, `_` and `.` is written as its code.
-pub fn file_name(id: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
-    let name: String = id
-        .chars()
-        .map(|c| if plain(c) { c.to_string() } else { format!("%{:X}", c as u32) })
-        .collect();
-    if name.starts_with('.') { format!("%2E{}", &name[1..]) } else { name }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_id_cannot_leave_its_folder() {
-        assert_eq!(file_name("iso10-l182_c25.a"), "iso10-l182_c25.a");
-        assert_eq!(file_name("../x"), "%2E.%2Fx");
-        assert_eq!(file_name("a b/c"), "a%20b%2Fc");
-    }
 }

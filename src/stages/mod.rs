@@ -1,4 +1,7 @@
-//! The stages, in the order in which they run.
+//! The stages, in the order in which they run: ingest, clean, normalize, fit, compare, report.
+//!
+//! A stage is a pure function from values to values, errors among them. It knows neither the cache nor the command line; what it
+//! reads and writes, and under which key, is [`crate::run`]'s business.
 
 pub mod clean;
 pub mod compare;

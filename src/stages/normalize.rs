@@ -66,6 +66,7 @@ fn row(session: &Session, reading: &Reading) -> Row {
         log: reading.log.clone(),
         run: reading.run,
         first_row: reading.first_row,
+        last_row: reading.last_row,
         phase: reading.phase,
         samples: reading.samples,
         sd_force_n: reading.sd_force_n,

@@ -1,11 +1,18 @@
 //! Report: tables, figures, pages and the summary, from what the other stages left.
 
 use crate::base::error::{Error, Result};
+use crate::base::reject::Extent;
 use crate::base::row::{self, Row};
+use crate::base::session::{Phase, Sampling};
 use crate::cache::store::Outputs;
 use crate::config::Config;
+use crate::report::figures::{self, Named};
+use crate::report::force::{Figures, force_pdf};
 use crate::report::render;
 use crate::report::tables;
+use rayon::prelude::*;
+use serde_json::json;
+use std::collections::{BTreeMap, BTreeSet};
 
 pub use crate::report::input::{GroupInput, ReportInput, SessionInput, Trace};
 
@@ -15,22 +22,110 @@ pub const VERSION: u32 = 1;
 /// Everything that goes below `reports/`, and the tidy table of all rows below `derived/`.
 ///
 /// # Errors
-/// A template that does not compile.
+/// A template that does not compile, a figure without room.
 pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
-    let mut outputs = Outputs::new();
+    let traces = figures::plateaus(input);
+    let groups: Vec<Vec<Named>> = input.groups.iter().map(|g| figures::of_group(g, config)).collect();
+    let shown = Figures {
+        traces: &traces,
+        groups: &groups,
+    };
+    let (pdf, files) = rayon::join(
+        || force_pdf(input, &shown, &config.report),
+        || figure_files(&traces, &groups, config.report.png_dpi),
+    );
+    let mut outputs = Outputs::from([
+        ("reports/force.pdf".to_owned(), pdf?.bytes),
+        ("derived/rows.parquet".to_owned(), row::to_frame(&input.rows).to_parquet()?),
+    ]);
+    outputs.extend(files?);
+    let mut names = Vec::new();
     for make in tables::ALL {
         let table = make(input);
         for renderer in render::ALL {
             let name = format!("reports/tables/{}.{}", table.id, renderer.extension());
             outputs.insert(name, renderer.render(&table).into_bytes());
         }
+        names.push(format!("tables/{}.csv", table.id));
     }
-    outputs.insert("derived/rows.parquet".to_owned(), row::to_frame(&input.rows).to_parquet()?);
-    let _ = (config, Error::internal(""));
+    outputs.insert("reports/summary.json".to_owned(), summary(input, &names)?);
     Ok(outputs)
 }
 
-/// The logs that the report draws, as positions of session and log.
-pub fn traces_wanted(_sessions: &[SessionInput], _rows: &[Row]) -> Vec<(usize, usize)> {
-    Vec::new()
+fn figure_files(traces: &[Named], groups: &[Vec<Named>], png_dpi: f64) -> Result<Vec<(String, Vec<u8>)>> {
+    let all: Vec<&Named> = traces.iter().chain(groups.iter().flatten()).collect();
+    let files: Vec<Vec<(String, Vec<u8>)>> = all
+        .par_iter()
+        .map(|named| figures::files(named, png_dpi))
+        .collect::<Result<_>>()?;
+    let below = |(name, bytes)| (format!("reports/figures/{name}"), bytes);
+    Ok(files.into_iter().flatten().map(below).collect())
+}
+
+/// `summary.json`: versions, digest of the inputs, sessions used and rejected with reasons, paths of the tables.
+fn summary(input: &ReportInput, tables: &[String]) -> Result<Vec<u8>> {
+    let mut rejected: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    for (name, diagnostics) in &input.unusable {
+        rejected.insert(name, diagnostics.iter().map(ToString::to_string).collect());
+    }
+    for reject in input.sessions.iter().flat_map(|s| s.rejects()) {
+        if reject.extent == Extent::Session {
+            rejected.entry(&reject.session).or_default().push(reject.reason.clone());
+        }
+    }
+    let used = input.sessions.iter().map(|s| &s.ingest.session).filter(|s| !rejected.contains_key(s.id.as_str()));
+    let session = |s: &crate::base::session::Session| {
+        json!({
+            "id": s.id, "campaign": s.campaign, "kind": row::kind_name(s.kind), "simulated": s.is_simulated(), "exclude": s.exclude,
+        })
+    };
+    let logs: Vec<_> = input
+        .sessions
+        .iter()
+        .flat_map(|s| s.rejects())
+        .filter(|r| r.extent == Extent::Log)
+        .map(|r| json!({ "session": r.session, "log": r.log, "reason": r.reason }))
+        .collect();
+    let summary = json!({
+        "schema": "bpa-summary/1",
+        "version": env!("CARGO_PKG_VERSION"),
+        "input": input.input_digest,
+        "sessions_used": used.map(session).collect::<Vec<_>>(),
+        "sessions_rejected": rejected.iter().map(|(id, why)| json!({ "session": id, "reasons": why })).collect::<Vec<_>>(),
+        "logs_rejected": logs,
+        "readings": input.rows.len(),
+        "tables": tables,
+    });
+    let mut bytes = serde_json::to_vec_pretty(&summary).map_err(Error::internal)?;
+    bytes.push(b'\n');
+    Ok(bytes)
+}
+
+/// The logs that the report draws, as positions of session and log: of every campaign of time series the log with most readings that
+/// was both filled and vented.
+pub fn traces_wanted(sessions: &[SessionInput], rows: &[Row]) -> Vec<(usize, usize)> {
+    let mut found: BTreeMap<(&str, &str), (usize, BTreeSet<Option<Phase>>)> = BTreeMap::new();
+    for row in rows {
+        let slot = found.entry((&row.session, &row.log)).or_default();
+        slot.0 += 1;
+        slot.1.insert(row.phase);
+    }
+    let mut best: BTreeMap<&str, (bool, usize, (usize, usize))> = BTreeMap::new();
+    for (place, session) in sessions.iter().enumerate() {
+        let s = &session.ingest.session;
+        if s.sampling != Sampling::Timeseries {
+            continue;
+        }
+        for (log, header) in session.ingest.logs.iter().enumerate() {
+            let Some((readings, phases)) = found.get(&(s.id.as_str(), header.spec.file.as_str())) else {
+                continue;
+            };
+            let candidate = (phases.len() > 1, *readings, (place, log));
+            let slot = best.entry(&s.campaign).or_insert(candidate);
+            if (candidate.0, candidate.1) > (slot.0, slot.1) {
+                *slot = candidate;
+            }
+        }
+    }
+    best.into_values().map(|(_, _, at)| at).collect()
 }

@@ -1,4 +1,11 @@
-//! The integration tests, one binary.
+//! The integration tests, one binary: a debug build of the dependencies is large, and one link is enough.
 
+mod bad_input;
+mod cache;
+mod commands;
+mod coverage;
 mod models;
 mod numerics;
+mod rig;
+mod shipped;
+mod support;

@@ -34,7 +34,8 @@ impl Renderer for Latex {
             if table.rules.contains(&i) {
                 lines.push("\\midrule".into());
             }
-            lines.push(row(&cells.iter().map(cell).collect::<Vec<_>>()));
+            let cells = cells.iter().zip(&printed.heads);
+            lines.push(row(&cells.map(|(c, head)| cell(c, head)).collect::<Vec<_>>()));
         }
         lines.push("\\bottomrule".into());
         lines.push("\\end{tabular}".into());
@@ -91,13 +92,13 @@ fn group_lines(printed: &PrintedTable) -> Vec<String> {
     vec![row(&cells), printed.groups.iter().map(rule).collect()]
 }
 
-fn cell(cell: &Printed) -> String {
+fn cell(cell: &Printed, head: &Head) -> String {
     match cell {
         Printed::Empty => String::new(),
         Printed::Undefined => "{--}".into(),
         Printed::Text(text) => escape(text),
         Printed::Rich(pieces) => rich(pieces),
-        Printed::Number(n) if n.is_plain() => n.ascii(),
+        Printed::Number(n) if head.decimal.is_some() => n.ascii(),
         Printed::Number(n) => number(n),
         Printed::Interval(low, high) => format!("{{[}}{}, {}{{]}}", number(low), number(high)),
         Printed::Flag(true) => "yes".into(),
@@ -182,6 +183,7 @@ fn escape_char(c: char) -> String {
         '≈' => "\\(\\approx\\)",
         '→' => "\\(\\rightarrow\\)",
         '∞' => "\\(\\infty\\)",
+        '∅' | '⌀' => "\\(\\emptyset\\)",
         '{' | '}' | '$' | '&' | '#' | '_' | '%' => return format!("\\{c}"),
         _ => return greek(c).map_or_else(|| c.to_string(), |name| format!("\\({name}\\)")),
     };
@@ -246,8 +248,8 @@ two lines \textbar{} a\_b & \(F_{620}\) & 0.25 &  & 7 & no \\
     #[test]
     fn powers_of_ten_and_percentages_stand_in_num() {
         let small = crate::report::number::Rounding::Digits(2).round(1.5e-7).unwrap();
-        assert_eq!(cell(&Printed::Number(small)), r"\num{1.5e-7}");
+        assert_eq!(number(&small), r"\num{1.5e-7}");
         let share = crate::report::number::Rounding::Percent(1).round(0.984).unwrap();
-        assert_eq!(cell(&Printed::Number(share)), r"\num{98.4}\%");
+        assert_eq!(number(&share), r"\num{98.4}\%");
     }
 }

@@ -21,7 +21,8 @@ pub struct Head {
     /// Heading and unit.
     pub heading: Vec<Piece>,
     pub align: Align,
-    /// Digits before and after the point, where all numbers of the column are plain and there is nothing but numbers.
+    /// Digits before and after the point, where the column holds nothing but plain numbers of about the same precision: only then
+    /// are they aligned at the point.
     pub decimal: Option<(usize, usize)>,
 }
 
@@ -73,20 +74,22 @@ fn head<'a>(column: &Column, cells: impl Iterator<Item = &'a Printed>) -> Head {
     }
 }
 
+/// Decimals by which the numbers of an aligned column may differ; beyond, the gaps would look like mistakes.
+const RAGGED: usize = 2;
+
 fn decimal_places<'a>(cells: impl Iterator<Item = &'a Printed>) -> Option<(usize, usize)> {
-    let mut places = None;
+    let mut numbers = Vec::new();
     for cell in cells {
         match cell {
             Printed::Empty => {}
-            Printed::Number(n) if n.is_plain() => {
-                let (whole, fraction) = places.unwrap_or((1, 0));
-                let signed = n.whole.len() + usize::from(n.negative);
-                places = Some((signed.max(whole), n.fraction.len().max(fraction)));
-            }
+            Printed::Number(n) if n.is_plain() => numbers.push(n),
             _ => return None,
         }
     }
-    places
+    let wholes = numbers.iter().map(|n| n.whole.len() + usize::from(n.negative));
+    let fractions = || numbers.iter().map(|n| n.fraction.len());
+    let (shortest, longest) = (fractions().min()?, fractions().max()?);
+    (longest - shortest <= RAGGED).then_some((wholes.max()?, longest))
 }
 
 fn groups(table: &Table, seen: &[usize]) -> Vec<Group> {

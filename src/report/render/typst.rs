@@ -9,6 +9,8 @@ use crate::report::table::{Align, Table};
 /// Typst.
 pub struct Typst;
 
+/// Words up to this length are kept in one piece.
+const LONGEST_WORD: usize = 40;
 const HEAVY: &str = "0.8pt";
 const LIGHT: &str = "0.5pt";
 const THIN: &str = "0.3pt";
@@ -27,10 +29,11 @@ impl Renderer for Typst {
             format!("  caption: {},", rich(&markup::parse(&table.caption))),
             "  {".into(),
             "    set text(number-type: \"lining\", number-width: \"tabular\")".into(),
+            "    set block(above: 0.7em, below: 0.7em)".into(),
             "    table(".into(),
             format!("      columns: {},", printed.heads.len()),
             format!("      align: ({},),", aligns.join(", ")),
-            "      stroke: none, inset: (x: 0pt, y: 0.3em), column-gutter: 1.2em,".into(),
+            "      stroke: none, inset: (x: 0pt, y: 0.34em), column-gutter: 1.2em,".into(),
             format!("      table.hline(stroke: {HEAVY}),"),
         ];
         lines.extend(header(&printed));
@@ -40,7 +43,7 @@ impl Renderer for Typst {
         for note in &table.notes {
             let note = rich(&markup::parse(note));
             lines.push(format!(
-                "    block(above: 0.6em, width: 100%, align(left, text(size: 0.9em, {note})))"
+                "    block(align(left, text(size: 0.9em, {note})))"
             ));
         }
         lines.push("  },".into());
@@ -104,6 +107,8 @@ fn cell(cell: &Printed, fraction: Option<usize>) -> String {
     match cell {
         Printed::Empty => "[]".into(),
         Printed::Undefined => quoted("–"),
+        // One word, such as an id with hyphens, is not broken over lines.
+        Printed::Text(word) if !word.contains(' ') && word.len() <= LONGEST_WORD => format!("box({})", quoted(word)),
         Printed::Text(text) => quoted(text),
         Printed::Rich(pieces) => rich(pieces),
         Printed::Number(n) => match fraction {
@@ -174,10 +179,11 @@ mod tests {
   caption: [#"Coefficients of ";#emph("F");#sub("620");#", ";#emph("R");#super("2");#" & ";#emph("ε");#"*";],
   {
     set text(number-type: "lining", number-width: "tabular")
+    set block(above: 0.7em, below: 0.7em)
     table(
       columns: 6,
       align: (left, left, right, center, right, center,),
-      stroke: none, inset: (x: 0pt, y: 0.3em), column-gutter: 1.2em,
+      stroke: none, inset: (x: 0pt, y: 0.34em), column-gutter: 1.2em,
       table.hline(stroke: 0.8pt),
       table.header(
         [],
@@ -194,7 +200,7 @@ mod tests {
       "two lines | a_b", [#emph("F");#sub("620");], "0.25", [], "7", "no",
       table.hline(stroke: 0.8pt),
     )
-    block(above: 0.6em, width: 100%, align(left, text(size: 0.9em, [#"Sizes in µm_; 5 % of all.";])))
+    block(align(left, text(size: 0.9em, [#"Sizes in µm_; 5 % of all.";])))
   },
 ) <tab-coefficients>
 "##;

@@ -1,6 +1,8 @@
 //! `coefficients`: what was fitted, with intervals, beside what was published.
 
+use crate::report::figures::slug;
 use crate::report::input::{GroupInput, ReportInput};
+use crate::report::symbols;
 use crate::report::table::{Audience, Cell, Column, Rounding, Table};
 use crate::stages::compare::NEW;
 use crate::stages::fit::engine::{CoefficientFit, EquationFit};
@@ -12,15 +14,19 @@ pub fn table(input: &ReportInput) -> Table {
 
 /// One group.
 pub fn of_group(group: &GroupInput) -> Table {
-    build(vec![group])
+    let mut table = build(vec![group]);
+    table.id = format!("coefficients-{}", slug(group));
+    table
 }
 
 fn build(groups: Vec<&GroupInput>) -> Table {
     let columns = vec![
         Column::text("model", "Model").seen_by(Audience::Machines),
         Column::number("diameter_mm", "⌀", "mm").seen_by(Audience::Machines),
-        Column::text("equation", "Equation"),
-        Column::text("coefficient", "Coefficient"),
+        Column::text("equation", "Equation").seen_by(Audience::Machines),
+        Column::text("equation", "Equation").seen_by(Audience::People),
+        Column::text("coefficient", "Coefficient").seen_by(Audience::Machines),
+        Column::text("coefficient", "Coefficient").seen_by(Audience::People),
         Column::number("value", "Fitted", ""),
         Column::text("unit", "Unit"),
         Column::interval("ci", "95% CI", ""),
@@ -61,8 +67,10 @@ fn row(group: &GroupInput, equation: &EquationFit, c: &CoefficientFit) -> Vec<Ce
     vec![
         Cell::text(NEW),
         Cell::Integer(i64::from(group.fit.group.diameter_mm)),
-        Cell::Symbol(equation.id.clone()),
-        Cell::Symbol(c.symbol.clone()),
+        Cell::text(&equation.id),
+        Cell::Symbol(symbols::equation(&equation.id)),
+        Cell::text(&c.symbol),
+        Cell::Symbol(symbols::coefficient(&c.symbol)),
         value,
         Cell::text(&c.unit),
         interval,

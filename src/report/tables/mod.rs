@@ -1,6 +1,7 @@
 //! The tables, one file each. A new table is one new file and one line in [`ALL`].
 
 mod coefficients;
+mod fits;
 mod model_comparison;
 mod plateaus;
 mod rejects;
@@ -19,10 +20,12 @@ pub const ALL: &[fn(&ReportInput) -> Table] = &[
     plateaus::table,
     specimens::table,
     coefficients::table,
+    fits::table,
     model_comparison::table,
 ];
 
 pub use coefficients::of_group as coefficients_of;
+pub use fits::of_group as fits_of;
 pub use model_comparison::of_group as comparison_of;
 pub use rejects::summary as rejects_summary;
 pub use sessions::table as sessions;

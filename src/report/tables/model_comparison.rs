@@ -1,19 +1,28 @@
 //! `model_comparison`: every model on the same rows.
 
+use crate::report::figures::slug;
 use crate::report::input::{GroupInput, ReportInput};
 use crate::report::table::{Audience, Cell, Column, Rounding, Table};
+use crate::stages::compare::Comparison;
 
 /// All groups.
 pub fn table(input: &ReportInput) -> Table {
-    build(input.groups.iter().collect())
+    build(input.groups.iter().collect(), |_| true)
 }
 
-/// One group.
+/// One group, for people: a published model has seen none of the rows, so that one split says all of it.
 pub fn of_group(group: &GroupInput) -> Table {
-    build(vec![group])
+    let mut table = build(vec![group], |c| if c.fitted_here { c.split != "all" } else { c.split == "all" });
+    table.id = format!("model_comparison-{}", slug(group));
+    table
 }
 
-fn build(groups: Vec<&GroupInput>) -> Table {
+/// A title without what stands in brackets behind it.
+fn short(title: &str) -> &str {
+    title.split(" (").next().unwrap_or(title)
+}
+
+fn build(groups: Vec<&GroupInput>, shown: fn(&Comparison) -> bool) -> Table {
     let columns = vec![
         Column::text("campaign", "Campaign").seen_by(Audience::Machines),
         Column::number("diameter_mm", "⌀", "mm").seen_by(Audience::Machines),
@@ -34,11 +43,11 @@ fn build(groups: Vec<&GroupInput>) -> Table {
     let mut table = Table::new("model_comparison", "Every model on the same readings", columns);
     for group in groups {
         let mut model = None;
-        for c in &group.comparison.comparisons {
+        for c in group.comparison.comparisons.iter().filter(|c| shown(c)) {
             if model != Some(&c.model) {
                 table.rule();
             }
-            let title = if model == Some(&c.model) { Cell::Empty } else { Cell::text(&c.title) };
+            let title = if model == Some(&c.model) { Cell::Empty } else { Cell::text(short(&c.title)) };
             model = Some(&c.model);
             table.push(vec![
                 Cell::text(&group.comparison.group.campaign),

@@ -19,8 +19,9 @@ pub fn table(input: &ReportInput) -> Table {
         Column::number("readings", "Readings", ""),
         Column::number("rejected_logs", "Logs left out", ""),
         Column::text("role", "Role").seen_by(Audience::Machines),
-        Column::text("exclude", "Excluded because"),
-        Column::flag("simulated", "Simulated"),
+        Column::text("exclude", "Excluded because").seen_by(Audience::Machines),
+        Column::flag("simulated", "Simulated").seen_by(Audience::Machines),
+        Column::text("remark", "Remark").seen_by(Audience::People),
         Column::text("notes", "Notes").seen_by(Audience::Machines),
     ];
     let mut table = Table::new("sessions", "Sessions: what was measured, and how many steady readings it gave", columns);
@@ -46,8 +47,18 @@ pub fn table(input: &ReportInput) -> Table {
             s.role.map_or(Cell::Empty, |r| Cell::text(role_name(r))),
             s.exclude.as_ref().map_or(Cell::Empty, Cell::text),
             Cell::Flag(s.is_simulated()),
+            remark(s),
             s.notes.as_ref().map_or(Cell::Empty, Cell::text),
         ]);
     }
     table
+}
+
+/// What a reader must know of a session.
+fn remark(session: &crate::base::session::Session) -> Cell {
+    match (&session.exclude, session.is_simulated()) {
+        (Some(why), _) => Cell::text(format!("excluded: {why}")),
+        (None, true) => Cell::text("simulated"),
+        (None, false) => Cell::Empty,
+    }
 }

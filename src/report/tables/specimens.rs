@@ -1,5 +1,6 @@
 //! `specimens`: the actuators, and their measured maximum force.
 
+use crate::report::figures::slug;
 use crate::report::input::{GroupInput, ReportInput};
 use crate::report::table::{Audience, Cell, Column, Rounding, Table};
 
@@ -10,7 +11,9 @@ pub fn table(input: &ReportInput) -> Table {
 
 /// One group.
 pub fn of_group(group: &GroupInput) -> Table {
-    build("specimens", vec![group])
+    let mut table = build("specimens", vec![group]);
+    table.id = format!("specimens-{}", slug(group));
+    table
 }
 
 fn build(id: &str, groups: Vec<&GroupInput>) -> Table {

@@ -1,0 +1,254 @@
+//! The pages of `force.pdf`: what was measured, what was left out, the model, its coefficients, the comparison, the figures.
+
+use crate::base::error::Result;
+use crate::base::reject::Extent;
+use crate::base::session::Kind;
+use crate::config::ReportOptions;
+use crate::report::figures::{Named, slug};
+use crate::report::input::{GroupInput, ReportInput};
+use crate::report::render::{Renderer, typst::Typst};
+use crate::report::table::Table;
+use crate::report::tables;
+use crate::report::typeset::{Document, Pdf};
+use crate::stages::compare::NEW;
+use crate::stages::fit::equations::JOINT;
+use serde::Serialize;
+
+const TEMPLATE: &str = include_str!("templates/force.typ");
+
+/// What the template is told.
+#[derive(Serialize)]
+struct Data {
+    title: String,
+    authors: Vec<String>,
+    simulated: bool,
+    only_simulated: bool,
+    counts: Counts,
+    campaigns: Vec<Campaign>,
+    groups: Vec<Group>,
+    traces: Vec<Picture>,
+    unusable: Vec<String>,
+    version: &'static str,
+    input: String,
+    date: String,
+}
+
+#[derive(Serialize)]
+struct Counts {
+    sessions: usize,
+    rejected_sessions: usize,
+    rows: u64,
+    readings: usize,
+    rejected_logs: usize,
+    clipped_plateaus: usize,
+}
+
+#[derive(Serialize)]
+struct Campaign {
+    id: String,
+    simulated: bool,
+    excluded: Vec<(String, String)>,
+    sessions: usize,
+    knee: bool,
+}
+
+#[derive(Serialize)]
+struct Picture {
+    file: String,
+    caption: String,
+    simulated: bool,
+    alt: String,
+}
+
+#[derive(Serialize)]
+struct Group {
+    slug: String,
+    campaign: String,
+    pooled: Vec<String>,
+    diameter_mm: u32,
+    simulated: bool,
+    rows: usize,
+    specimens: usize,
+    kept_out: usize,
+    excluded: usize,
+    ci_method: String,
+    loss: String,
+    rmse_train: Option<f64>,
+    rmse_loso: Option<f64>,
+    best_published: Option<(String, f64)>,
+    notes: Vec<String>,
+    domain: Vec<String>,
+    figures: Vec<Picture>,
+}
+
+/// The figures that the pages show.
+pub struct Figures<'a> {
+    /// Logs with plateaus.
+    pub traces: &'a [Named],
+    /// By group, in the order of the input.
+    pub groups: &'a [Vec<Named>],
+}
+
+/// Typesets `force.pdf`.
+///
+/// # Errors
+/// A template that does not compile, or a figure without room.
+pub fn force_pdf(input: &ReportInput, figures: &Figures, options: &ReportOptions) -> Result<Pdf> {
+    let data = data(input, figures, options);
+    let mut document = Document::new(TEMPLATE).data("data.json", &data)?.dated(date(&options.date));
+    for table in [tables::sessions(input), tables::zeros(input), tables::rejects_summary(input)] {
+        document = with_table(document, &table);
+    }
+    for group in &input.groups {
+        let of_group = [
+            tables::specimens_of(group),
+            tables::coefficients_of(group),
+            tables::fits_of(group),
+            tables::comparison_of(group),
+        ];
+        for table in of_group {
+            document = with_table(document, &table);
+        }
+    }
+    for named in figures.traces.iter().chain(figures.groups.iter().flatten()) {
+        document = document.file(&format!("figures/{}.svg", named.name), named.figure.to_svg()?);
+    }
+    document.compile()
+}
+
+fn with_table(document: Document, table: &Table) -> Document {
+    document.file(&format!("tables/{}.typ", table.id), Typst.render(table))
+}
+
+/// Year, month and day of an ISO 8601 date; none where it is empty.
+fn date(text: &str) -> Option<(i32, u8, u8)> {
+    let mut parts = text.splitn(3, '-');
+    let year = parts.next()?.parse().ok()?;
+    let month = parts.next()?.parse().ok()?;
+    let day = parts.next().map_or(Some(1), |d| d.parse().ok())?;
+    Some((year, month, day))
+}
+
+fn data(input: &ReportInput, figures: &Figures, options: &ReportOptions) -> Data {
+    let simulated = |s: &crate::report::input::SessionInput| s.ingest.session.is_simulated();
+    let rejects = || input.sessions.iter().flat_map(|s| s.rejects());
+    let of_extent = |extent: Extent| rejects().filter(|r| r.extent == extent).count();
+    let clipped = |r: &&crate::base::reject::Reject| r.extent == Extent::Plateau && r.reason.contains("limit of the converter");
+    let authors = options.author.split(',').map(|a| a.trim().to_owned()).filter(|a| !a.is_empty());
+    Data {
+        title: options.title.clone(),
+        authors: authors.collect(),
+        simulated: input.sessions.iter().any(simulated),
+        only_simulated: !input.sessions.is_empty() && input.sessions.iter().all(simulated),
+        counts: Counts {
+            sessions: input.sessions.len(),
+            rejected_sessions: input.unusable.len() + of_extent(Extent::Session),
+            rows: input.sessions.iter().map(|s| s.clean.rows).sum(),
+            readings: input.rows.len(),
+            rejected_logs: of_extent(Extent::Log),
+            clipped_plateaus: rejects().filter(clipped).count(),
+        },
+        campaigns: campaigns(input),
+        groups: input.groups.iter().zip(figures.groups).map(|(g, f)| group(g, f)).collect(),
+        traces: figures
+            .traces
+            .iter()
+            .zip(&input.traces)
+            .map(|(named, trace)| picture(named, trace.simulated))
+            .collect(),
+        unusable: input
+            .unusable
+            .iter()
+            .flat_map(|(_, diagnostics)| diagnostics.iter().map(ToString::to_string))
+            .collect(),
+        version: env!("CARGO_PKG_VERSION"),
+        input: input.input_digest.clone(),
+        date: options.date.clone(),
+    }
+}
+
+fn picture(named: &Named, simulated: bool) -> Picture {
+    Picture {
+        file: format!("figures/{}.svg", named.name),
+        caption: named.caption.clone(),
+        simulated,
+        alt: named.figure.title.clone(),
+    }
+}
+
+fn campaigns(input: &ReportInput) -> Vec<Campaign> {
+    let mut campaigns: Vec<Campaign> = Vec::new();
+    for session in input.sessions.iter().map(|s| &s.ingest.session) {
+        let place = campaigns.iter().position(|c| c.id == session.campaign);
+        let place = place.unwrap_or_else(|| {
+            campaigns.push(Campaign {
+                id: session.campaign.clone(),
+                simulated: false,
+                excluded: Vec::new(),
+                sessions: 0,
+                knee: false,
+            });
+            campaigns.len() - 1
+        });
+        let campaign = &mut campaigns[place];
+        campaign.sessions += 1;
+        campaign.simulated |= session.is_simulated();
+        campaign.knee |= session.kind == Kind::KneeTorque;
+        if let Some(why) = &session.exclude {
+            campaign.excluded.push((session.id.clone(), why.clone()));
+        }
+    }
+    campaigns
+}
+
+fn group(input: &GroupInput, figures: &[Named]) -> Group {
+    let fit = &input.fit;
+    let rmse = |model: &str, split: &str| {
+        let found = input.comparison.comparisons.iter().find(|c| c.model == model && c.split == split);
+        found.and_then(|c| c.rmse)
+    };
+    let whole = |c: &&crate::stages::compare::Comparison| !c.fitted_here && c.split == "all" && c.n_excluded == 0;
+    let best = input
+        .comparison
+        .comparisons
+        .iter()
+        .filter(whole)
+        .filter_map(|c| Some((c.title.clone(), c.rmse?)))
+        .min_by(|a, b| a.1.total_cmp(&b.1));
+    Group {
+        slug: slug(input),
+        campaign: fit.group.campaign.clone(),
+        pooled: if fit.group.members.len() > 1 { fit.group.members.clone() } else { Vec::new() },
+        diameter_mm: fit.group.diameter_mm,
+        simulated: fit.group.simulated,
+        rows: fit.rows,
+        specimens: fit.specimens.len(),
+        kept_out: fit.rows_kept_out,
+        excluded: fit.rows_excluded,
+        ci_method: fit.equation(JOINT).map_or_else(String::new, |e| e.ci_method.clone()),
+        loss: fit.equation(JOINT).map_or_else(String::new, |e| e.loss.clone()),
+        rmse_train: rmse(NEW, "train"),
+        rmse_loso: rmse(NEW, "loso"),
+        best_published: best,
+        notes: fit.notes.clone(),
+        domain: domain(input),
+        figures: figures.iter().map(|f| picture(f, fit.group.simulated)).collect(),
+    }
+}
+
+/// Where models end, as sentences.
+fn domain(input: &GroupInput) -> Vec<String> {
+    let title = |id: &str| {
+        let found = input.comparison.comparisons.iter().find(|c| c.model == id);
+        found.map_or_else(|| id.to_owned(), |c| c.title.clone())
+    };
+    input
+        .comparison
+        .domain
+        .iter()
+        .map(|note| {
+            let what = if note.excluded { "no answer for" } else { "answers beyond its data for" };
+            format!("{}: {what} {} readings ({})", title(&note.model), note.count, note.reason)
+        })
+        .collect()
+}

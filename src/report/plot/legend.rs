@@ -1,0 +1,171 @@
+//! Legends: a sample of each named layer and its name, as a block inside or beside a panel or as rows above it.
+
+use super::chart::{BAND_OPACITY, WINDOW_OPACITY, identity_stroke};
+use super::label::{Anchor, Label, Level, Side};
+use super::layer::Layer;
+use super::pencil::Pencil;
+use super::style::{Ink, Mark, SMALL_PT, Stroke};
+use super::units::{Rect, mm, snap};
+use crate::base::error::Result;
+
+/// Distance between the base lines of entries, in millimetres.
+const PITCH_MM: f64 = 3.4;
+/// Distance between a sample and its name, in millimetres.
+const GAP_MM: f64 = 1.2;
+/// Distance between entries of a row, in millimetres.
+const COLUMN_GAP_MM: f64 = 4.0;
+
+/// How far the paper below a legend reaches beyond it, in millimetres.
+const VEIL_MM: f64 = 0.6;
+/// Opacity of that paper.
+const VEIL_OPACITY: f64 = 0.85;
+
+/// Where the legend of a panel stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Legend {
+    /// Inside where nothing is covered, else above.
+    Auto,
+    /// In rows above the panel.
+    Above,
+    /// To the right of the panel.
+    Beside,
+    /// Nowhere.
+    None,
+}
+
+/// The sample of a layer.
+#[derive(Clone, Debug, PartialEq)]
+enum Sample {
+    Line(Option<Stroke>, Option<Mark>),
+    Patch(Ink, f64),
+}
+
+/// A sample and its name.
+struct Entry {
+    sample: Sample,
+    name: Label,
+}
+
+/// The entries of a legend, measured.
+pub struct Key {
+    entries: Vec<Entry>,
+    sample_width: f64,
+}
+
+impl Key {
+    /// The named layers, each name once.
+    pub fn new<'a>(layers: impl IntoIterator<Item = &'a Layer>) -> Key {
+        let mut entries: Vec<Entry> = Vec::new();
+        for (name, sample) in layers.into_iter().filter_map(sample) {
+            let name = Label::new(name, SMALL_PT);
+            if !name.plain.is_empty() && entries.iter().all(|e| e.name.plain != name.plain) {
+                entries.push(Entry { sample, name });
+            }
+        }
+        let marks_only = |e: &Entry| matches!(e.sample, Sample::Line(None, _));
+        let sample_width = if entries.iter().all(marks_only) { mm(2.0) } else { mm(6.0) };
+        Key {
+            entries,
+            sample_width,
+        }
+    }
+
+    /// Nothing to explain.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// Width and height of a block with one entry a line.
+    pub fn block(&self) -> (f64, f64) {
+        let widest = self.entries.iter().map(|e| e.name.width).fold(0.0, f64::max);
+        let height = self.entries.len() as f64 * mm(PITCH_MM);
+        (self.sample_width + mm(GAP_MM) + widest, height)
+    }
+
+    /// Draws a block with its upper left corner there, on paper that veils what lies below it.
+    pub fn draw_block(&self, pencil: &Pencil, corner: Rect) -> Result<()> {
+        let (width, height) = self.block();
+        let rect = Rect::sized(corner.left, corner.top, width, height);
+        pencil.fill(rect.wider(mm(VEIL_MM)), Ink::White.tint(VEIL_OPACITY))?;
+        for (i, entry) in self.entries.iter().enumerate() {
+            let y = rect.top + (i as f64 + 0.5) * mm(PITCH_MM);
+            self.draw_entry(pencil, entry, (rect.left, y))?;
+        }
+        Ok(())
+    }
+
+    /// Height of rows no wider than `width`.
+    pub fn rows_height(&self, width: f64) -> f64 {
+        self.rows(width).len() as f64 * mm(PITCH_MM)
+    }
+
+    /// Draws rows no wider than `width` from the upper left corner on.
+    pub fn draw_rows(&self, pencil: &Pencil, (left, top): (f64, f64), width: f64) -> Result<()> {
+        for (i, row) in self.rows(width).into_iter().enumerate() {
+            let mut x = left;
+            for entry in row {
+                self.draw_entry(pencil, entry, (x, top + (i as f64 + 0.5) * mm(PITCH_MM)))?;
+                x += self.entry_width(entry) + mm(COLUMN_GAP_MM);
+            }
+        }
+        Ok(())
+    }
+
+    fn entry_width(&self, entry: &Entry) -> f64 {
+        self.sample_width + mm(GAP_MM) + entry.name.width
+    }
+
+    fn rows(&self, width: f64) -> Vec<Vec<&Entry>> {
+        let mut rows: Vec<Vec<&Entry>> = Vec::new();
+        let mut filled = f64::INFINITY;
+        for entry in &self.entries {
+            let needed = self.entry_width(entry);
+            if filled + needed > width {
+                rows.push(Vec::new());
+                filled = 0.0;
+            }
+            filled += needed + mm(COLUMN_GAP_MM);
+            if let Some(row) = rows.last_mut() {
+                row.push(entry);
+            }
+        }
+        rows
+    }
+
+    fn draw_entry(&self, pencil: &Pencil, entry: &Entry, (x, y): (f64, f64)) -> Result<()> {
+        let end = x + self.sample_width;
+        match &entry.sample {
+            Sample::Line(stroke, mark) => {
+                if let Some(stroke) = stroke {
+                    pencil.line(&[(x, y), (end, y)], stroke)?;
+                }
+                if let Some(mark) = mark {
+                    pencil.marks(*mark, &[(snap((x + end) / 2.0), snap(y))]);
+                }
+            }
+            Sample::Patch(ink, opacity) => {
+                let patch = Rect::sized(x, y - mm(1.0), self.sample_width, mm(2.0));
+                pencil.fill(patch, ink.tint(*opacity))?;
+            }
+        }
+        let at = (end + mm(GAP_MM), y);
+        pencil.label(&entry.name, at, Anchor::new(Side::Left, Level::Center));
+        Ok(())
+    }
+}
+
+fn sample(layer: &Layer) -> Option<(&str, Sample)> {
+    Some(match layer {
+        Layer::Series(series) => {
+            let mark = series.mark.map(Mark::in_legend);
+            (&series.name, Sample::Line(series.line, mark))
+        }
+        Layer::Band { name, ink, .. } => (name, Sample::Patch(*ink, BAND_OPACITY)),
+        Layer::Windows { name, ink, .. } => (name, Sample::Patch(*ink, WINDOW_OPACITY)),
+        Layer::Steps { name, stroke, .. } | Layer::Level { name, stroke, .. } => {
+            (name, Sample::Line(Some(*stroke), None))
+        }
+        Layer::Identity { name } => (name, Sample::Line(Some(identity_stroke()), None)),
+        Layer::Text { .. } => return None,
+    })
+}

@@ -1,0 +1,107 @@
+//! Figures as PNG, drawn by the same SVG library that sets them in documents.
+
+use crate::base::error::{Error, Result};
+use crate::report::fonts;
+use resvg::tiny_skia::{Color, Pixmap, Transform};
+use resvg::usvg::{Options, Tree, fontdb};
+use std::sync::{Arc, LazyLock};
+
+/// Points of an SVG file in an inch.
+const CSS_DPI: f64 = 96.0;
+const MM_PER_INCH: f64 = 25.4;
+
+static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
+    let mut database = fontdb::Database::new();
+    for font in fonts::ALL {
+        database.load_font_data(font.to_vec());
+    }
+    Arc::new(database)
+});
+
+fn parse(svg: &str) -> Result<Tree> {
+    let options = Options {
+        fontdb: FONTS.clone(),
+        ..Options::default()
+    };
+    Tree::from_str(svg, &options).map_err(|e| Error::internal(format!("a figure is no SVG: {e}")))
+}
+
+/// Width and height of a figure in millimetres.
+///
+/// # Errors
+/// If it is no SVG.
+pub fn size_mm(svg: &str) -> Result<(f64, f64)> {
+    let size = parse(svg)?.size();
+    let mm = |pixels: f32| (f64::from(pixels) * MM_PER_INCH / CSS_DPI * 100.0).round() / 100.0;
+    Ok((mm(size.width()), mm(size.height())))
+}
+
+/// A figure as PNG on white paper, at so many dots per inch of its printed size, which the file states.
+///
+/// # Errors
+/// If it is no SVG, or too large to be drawn.
+pub fn svg_to_png(svg: &str, dpi: f64) -> Result<Vec<u8>> {
+    let tree = parse(svg)?;
+    let scale = (dpi / CSS_DPI) as f32;
+    let pixels = |length: f32| (length * scale).round() as u32;
+    let size = tree.size();
+    let mut image = Pixmap::new(pixels(size.width()), pixels(size.height()))
+        .ok_or_else(|| Error::internal(format!("a figure of {size:?} cannot be drawn at {dpi} dpi")))?;
+    image.fill(Color::WHITE);
+    resvg::render(&tree, Transform::from_scale(scale, scale), &mut image.as_mut());
+    let png = image.encode_png().map_err(Error::internal)?;
+    Ok(with_resolution(png, dpi))
+}
+
+/// Puts the chunk with the printed resolution behind the header, which always takes the first 33 bytes of a PNG.
+fn with_resolution(mut png: Vec<u8>, dpi: f64) -> Vec<u8> {
+    let per_metre = (dpi / MM_PER_INCH * 1000.0).round() as u32;
+    let mut chunk = b"pHYs".to_vec();
+    chunk.extend(per_metre.to_be_bytes());
+    chunk.extend(per_metre.to_be_bytes());
+    chunk.push(1);
+    let sum = crc32(&chunk);
+    let length = (chunk.len() - 4) as u32;
+    let bytes = [&length.to_be_bytes(), chunk.as_slice(), &sum.to_be_bytes()].concat();
+    png.splice(33..33, bytes);
+    png
+}
+
+/// The checksum of PNG chunks (ISO 3309).
+fn crc32(bytes: &[u8]) -> u32 {
+    let step = |sum: u32, byte: &u8| {
+        (0..8).fold(sum ^ u32::from(*byte), |sum, _| {
+            (sum >> 1) ^ (0xEDB8_8320 * (sum & 1))
+        })
+    };
+    !bytes.iter().fold(!0, step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SVG: &str = r#"<svg xmlns="http://www.w3.org/2000/svg" width="25.4mm" height="12.7mm" viewBox="0 0 20 10"><rect width="10" height="10"/></svg>"#;
+
+    #[test]
+    fn sizes_are_those_of_print() {
+        assert_eq!(size_mm(SVG).unwrap(), (25.4, 12.7));
+        assert!(size_mm("no svg").is_err());
+    }
+
+    #[test]
+    fn png_has_the_pixels_and_states_the_resolution() {
+        let png = svg_to_png(SVG, 100.0).unwrap();
+        let image = Pixmap::decode_png(&png).unwrap();
+        assert_eq!((image.width(), image.height()), (100, 50));
+        let dark = image.pixels().iter().filter(|p| p.red() < 10).count();
+        assert_eq!(dark, 2500);
+        assert_eq!(&png[37..41], b"pHYs");
+        assert_eq!(png[41..45], 3937_u32.to_be_bytes());
+    }
+
+    #[test]
+    fn the_checksum_is_that_of_the_standard() {
+        assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
+    }
+}

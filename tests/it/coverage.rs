@@ -1,0 +1,86 @@
+//! Do the intervals keep their word? A hundred simulated campaigns, every coefficient against the truth.
+
+use pipeline::base::row::Row;
+use pipeline::config::FitOptions;
+use pipeline::models::P_620_KPA;
+use pipeline::simulate::{self, Truth};
+use pipeline::stages::fit::equations::JOINT;
+use pipeline::stages::fit::{Group, fit_group};
+use std::collections::BTreeMap;
+
+const TRUTH: &str = r#"
+schema = "bpa-truth/1"
+campaign = "coverage"
+seed = 1
+diameter_mm = 10
+coefficients = "published"
+contractions = [0, 0.25, 0.5, 0.75]
+runs = [8, 9]
+run_speed = [1, 0.7]
+sampling = "timeseries"
+"#;
+
+const LENGTHS_MM: [f64; 8] = [83.0, 112.0, 150.0, 182.0, 233.0, 300.0, 382.0, 455.0];
+
+fn truth() -> Truth {
+    let specimens: Vec<String> = LENGTHS_MM
+        .iter()
+        .map(|l| format!("[[specimen]]\nid = \"l{l}\"\nrest_length_mm = {l}\ncontraction_max = 0.165\n"))
+        .collect();
+    let text = format!("{TRUTH}\n{}", specimens.concat());
+    simulate::read_truth("coverage.toml", &text).unwrap_or_else(|d| panic!("{d:?}"))
+}
+
+/// The campaign as rows: the steady readings, normalised as the stages do it.
+fn rows(truth: &Truth) -> Vec<Row> {
+    let (drawn, readings) = simulate::rows(truth);
+    readings
+        .iter()
+        .map(|reading| {
+            let session = &drawn.sessions[reading.session];
+            let specimen = drawn.specimen(session);
+            let mut row = Row::blank();
+            row.session = session.id.clone();
+            row.campaign = truth.campaign.clone();
+            row.specimen = specimen.id.clone();
+            row.simulated = true;
+            row.diameter_mm = 10.0;
+            row.rest_length_m = 1e-3 * specimen.rest_length_mm;
+            row.contracted_length_m = 1e-3 * specimen.contracted_length_mm;
+            row.length_m = 1e-3 * session.length_mm;
+            row.pressure_kpa = reading.pressure_kpa;
+            row.force_n = reading.force_n;
+            row.contraction = (row.rest_length_m - row.length_m) / row.rest_length_m;
+            row.contraction_rel = row.contraction * row.rest_length_m / (row.rest_length_m - row.contracted_length_m);
+            row.pressure_rel = row.pressure_kpa / P_620_KPA;
+            row
+        })
+        .collect()
+}
+
+/// Issue: "gives back every coefficient inside its 95% interval in at least 90 of 100 seeds".
+#[test]
+fn every_coefficient_is_inside_its_interval_in_at_least_90_of_100_campaigns() {
+    let group = Group {
+        campaign: "coverage".into(),
+        diameter_mm: 10,
+        members: vec!["coverage".into()],
+        simulated: true,
+    };
+    let mut truth = truth();
+    let mut inside: BTreeMap<String, usize> = BTreeMap::new();
+    for seed in 0..100 {
+        truth.seed = seed;
+        let fit = fit_group(&group, &rows(&truth), &FitOptions::default());
+        let joint = fit.equation(JOINT).unwrap();
+        assert_eq!(joint.ci_method, "jackknife by specimen");
+        for c in &joint.coefficients {
+            let (low, high) = (c.ci_low.unwrap(), c.ci_high.unwrap());
+            let truth = c.published.unwrap();
+            *inside.entry(c.symbol.clone()).or_default() += usize::from(low <= truth && truth <= high);
+        }
+    }
+    println!("inside the 95% interval, of 100 campaigns: {inside:?}");
+    assert_eq!(inside.len(), 5);
+    assert!(inside.values().all(|n| *n >= 90), "{inside:?}");
+}

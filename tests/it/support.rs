@@ -1,0 +1,171 @@
+//! What the tests share: the binary, a small campaign, and looking at what a run left.
+
+use pipeline::simulate;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+/// A simulated campaign that is small enough to be run many times.
+const TRUTH: &str = r#"
+schema = "bpa-truth/1"
+campaign = "small"
+seed = 3
+date = "2026-01"
+notes = "for tests"
+diameter_mm = 10
+coefficients = "published"
+contractions = [0, 0.5]
+runs = [8]
+run_speed = [1]
+sampling = "timeseries"
+
+[[specimen]]
+id = "a"
+rest_length_mm = 112
+contraction_max = 0.16
+
+[[specimen]]
+id = "b"
+rest_length_mm = 233
+contraction_max = 0.17
+
+[[specimen]]
+id = "c"
+rest_length_mm = 382
+contraction_max = 0.17
+
+[rig]
+rows = 4000
+zero_rows = 400
+fill_share = 0.2
+vent_share = 0.45
+"#;
+
+/// A directory with `raw/`, where a test runs the program.
+pub struct Bench {
+    root: TempDir,
+}
+
+/// What the program said.
+pub struct Said {
+    pub code: i32,
+    pub out: String,
+    pub err: String,
+}
+
+impl Bench {
+    /// An empty `raw/`.
+    pub fn empty() -> Self {
+        let root = tempfile::tempdir().unwrap();
+        std::fs::create_dir(root.path().join("raw")).unwrap();
+        Self { root }
+    }
+
+    /// `raw/` with the small campaign: 3 specimens, 2 contractions, 1 run and a zero log each.
+    pub fn small() -> Self {
+        let bench = Self::empty();
+        let truth = simulate::read_truth("small.toml", TRUTH).unwrap_or_else(|d| panic!("{d:?}"));
+        simulate::write(&simulate::simulate(&truth), &bench.raw().join("small"), None, false).unwrap();
+        bench.age();
+        bench
+    }
+
+    pub fn root(&self) -> &Path {
+        self.root.path()
+    }
+
+    pub fn raw(&self) -> PathBuf {
+        self.root.path().join("raw")
+    }
+
+    /// Makes every raw file look as if it had been written long ago, as in a real tree.
+    pub fn age(&self) {
+        let long_ago = std::time::SystemTime::now() - std::time::Duration::from_secs(3600);
+        for file in files(&self.raw()) {
+            let open = std::fs::File::options().write(true).open(&file).unwrap();
+            open.set_modified(long_ago).unwrap();
+        }
+    }
+
+    /// Writes a file below `raw/`.
+    pub fn write(&self, path: &str, contents: impl AsRef<[u8]>) {
+        let path = self.raw().join(path);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, contents).unwrap();
+    }
+
+    /// Runs the program here.
+    pub fn run(&self, arguments: &[&str]) -> Said {
+        said(Command::new(env!("CARGO_BIN_EXE_pipeline")).args(arguments).current_dir(self.root()).output().unwrap())
+    }
+
+    /// Every file below a directory with its contents, by relative path.
+    pub fn snapshot(&self, directory: &str) -> BTreeMap<String, Vec<u8>> {
+        let root = self.root().join(directory);
+        files(&root)
+            .into_iter()
+            .map(|f| (f.strip_prefix(&root).unwrap().display().to_string(), std::fs::read(&f).unwrap()))
+            .collect()
+    }
+
+    /// A table of the last run: header and rows, split at commas outside quotes.
+    pub fn table(&self, name: &str) -> Vec<BTreeMap<String, String>> {
+        read_table(&self.root().join("reports/tables").join(format!("{name}.csv")))
+    }
+}
+
+fn said(output: Output) -> Said {
+    Said {
+        code: output.status.code().unwrap_or(-1),
+        out: String::from_utf8(output.stdout).unwrap(),
+        err: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+/// All files below a directory, sorted.
+pub fn files(root: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut folders = vec![root.to_path_buf()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
+            if entry.path().is_dir() {
+                folders.push(entry.path());
+            } else {
+                found.push(entry.path());
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// A CSV table as rows by column name.
+pub fn read_table(path: &Path) -> Vec<BTreeMap<String, String>> {
+    let text = std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    let mut lines = text.lines();
+    let header = fields(lines.next().unwrap());
+    lines.map(|l| header.iter().cloned().zip(fields(l)).collect()).collect()
+}
+
+fn fields(line: &str) -> Vec<String> {
+    let (mut fields, mut quoted) = (vec![String::new()], false);
+    for c in line.chars() {
+        match c {
+            '"' => quoted = !quoted,
+            ',' if !quoted => fields.push(String::new()),
+            c => fields.last_mut().unwrap().push(c),
+        }
+    }
+    fields
+}
+
+/// The real rig sessions, where they are; the line says that the test was skipped where they are not.
+pub fn rig(test: &str) -> Option<PathBuf> {
+    let rig = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/rig");
+    if rig.is_dir() {
+        return Some(rig);
+    }
+    println!("skipped {test}: no real rig sessions at {}", rig.display());
+    None
+}
