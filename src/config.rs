@@ -118,6 +118,8 @@ impl CleanOptions {
 pub struct FitOptions {
     /// "huber", "least_squares", "lar", "bisquare" or "cauchy".
     pub loss: String,
+    /// Where Huber's loss bends, in units of the least-squares RMSE.
+    pub huber_at_rmse: f64,
     /// Confidence of the intervals.
     pub confidence: f64,
     /// Rows with |eps*| up to this count as measured at resting length.
@@ -136,6 +138,7 @@ impl Default for FitOptions {
     fn default() -> Self {
         Self {
             loss: "huber".to_owned(),
+            huber_at_rmse: 3.0,
             confidence: 0.95,
             at_rest: 0.05,
             near_620_kpa: 15.0,
@@ -174,7 +177,7 @@ impl Default for ReportOptions {
             title: "Isometric force of braided pneumatic actuators".to_owned(),
             author: String::new(),
             date: String::new(),
-            png_dpi: 200.0,
+            png_dpi: 150.0,
         }
     }
 }
@@ -246,6 +249,7 @@ impl Config {
             ("clean.spike_fraction", c.spike_fraction),
             ("fit.at_rest", self.fit.at_rest),
             ("fit.near_620_kpa", self.fit.near_620_kpa),
+            ("fit.huber_at_rmse", self.fit.huber_at_rmse),
             ("report.png_dpi", self.report.png_dpi),
         ];
         let mut mistakes: Vec<Diagnostic> = positive

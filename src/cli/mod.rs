@@ -84,7 +84,7 @@ fn run_command(args: &RunArgs) -> Result<u8> {
 
 /// A run in which every session was rejected is no success.
 fn nothing_usable(outcome: &Outcome) -> Result<()> {
-    if outcome.rejected.len() >= outcome.sessions && outcome.pdfs.is_empty() {
+    if outcome.rejected.len() >= outcome.sessions + outcome.unusable {
         return Err(Error::Usage("no session could be used; the messages above say why".to_owned()));
     }
     Ok(())

@@ -120,7 +120,9 @@ impl Parser<'_> {
 
 /// The inside of the braces with which `text` begins.
 fn braced(text: &str) -> Option<&str> {
-    text.strip_prefix('{')?.split_once('}').map(|(inner, _)| inner)
+    text.strip_prefix('{')?
+        .split_once('}')
+        .map(|(inner, _)| inner)
 }
 
 /// Sets the letters that are variables by convention in italics.
@@ -142,7 +144,12 @@ fn with_variables(pieces: Vec<Piece>) -> Vec<Piece> {
     parser.pieces
 }
 
-fn is_variable(c: char, before: Option<char>, after: Option<char>, follower: Option<&Piece>) -> bool {
+fn is_variable(
+    c: char,
+    before: Option<char>,
+    after: Option<char>,
+    follower: Option<&Piece>,
+) -> bool {
     let letter = |c: Option<char>| c.is_some_and(char::is_alphabetic);
     let script = follower
         .filter(|_| after.is_none())

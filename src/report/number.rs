@@ -209,7 +209,10 @@ mod tests {
 
     #[test]
     fn an_empty_interval_falls_back_to_four_digits() {
-        let rounding = Rounding::ByInterval { low: 2.0, high: 2.0 };
+        let rounding = Rounding::ByInterval {
+            low: 2.0,
+            high: 2.0,
+        };
         assert_eq!(shown(2.0, rounding), "2.000");
         let unknown = Rounding::ByInterval {
             low: f64::NAN,

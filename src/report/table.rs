@@ -54,7 +54,11 @@ impl Cell {
         let rounding = Rounding::ByInterval { low, high };
         [
             Cell::Number { value, rounding },
-            Cell::Interval { low, high, rounding },
+            Cell::Interval {
+                low,
+                high,
+                rounding,
+            },
         ]
     }
 }

@@ -24,7 +24,7 @@ const STYLE: &str = include_str!("templates/style.typ");
 /// Name of the main file in messages.
 const MAIN: &str = "main.typ";
 /// For how many documents the results of layout are remembered.
-const REMEMBERED: usize = 3;
+const REMEMBERED: usize = 10;
 
 static FONTS: LazyLock<Vec<Font>> = LazyLock::new(|| {
     let font = |bytes: &'static [u8]| Font::new(Bytes::new(bytes), 0);

@@ -55,7 +55,9 @@ pub struct Outcome {
     pub fresh: usize,
     /// Usable sessions found.
     pub sessions: usize,
-    /// Sessions that gave nothing: id or folder, and why.
+    /// Sessions whose `session.toml` cannot be used.
+    pub unusable: usize,
+    /// Sessions that gave nothing, the unusable ones first: id or folder, and why.
     pub rejected: Vec<(String, String)>,
     /// Logs left out: session, log, why.
     pub rejected_logs: Vec<(String, String, String)>,
@@ -166,6 +168,7 @@ fn no_sessions(options: &RunOptions, discovery: &Discovery) -> String {
 fn summary(engine: &Engine, discovery: &Discovery, results: &[SessionResult]) -> Result<Outcome> {
     let mut outcome = Outcome {
         sessions: discovery.sessions.len(),
+        unusable: discovery.unusable.len(),
         diagnostics: discovery.diagnostics.clone(),
         ..Outcome::default()
     };

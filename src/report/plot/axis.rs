@@ -42,7 +42,7 @@ impl Axis {
         }
     }
 
-    /// From `low` to `high` exactly.
+    /// From `low` to `high` exactly; what lies beyond is cut off.
     pub fn fixed(mut self, low: f64, high: f64) -> Axis {
         self.span = Span::Fixed(low, high);
         self
@@ -183,7 +183,10 @@ mod tests {
     fn ticks_stand_at_round_numbers() {
         assert_eq!(labels(0.0, 620.0, 7), "0 100 200 300 400 500 600");
         assert_eq!(labels(-0.02, 0.17, 4), "0.00 0.05 0.10 0.15");
-        assert_eq!(labels(-30.0, 30.0, 6), "\u{2212}30 \u{2212}20 \u{2212}10 0 10 20 30");
+        assert_eq!(
+            labels(-30.0, 30.0, 6),
+            "\u{2212}30 \u{2212}20 \u{2212}10 0 10 20 30"
+        );
         assert_eq!(labels(0.0, 1.0, 4), "0.00 0.25 0.50 0.75 1.00");
     }
 
@@ -192,9 +195,12 @@ mod tests {
         let axis = Axis::new("x");
         assert_eq!(axis.range(Some((0.0, 610.0)), 7), (0.0, 634.4));
         let (low, high) = axis.range(Some((120.0, 519.0)), 5);
-        assert!(low < 120.0 && low >= 100.0 && high > 519.0);
+        assert!((100.0..120.0).contains(&low) && high > 519.0);
         assert_eq!(axis.range(None, 5), (0.0, 1.04));
-        assert_eq!(Axis::new("x").fixed(1.0, 2.0).range(Some((0.0, 9.0)), 5), (1.0, 2.0));
+        assert_eq!(
+            Axis::new("x").fixed(1.0, 2.0).range(Some((0.0, 9.0)), 5),
+            (1.0, 2.0)
+        );
     }
 
     #[test]

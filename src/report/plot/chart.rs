@@ -1,10 +1,10 @@
 //! The inside of a panel: maps data to paper through plotters' Cartesian coordinates and draws the layers.
 
-use super::backend::Paper;
 use super::clip::{Window, thin};
 use super::label::{Anchor, Label};
 use super::layer::{Layer, Place, Series};
 use super::marks;
+use super::paper::Paper;
 use super::pencil::{Pencil, shape_style};
 use super::style::{Dash, Ink, Mark, OUTLINE_PT, SMALL_PT, Stroke};
 use super::units::{Rect, mm, snap};
@@ -60,7 +60,9 @@ impl Chart {
         match layer {
             Layer::Series(series) => self.series(series),
             Layer::Band { points, ink, .. } => self.band(points, *ink),
-            Layer::Windows { spans, ink, .. } => spans.iter().try_for_each(|s| self.shade(*s, *ink)),
+            Layer::Windows { spans, ink, .. } => {
+                spans.iter().try_for_each(|s| self.shade(*s, *ink))
+            }
             Layer::Steps { at, stroke, .. } => at
                 .iter()
                 .try_for_each(|at| self.curve(&[(*at, y.0), (*at, y.1)], stroke)),
@@ -117,11 +119,17 @@ impl Chart {
     }
 
     /// A line between two points with short strokes across its visible ends.
-    fn error_bar(&self, ends: [(f64, f64); 2], (dx, dy): (f64, f64), stroke: &Stroke) -> Result<()> {
+    fn error_bar(
+        &self,
+        ends: [(f64, f64); 2],
+        (dx, dy): (f64, f64),
+        stroke: &Stroke,
+    ) -> Result<()> {
         self.curve(&ends, stroke)?;
         for end in ends.into_iter().filter(|e| self.window.contains(*e)) {
             let (x, y) = self.map(end);
-            self.pencil.line(&[(x - dx, y - dy), (x + dx, y + dy)], stroke)?;
+            self.pencil
+                .line(&[(x - dx, y - dy), (x + dx, y + dy)], stroke)?;
         }
         Ok(())
     }

@@ -102,7 +102,10 @@ pub fn thin(points: Vec<(f64, f64)>, width: f64) -> Vec<(f64, f64)> {
     for group in points.chunk_by(|a, b| column(a) == column(b)) {
         let by_value = |a: &&usize, b: &&usize| group[**a].1.total_cmp(&group[**b].1);
         let numbers: Vec<usize> = (0..group.len()).collect();
-        let extremes = [numbers.iter().min_by(by_value), numbers.iter().max_by(by_value)];
+        let extremes = [
+            numbers.iter().min_by(by_value),
+            numbers.iter().max_by(by_value),
+        ];
         let mut keep: Vec<usize> = extremes.into_iter().flatten().copied().collect();
         keep.extend([0, group.len() - 1]);
         keep.sort_unstable();
@@ -123,14 +126,24 @@ mod tests {
 
     #[test]
     fn segments_are_cut_at_the_edges() {
-        assert_eq!(UNIT.segment((-1.0, 0.5), (0.5, 0.5)), Some([(0.0, 0.5), (0.5, 0.5)]));
+        assert_eq!(
+            UNIT.segment((-1.0, 0.5), (0.5, 0.5)),
+            Some([(0.0, 0.5), (0.5, 0.5)])
+        );
         assert_eq!(UNIT.segment((-1.0, 2.0), (2.0, 2.0)), None);
         assert_eq!(UNIT.segment((f64::NAN, 0.0), (1.0, 1.0)), None);
     }
 
     #[test]
     fn curves_are_parted_where_they_leave_or_are_unknown() {
-        let curve = [(0.1, 0.1), (0.2, 3.0), (0.3, 0.1), (f64::NAN, 0.2), (0.5, 0.5), (0.6, 0.5)];
+        let curve = [
+            (0.1, 0.1),
+            (0.2, 3.0),
+            (0.3, 0.1),
+            (f64::NAN, 0.2),
+            (0.5, 0.5),
+            (0.6, 0.5),
+        ];
         assert_eq!(UNIT.curve(&curve).len(), 3);
     }
 
@@ -142,7 +155,9 @@ mod tests {
 
     #[test]
     fn thinning_keeps_the_extremes() {
-        let wave: Vec<(f64, f64)> = (0..10_000).map(|i| (i as f64, ((i * 37) % 101) as f64)).collect();
+        let wave: Vec<(f64, f64)> = (0..10_000)
+            .map(|i| (i as f64, ((i * 37) % 101) as f64))
+            .collect();
         let thinned = thin(wave, 100.0);
         assert!(thinned.len() <= 400);
         assert_eq!(thinned.iter().map(|p| p.1).fold(0.0, f64::max), 100.0);

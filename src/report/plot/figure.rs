@@ -1,8 +1,8 @@
 //! A figure: panels on a grid, their plot rectangles aligned, at the size at which a journal prints it.
 
-use super::backend::Paper;
 use super::legend::Key;
 use super::panel::{Panel, Plan};
+use super::paper::Paper;
 use super::pencil::Pencil;
 use super::units::{Rect, mm};
 use crate::base::error::{Error, Result};
@@ -84,26 +84,34 @@ impl Figure {
     /// # Errors
     /// If there is no panel, or the figure is too small for its labels.
     pub fn to_svg(&self) -> Result<String> {
-        let paper = Rc::new(RefCell::new(Paper::new(mm(self.width_mm), mm(self.height_mm))));
+        let paper = Rc::new(RefCell::new(Paper::new(
+            mm(self.width_mm),
+            mm(self.height_mm),
+        )));
         self.draw(&Pencil::new(&paper))?;
-        let paper = Rc::into_inner(paper).ok_or_else(|| Error::internal("a pencil outlived its figure"))?;
+        let paper =
+            Rc::into_inner(paper).ok_or_else(|| Error::internal("a pencil outlived its figure"))?;
         Ok(paper.into_inner().finish(&self.title))
     }
 
     fn draw(&self, pencil: &Pencil) -> Result<()> {
-        let shared = Key::new(self.panels.iter().flat_map(|p| &p.layers).filter(|_| self.shared_legend));
+        let layers = self.panels.iter().flat_map(|p| &p.layers);
+        let shared = Key::new(layers.filter(|_| self.shared_legend));
         let width = mm(self.width_mm - 2.0 * EDGE_MM);
-        let head = shared.rows_height(width);
+        let head = shared.rows_room(width);
         let mut plans = self.plans();
-        let rects = self.layout(&plans, head)?;
-        let mut moved = false;
-        for (plan, rect) in plans.iter_mut().zip(&rects) {
-            moved |= plan.settle_legend(pencil, *rect);
+        let mut rects = self.layout(&plans, head)?;
+        while settle_one(&mut plans, pencil, &rects) {
+            rects = self.layout(&plans, head)?;
         }
-        let rects = if moved { self.layout(&plans, head)? } else { rects };
         shared.draw_rows(pencil, (mm(EDGE_MM), mm(EDGE_MM)), width)?;
-        for (i, (plan, rect)) in plans.iter().zip(rects).enumerate() {
-            pencil.group(&format!("panel-{}", i + 1), || plan.draw(pencil, rect))?;
+        for (i, (plan, rect)) in plans.iter().zip(&rects).enumerate() {
+            let row = i / self.columns.len() * self.columns.len();
+            let neighbours = &plans[row..(row + self.columns.len()).min(plans.len())];
+            let above = rect.top - room_above(neighbours, narrowest(&rects));
+            pencil.group(&format!("panel-{}", i + 1), || {
+                plan.draw(pencil, *rect, above)
+            })?;
         }
         Ok(())
     }
@@ -130,42 +138,86 @@ impl Figure {
     /// The plot rectangles: equal margins in each column and row, the rest shared out by weight.
     fn layout(&self, plans: &[Plan<'_>], head: f64) -> Result<Vec<Rect>> {
         let columns = self.columns.len();
-        let rows = self.row_count();
-        let in_column = |c: usize| plans.iter().skip(c).step_by(columns);
-        let in_row = |r: usize| plans.iter().skip(r * columns).take(columns);
-        let margins = (0..columns).map(|c| (largest(in_column(c), Plan::left), largest(in_column(c), Plan::right)));
-        let across = share(mm(EDGE_MM), mm(self.width_mm - EDGE_MM), margins, &self.columns);
-        let widths: Vec<f64> = across.iter().map(|(from, to)| to - from).collect();
-        let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
-        let margins = (0..rows).map(|r| (largest(in_row(r), |p| p.top(narrowest)), largest(in_row(r), Plan::bottom)));
-        let weights: Vec<f64> = (0..rows).map(|r| self.rows.get(r).copied().unwrap_or(1.0)).collect();
-        let down = share(mm(EDGE_MM) + head, mm(self.height_mm - EDGE_MM), margins, &weights);
-        let rects: Vec<Rect> = (0..plans.len())
-            .map(|i| {
-                let ((left, right), (top, bottom)) = (across[i % columns], down[i / columns]);
-                Rect { left, top, right, bottom }
-            })
-            .collect();
+        let across = self.across(plans);
+        let widths = across.iter().map(|(from, to)| to - from);
+        let narrowest = widths.fold(f64::INFINITY, f64::min);
+        let down = self.down(plans, head, narrowest);
+        let rect = |i: usize| {
+            let ((left, right), (top, bottom)) = (across[i % columns], down[i / columns]);
+            Rect {
+                left,
+                top,
+                right,
+                bottom,
+            }
+        };
+        let rects: Vec<Rect> = (0..plans.len()).map(rect).collect();
         let large = |r: &Rect| r.width() >= mm(10.0) && r.height() >= mm(5.0);
         if rects.is_empty() || !rects.iter().all(large) {
-            return Err(Error::internal(format!(
-                "figure \"{}\": {} panels do not fit on {} mm x {} mm",
-                self.title,
-                self.panels.len(),
-                self.width_mm,
-                self.height_mm
-            )));
+            return Err(self.too_small());
         }
         Ok(rects)
     }
+
+    /// Where the plot rectangles of each column begin and end.
+    fn across(&self, plans: &[Plan<'_>]) -> Vec<(f64, f64)> {
+        let columns = self.columns.len();
+        let margins = (0..columns).map(|c| {
+            let column = || plans.iter().skip(c).step_by(columns);
+            let left = column().map(Plan::left).fold(0.0, f64::max);
+            let right = column().map(Plan::right).fold(0.0, f64::max);
+            (left, right)
+        });
+        let right = mm(self.width_mm - EDGE_MM);
+        share(mm(EDGE_MM), right, margins, &self.columns)
+    }
+
+    /// Where the plot rectangles of each row begin and end, below a common legend of height `head`.
+    fn down(&self, plans: &[Plan<'_>], head: f64, width: f64) -> Vec<(f64, f64)> {
+        let rows = plans.chunks(self.columns.len());
+        let margins = rows.map(|row| {
+            let bottom = row.iter().map(Plan::bottom).fold(0.0, f64::max);
+            (room_above(row, width), bottom)
+        });
+        let weight = |r: usize| self.rows.get(r).copied().unwrap_or(1.0);
+        let weights: Vec<f64> = (0..self.row_count()).map(weight).collect();
+        let bottom = mm(self.height_mm - EDGE_MM);
+        share(mm(EDGE_MM) + head, bottom, margins, &weights)
+    }
+
+    fn too_small(&self) -> Error {
+        Error::internal(format!(
+            "figure \"{}\": {} panels do not fit on {} mm x {} mm",
+            self.title,
+            self.panels.len(),
+            self.width_mm,
+            self.height_mm
+        ))
+    }
 }
 
-fn largest<'a, 'b: 'a>(plans: impl Iterator<Item = &'a Plan<'b>>, of: impl Fn(&Plan<'b>) -> f64) -> f64 {
-    plans.map(of).fold(0.0, f64::max)
+/// Room above the plot rectangles of a row.
+fn room_above(row: &[Plan<'_>], width: f64) -> f64 {
+    row.iter().map(|p| p.top(width)).fold(0.0, f64::max)
+}
+
+fn narrowest(rects: &[Rect]) -> f64 {
+    rects.iter().map(Rect::width).fold(f64::INFINITY, f64::min)
+}
+
+/// Moves a legend that finds no room inside its panel; says whether there was one.
+fn settle_one(plans: &mut [Plan<'_>], pencil: &Pencil, rects: &[Rect]) -> bool {
+    let mut panels = plans.iter_mut().zip(rects);
+    panels.any(|(plan, rect)| plan.settle_legend(pencil, *rect))
 }
 
 /// Shares out a length: each part gets its margins before and after, the rest goes by weight. Returns where the parts begin and end.
-fn share(from: f64, to: f64, margins: impl Iterator<Item = (f64, f64)>, weights: &[f64]) -> Vec<(f64, f64)> {
+fn share(
+    from: f64,
+    to: f64,
+    margins: impl Iterator<Item = (f64, f64)>,
+    weights: &[f64],
+) -> Vec<(f64, f64)> {
     let margins: Vec<(f64, f64)> = margins.collect();
     let taken: f64 = margins.iter().map(|(before, after)| before + after).sum();
     let free = to - from - taken - mm(GAP_MM) * (weights.len() as f64 - 1.0);

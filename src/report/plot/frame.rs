@@ -32,13 +32,18 @@ pub struct Frame {
 impl Frame {
     /// How many steps suit axes of a panel of about this size.
     pub fn steps((width, height): (f64, f64)) -> (usize, usize) {
-        let count = |length: f64, pitch: f64, most: f64| (length / PER_MM / pitch).floor().clamp(2.0, most) as usize;
+        let count = |length: f64, pitch: f64, most: f64| {
+            (length / PER_MM / pitch).floor().clamp(2.0, most) as usize
+        };
         (count(width, 11.0, 8.0), count(height, 7.5, 7.0))
     }
 
     /// Measures the axes of a panel.
     pub fn new(panel: &Panel, window: Window, size: (f64, f64)) -> Frame {
-        let (across, up) = Frame::steps(size);
+        let (mut across, mut up) = Frame::steps(size);
+        if panel.same_range {
+            (across, up) = (across.min(up), across.min(up));
+        }
         let labelled = |ticks: Vec<(f64, String)>, numbered: bool| -> Vec<(f64, Label)> {
             let text = |t: String| if numbered { t } else { String::new() };
             ticks
@@ -55,11 +60,10 @@ impl Frame {
             .map(|n| labelled(panel.x.ticks(window.x, n), panel.x.numbered))
             .find(|ticks| fits(ticks))
             .unwrap_or_else(|| labelled(panel.x.ticks(window.x, 2), panel.x.numbered));
-        let same = panel.same_range.then_some(across.min(up)).unwrap_or(up);
         Frame {
             window,
             x_ticks,
-            y_ticks: labelled(panel.y.ticks(window.y, same), panel.y.numbered),
+            y_ticks: labelled(panel.y.ticks(window.y, up), panel.y.numbered),
             x_label: Label::new(&panel.x.label, LABEL_PT),
             y_label: Label::new(&panel.y.label, LABEL_PT),
             title: Label::new(&panel.title, LABEL_PT),
@@ -94,14 +98,21 @@ impl Frame {
 
     /// Room for the half of the last number that stands beyond the axis.
     pub fn right(&self) -> f64 {
-        self.x_ticks.last().map_or(0.0, |(_, l)| l.width / 2.0).max(mm(1.0))
+        self.x_ticks
+            .last()
+            .map_or(0.0, |(_, l)| l.width / 2.0)
+            .max(mm(1.0))
     }
 
     /// Room above the plot rectangle for letter, heading and the rows of a legend, which stand beside the letter where there is no
     /// heading.
     pub fn top(&self, letter: &str, rows: f64) -> f64 {
         let heading = self.heading_height(letter);
-        let together = if self.title.plain.is_empty() { heading.max(rows) } else { heading + rows };
+        let together = if self.title.plain.is_empty() {
+            heading.max(rows)
+        } else {
+            heading + rows
+        };
         together.max(mm(1.2))
     }
 
@@ -137,13 +148,21 @@ impl Frame {
         for (at, number) in &self.x_ticks {
             let x = chart.map((*at, self.window.y.0)).0;
             pencil.line(&[(x, rect.bottom), (x, below)], &hair)?;
-            pencil.label(number, (x, below + mm(NUMBER_GAP_MM)), Anchor::new(Side::Middle, Level::Top));
+            pencil.label(
+                number,
+                (x, below + mm(NUMBER_GAP_MM)),
+                Anchor::new(Side::Middle, Level::Top),
+            );
         }
         let beside = rect.left - mm(TICK_MM);
         for (at, number) in &self.y_ticks {
             let y = chart.map((self.window.x.0, *at)).1;
             pencil.line(&[(rect.left, y), (beside, y)], &hair)?;
-            pencil.label(number, (beside - mm(NUMBER_GAP_MM), y), Anchor::new(Side::Right, Level::Center));
+            pencil.label(
+                number,
+                (beside - mm(NUMBER_GAP_MM), y),
+                Anchor::new(Side::Right, Level::Center),
+            );
         }
         self.draw_labels(pencil, rect);
         Ok(())
@@ -152,13 +171,24 @@ impl Frame {
     fn draw_labels(&self, pencil: &Pencil, rect: Rect) {
         let x = (rect.left + rect.right) / 2.0;
         let y = rect.bottom + self.bottom() - self.x_label.depth();
-        pencil.label(&self.x_label, (x, y), Anchor::new(Side::Middle, Level::Base));
+        pencil.label(
+            &self.x_label,
+            (x, y),
+            Anchor::new(Side::Middle, Level::Base),
+        );
         let x = rect.left - self.left() + self.y_label.height();
         let y = (rect.top + rect.bottom) / 2.0;
-        pencil.label(&self.y_label, (x, y), Anchor::upwards(Side::Middle, Level::Base));
+        pencil.label(
+            &self.y_label,
+            (x, y),
+            Anchor::upwards(Side::Middle, Level::Base),
+        );
     }
 }
 
 fn widest(ticks: &[(f64, Label)]) -> f64 {
-    ticks.iter().map(|(_, label)| label.width).fold(0.0, f64::max)
+    ticks
+        .iter()
+        .map(|(_, label)| label.width)
+        .fold(0.0, f64::max)
 }

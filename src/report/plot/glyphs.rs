@@ -27,8 +27,9 @@ pub const UNITS_PER_EM: f64 = 2816.0;
 pub const CAP_HEIGHT: f64 = 0.727;
 
 static FACES: LazyLock<[Face<'static>; 3]> = LazyLock::new(|| {
-    [fonts::SANS, fonts::SANS_BOLD, fonts::SANS_ITALIC]
-        .map(|bytes| Face::from_slice(bytes, 0).expect("the bundled fonts are whole, as a test assures"))
+    [fonts::SANS, fonts::SANS_BOLD, fonts::SANS_ITALIC].map(|bytes| {
+        Face::from_slice(bytes, 0).expect("the bundled fonts are whole, as a test assures")
+    })
 });
 
 fn face(style: Style) -> &'static Face<'static> {

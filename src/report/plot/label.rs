@@ -6,9 +6,9 @@ use super::units::pt;
 use crate::report::markup::{self, Piece, Script};
 
 /// Drop of subscripts below the base line, in ems.
-const SUB_DROP: f64 = 0.16;
+const SUB_DROP: f64 = 0.2;
 /// Rise of superscripts above the base line, in ems.
-const SUPER_RISE: f64 = 0.34;
+const SUPER_RISE: f64 = 0.38;
 /// Depth of letters such as g, in ems.
 const DEPTH: f64 = 0.2;
 
@@ -114,7 +114,10 @@ impl Label {
             let start = label.width;
             label.push(piece, style);
             let next = pieces.get(i + 1).map(|p| p.script);
-            let stacked = matches!((piece.script, next), (Script::Sub, Some(Script::Super)) | (Script::Super, Some(Script::Sub)));
+            let stacked = matches!(
+                (piece.script, next),
+                (Script::Sub, Some(Script::Super)) | (Script::Super, Some(Script::Sub))
+            );
             if stacked {
                 after_script = label.width;
                 label.width = start;
@@ -156,7 +159,11 @@ impl Label {
 
     /// The smallest letters in points.
     pub fn smallest_pt(&self) -> f64 {
-        let smallest = self.runs.iter().map(|r| r.size).fold(pt(self.size_pt), f64::min);
+        let smallest = self
+            .runs
+            .iter()
+            .map(|r| r.size)
+            .fold(pt(self.size_pt), f64::min);
         (smallest / pt(1.0) * 100.0).round() / 100.0
     }
 

@@ -20,6 +20,9 @@ const VEIL_MM: f64 = 0.6;
 /// Opacity of that paper.
 const VEIL_OPACITY: f64 = 0.85;
 
+/// Room below a legend in rows, in millimetres.
+const ROWS_GAP_MM: f64 = 1.2;
+
 /// Where the legend of a panel stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Legend {
@@ -63,7 +66,11 @@ impl Key {
             }
         }
         let marks_only = |e: &Entry| matches!(e.sample, Sample::Line(None, _));
-        let sample_width = if entries.iter().all(marks_only) { mm(2.0) } else { mm(6.0) };
+        let sample_width = if entries.iter().all(marks_only) {
+            mm(2.0)
+        } else {
+            mm(6.0)
+        };
         Key {
             entries,
             sample_width,
@@ -77,7 +84,11 @@ impl Key {
 
     /// Width and height of a block with one entry a line.
     pub fn block(&self) -> (f64, f64) {
-        let widest = self.entries.iter().map(|e| e.name.width).fold(0.0, f64::max);
+        let widest = self
+            .entries
+            .iter()
+            .map(|e| e.name.width)
+            .fold(0.0, f64::max);
         let height = self.entries.len() as f64 * mm(PITCH_MM);
         (self.sample_width + mm(GAP_MM) + widest, height)
     }
@@ -94,42 +105,44 @@ impl Key {
         Ok(())
     }
 
-    /// Height of rows no wider than `width`.
-    pub fn rows_height(&self, width: f64) -> f64 {
-        self.rows(width).len() as f64 * mm(PITCH_MM)
+    /// Height of rows no wider than `width`, with the gap below them; nothing where there is nothing to explain.
+    pub fn rows_room(&self, width: f64) -> f64 {
+        if self.is_empty() {
+            return 0.0;
+        }
+        self.rows(width).len() as f64 * mm(PITCH_MM) + mm(ROWS_GAP_MM)
     }
 
     /// Draws rows no wider than `width` from the upper left corner on.
     pub fn draw_rows(&self, pencil: &Pencil, (left, top): (f64, f64), width: f64) -> Result<()> {
         for (i, row) in self.rows(width).into_iter().enumerate() {
-            let mut x = left;
-            for entry in row {
-                self.draw_entry(pencil, entry, (x, top + (i as f64 + 0.5) * mm(PITCH_MM)))?;
-                x += self.entry_width(entry) + mm(COLUMN_GAP_MM);
+            let y = top + (i as f64 + 0.5) * mm(PITCH_MM);
+            for (x, entry) in row {
+                self.draw_entry(pencil, entry, (left + x, y))?;
             }
         }
         Ok(())
     }
 
-    fn entry_width(&self, entry: &Entry) -> f64 {
-        self.sample_width + mm(GAP_MM) + entry.name.width
-    }
-
-    fn rows(&self, width: f64) -> Vec<Vec<&Entry>> {
-        let mut rows: Vec<Vec<&Entry>> = Vec::new();
-        let mut filled = f64::INFINITY;
-        for entry in &self.entries {
-            let needed = self.entry_width(entry);
-            if filled + needed > width {
-                rows.push(Vec::new());
-                filled = 0.0;
-            }
-            filled += needed + mm(COLUMN_GAP_MM);
-            if let Some(row) = rows.last_mut() {
-                row.push(entry);
-            }
+    /// The entries of each row with their places: one after another if they fit into a row, else in columns.
+    fn rows(&self, width: f64) -> Vec<Vec<(f64, &Entry)>> {
+        let width_of = |e: &Entry| self.sample_width + mm(GAP_MM) + e.name.width;
+        let widths = self.entries.iter().map(width_of);
+        let total: f64 = widths.clone().map(|w| w + mm(COLUMN_GAP_MM)).sum();
+        if total - mm(COLUMN_GAP_MM) <= width {
+            let starts = widths.scan(0.0, |at, w| {
+                let start = *at;
+                *at += w + mm(COLUMN_GAP_MM);
+                Some(start)
+            });
+            return vec![starts.zip(&self.entries).collect()];
         }
-        rows
+        let pitch = widths.fold(0.0, f64::max) + mm(COLUMN_GAP_MM);
+        let columns = ((width + mm(COLUMN_GAP_MM)) / pitch).floor().max(1.0) as usize;
+        let placed = |(i, e)| (i as f64 * pitch, e);
+        let rows = self.entries.chunks(columns);
+        rows.map(|row| row.iter().enumerate().map(placed).collect())
+            .collect()
     }
 
     fn draw_entry(&self, pencil: &Pencil, entry: &Entry, (x, y): (f64, f64)) -> Result<()> {

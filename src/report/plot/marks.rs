@@ -1,6 +1,6 @@
 //! Marks at data points: each kind defined once a file, then used by reference; dots as strokes of a single path.
 
-use super::backend::hex;
+use super::paper::hex;
 use super::path::PathData;
 use super::style::{Ink, Mark, OUTLINE_PT, Shape};
 use super::units::pt;
@@ -53,20 +53,35 @@ fn path(mark: Mark) -> String {
             let (r, d) = (mark.radius, 2 * mark.radius);
             format!("M-{r} 0a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0-{d} 0z")
         }
-        Shape::Square => closed(r * 0.89, &[(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]),
-        Shape::Diamond => closed(r * 1.22, &[(0.0, -1.0), (1.0, 0.0), (0.0, 1.0), (-1.0, 0.0)]),
+        Shape::Square => closed(
+            r * 0.89,
+            &[(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)],
+        ),
+        Shape::Diamond => closed(
+            r * 1.22,
+            &[(0.0, -1.0), (1.0, 0.0), (0.0, 1.0), (-1.0, 0.0)],
+        ),
         Shape::Triangle => closed(r * 1.25, &[(0.0, -1.0), (0.95, 0.65), (-0.95, 0.65)]),
         Shape::Wedge => closed(r * 1.25, &[(0.0, 1.0), (0.95, -0.65), (-0.95, -0.65)]),
-        Shape::Plus => strokes(r * 1.1, &[((-1.0, 0.0), (1.0, 0.0)), ((0.0, -1.0), (0.0, 1.0))]),
-        Shape::Cross => strokes(r * 0.85, &[((-1.0, -1.0), (1.0, 1.0)), ((-1.0, 1.0), (1.0, -1.0))]),
+        Shape::Plus => strokes(
+            r * 1.1,
+            &[[(-1.0, 0.0), (1.0, 0.0)], [(0.0, -1.0), (0.0, 1.0)]],
+        ),
+        Shape::Cross => strokes(
+            r * 0.85,
+            &[[(-1.0, -1.0), (1.0, 1.0)], [(-1.0, 1.0), (1.0, -1.0)]],
+        ),
     }
 }
 
-fn scaled(size: f64, (x, y): (f64, f64)) -> (i32, i32) {
+/// A point of a mark of size one.
+type Point = (f64, f64);
+
+fn scaled(size: f64, (x, y): Point) -> (i32, i32) {
     ((x * size).round() as i32, (y * size).round() as i32)
 }
 
-fn closed(size: f64, corners: &[(f64, f64)]) -> String {
+fn closed(size: f64, corners: &[Point]) -> String {
     let mut path = PathData::default();
     for corner in corners {
         path.to(scaled(size, *corner));
@@ -75,8 +90,8 @@ fn closed(size: f64, corners: &[(f64, f64)]) -> String {
     path.text().to_string()
 }
 
-fn strokes(size: f64, lines: &[((f64, f64), (f64, f64))]) -> String {
-    let stroke = |(from, to): &((f64, f64), (f64, f64))| {
+fn strokes(size: f64, lines: &[[Point; 2]]) -> String {
+    let stroke = |[from, to]: &[Point; 2]| {
         let mut path = PathData::default();
         path.to(scaled(size, *from));
         path.to(scaled(size, *to));

@@ -22,6 +22,7 @@ pub mod legend;
 mod marks;
 mod obstacles;
 pub mod panel;
+mod paper;
 mod path;
 mod pencil;
 pub mod style;

@@ -22,7 +22,12 @@ pub fn free_spot(chart: &Chart, layers: &[Layer], size: (f64, f64)) -> Option<Re
 /// The corner or edge that covers least.
 pub fn emptiest_spot(chart: &Chart, layers: &[Layer], size: (f64, f64)) -> Rect {
     let covered = covered(chart, layers);
-    let count = |r: &Rect| covered.iter().filter(|p| r.near(**p, mm(MARGIN_MM))).count();
+    let count = |r: &Rect| {
+        covered
+            .iter()
+            .filter(|p| r.near(**p, mm(MARGIN_MM)))
+            .count()
+    };
     let spots = candidates(chart.rect, size);
     spots.into_iter().min_by_key(count).unwrap_or(chart.rect)
 }

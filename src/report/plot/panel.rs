@@ -11,7 +11,7 @@ use super::pencil::Pencil;
 use super::units::{Rect, mm};
 use crate::base::error::Result;
 
-/// Room between a panel and the legend above or beside it, in millimetres.
+/// Room between a panel and the legend beside it, in millimetres.
 const LEGEND_GAP_MM: f64 = 1.2;
 
 /// A panel of a figure.
@@ -93,7 +93,11 @@ impl<'a> Plan<'a> {
             window = Window { x: all, y: all };
         }
         let key = Key::new(&panel.layers);
-        let legend = if key.is_empty() || !own_legend { Legend::None } else { panel.legend };
+        let legend = if key.is_empty() || !own_legend {
+            Legend::None
+        } else {
+            panel.legend
+        };
         Plan {
             frame: Frame::new(panel, window, size),
             panel,
@@ -124,7 +128,7 @@ impl<'a> Plan<'a> {
     /// Room needed above a plot rectangle so wide.
     pub fn top(&self, width: f64) -> f64 {
         let rows = match self.legend {
-            Legend::Above => self.key.rows_height(width) + mm(LEGEND_GAP_MM),
+            Legend::Above => self.key.rows_room(width),
             _ => 0.0,
         };
         self.frame.top(&self.letter, rows)
@@ -133,28 +137,28 @@ impl<'a> Plan<'a> {
     /// Moves the legend above the panel if there is no room inside; says whether it moved.
     pub fn settle_legend(&mut self, pencil: &Pencil, rect: Rect) -> bool {
         let chart = Chart::new(pencil, rect, self.frame.window);
-        let moves = self.legend == Legend::Auto && free_spot(&chart, &self.panel.layers, self.key.block()).is_none();
+        let moves = self.legend == Legend::Auto
+            && free_spot(&chart, &self.panel.layers, self.key.block()).is_none();
         if moves {
             self.legend = Legend::Above;
         }
         moves
     }
 
-    /// Draws the panel around its plot rectangle.
-    pub fn draw(&self, pencil: &Pencil, rect: Rect) -> Result<()> {
+    /// Draws the panel around its plot rectangle, its letter below `above`.
+    pub fn draw(&self, pencil: &Pencil, rect: Rect, above: f64) -> Result<()> {
         let chart = Chart::new(pencil, rect, self.frame.window);
         self.panel
             .layers
             .iter()
             .try_for_each(|layer| chart.draw(layer))?;
         self.frame.draw(pencil, &chart)?;
-        let above = rect.top - self.top(rect.width());
         self.frame.draw_heading(pencil, &self.letter, (rect, above));
         match self.legend {
             Legend::None => Ok(()),
             Legend::Above => {
-                let height = self.key.rows_height(rect.width()) + mm(LEGEND_GAP_MM);
-                self.key.draw_rows(pencil, (rect.left, rect.top - height), rect.width())
+                let top = rect.top - self.key.rows_room(rect.width());
+                self.key.draw_rows(pencil, (rect.left, top), rect.width())
             }
             Legend::Beside => {
                 let left = rect.right + self.frame.right() + mm(LEGEND_GAP_MM);

@@ -1,7 +1,7 @@
 //! Draws straight onto the paper, in canvas units, with plotters' elements.
 
-use super::backend::Paper;
 use super::label::{Anchor, Label};
+use super::paper::Paper;
 use super::style::{Dash, Mark, Stroke};
 use super::units::{Rect, snap};
 use crate::base::error::{Error, Result};
@@ -52,7 +52,8 @@ impl Pencil {
 
     /// A filled rectangle.
     pub fn fill(&self, rect: Rect, color: RGBAColor) -> Result<()> {
-        let corners = [(rect.left, rect.top), (rect.right, rect.bottom)].map(|(x, y)| (snap(x), snap(y)));
+        let corners =
+            [(rect.left, rect.top), (rect.right, rect.bottom)].map(|(x, y)| (snap(x), snap(y)));
         let style = ShapeStyle {
             color,
             filled: true,

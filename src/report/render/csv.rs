@@ -14,7 +14,12 @@ impl Renderer for Csv {
 
     fn render(&self, table: &Table) -> String {
         let visible = |c: &&Column| c.audience != Audience::People;
-        let header: Vec<String> = table.columns.iter().filter(visible).flat_map(keys).collect();
+        let header: Vec<String> = table
+            .columns
+            .iter()
+            .filter(visible)
+            .flat_map(keys)
+            .collect();
         let mut text = line(&header);
         for row in &table.rows {
             let cells = table.columns.iter().zip(row);
@@ -30,7 +35,10 @@ impl Renderer for Csv {
 
 fn keys(column: &Column) -> Vec<String> {
     if column.interval {
-        vec![format!("{}_low", column.key), format!("{}_high", column.key)]
+        vec![
+            format!("{}_low", column.key),
+            format!("{}_high", column.key),
+        ]
     } else {
         vec![column.key.clone()]
     }
@@ -96,8 +104,20 @@ mod tests {
 
     #[test]
     fn numbers_read_back_as_the_same_bits() {
-        for value in [0.1, 1.0 / 3.0, 1e-6, -2.5e300, 5e-324, 123456789.125, 1e16, f64::MAX] {
-            assert_eq!(number(value).parse::<f64>().unwrap().to_bits(), value.to_bits());
+        for value in [
+            0.1,
+            1.0 / 3.0,
+            1e-6,
+            -2.5e300,
+            5e-324,
+            123456789.125,
+            1e16,
+            f64::MAX,
+        ] {
+            assert_eq!(
+                number(value).parse::<f64>().unwrap().to_bits(),
+                value.to_bits()
+            );
         }
         assert_eq!(number(1e-6), "1e-6");
         assert_eq!(number(-0.0), "0");

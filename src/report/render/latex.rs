@@ -35,7 +35,9 @@ impl Renderer for Latex {
                 lines.push("\\midrule".into());
             }
             let cells = cells.iter().zip(&printed.heads);
-            lines.push(row(&cells.map(|(c, head)| cell(c, head)).collect::<Vec<_>>()));
+            lines.push(row(&cells
+                .map(|(c, head)| cell(c, head))
+                .collect::<Vec<_>>()));
         }
         lines.push("\\bottomrule".into());
         lines.push("\\end{tabular}".into());
@@ -162,7 +164,7 @@ fn escape_char(c: char) -> String {
         '<' => "\\textless{}",
         '>' => "\\textgreater{}",
         '|' => "\\textbar{}",
-        '"' => "\\textquotedbl{}",
+        '"' => "''",
         '[' => "{[}",
         ']' => "{]}",
         '²' => "\\textsuperscript{2}",
@@ -220,15 +222,15 @@ mod tests {
 \centering
 \caption{Coefficients of \(F_{620}\), \(R^{2}\) \& \(\varepsilon \)*}
 \label{tab:coefficients}
-\begin{tabular}{@{}llS[table-format=2.2]cS[table-format=5.0]c@{}}
+\begin{tabular}{@{}llS[table-format=2.2]crc@{}}
 \toprule
  &  & \multicolumn{2}{c}{Estimate} &  &  \\
 \cmidrule(lr){3-4}
-Model & Coefficient & {Value (1/m)} & 95 \% CI (1/m) & {\(n\)} & Fitted \\
+Model & Coefficient & {Value (1/m)} & 95 \% CI (1/m) & \(n\) & Fitted \\
 \midrule
-A\&B \textquotedbl{}x\textquotedbl{}, \#1 & \(b_{1}\) & -7.1 & {[}\num{-8.3}, \num{-5.9}{]} & 12345 & yes \\
+A\&B ''x'', \#1 & \(b_{1}\) & -7.1 & {[}\num{-8.3}, \num{-5.9}{]} & \num{12345} & yes \\
 \midrule
-two lines \textbar{} a\_b & \(F_{620}\) & 0.25 &  & 7 & no \\
+two lines \textbar{} a\_b & \(F_{620}\) & 0.25 &  & \num{7} & no \\
 \bottomrule
 \end{tabular}
 
@@ -242,14 +244,21 @@ two lines \textbar{} a\_b & \(F_{620}\) & 0.25 &  & 7 & no \\
     fn words_below_the_line_stay_upright() {
         assert_eq!(rich(&markup::parse("l_rest")), r"\(l_{\mathrm{rest}}\)");
         assert_eq!(rich(&markup::parse("CO_2")), r"CO\({}_{2}\)");
-        assert_eq!(rich(&markup::parse("ΔF, 10^{−3}")), r"\(\Delta\)F, 10\({}^{-3}\)");
+        assert_eq!(
+            rich(&markup::parse("ΔF, 10^{−3}")),
+            r"\(\Delta\)F, 10\({}^{-3}\)"
+        );
     }
 
     #[test]
     fn powers_of_ten_and_percentages_stand_in_num() {
-        let small = crate::report::number::Rounding::Digits(2).round(1.5e-7).unwrap();
+        let small = crate::report::number::Rounding::Digits(2)
+            .round(1.5e-7)
+            .unwrap();
         assert_eq!(number(&small), r"\num{1.5e-7}");
-        let share = crate::report::number::Rounding::Percent(1).round(0.984).unwrap();
+        let share = crate::report::number::Rounding::Percent(1)
+            .round(0.984)
+            .unwrap();
         assert_eq!(number(&share), r"\num{98.4}\%");
     }
 }

@@ -17,10 +17,17 @@ impl Renderer for Markdown {
 
     fn render(&self, table: &Table) -> String {
         let printed = PrintedTable::new(table);
-        let headings: Vec<String> = (0..printed.heads.len()).map(|i| heading(&printed, i)).collect();
+        let headings: Vec<String> = (0..printed.heads.len())
+            .map(|i| heading(&printed, i))
+            .collect();
         let sides: Vec<String> = printed.heads.iter().map(|h| side(h.align).into()).collect();
         let caption = rich(&markup::parse(&table.caption));
-        let mut lines = vec![format!("**{caption}**"), String::new(), row(&headings), row(&sides)];
+        let mut lines = vec![
+            format!("**{caption}**"),
+            String::new(),
+            row(&headings),
+            row(&sides),
+        ];
         for cells in &printed.rows {
             lines.push(row(&cells.iter().map(cell).collect::<Vec<_>>()));
         }
@@ -38,7 +45,11 @@ fn row(cells: &[String]) -> String {
 
 fn heading(printed: &PrintedTable, column: usize) -> String {
     let own = rich(&printed.heads[column].heading);
-    match printed.groups.iter().find(|g| (g.first..=g.last).contains(&column)) {
+    match printed
+        .groups
+        .iter()
+        .find(|g| (g.first..=g.last).contains(&column))
+    {
         Some(group) => format!("{}: {own}", rich(&group.heading)),
         None => own,
     }

@@ -9,7 +9,7 @@ pub mod typst;
 use crate::report::table::Table;
 
 /// Turns a table into the text of a file.
-pub trait Renderer {
+pub trait Renderer: Sync {
     /// Extension of the file, without a dot.
     fn extension(&self) -> &'static str;
 

@@ -21,8 +21,8 @@ pub struct Head {
     /// Heading and unit.
     pub heading: Vec<Piece>,
     pub align: Align,
-    /// Digits before and after the point, where the column holds nothing but plain numbers of about the same precision: only then
-    /// are they aligned at the point.
+    /// Digits before and after the point, where the column holds nothing but plain numbers of about the same precision, not all
+    /// whole: only then are they aligned at the point.
     pub decimal: Option<(usize, usize)>,
 }
 
@@ -86,10 +86,13 @@ fn decimal_places<'a>(cells: impl Iterator<Item = &'a Printed>) -> Option<(usize
             _ => return None,
         }
     }
-    let wholes = numbers.iter().map(|n| n.whole.len() + usize::from(n.negative));
+    let wholes = numbers
+        .iter()
+        .map(|n| n.whole.len() + usize::from(n.negative));
     let fractions = || numbers.iter().map(|n| n.fraction.len());
     let (shortest, longest) = (fractions().min()?, fractions().max()?);
-    (longest - shortest <= RAGGED).then_some((wholes.max()?, longest))
+    let aligned = longest > 0 && longest - shortest <= RAGGED;
+    aligned.then_some((wholes.max()?, longest))
 }
 
 fn groups(table: &Table, seen: &[usize]) -> Vec<Group> {
@@ -102,7 +105,7 @@ fn groups(table: &Table, seen: &[usize]) -> Vec<Group> {
         Some(Group {
             heading: markup::parse(&span.heading),
             first,
-            last: below.last().unwrap_or(first),
+            last: below.next_back().unwrap_or(first),
         })
     };
     let mut groups: Vec<Group> = table.spans.iter().filter_map(group).collect();

@@ -14,6 +14,8 @@ const LONGEST_WORD: usize = 40;
 const HEAVY: &str = "0.8pt";
 const LIGHT: &str = "0.5pt";
 const THIN: &str = "0.3pt";
+/// Rows from which on a table breaks across pages instead of floating.
+const LONG: usize = 30;
 
 impl Renderer for Typst {
     fn extension(&self) -> &'static str {
@@ -23,9 +25,17 @@ impl Renderer for Typst {
     fn render(&self, table: &Table) -> String {
         let printed = PrintedTable::new(table);
         let aligns: Vec<&str> = printed.heads.iter().map(|h| side(h.align)).collect();
-        let mut lines = vec![
+        let long = table.rows.len() > LONG;
+        let mut lines = Vec::new();
+        if long {
+            lines.push("#show figure.where(kind: table): set block(breakable: true)".to_string());
+        }
+        lines.extend([
             "#figure(".to_string(),
-            "  kind: table,".into(),
+            format!(
+                "  kind: table,{}",
+                if long { " placement: none," } else { "" }
+            ),
             format!("  caption: {},", rich(&markup::parse(&table.caption))),
             "  {".into(),
             "    set text(number-type: \"lining\", number-width: \"tabular\")".into(),
@@ -35,16 +45,14 @@ impl Renderer for Typst {
             format!("      align: ({},),", aligns.join(", ")),
             "      stroke: none, inset: (x: 0pt, y: 0.34em), column-gutter: 1.2em,".into(),
             format!("      table.hline(stroke: {HEAVY}),"),
-        ];
+        ]);
         lines.extend(header(&printed));
         lines.extend(body(&printed, &table.rules));
         lines.push(format!("      table.hline(stroke: {HEAVY}),"));
         lines.push("    )".into());
         for note in &table.notes {
             let note = rich(&markup::parse(note));
-            lines.push(format!(
-                "    block(align(left, text(size: 0.9em, {note})))"
-            ));
+            lines.push(format!("    block(align(left, text(size: 0.9em, {note})))"));
         }
         lines.push("  },".into());
         lines.push(format!(") <tab-{}>\n", table.id.replace('_', "-")));
@@ -150,7 +158,11 @@ fn power_of_ten(exponent: i32) -> String {
 fn rich(pieces: &[Piece]) -> String {
     let piece = |p: &Piece| {
         let text = quoted(&p.text);
-        let text = if p.italic { format!("emph({text})") } else { text };
+        let text = if p.italic {
+            format!("emph({text})")
+        } else {
+            text
+        };
         match p.script {
             Script::Base => format!("#{text}"),
             Script::Sub => format!("#sub({text})"),
@@ -171,6 +183,7 @@ fn quoted(text: &str) -> String {
 mod tests {
     use super::*;
     use crate::report::render::tests::sample;
+    use crate::report::typeset::Document;
 
     #[test]
     fn golden() {
@@ -211,9 +224,23 @@ mod tests {
     }
 
     #[test]
+    fn long_tables_break_across_pages() {
+        let mut table = sample();
+        let rows = table.rows.clone();
+        (0..30).for_each(|_| table.rows.extend(rows.clone()));
+        let main = "#import \"/style.typ\": *\n#show: report\n#include \"t.typ\"";
+        let document = |t: &Table| Document::new(main).file("t.typ", Typst.render(t));
+        let long = document(&table).compile().unwrap();
+        assert_eq!((long.pages, long.warnings), (2, vec![]));
+        assert_eq!(document(&sample()).compile().unwrap().pages, 1);
+    }
+
+    #[test]
     fn missing_decimals_are_padded_and_powers_raised() {
         assert_eq!(padded(&Rounded::integer(7), 2), "7\u{2008}\u{2007}\u{2007}");
-        let small = crate::report::number::Rounding::Digits(2).round(1.5e-7).unwrap();
+        let small = crate::report::number::Rounding::Digits(2)
+            .round(1.5e-7)
+            .unwrap();
         assert_eq!(number(&small), "1.5\u{2009}×\u{2009}10⁻⁷");
     }
 }

@@ -1,10 +1,16 @@
 //! Fitting one equation to rows: the fit, a refit without each specimen, and the intervals that follow.
+//!
+//! The default loss is Huber's, bent at three times the RMSE of the least-squares fit: a gross error has a bounded pull, and where there
+//! is none the fit is least squares. The textbook bend at 1.345 robust standard deviations is not for clustered data: most rows sit
+//! within the noise of one log, so that the whole of a specimen that is 2% stronger than the law counts as an outlier, the fit becomes
+//! a kind of median over specimens, and the jackknife, which needs a smooth estimate, no longer covers (b1 inside its 95% interval in
+//! 89 of 100 simulated campaigns, with c0, c1, c2 inside in all).
 
 use crate::base::row::Row;
 use crate::config::FitOptions;
 use crate::numerics::distributions::student_t_quantile;
 use crate::numerics::dual_problem::DualProblem;
-use crate::numerics::fit::{Fit, Options, ParameterState, Status, fit, fit_multi_start};
+use crate::numerics::fit::{Fit, Options, ParameterState, Status, fit as minimise, fit_multi_start};
 use crate::numerics::loss::Loss;
 use crate::numerics::real::Dual;
 use crate::numerics::statistics::{GoodnessOfFit, sum_of_squares};
@@ -155,18 +161,23 @@ impl<const N: usize> Equation<'_, N> {
             return None;
         }
         let problem = DualProblem::new(&observed, |i, c: &[Dual<N>; N]| (self.model)(rows[i], c)).with_held(held);
-        let options = Options {
+        let options = |loss: Loss, scale: Option<f64>| Options {
             loss,
+            scale,
             bounds: Some(free.iter().map(|k| self.symbols[*k].bounds).collect()),
             tolerance: TOLERANCE,
             pass_tolerance: PASS_TOLERANCE,
             ..Options::default()
         };
         let starts: Vec<Vec<f64>> = starts.iter().map(|s| problem.free(s)).collect();
-        let fit = match starts.as_slice() {
-            [only] => fit(&problem, only, &options),
-            several => fit_multi_start(&problem, several, &options)?,
+        let mut fit = match starts.as_slice() {
+            [only] => minimise(&problem, only, &options(Loss::LeastSquares, None)),
+            several => fit_multi_start(&problem, several, &options(Loss::LeastSquares, None))?,
         };
+        if loss != Loss::LeastSquares {
+            let scale = matches!(loss, Loss::Huber { .. }).then_some(fit.scale);
+            fit = minimise(&problem, &fit.parameters, &options(loss, scale));
+        }
         (fit.status != Status::NotFinite).then(|| Solution {
             values: problem.full(&fit.parameters),
             held,
@@ -176,7 +187,12 @@ impl<const N: usize> Equation<'_, N> {
 
     /// Fits the rows, and again without each of their specimens. `None` where the rows are too few or the model has no value.
     pub fn fit(&self, rows: &[&Row], options: &FitOptions) -> Option<EquationFit> {
-        let loss: Loss = options.loss.parse().unwrap_or(Loss::LeastSquares);
+        let loss = match options.loss.parse().unwrap_or(Loss::LeastSquares) {
+            Loss::Huber { .. } => Loss::Huber {
+                k: options.huber_at_rmse,
+            },
+            other => other,
+        };
         let full = self.solve(rows, &self.starts, loss)?;
         let specimens: BTreeSet<&str> = rows.iter().map(|r| r.specimen.as_str()).collect();
         let specimens: Vec<&str> = specimens.into_iter().collect();

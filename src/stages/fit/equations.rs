@@ -195,8 +195,9 @@ fn surface(
     equation.fit(&rows, options)
 }
 
-/// Eq. 9 with all coefficients free: b1, b2, c0, c1, c2, in N. With one resting length b2 cannot be told from b1 and is held.
-fn joint(diameter_mm: u32, rows: &[&Row], options: &FitOptions) -> Option<EquationFit> {
+/// Eq. 9 with all coefficients free: b1, b2, c0, c1, c2, in N. With one resting length b2 cannot be told from b1 and is held. `None`
+/// without more rows than coefficients.
+pub fn joint(diameter_mm: u32, rows: &[&Row], options: &FitOptions) -> Option<EquationFit> {
     let offset = cap_length_m(diameter_mm, options);
     let constant = start(diameter_mm, "F_620", 1000.0) / std::f64::consts::FRAC_PI_2;
     let (b1, b2) = (start(diameter_mm, "b1", constant), start(diameter_mm, "b2", NO_LENGTH_LAW));
