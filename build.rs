@@ -10,11 +10,31 @@ use std::path::{Path, PathBuf};
 /// The sources of each stage, below `src/`.
 const STAGES: &[(&str, &[&str])] = &[
     ("INGEST", &["base", "formats", "stages/ingest.rs"]),
-    ("CLEAN", &["base", "numerics/statistics.rs", "numerics/plateaus.rs", "stages/clean"]),
+    (
+        "CLEAN",
+        &[
+            "base",
+            "numerics/statistics.rs",
+            "numerics/plateaus.rs",
+            "stages/clean",
+        ],
+    ),
     ("NORMALIZE", &["base", "stages/normalize.rs"]),
     ("FIT", &["base", "models", "numerics", "stages/fit"]),
-    ("COMPARE", &["base", "models", "numerics", "stages/fit", "stages/compare.rs"]),
-    ("REPORT", &["base", "models", "numerics", "report", "stages/report.rs"]),
+    (
+        "COMPARE",
+        &[
+            "base",
+            "models",
+            "numerics",
+            "stages/fit",
+            "stages/compare.rs",
+        ],
+    ),
+    (
+        "REPORT",
+        &["base", "models", "numerics", "report", "stages/report.rs"],
+    ),
 ];
 
 fn main() {
@@ -40,10 +60,13 @@ fn main() {
         for byte in hasher.finalize() {
             write!(hex, "{byte:02x}").expect("writing to a string");
         }
-        writeln!(code, "/// Fingerprint of the sources of this stage.").expect("writing to a string");
+        writeln!(code, "/// Fingerprint of the sources of this stage.")
+            .expect("writing to a string");
         writeln!(code, "pub const {stage}: &str = \"sha256:{hex}\";").expect("writing to a string");
     }
-    let out = std::env::var_os("OUT_DIR").map(PathBuf::from).expect("cargo sets OUT_DIR");
+    let out = std::env::var_os("OUT_DIR")
+        .map(PathBuf::from)
+        .expect("cargo sets OUT_DIR");
     std::fs::write(out.join("fingerprints.rs"), code).expect("the build directory is writable");
 }
 

@@ -200,7 +200,10 @@ impl Config {
             None => return Ok(Self::default()),
         };
         let text = std::fs::read_to_string(path).map_err(|e| {
-            Error::Usage(format!("cannot read the configuration {}: {e}", path.display()))
+            Error::Usage(format!(
+                "cannot read the configuration {}: {e}",
+                path.display()
+            ))
         })?;
         Self::read(&path.display().to_string(), &text)
     }
@@ -211,7 +214,9 @@ impl Config {
     /// Every unknown key with the nearest known one, or the first value of a wrong type.
     pub fn read(file: &str, text: &str) -> Result<Self> {
         let syntax = |e: toml::de::Error| {
-            let row = e.span().map(|s| 1 + text[..s.start].matches('\n').count() as u64);
+            let row = e
+                .span()
+                .map(|s| 1 + text[..s.start].matches('\n').count() as u64);
             let mut diagnostic = Diagnostic::error(
                 file,
                 e.message().lines().next().unwrap_or_default(),
@@ -259,9 +264,19 @@ impl Config {
             .collect();
         if !(self.fit.confidence > 0.0 && self.fit.confidence < 1.0) {
             let found = self.fit.confidence.to_string();
-            mistakes.push(mistake(file, "fit.confidence", &found, "a number between 0 and 1"));
+            mistakes.push(mistake(
+                file,
+                "fit.confidence",
+                &found,
+                "a number between 0 and 1",
+            ));
         }
-        if self.fit.loss.parse::<crate::numerics::loss::Loss>().is_err() {
+        if self
+            .fit
+            .loss
+            .parse::<crate::numerics::loss::Loss>()
+            .is_err()
+        {
             mistakes.push(mistake(
                 file,
                 "fit.loss",
@@ -270,8 +285,18 @@ impl Config {
             ));
         }
         let ids: Vec<&str> = crate::models::published().iter().map(|m| m.id()).collect();
-        for id in self.compare.models.iter().filter(|id| !ids.contains(&id.as_str())) {
-            mistakes.push(mistake(file, "compare.models", id, &format!("ids among {}", ids.join(", "))));
+        for id in self
+            .compare
+            .models
+            .iter()
+            .filter(|id| !ids.contains(&id.as_str()))
+        {
+            mistakes.push(mistake(
+                file,
+                "compare.models",
+                id,
+                &format!("ids among {}", ids.join(", ")),
+            ));
         }
         mistakes
     }
@@ -302,9 +327,13 @@ fn find_unknown(
                     None => "see `pipeline config` for all options".to_owned(),
                 };
                 let names: Vec<&str> = known.keys().map(String::as_str).collect();
-                let mut diagnostic =
-                    Diagnostic::error(file, "an unknown key", format!("one of {}", names.join(", ")), hint)
-                        .in_column(full);
+                let mut diagnostic = Diagnostic::error(
+                    file,
+                    "an unknown key",
+                    format!("one of {}", names.join(", ")),
+                    hint,
+                )
+                .in_column(full);
                 let line = text.lines().position(|l| {
                     let l = l.trim_start().trim_start_matches('[');
                     l.strip_prefix(key.as_str())
@@ -337,8 +366,14 @@ mod tests {
     #[test]
     fn the_printed_defaults_read_back_as_the_defaults() {
         let text = Config::default().to_toml().unwrap();
-        assert_eq!(Config::read("pipeline.toml", &text).unwrap(), Config::default());
-        assert_eq!(Config::read("pipeline.toml", "").unwrap(), Config::default());
+        assert_eq!(
+            Config::read("pipeline.toml", &text).unwrap(),
+            Config::default()
+        );
+        assert_eq!(
+            Config::read("pipeline.toml", "").unwrap(),
+            Config::default()
+        );
     }
 
     #[test]
@@ -348,7 +383,12 @@ mod tests {
         assert!(text.contains("p.toml:3 [clean.setle_s]"), "{text}");
         assert!(text.contains("did you mean `settle_s`?"), "{text}");
         assert_eq!(error.exit_code(), 2);
-        assert!(Config::read("p.toml", "[clena]\n").unwrap_err().to_string().contains("`clean`"));
+        assert!(
+            Config::read("p.toml", "[clena]\n")
+                .unwrap_err()
+                .to_string()
+                .contains("`clean`")
+        );
     }
 
     #[test]

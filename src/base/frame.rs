@@ -82,7 +82,8 @@ impl Frame {
                 Values::Text(x) => Column::new(name, x),
             }
         });
-        let mut frame = DataFrame::new(self.height(), columns.collect()).map_err(Error::internal)?;
+        let mut frame =
+            DataFrame::new(self.height(), columns.collect()).map_err(Error::internal)?;
         let mut bytes = Vec::new();
         ParquetWriter::new(&mut bytes)
             .with_compression(ParquetCompression::Lz4Raw)
@@ -151,7 +152,10 @@ mod tests {
         let table = Frame::default()
             .with("force_n", Values::Number(vec![1.5, f64::INFINITY, -0.25]))
             .with("run", Values::Integer(vec![Some(8), None, Some(10)]))
-            .with("log", Values::Text(vec![Some("a".into()), None, Some(String::new())]));
+            .with(
+                "log",
+                Values::Text(vec![Some("a".into()), None, Some(String::new())]),
+            );
         let bytes = table.to_parquet().unwrap();
         assert_eq!(bytes, table.to_parquet().unwrap());
         assert_eq!(Frame::from_parquet(&bytes).unwrap(), table);
@@ -159,6 +163,11 @@ mod tests {
         let back = Frame::from_parquet(&missing.to_parquet().unwrap()).unwrap();
         assert!(back.numbers("x").unwrap()[0].is_nan());
         let empty = Frame::default().with("x", Values::Number(vec![]));
-        assert_eq!(Frame::from_parquet(&empty.to_parquet().unwrap()).unwrap().height(), 0);
+        assert_eq!(
+            Frame::from_parquet(&empty.to_parquet().unwrap())
+                .unwrap()
+                .height(),
+            0
+        );
     }
 }

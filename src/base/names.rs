@@ -5,7 +5,13 @@ pub fn file_name(name: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     let name: String = name
         .chars()
-        .map(|c| if plain(c) { c.to_string() } else { format!("%{:X}", c as u32) })
+        .map(|c| {
+            if plain(c) {
+                c.to_string()
+            } else {
+                format!("%{:X}", c as u32)
+            }
+        })
         .collect();
     match name.strip_prefix('.') {
         Some(rest) => format!("%2E{rest}"),

@@ -39,14 +39,19 @@ impl Reading {
 /// The readings as a table; extra columns follow the fixed ones by name.
 pub fn to_frame(readings: &[Reading]) -> Frame {
     let numbers = |f: &dyn Fn(&Reading) -> f64| Values::Number(readings.iter().map(f).collect());
-    let integers = |f: &dyn Fn(&Reading) -> Option<i64>| Values::Integer(readings.iter().map(f).collect());
-    let texts = |f: &dyn Fn(&Reading) -> Option<String>| Values::Text(readings.iter().map(f).collect());
+    let integers =
+        |f: &dyn Fn(&Reading) -> Option<i64>| Values::Integer(readings.iter().map(f).collect());
+    let texts =
+        |f: &dyn Fn(&Reading) -> Option<String>| Values::Text(readings.iter().map(f).collect());
     let mut frame = Frame::default()
         .with(derived::LOG, texts(&|r| Some(r.log.clone())))
         .with(derived::RUN, integers(&|r| r.run))
         .with(derived::ROW, integers(&|r| Some(r.first_row)))
         .with(derived::LAST_ROW, integers(&|r| Some(r.last_row)))
-        .with(columns::PHASE, texts(&|r| r.phase.map(|p| p.name().to_owned())))
+        .with(
+            columns::PHASE,
+            texts(&|r| r.phase.map(|p| p.name().to_owned())),
+        )
         .with(derived::SAMPLES, integers(&|r| Some(r.samples)))
         .with(derived::SD_FORCE, numbers(&|r| r.sd_force_n))
         .with(derived::SD_PRESSURE, numbers(&|r| r.sd_pressure_kpa));
@@ -123,7 +128,11 @@ mod tests {
             samples: 10,
             sd_force_n: 0.5,
             sd_pressure_kpa: 0.25,
-            values: [("force_n".to_owned(), k as f64), ("humidity".to_owned(), 40.0)].into(),
+            values: [
+                ("force_n".to_owned(), k as f64),
+                ("humidity".to_owned(), 40.0),
+            ]
+            .into(),
         };
         let readings = vec![reading(0), reading(1)];
         assert_eq!(from_frame(&to_frame(&readings)).unwrap(), readings);

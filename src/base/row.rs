@@ -66,41 +66,85 @@ type NumberField = (&'static str, fn(&Row) -> f64, fn(&mut Row, f64));
 
 const NUMBERS: &[NumberField] = &[
     (derived::SD_FORCE, |r| r.sd_force_n, |r, x| r.sd_force_n = x),
-    (derived::DIAMETER, |r| r.diameter_mm, |r, x| r.diameter_mm = x),
-    (derived::REST_LENGTH, |r| r.rest_length_m, |r, x| r.rest_length_m = x),
+    (
+        derived::DIAMETER,
+        |r| r.diameter_mm,
+        |r, x| r.diameter_mm = x,
+    ),
+    (
+        derived::REST_LENGTH,
+        |r| r.rest_length_m,
+        |r, x| r.rest_length_m = x,
+    ),
     (
         derived::CONTRACTED_LENGTH,
         |r| r.contracted_length_m,
         |r, x| r.contracted_length_m = x,
     ),
     (columns::TIME, |r| r.time_s, |r, x| r.time_s = x),
-    (columns::PRESSURE, |r| r.pressure_kpa, |r, x| r.pressure_kpa = x),
+    (
+        columns::PRESSURE,
+        |r| r.pressure_kpa,
+        |r, x| r.pressure_kpa = x,
+    ),
     (columns::FORCE, |r| r.force_n, |r, x| r.force_n = x),
     (columns::LENGTH, |r| r.length_m, |r, x| r.length_m = x),
-    (derived::CONTRACTION, |r| r.contraction, |r, x| r.contraction = x),
+    (
+        derived::CONTRACTION,
+        |r| r.contraction,
+        |r, x| r.contraction = x,
+    ),
     (
         derived::CONTRACTION_REL,
         |r| r.contraction_rel,
         |r, x| r.contraction_rel = x,
     ),
-    (derived::PRESSURE_REL, |r| r.pressure_rel, |r, x| r.pressure_rel = x),
+    (
+        derived::PRESSURE_REL,
+        |r| r.pressure_rel,
+        |r, x| r.pressure_rel = x,
+    ),
 ];
 
 type TextField = (&'static str, fn(&Row) -> Option<String>, fn(&mut Row, &str));
 
 const TEXTS: &[TextField] = &[
-    (derived::SESSION, |r| Some(r.session.clone()), |r, t| r.session = t.to_owned()),
-    (derived::CAMPAIGN, |r| Some(r.campaign.clone()), |r, t| r.campaign = t.to_owned()),
-    (derived::SPECIMEN, |r| Some(r.specimen.clone()), |r, t| r.specimen = t.to_owned()),
-    ("kind", |r| Some(kind_name(r.kind).to_owned()), |r, t| {
-        r.kind = if t == kind_name(Kind::KneeTorque) {
-            Kind::KneeTorque
-        } else {
-            Kind::Isometric
-        };
-    }),
-    ("role", |r| r.role.map(|x| role_name(x).to_owned()), |r, t| r.role = role_named(t)),
-    (derived::LOG, |r| Some(r.log.clone()), |r, t| r.log = t.to_owned()),
+    (
+        derived::SESSION,
+        |r| Some(r.session.clone()),
+        |r, t| r.session = t.to_owned(),
+    ),
+    (
+        derived::CAMPAIGN,
+        |r| Some(r.campaign.clone()),
+        |r, t| r.campaign = t.to_owned(),
+    ),
+    (
+        derived::SPECIMEN,
+        |r| Some(r.specimen.clone()),
+        |r, t| r.specimen = t.to_owned(),
+    ),
+    (
+        "kind",
+        |r| Some(kind_name(r.kind).to_owned()),
+        |r, t| {
+            r.kind = if t == kind_name(Kind::KneeTorque) {
+                Kind::KneeTorque
+            } else {
+                Kind::Isometric
+            };
+        },
+    ),
+    (
+        "role",
+        |r| r.role.map(|x| role_name(x).to_owned()),
+        |r, t| r.role = role_named(t),
+    ),
+    (
+        derived::LOG,
+        |r| Some(r.log.clone()),
+        |r, t| r.log = t.to_owned(),
+    ),
     (
         columns::PHASE,
         |r| r.phase.map(|p| p.name().to_owned()),
@@ -108,7 +152,11 @@ const TEXTS: &[TextField] = &[
     ),
 ];
 
-type IntegerField = (&'static str, fn(&Row) -> Option<i64>, fn(&mut Row, Option<i64>));
+type IntegerField = (
+    &'static str,
+    fn(&Row) -> Option<i64>,
+    fn(&mut Row, Option<i64>),
+);
 
 const INTEGERS: &[IntegerField] = &[
     (
@@ -221,7 +269,8 @@ pub fn to_frame(rows: &[Row]) -> Frame {
 /// A table that lacks one of the fixed columns.
 pub fn from_frame(frame: &Frame) -> Result<Vec<Row>> {
     let mut rows = vec![Row::blank(); frame.height()];
-    let missing = |name: &str| Error::Internal(format!("a table of rows without the column {name}"));
+    let missing =
+        |name: &str| Error::Internal(format!("a table of rows without the column {name}"));
     for (name, _, set) in TEXTS {
         let values = frame.texts(name).ok_or_else(|| missing(name))?;
         for (row, value) in rows.iter_mut().zip(values) {

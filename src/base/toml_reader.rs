@@ -56,7 +56,10 @@ pub fn parse<'a>(file: &str, text: &'a str) -> Result<DeTable<'a>, Diagnostic> {
 
 fn line_of(text: &str, offset: usize) -> u64 {
     let end = offset.min(text.len());
-    1 + text.as_bytes()[..end].iter().filter(|b| **b == b'\n').count() as u64
+    1 + text.as_bytes()[..end]
+        .iter()
+        .filter(|b| **b == b'\n')
+        .count() as u64
 }
 
 impl<'a> Reader<'a> {
@@ -85,7 +88,14 @@ impl<'a> Reader<'a> {
     }
 
     /// Records a mistake at a line and key.
-    pub fn report(&self, line: u64, key: &str, found: impl Into<String>, expected: &str, hint: &str) {
+    pub fn report(
+        &self,
+        line: u64,
+        key: &str,
+        found: impl Into<String>,
+        expected: &str,
+        hint: &str,
+    ) {
         self.diagnostics.borrow_mut().push(
             Diagnostic::error(self.file, found, expected, hint)
                 .at_row(line)

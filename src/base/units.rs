@@ -75,12 +75,7 @@ pub const UNITS: &[Unit] = &[
     unit("lbf.in", Quantity::Torque, POUND_FORCE * INCH, 0.0),
     unit("lbf.ft", Quantity::Torque, POUND_FORCE * INCH * 12.0, 0.0),
     unit("C", Quantity::Temperature, 1.0, 0.0),
-    unit(
-        "F",
-        Quantity::Temperature,
-        5.0 / 9.0,
-        -32.0 * 5.0 / 9.0,
-    ),
+    unit("F", Quantity::Temperature, 5.0 / 9.0, -32.0 * 5.0 / 9.0),
     unit("K", Quantity::Temperature, 1.0, -273.15),
 ];
 
@@ -132,9 +127,15 @@ mod tests {
     fn factors_are_the_defined_ones() {
         let near = |a: f64, b: f64| assert!((a - b).abs() <= 1e-12 * b.abs(), "{a} {b}");
         near(inside(Quantity::Force, "lbf", 1.0), 4.448_221_615_260_5);
-        near(inside(Quantity::Pressure, "psi", 1.0), 6.894_757_293_168_361);
+        near(
+            inside(Quantity::Pressure, "psi", 1.0),
+            6.894_757_293_168_361,
+        );
         near(inside(Quantity::Pressure, "bar", 6.2), 620.0);
-        near(inside(Quantity::Torque, "lbf.ft", 1.0), 1.355_817_948_331_400_4);
+        near(
+            inside(Quantity::Torque, "lbf.ft", 1.0),
+            1.355_817_948_331_400_4,
+        );
         near(inside(Quantity::Temperature, "F", 68.0), 20.0);
         near(inside(Quantity::Temperature, "K", 294.15), 21.0);
         near(inside(Quantity::Angle, "deg", 180.0), std::f64::consts::PI);

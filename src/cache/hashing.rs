@@ -133,7 +133,9 @@ impl FileHashes {
         } else {
             (of_file(path)?, None)
         };
-        let age = SystemTime::now().duration_since(modified).unwrap_or_default();
+        let age = SystemTime::now()
+            .duration_since(modified)
+            .unwrap_or_default();
         if age > TOO_FRESH {
             self.remember(
                 name,
@@ -188,7 +190,8 @@ mod tests {
         let set = |contents: &[u8], age: u64| {
             std::fs::write(&path, contents).unwrap();
             let file = std::fs::File::options().write(true).open(&path).unwrap();
-            file.set_modified(SystemTime::now() - Duration::from_secs(age)).unwrap();
+            file.set_modified(SystemTime::now() - Duration::from_secs(age))
+                .unwrap();
         };
         set(b"one", 100);
         let hashes = FileHashes::default();

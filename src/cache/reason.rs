@@ -38,7 +38,12 @@ impl fmt::Display for Reason {
             Reason::VersionChanged(old, new) => write!(f, "version of the stage {old} -> {new}"),
             Reason::OptionChanged(name, old, new) => write!(f, "option {name} {old} -> {new}"),
             Reason::InputChanged(name, old, new) => {
-                write!(f, "input changed: {name} {} -> {}", old.short(), new.short())
+                write!(
+                    f,
+                    "input changed: {name} {} -> {}",
+                    old.short(),
+                    new.short()
+                )
             }
             Reason::InputAdded(name) => write!(f, "input added: {name}"),
             Reason::InputRemoved(name) => write!(f, "input removed: {name}"),
@@ -64,7 +69,11 @@ pub fn differences(old: &KeyParts, new: &KeyParts) -> Vec<Reason> {
         let before = old.options.get(name).unwrap_or(&unset);
         let after = new.options.get(name).unwrap_or(&unset);
         if before != after {
-            reasons.push(Reason::OptionChanged(name.clone(), before.clone(), after.clone()));
+            reasons.push(Reason::OptionChanged(
+                name.clone(),
+                before.clone(),
+                after.clone(),
+            ));
         }
     }
     for (name, digest) in &new.inputs {
@@ -86,7 +95,11 @@ pub fn differences(old: &KeyParts, new: &KeyParts) -> Vec<Reason> {
 /// Reasons as one line; of many, the first few and a count.
 pub fn one_line(reasons: &[Reason]) -> String {
     const SHOWN: usize = 3;
-    let mut line: Vec<String> = reasons.iter().take(SHOWN).map(ToString::to_string).collect();
+    let mut line: Vec<String> = reasons
+        .iter()
+        .take(SHOWN)
+        .map(ToString::to_string)
+        .collect();
     if reasons.len() > SHOWN {
         line.push(format!("and {} more", reasons.len() - SHOWN));
     }

@@ -51,7 +51,10 @@ impl Store {
     fn path(&self, folder: &str, digest: &Digest, suffix: &str) -> PathBuf {
         let hex = digest.hex();
         let (head, tail) = hex.split_at(2.min(hex.len()));
-        self.root.join(folder).join(head).join(format!("{tail}{suffix}"))
+        self.root
+            .join(folder)
+            .join(head)
+            .join(format!("{tail}{suffix}"))
     }
 
     /// Path of an object's file.
@@ -88,7 +91,9 @@ impl Store {
     /// The parts of an earlier key, whether or not its outputs are still there.
     pub fn parts(&self, key: &Digest) -> Option<KeyParts> {
         let bytes = std::fs::read(self.path("entries", key, ".json")).ok()?;
-        serde_json::from_slice::<Entry>(&bytes).ok().map(|e| e.parts)
+        serde_json::from_slice::<Entry>(&bytes)
+            .ok()
+            .map(|e| e.parts)
     }
 
     /// The bytes of an object, checked against its digest.
@@ -99,7 +104,10 @@ impl Store {
         let path = self.object_path(&object.digest);
         let bytes = std::fs::read(&path).map_err(|e| e.to_string())?;
         if Digest::of(&bytes) != object.digest {
-            return Err(format!("object {} does not agree with its digest", object.digest.short()));
+            return Err(format!(
+                "object {} does not agree with its digest",
+                object.digest.short()
+            ));
         }
         Ok(bytes)
     }

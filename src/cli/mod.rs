@@ -85,7 +85,9 @@ fn run_command(args: &RunArgs) -> Result<u8> {
 /// A run in which every session was rejected is no success.
 fn nothing_usable(outcome: &Outcome) -> Result<()> {
     if outcome.rejected.len() >= outcome.sessions + outcome.unusable {
-        return Err(Error::Usage("no session could be used; the messages above say why".to_owned()));
+        return Err(Error::Usage(
+            "no session could be used; the messages above say why".to_owned(),
+        ));
     }
     Ok(())
 }
@@ -94,7 +96,11 @@ fn status_command(args: &RunArgs) -> Result<u8> {
     let outcome = run::run(&options(args, true)?, &progress::Shown::new(true))?;
     print::diagnostics(&outcome.diagnostics, args.verbose);
     print::status(&outcome, args.json)?;
-    Ok(if outcome.work.is_empty() { DONE } else { DIFFERENCE })
+    Ok(if outcome.work.is_empty() {
+        DONE
+    } else {
+        DIFFERENCE
+    })
 }
 
 fn simulate_command(args: &SimulateArgs) -> Result<u8> {
@@ -103,7 +109,12 @@ fn simulate_command(args: &SimulateArgs) -> Result<u8> {
         .map_err(|e| Error::Usage(format!("cannot read the truth file {file}: {e}")))?;
     let truth = simulate::read_truth(&file, &text).map_err(Error::Config)?;
     let campaign = simulate::simulate(&truth);
-    simulate::write(&campaign, &args.out, args.truth_out.as_deref(), args.replace)?;
+    simulate::write(
+        &campaign,
+        &args.out,
+        args.truth_out.as_deref(),
+        args.replace,
+    )?;
     print::simulated(&campaign, &args.out);
     Ok(DONE)
 }

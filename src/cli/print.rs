@@ -25,13 +25,19 @@ pub fn config(text: &str) {
 
 /// Errors and warnings; notes only if asked for.
 pub fn diagnostics(all: &[Diagnostic], verbose: bool) {
-    let loud: Vec<&Diagnostic> = all.iter().filter(|d| verbose || d.severity != Severity::Note).collect();
+    let loud: Vec<&Diagnostic> = all
+        .iter()
+        .filter(|d| verbose || d.severity != Severity::Note)
+        .collect();
     let shown = if verbose { loud.len() } else { SHOWN };
     for diagnostic in loud.iter().take(shown) {
         eprintln!("{diagnostic}");
     }
     if loud.len() > shown {
-        eprintln!("and {} more messages; --verbose prints them all", loud.len() - shown);
+        eprintln!(
+            "and {} more messages; --verbose prints them all",
+            loud.len() - shown
+        );
     }
 }
 
@@ -62,13 +68,21 @@ fn print_json(value: &serde_json::Value) -> Result<()> {
 /// The outcome of a run.
 pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> Result<()> {
     if as_json {
-        let rejected: Vec<_> = outcome.rejected.iter().map(|(id, why)| json!({ "session": id, "reason": why })).collect();
+        let rejected: Vec<_> = outcome
+            .rejected
+            .iter()
+            .map(|(id, why)| json!({ "session": id, "reason": why }))
+            .collect();
         let logs: Vec<_> = outcome
             .rejected_logs
             .iter()
             .map(|(session, log, why)| json!({ "session": session, "log": log, "reason": why }))
             .collect();
-        let reports: Vec<String> = outcome.pdfs.iter().map(|p| p.display().to_string()).collect();
+        let reports: Vec<String> = outcome
+            .pdfs
+            .iter()
+            .map(|p| p.display().to_string())
+            .collect();
         return print_json(&json!({
             "sessions": outcome.sessions, "computed": work_json(outcome), "up_to_date": outcome.fresh,
             "rejected_sessions": rejected, "rejected_logs": logs, "reports": reports,
@@ -76,7 +90,12 @@ pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> R
     }
     if explain {
         for work in &outcome.work {
-            line(format!("{} {}: {}", work.stage, work.unit, one_line(&work.reasons)));
+            line(format!(
+                "{} {}: {}",
+                work.stage,
+                work.unit,
+                one_line(&work.reasons)
+            ));
         }
     }
     for (session, log, why) in &outcome.rejected_logs {
@@ -96,7 +115,11 @@ pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> R
             "{} sessions: computed {} results ({}), {} were up to date; {} files written ({seconds:.2} s)",
             outcome.sessions,
             outcome.work.len(),
-            if outcome.work.is_empty() { "none".to_owned() } else { counts(outcome) },
+            if outcome.work.is_empty() {
+                "none".to_owned()
+            } else {
+                counts(outcome)
+            },
             outcome.fresh,
             outcome.written.len()
         ));
@@ -110,20 +133,39 @@ pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> R
 /// What would run.
 pub fn status(outcome: &Outcome, as_json: bool) -> Result<()> {
     if as_json {
-        return print_json(&json!({ "would_run": work_json(outcome), "up_to_date": outcome.fresh }));
+        return print_json(
+            &json!({ "would_run": work_json(outcome), "up_to_date": outcome.fresh }),
+        );
     }
     for work in &outcome.work {
-        line(format!("{} {}: {}", work.stage, work.unit, one_line(&work.reasons)));
+        line(format!(
+            "{} {}: {}",
+            work.stage,
+            work.unit,
+            one_line(&work.reasons)
+        ));
     }
     if outcome.work.is_empty() {
-        line(format!("nothing to do: all {} results are up to date", outcome.fresh));
+        line(format!(
+            "nothing to do: all {} results are up to date",
+            outcome.fresh
+        ));
     } else {
-        line(format!("{} results would be computed ({}), {} are up to date", outcome.work.len(), counts(outcome), outcome.fresh));
+        line(format!(
+            "{} results would be computed ({}), {} are up to date",
+            outcome.work.len(),
+            counts(outcome),
+            outcome.fresh
+        ));
     }
     Ok(())
 }
 
 /// What was simulated.
 pub fn simulated(campaign: &Campaign, out: &Path) {
-    line(format!("{} simulated sessions written to {}", campaign.sessions.len(), out.display()));
+    line(format!(
+        "{} simulated sessions written to {}",
+        campaign.sessions.len(),
+        out.display()
+    ));
 }

@@ -114,7 +114,10 @@ pub fn read(file: &str, bytes: &[u8], requests: &[Request]) -> Result<RawLog, Di
             "check whether the logger wrote it, or remove the [[log]]",
         ));
     };
-    let fields: Vec<&str> = first.split(',').map(|f| f.trim().trim_matches('"')).collect();
+    let fields: Vec<&str> = first
+        .split(',')
+        .map(|f| f.trim().trim_matches('"'))
+        .collect();
     let indices = locate(file, &fields, requests)?;
     let lines = DataLines::new(text, has_header);
     if lines.iter().next().is_none() {
@@ -133,13 +136,22 @@ pub fn read(file: &str, bytes: &[u8], requests: &[Request]) -> Result<RawLog, Di
             "open the file and look",
         )
     })?;
-    collect(&frame, &lines, &indices, requests)
-        .map_err(|e| fatal(file, format!("\"{e}\""), "numbers", "open the file and look"))
+    collect(&frame, &lines, &indices, requests).map_err(|e| {
+        fatal(
+            file,
+            format!("\"{e}\""),
+            "numbers",
+            "open the file and look",
+        )
+    })
 }
 
 fn utf8<'a>(file: &str, bytes: &'a [u8]) -> Result<&'a str, Diagnostic> {
     let text = std::str::from_utf8(bytes).map_err(|e| {
-        let row = 1 + bytes[..e.valid_up_to()].iter().filter(|b| **b == b'\n').count();
+        let row = 1 + bytes[..e.valid_up_to()]
+            .iter()
+            .filter(|b| **b == b'\n')
+            .count();
         fatal(
             file,
             "bytes that are not UTF-8".to_owned(),
@@ -172,9 +184,14 @@ fn without_blanks(text: &str) -> Cow<'_, str> {
 /// The index of every requested column among the fields of the first line.
 fn locate(file: &str, fields: &[&str], requests: &[Request]) -> Result<Vec<usize>, Diagnostic> {
     let missing = |request: &Request, wanted: String, list: String| {
-        fatal(file, list, &wanted, "correct [columns] in session.toml, or the log")
-            .at_row(1)
-            .in_column(&request.name)
+        fatal(
+            file,
+            list,
+            &wanted,
+            "correct [columns] in session.toml, or the log",
+        )
+        .at_row(1)
+        .in_column(&request.name)
     };
     requests
         .iter()
@@ -237,7 +254,11 @@ fn parse(
     let schema: Schema = (0..width)
         .map(|k| {
             let numeric = wanted(k) && !is_text(k);
-            let dtype = if numeric { DataType::Float64 } else { DataType::String };
+            let dtype = if numeric {
+                DataType::Float64
+            } else {
+                DataType::String
+            };
             Field::new(PlSmallStr::from(k.to_string()), dtype)
         })
         .collect();
@@ -251,14 +272,20 @@ fn parse(
         .with_ignore_errors(true)
         .with_n_threads(Some(1))
         .with_rechunk(true)
-        .map_parse_options(|o| o.with_truncate_ragged_lines(true).with_missing_is_null(true))
+        .map_parse_options(|o| {
+            o.with_truncate_ragged_lines(true)
+                .with_missing_is_null(true)
+        })
         .into_reader_with_file_handle(Cursor::new(text.as_bytes()))
         .finish()
 }
 
 /// Whether a column of states holds words; where every state is written as a number it is read as one.
 fn has_text_codes(request: &Request) -> bool {
-    request.codes.iter().any(|(text, _)| text.parse::<f64>().is_err())
+    request
+        .codes
+        .iter()
+        .any(|(text, _)| text.parse::<f64>().is_err())
 }
 
 fn collect(
@@ -371,7 +398,10 @@ mod tests {
     #[test]
     fn columns_come_in_the_order_of_the_requests_and_may_repeat() {
         let log = read("t", b"1,2,3\r\n4,5,6\r\n", &by_index(&[2, 0, 2])).unwrap();
-        assert_eq!(log.columns, [vec![3.0, 6.0], vec![1.0, 4.0], vec![3.0, 6.0]]);
+        assert_eq!(
+            log.columns,
+            [vec![3.0, 6.0], vec![1.0, 4.0], vec![3.0, 6.0]]
+        );
         assert_eq!(log.bad_cell_count, 0);
     }
 
@@ -382,7 +412,11 @@ mod tests {
         assert_eq!(log.columns[0].len(), 5, "{:?}", log.columns);
         assert_eq!((log.columns[0][4], log.columns[1][4]), (7.0, 8.0));
         assert_eq!(log.bad_cell_count, 4);
-        let quoted: Vec<(u64, &str)> = log.bad_cells.iter().map(|c| (c.line, c.found.as_str())).collect();
+        let quoted: Vec<(u64, &str)> = log
+            .bad_cells
+            .iter()
+            .map(|c| (c.line, c.found.as_str()))
+            .collect();
         assert_eq!(quoted, [(2, "\"x\""), (3, "no such field"), (4, "\"nan\"")]);
     }
 
@@ -405,12 +439,25 @@ mod tests {
 
     #[test]
     fn empty_header_only_and_foreign_bytes_are_told_apart() {
-        assert!(read("t", b"", &by_index(&[0])).unwrap_err().found.contains("empty"));
-        assert!(read("t", b" \n\n", &by_index(&[0])).unwrap_err().found.contains("empty"));
+        assert!(
+            read("t", b"", &by_index(&[0]))
+                .unwrap_err()
+                .found
+                .contains("empty")
+        );
+        assert!(
+            read("t", b" \n\n", &by_index(&[0]))
+                .unwrap_err()
+                .found
+                .contains("empty")
+        );
         let only = read("t", b"force\n", &by_name("force")).unwrap_err();
         assert!(only.found.contains("header"));
         let foreign = read("t", b"1,2\n\xff\xfe,3\n", &by_index(&[0])).unwrap_err();
-        assert_eq!((foreign.found.contains("UTF-8"), foreign.row), (true, Some(2)));
+        assert_eq!(
+            (foreign.found.contains("UTF-8"), foreign.row),
+            (true, Some(2))
+        );
     }
 
     #[test]

@@ -54,7 +54,9 @@ pub fn discover(roots: &[PathBuf]) -> Discovery {
     }
     reject_duplicates(&mut found);
     note_contradictions(&mut found);
-    found.sessions.sort_by(|a, b| a.session.id.cmp(&b.session.id));
+    found
+        .sessions
+        .sort_by(|a, b| a.session.id.cmp(&b.session.id));
     found
 }
 
@@ -85,8 +87,13 @@ fn unreadable(root: &Path, error: &walkdir::Error) -> Diagnostic {
         ),
         (None, None) => ("an unreadable entry".to_owned(), "look at it"),
     };
-    Diagnostic::error(relative_to(root, path), what, "a readable file or folder", hint)
-        .with_severity(Severity::Warning)
+    Diagnostic::error(
+        relative_to(root, path),
+        what,
+        "a readable file or folder",
+        hint,
+    )
+    .with_severity(Severity::Warning)
 }
 
 /// `path` relative to `root` with forward slashes; "." for the root itself.
@@ -124,7 +131,8 @@ fn read_session(root: &Path, directory: &Path, found: &mut Discovery) {
 }
 
 fn read_text(path: &Path, file: &str) -> Result<String, Diagnostic> {
-    let fail = |found: String, hint: &str| Diagnostic::error(file, found, "a readable TOML file", hint);
+    let fail =
+        |found: String, hint: &str| Diagnostic::error(file, found, "a readable TOML file", hint);
     let size = std::fs::metadata(path)
         .map_err(|e| fail(format!("\"{}\"", e.kind()), "mend the permissions"))?
         .len();
@@ -138,7 +146,10 @@ fn read_text(path: &Path, file: &str) -> Result<String, Diagnostic> {
         .map_err(|e| fail(format!("\"{}\"", e.kind()), "mend the permissions"))?;
     String::from_utf8(bytes).map_err(|e| {
         let offset = e.utf8_error().valid_up_to();
-        let row = 1 + e.as_bytes()[..offset].iter().filter(|b| **b == b'\n').count();
+        let row = 1 + e.as_bytes()[..offset]
+            .iter()
+            .filter(|b| **b == b'\n')
+            .count();
         fail(
             "bytes that are not UTF-8".to_owned(),
             "save the file as UTF-8",
@@ -190,11 +201,17 @@ fn note_contradictions(found: &mut Discovery) {
                     format!("{}/{SESSION_FILE}", located.relative),
                     format!(
                         "specimen \"{}\" with diameter {} mm, l_rest {:.4} m, l_620 {:.4} m",
-                        specimen.id, specimen.diameter_mm, specimen.rest_length_m, specimen.contracted_length_m
+                        specimen.id,
+                        specimen.diameter_mm,
+                        specimen.rest_length_m,
+                        specimen.contracted_length_m
                     ),
                     format!(
                         "{} mm, {:.4} m, {:.4} m as in {}/{SESSION_FILE}",
-                        other.diameter_mm, other.rest_length_m, other.contracted_length_m, seen.relative
+                        other.diameter_mm,
+                        other.rest_length_m,
+                        other.contracted_length_m,
+                        seen.relative
                     ),
                     "correct one of them, or give the second actuator its own id",
                 )

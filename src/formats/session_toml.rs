@@ -70,7 +70,11 @@ fn session(root: &Section) -> Option<Session> {
         .unwrap_or_default();
     let joint_entry = root.get("joint");
     let columns = root
-        .require("columns", "a table [columns]", "say which quantity stands where")
+        .require(
+            "columns",
+            "a table [columns]",
+            "say which quantity stands where",
+        )
         .and_then(|e| e.table())
         .map(|t| column_specs(&t));
     let logs = root
@@ -123,7 +127,10 @@ fn date(entry: &Entry) -> Option<String> {
         _ => false,
     };
     if !good {
-        entry.reject("a date, ISO 8601: a day or a month", "write \"2022-11\" or \"2022-11-30\"");
+        entry.reject(
+            "a date, ISO 8601: a day or a month",
+            "write \"2022-11\" or \"2022-11-30\"",
+        );
         return None;
     }
     Some(text)
@@ -132,7 +139,11 @@ fn date(entry: &Entry) -> Option<String> {
 fn specimen(table: &Section) -> Option<Specimen> {
     let id = identifier(table, "id", "the name of the physical actuator");
     let diameter = table
-        .require("diameter_mm", "10, 20 or 40", "write the uninflated inner diameter")
+        .require(
+            "diameter_mm",
+            "10, 20 or 40",
+            "write the uninflated inner diameter",
+        )
         .and_then(|e| {
             let mm = e.number()?;
             if [10.0, 20.0, 40.0].contains(&mm) {
@@ -142,7 +153,11 @@ fn specimen(table: &Section) -> Option<Specimen> {
             None
         });
     let rest = table
-        .require("rest_length_mm", "l_rest in mm", "write the distance between the hose clamps")
+        .require(
+            "rest_length_mm",
+            "l_rest in mm",
+            "write the distance between the hose clamps",
+        )
         .and_then(|e| e.positive("mm", "write the distance between the hose clamps"));
     let contracted = table.require(
         "contracted_length_mm",
@@ -185,17 +200,26 @@ fn setup(table: &Section) -> BTreeMap<String, Constant> {
     let mut constants = BTreeMap::new();
     for (key, entry) in table.entries() {
         if let Some((known, unit)) = split_unit(&key) {
-            if let Some(value) = entry.number().and_then(|x| quantity_value(&entry, known, unit.to_inside(x))) {
+            if let Some(value) = entry
+                .number()
+                .and_then(|x| quantity_value(&entry, known, unit.to_inside(x)))
+            {
                 constants.insert(known.column.to_owned(), Constant::Number(value));
             }
         } else if let Some(known) = columns::by_quantity_name(&key) {
-            let example = known.quantity.and_then(|q| q.units().last()).map_or("", |u| u.symbol);
+            let example = known
+                .quantity
+                .and_then(|q| q.units().last())
+                .map_or("", |u| u.symbol);
             entry.reject(
                 "the unit in the key",
                 &format!("write `{key}_{}`", example.to_lowercase()),
             );
         } else if columns::is_reserved(&key) {
-            entry.reject("a name that the pipeline does not use itself", "choose another name");
+            entry.reject(
+                "a name that the pipeline does not use itself",
+                "choose another name",
+            );
         } else if let Some(number) = entry.as_number() {
             constants.insert(key, Constant::Number(number));
         } else if let Some(text) = entry.string() {
@@ -217,11 +241,18 @@ fn joint(root: &Section, kind: Option<Kind>, entry: Option<Entry>) -> Option<Joi
     match (kind, entry) {
         (Some(Kind::KneeTorque), Some(entry)) => joint_table(&entry.table()?),
         (Some(Kind::KneeTorque), None) => {
-            root.require("joint", "a table [joint]", "a knee-torque session needs knee and muscle");
+            root.require(
+                "joint",
+                "a table [joint]",
+                "a knee-torque session needs knee and muscle",
+            );
             None
         }
         (Some(Kind::Isometric), Some(entry)) => {
-            entry.reject("no [joint] in an isometric session", "remove it, or correct `kind`");
+            entry.reject(
+                "no [joint] in an isometric session",
+                "remove it, or correct `kind`",
+            );
             None
         }
         _ => None,
@@ -238,7 +269,10 @@ fn joint_table(table: &Section) -> Option<Joint> {
     let tendon = table.get("tendon_mm").and_then(|e| {
         let mm = e.number()?;
         if mm < 0.0 {
-            e.reject("a length of at least 0 mm", "leave it out where it was not recorded");
+            e.reject(
+                "a length of at least 0 mm",
+                "leave it out where it was not recorded",
+            );
             return None;
         }
         Some(mm * 1e-3)
@@ -262,7 +296,10 @@ fn column_specs(table: &Section) -> Vec<ColumnSpec> {
 fn column_spec(name: &str, entry: &Entry) -> Option<ColumnSpec> {
     let known = columns::by_quantity_name(name);
     if known.is_none() && columns::is_reserved(name) {
-        entry.reject("a name that the pipeline does not use itself", "choose another name");
+        entry.reject(
+            "a name that the pipeline does not use itself",
+            "choose another name",
+        );
         return None;
     }
     let table = entry.table()?;

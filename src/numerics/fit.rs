@@ -91,7 +91,13 @@ impl<'a, P: LeastSquaresProblem + ?Sized> Fitter<'a, P> {
         self.descend_at_most(self.options.max_iterations, start, weights, true)
     }
 
-    fn descend_at_most(&self, max_iterations: usize, start: &[f64], weights: &[f64], polish: bool) -> Minimum {
+    fn descend_at_most(
+        &self,
+        max_iterations: usize,
+        start: &[f64],
+        weights: &[f64],
+        polish: bool,
+    ) -> Minimum {
         let row_factors: Vec<f64> = weights.iter().map(|w| w.sqrt()).collect();
         let limits = Limits {
             max_iterations,
@@ -149,7 +155,8 @@ impl<'a, P: LeastSquaresProblem + ?Sized> Fitter<'a, P> {
             .iter()
             .map(|v| self.options.loss.weight(v / now.scale))
             .collect();
-        let next = self.descend_at_most(POINTS_A_PASS, &now.minimum.parameters, &now.weights, false);
+        let next =
+            self.descend_at_most(POINTS_A_PASS, &now.minimum.parameters, &now.weights, false);
         let moved = largest_relative_move(&now.minimum.parameters, &next.parameters);
         now.passes += 1;
         now.minimum = Minimum {

@@ -189,7 +189,11 @@ pub fn rising(levels: &[f64], hysteresis: f64) -> Vec<bool> {
                 directions[..=k].fill(false);
             }
             Some(rises) => {
-                let ahead = if rises { level - extreme } else { extreme - level };
+                let ahead = if rises {
+                    level - extreme
+                } else {
+                    extreme - level
+                };
                 if ahead >= 0.0 {
                     (extreme, at) = (level, k);
                 } else if ahead < -hysteresis {
@@ -274,7 +278,11 @@ mod tests {
         assert_eq!(level.plateaus.len(), 1);
         let rise: Vec<f64> = time.iter().map(|t| 600.0 + 3.0 * t).collect();
         let found = find_plateaus(&time, &rise, &OPTIONS);
-        assert!((5..=6).contains(&found.plateaus.len()), "{}", found.plateaus.len());
+        assert!(
+            (5..=6).contains(&found.plateaus.len()),
+            "{}",
+            found.plateaus.len()
+        );
     }
 
     #[test]
@@ -290,7 +298,9 @@ mod tests {
 
     #[test]
     fn filling_and_venting_are_told_apart_without_a_state_column() {
-        let levels = [9.0, 60.0, 120.0, 300.0, 299.5, 301.0, 300.2, 250.0, 180.0, 73.0, 73.4];
+        let levels = [
+            9.0, 60.0, 120.0, 300.0, 299.5, 301.0, 300.2, 250.0, 180.0, 73.0, 73.4,
+        ];
         let expected: Vec<bool> = (0..11).map(|k| k <= 5).collect();
         assert_eq!(rising(&levels, 3.0), expected);
         assert_eq!(rising(&[500.0, 400.0, 300.0], 3.0), [false, false, false]);

@@ -4,7 +4,7 @@ use crate::base::error::Result;
 use crate::base::reject::Extent;
 use crate::base::session::Kind;
 use crate::config::ReportOptions;
-use crate::report::figures::{Named, slug};
+use crate::report::figures::{Drawn, slug};
 use crate::report::input::{GroupInput, ReportInput};
 use crate::report::render::{Renderer, typst::Typst};
 use crate::report::table::Table;
@@ -84,19 +84,25 @@ struct Group {
 /// The figures that the pages show.
 pub struct Figures<'a> {
     /// Logs with plateaus.
-    pub traces: &'a [Named],
+    pub traces: &'a [Drawn],
     /// By group, in the order of the input.
-    pub groups: &'a [Vec<Named>],
+    pub groups: &'a [Vec<Drawn>],
 }
 
 /// Typesets `force.pdf`.
 ///
 /// # Errors
-/// A template that does not compile, or a figure without room.
+/// A template that does not compile.
 pub fn force_pdf(input: &ReportInput, figures: &Figures, options: &ReportOptions) -> Result<Pdf> {
     let data = data(input, figures, options);
-    let mut document = Document::new(TEMPLATE).data("data.json", &data)?.dated(date(&options.date));
-    for table in [tables::sessions(input), tables::zeros(input), tables::rejects_summary(input)] {
+    let mut document = Document::new(TEMPLATE)
+        .data("data.json", &data)?
+        .dated(date(&options.date));
+    for table in [
+        tables::sessions(input),
+        tables::zeros(input),
+        tables::rejects_summary(input),
+    ] {
         document = with_table(document, &table);
     }
     for group in &input.groups {
@@ -111,7 +117,7 @@ pub fn force_pdf(input: &ReportInput, figures: &Figures, options: &ReportOptions
         }
     }
     for named in figures.traces.iter().chain(figures.groups.iter().flatten()) {
-        document = document.file(&format!("figures/{}.svg", named.name), named.figure.to_svg()?);
+        document = document.file(&format!("figures/{}.svg", named.name), &named.svg);
     }
     document.compile()
 }
@@ -133,8 +139,14 @@ fn data(input: &ReportInput, figures: &Figures, options: &ReportOptions) -> Data
     let simulated = |s: &crate::report::input::SessionInput| s.ingest.session.is_simulated();
     let rejects = || input.sessions.iter().flat_map(|s| s.rejects());
     let of_extent = |extent: Extent| rejects().filter(|r| r.extent == extent).count();
-    let clipped = |r: &&crate::base::reject::Reject| r.extent == Extent::Plateau && r.reason.contains("limit of the converter");
-    let authors = options.author.split(',').map(|a| a.trim().to_owned()).filter(|a| !a.is_empty());
+    let clipped = |r: &&crate::base::reject::Reject| {
+        r.extent == Extent::Plateau && r.reason.contains("limit of the converter")
+    };
+    let authors = options
+        .author
+        .split(',')
+        .map(|a| a.trim().to_owned())
+        .filter(|a| !a.is_empty());
     Data {
         title: options.title.clone(),
         authors: authors.collect(),
@@ -149,7 +161,12 @@ fn data(input: &ReportInput, figures: &Figures, options: &ReportOptions) -> Data
             clipped_plateaus: rejects().filter(clipped).count(),
         },
         campaigns: campaigns(input),
-        groups: input.groups.iter().zip(figures.groups).map(|(g, f)| group(g, f)).collect(),
+        groups: input
+            .groups
+            .iter()
+            .zip(figures.groups)
+            .map(|(g, f)| group(g, f))
+            .collect(),
         traces: figures
             .traces
             .iter()
@@ -167,12 +184,12 @@ fn data(input: &ReportInput, figures: &Figures, options: &ReportOptions) -> Data
     }
 }
 
-fn picture(named: &Named, simulated: bool) -> Picture {
+fn picture(named: &Drawn, simulated: bool) -> Picture {
     Picture {
         file: format!("figures/{}.svg", named.name),
         caption: named.caption.clone(),
         simulated,
-        alt: named.figure.title.clone(),
+        alt: named.title.clone(),
     }
 }
 
@@ -201,13 +218,19 @@ fn campaigns(input: &ReportInput) -> Vec<Campaign> {
     campaigns
 }
 
-fn group(input: &GroupInput, figures: &[Named]) -> Group {
+fn group(input: &GroupInput, figures: &[Drawn]) -> Group {
     let fit = &input.fit;
     let rmse = |model: &str, split: &str| {
-        let found = input.comparison.comparisons.iter().find(|c| c.model == model && c.split == split);
+        let found = input
+            .comparison
+            .comparisons
+            .iter()
+            .find(|c| c.model == model && c.split == split);
         found.and_then(|c| c.rmse)
     };
-    let whole = |c: &&crate::stages::compare::Comparison| !c.fitted_here && c.split == "all" && c.n_excluded == 0;
+    let whole = |c: &&crate::stages::compare::Comparison| {
+        !c.fitted_here && c.split == "all" && c.n_excluded == 0
+    };
     let best = input
         .comparison
         .comparisons
@@ -218,21 +241,32 @@ fn group(input: &GroupInput, figures: &[Named]) -> Group {
     Group {
         slug: slug(input),
         campaign: fit.group.campaign.clone(),
-        pooled: if fit.group.members.len() > 1 { fit.group.members.clone() } else { Vec::new() },
+        pooled: if fit.group.members.len() > 1 {
+            fit.group.members.clone()
+        } else {
+            Vec::new()
+        },
         diameter_mm: fit.group.diameter_mm,
         simulated: fit.group.simulated,
         rows: fit.rows,
         specimens: fit.specimens.len(),
         kept_out: fit.rows_kept_out,
         excluded: fit.rows_excluded,
-        ci_method: fit.equation(JOINT).map_or_else(String::new, |e| e.ci_method.clone()),
-        loss: fit.equation(JOINT).map_or_else(String::new, |e| e.loss.clone()),
+        ci_method: fit
+            .equation(JOINT)
+            .map_or_else(String::new, |e| e.ci_method.clone()),
+        loss: fit
+            .equation(JOINT)
+            .map_or_else(String::new, |e| e.loss.clone()),
         rmse_train: rmse(NEW, "train"),
         rmse_loso: rmse(NEW, "loso"),
         best_published: best,
         notes: fit.notes.clone(),
         domain: domain(input),
-        figures: figures.iter().map(|f| picture(f, fit.group.simulated)).collect(),
+        figures: figures
+            .iter()
+            .map(|f| picture(f, fit.group.simulated))
+            .collect(),
     }
 }
 
@@ -247,8 +281,17 @@ fn domain(input: &GroupInput) -> Vec<String> {
         .domain
         .iter()
         .map(|note| {
-            let what = if note.excluded { "no answer for" } else { "answers beyond its data for" };
-            format!("{}: {what} {} readings ({})", title(&note.model), note.count, note.reason)
+            let what = if note.excluded {
+                "no answer for"
+            } else {
+                "answers beyond its data for"
+            };
+            format!(
+                "{}: {what} {} readings ({})",
+                title(&note.model),
+                note.count,
+                note.reason
+            )
         })
         .collect()
 }

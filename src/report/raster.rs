@@ -26,16 +26,6 @@ fn parse(svg: &str) -> Result<Tree> {
     Tree::from_str(svg, &options).map_err(|e| Error::internal(format!("a figure is no SVG: {e}")))
 }
 
-/// Width and height of a figure in millimetres.
-///
-/// # Errors
-/// If it is no SVG.
-pub fn size_mm(svg: &str) -> Result<(f64, f64)> {
-    let size = parse(svg)?.size();
-    let mm = |pixels: f32| (f64::from(pixels) * MM_PER_INCH / CSS_DPI * 100.0).round() / 100.0;
-    Ok((mm(size.width()), mm(size.height())))
-}
-
 /// A figure as PNG on white paper, at so many dots per inch of its printed size, which the file states.
 ///
 /// # Errors
@@ -69,7 +59,11 @@ fn encode(image: &Pixmap, dpi: f64) -> Result<Vec<u8>> {
         yppu: per_metre,
         unit: png::Unit::Meter,
     }));
-    let opaque: Vec<u8> = image.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+    let opaque: Vec<u8> = image
+        .data()
+        .chunks_exact(4)
+        .flat_map(|p| [p[0], p[1], p[2]])
+        .collect();
     let mut writer = encoder.write_header().map_err(Error::internal)?;
     writer.write_image_data(&opaque).map_err(Error::internal)?;
     writer.finish().map_err(Error::internal)?;
@@ -81,12 +75,6 @@ mod tests {
     use super::*;
 
     const SVG: &str = r#"<svg xmlns="http://www.w3.org/2000/svg" width="25.4mm" height="12.7mm" viewBox="0 0 20 10"><rect width="10" height="10"/></svg>"#;
-
-    #[test]
-    fn sizes_are_those_of_print() {
-        assert_eq!(size_mm(SVG).unwrap(), (25.4, 12.7));
-        assert!(size_mm("no svg").is_err());
-    }
 
     #[test]
     fn png_has_the_pixels_and_states_the_resolution() {

@@ -7,7 +7,7 @@
 //! in the same style costs less than the first.
 
 use crate::base::error::{Error, Result};
-use crate::report::{fonts, raster};
+use crate::report::fonts;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -89,15 +89,22 @@ impl Document {
     pub fn compile(&self) -> Result<Pdf> {
         let options = self.options()?;
         let (main, others) = self.sources()?;
-        let binaries = self.files.iter().filter(|(path, _)| !path.ends_with(".typ"));
+        let binaries = self
+            .files
+            .iter()
+            .filter(|(path, _)| !path.ends_with(".typ"));
         let engine = TypstEngine::builder()
             .main_file((MAIN, main))
             .fonts(FONTS.iter().cloned())
             .with_static_source_file_resolver(others)
-            .with_static_file_resolver(binaries.map(|(path, bytes)| (path.as_str(), Bytes::new(bytes.clone()))))
+            .with_static_file_resolver(
+                binaries.map(|(path, bytes)| (path.as_str(), Bytes::new(bytes.clone()))),
+            )
             .comemo_evict_max_age(Some(REMEMBERED))
             .build();
-        engine.with_world(|world| typeset(world, &options)).map_err(Error::internal)?
+        engine
+            .with_world(|world| typeset(world, &options))
+            .map_err(Error::internal)?
     }
 
     /// The main file, and the other Typst files with their paths.
@@ -130,12 +137,11 @@ impl Document {
     }
 }
 
-/// A figure as a PDF of one page at the figure's size.
+/// A figure as a PDF of one page at the figure's size, mm.
 ///
 /// # Errors
 /// If the figure is no SVG.
-pub fn svg_to_pdf(svg: &str, title: &str) -> Result<Vec<u8>> {
-    let (width, height) = raster::size_mm(svg)?;
+pub fn svg_to_pdf(svg: &str, title: &str, (width, height): (f64, f64)) -> Result<Vec<u8>> {
     let title = format!("{title:?}");
     let main = format!(
         "#set document(title: {title}, date: none)\n#set page(width: {width}mm, height: {height}mm, margin: 0pt)\n\
@@ -161,7 +167,10 @@ fn typeset(world: &TypstWorld, options: &PdfOptions) -> Result<Pdf> {
 
 fn failure(world: &TypstWorld, errors: &[SourceDiagnostic]) -> Error {
     let messages: Vec<String> = errors.iter().map(|e| message(world, e)).collect();
-    Error::internal(format!("a document cannot be typeset: {}", messages.join("; ")))
+    Error::internal(format!(
+        "a document cannot be typeset: {}",
+        messages.join("; ")
+    ))
 }
 
 /// `file:line:column: message (hint)`.
@@ -187,14 +196,21 @@ mod tests {
     #[test]
     fn errors_name_file_line_and_column() {
         let error = Document::new("= Title\n\n#unknown").compile().unwrap_err();
-        assert!(error.to_string().contains("main.typ:3:2: unknown variable: unknown"), "{error}");
+        assert!(
+            error
+                .to_string()
+                .contains("main.typ:3:2: unknown variable: unknown"),
+            "{error}"
+        );
         let missing = Document::new("#image(\"no.svg\")").compile().unwrap_err();
         assert!(missing.to_string().contains("no.svg"), "{missing}");
     }
 
     #[test]
     fn no_template_asks_for_the_time() {
-        for entry in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/templates")).unwrap() {
+        for entry in
+            std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/templates")).unwrap()
+        {
             let path = entry.unwrap().path();
             let text = std::fs::read_to_string(&path).unwrap();
             assert!(!text.contains("today"), "{}", path.display());
@@ -203,14 +219,21 @@ mod tests {
 
     #[test]
     fn warnings_come_back() {
-        let pdf = Document::new("#set text(font: \"No Such Font\")\nText").compile().unwrap();
-        assert!(pdf.warnings[0].contains("main.typ:1:"), "{:?}", pdf.warnings);
+        let pdf = Document::new("#set text(font: \"No Such Font\")\nText")
+            .compile()
+            .unwrap();
+        assert!(
+            pdf.warnings[0].contains("main.typ:1:"),
+            "{:?}",
+            pdf.warnings
+        );
     }
 
     #[test]
     fn a_dated_document_is_archival_and_repeats_itself() {
-        let document = Document::new("#set document(title: \"T\", author: \"A\")\n$ epsilon^* = 1 - l/l_0 $")
-            .dated(Some((2024, 5, 17)));
+        let document =
+            Document::new("#set document(title: \"T\", author: \"A\")\n$ epsilon^* = 1 - l/l_0 $")
+                .dated(Some((2024, 5, 17)));
         let pdf = document.compile().unwrap();
         let text = String::from_utf8_lossy(&pdf.bytes);
         assert!(text.contains("<pdfaid:part>2</pdfaid:part>"));
@@ -227,7 +250,10 @@ mod tests {
 
     #[test]
     fn an_impossible_date_is_a_usage_error() {
-        let error = Document::new("Text").dated(Some((2024, 13, 1))).compile().unwrap_err();
+        let error = Document::new("Text")
+            .dated(Some((2024, 13, 1)))
+            .compile()
+            .unwrap_err();
         assert_eq!(error.exit_code(), 2);
     }
 }

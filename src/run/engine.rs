@@ -9,6 +9,7 @@ use crate::run::{Progress, RunOptions};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
 include!(concat!(env!("OUT_DIR"), "/fingerprints.rs"));
 
@@ -32,6 +33,8 @@ pub struct Work {
     pub unit: String,
     /// Why.
     pub reasons: Vec<Reason>,
+    /// How long it took; zero where it has not been done.
+    pub took: Duration,
 }
 
 /// The result of a step.
@@ -129,12 +132,14 @@ impl Engine {
             Ok(None) => self.why(stage, unit, &parts),
             Err(damage) => vec![Reason::Damaged(damage)],
         };
-        self.record(stage, unit, reasons)?;
         if self.dry_run {
+            self.record(stage, unit, reasons, Duration::ZERO)?;
             return Ok(Step::Pending);
         }
+        let started = Instant::now();
         let outputs = compute()?;
         let entry = self.store.put(parts, &outputs)?;
+        self.record(stage, unit, reasons, started.elapsed())?;
         self.remember(stage, unit, key)?;
         Ok(Step::Done(entry, outputs))
     }
@@ -144,7 +149,12 @@ impl Engine {
     /// # Errors
     /// Another thread panicked.
     pub fn waits(&self, stage: Stage, unit: &str, on: &str) -> Result<Step> {
-        self.record(stage, unit, vec![Reason::Waits(on.to_owned())])?;
+        self.record(
+            stage,
+            unit,
+            vec![Reason::Waits(on.to_owned())],
+            Duration::ZERO,
+        )?;
         Ok(Step::Pending)
     }
 
@@ -201,11 +211,12 @@ impl Engine {
         }
     }
 
-    fn record(&self, stage: Stage, unit: &str, reasons: Vec<Reason>) -> Result<()> {
+    fn record(&self, stage: Stage, unit: &str, reasons: Vec<Reason>, took: Duration) -> Result<()> {
         self.work.lock().map_err(Error::internal)?.push(Work {
             stage: stage.name,
             unit: unit.to_owned(),
             reasons,
+            took,
         });
         Ok(())
     }

@@ -43,11 +43,18 @@ pub struct GroupResult {
 
 /// The groups among the isometric sessions found.
 pub fn of(discovery: &Discovery, options: &FitOptions) -> Vec<Group> {
-    let isometric = discovery.sessions.iter().filter(|l| l.session.kind == Kind::Isometric);
+    let isometric = discovery
+        .sessions
+        .iter()
+        .filter(|l| l.session.kind == Kind::Isometric);
     let members: Vec<(String, u32, bool)> = isometric
         .map(|l| {
             let s = &l.session;
-            (s.campaign.clone(), s.specimen.diameter_mm as u32, s.is_simulated())
+            (
+                s.campaign.clone(),
+                s.specimen.diameter_mm as u32,
+                s.is_simulated(),
+            )
         })
         .collect();
     fit::groups(&members, options.pool)
@@ -95,12 +102,17 @@ pub fn process(
     let mut options = options;
     options.extend(flatten("compare", &config.compare)?);
     let compare = engine.step(COMPARE, &unit, options, inputs, || {
-        let fitted: GroupFit = serde_json::from_slice(&engine.read(&fit, FIT_JSON)?).map_err(Error::internal)?;
+        let fitted: GroupFit =
+            serde_json::from_slice(&engine.read(&fit, FIT_JSON)?).map_err(Error::internal)?;
         let rows = rows(engine, &members)?;
-        let (comparison, predictions) = compare::compare(&fitted, &rows, &config.compare, &config.fit);
+        let (comparison, predictions) =
+            compare::compare(&fitted, &rows, &config.compare, &config.fit);
         Ok(Outputs::from([
             (COMPARISON_JSON.to_owned(), json(&comparison)?),
-            (PREDICTIONS.to_owned(), predictions_frame(&predictions).to_parquet()?),
+            (
+                PREDICTIONS.to_owned(),
+                predictions_frame(&predictions).to_parquet()?,
+            ),
         ]))
     })?;
     Ok(GroupResult {
@@ -115,7 +127,11 @@ fn json(value: &impl serde::Serialize) -> Result<Vec<u8>> {
 }
 
 /// The sessions of a group, by id.
-fn members<'a>(group: &Group, discovery: &Discovery, sessions: &'a [SessionResult]) -> Vec<&'a SessionResult> {
+fn members<'a>(
+    group: &Group,
+    discovery: &Discovery,
+    sessions: &'a [SessionResult],
+) -> Vec<&'a SessionResult> {
     let belongs = |s: &crate::base::session::Session| {
         s.kind == Kind::Isometric
             && group.members.contains(&s.campaign)
@@ -141,7 +157,10 @@ fn rows(engine: &Engine, members: &[&SessionResult]) -> Result<Vec<Row>> {
 fn predictions_frame(predictions: &Predictions) -> Frame {
     let mut frame = row::to_frame(&predictions.rows);
     for (model, forces) in &predictions.by_model {
-        frame = frame.with(&format!("{PREDICTED}{model}"), Values::Number(forces.clone()));
+        frame = frame.with(
+            &format!("{PREDICTED}{model}"),
+            Values::Number(forces.clone()),
+        );
     }
     frame
 }
@@ -160,7 +179,8 @@ impl GroupResult {
     /// # Errors
     /// A damaged entry.
     pub fn compared(&self, engine: &Engine) -> Result<GroupComparison> {
-        serde_json::from_slice(&engine.read(&self.compare, COMPARISON_JSON)?).map_err(Error::internal)
+        serde_json::from_slice(&engine.read(&self.compare, COMPARISON_JSON)?)
+            .map_err(Error::internal)
     }
 
     /// The predictions of every model on the group's rows.

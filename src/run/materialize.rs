@@ -30,17 +30,28 @@ const LIST: &str = "materialized.json";
 ///
 /// # Errors
 /// A file cannot be written; a stored result is damaged.
-pub fn materialize(engine: &Engine, report: &Step, sessions: &[SessionResult], options: &RunOptions) -> Result<Written> {
+pub fn materialize(
+    engine: &Engine,
+    report: &Step,
+    sessions: &[SessionResult],
+    options: &RunOptions,
+) -> Result<Written> {
     let mut written = Written::default();
     let mut present = BTreeMap::new();
-    let entry = report.entry().ok_or_else(|| Error::internal("a report without outputs"))?;
+    let entry = report
+        .entry()
+        .ok_or_else(|| Error::internal("a report without outputs"))?;
     for (name, object) in &entry.outputs {
-        let Some(path) = place(name, options) else { continue };
+        let Some(path) = place(name, options) else {
+            continue;
+        };
         if hashing::of_file(&path).ok().as_ref() != Some(&object.digest) {
             write_atomically(&path, &engine.read(report, name)?)?;
             written.changed.push(path.clone());
         }
-        let is_report = name.strip_prefix(REPORTS).is_some_and(|n| n.ends_with(".pdf") && !n.contains('/'));
+        let is_report = name
+            .strip_prefix(REPORTS)
+            .is_some_and(|n| n.ends_with(".pdf") && !n.contains('/'));
         if is_report {
             written.pdfs.push(path);
         }
@@ -61,9 +72,17 @@ fn place(name: &str, options: &RunOptions) -> Option<PathBuf> {
     }
 }
 
-fn remove_stale(engine: &Engine, present: &BTreeMap<String, Digest>, options: &RunOptions) -> Result<()> {
-    let before: BTreeMap<String, Digest> = serde_json::from_slice(&engine.read_aside(LIST)).unwrap_or_default();
-    for (name, digest) in before.iter().filter(|(name, _)| !present.contains_key(*name)) {
+fn remove_stale(
+    engine: &Engine,
+    present: &BTreeMap<String, Digest>,
+    options: &RunOptions,
+) -> Result<()> {
+    let before: BTreeMap<String, Digest> =
+        serde_json::from_slice(&engine.read_aside(LIST)).unwrap_or_default();
+    for (name, digest) in before
+        .iter()
+        .filter(|(name, _)| !present.contains_key(*name))
+    {
         if let Some(path) = place(name, options)
             && hashing::of_file(&path).ok().as_ref() == Some(digest)
         {
@@ -80,16 +99,29 @@ fn remove_stale(engine: &Engine, present: &BTreeMap<String, Digest>, options: &R
 /// `derived/sessions/<id>/`: the calibrated logs, the readings and the normalised rows of one session, as links to the cache's objects
 /// (copies where the file system has no links).
 fn link_session(engine: &Engine, session: &SessionResult, options: &RunOptions) -> Result<()> {
-    let folder = options.derived.join("sessions").join(file_name(&session.id));
-    let (Some(ingest), Some(clean), Some(normalize)) =
-        (session.ingest.entry(), session.clean.entry(), session.normalize.entry())
-    else {
+    let folder = options
+        .derived
+        .join("sessions")
+        .join(file_name(&session.id));
+    let (Some(ingest), Some(clean), Some(normalize)) = (
+        session.ingest.entry(),
+        session.clean.entry(),
+        session.normalize.entry(),
+    ) else {
         return Ok(());
     };
     let mut links: Vec<(PathBuf, &Object)> = Vec::new();
-    let logs = ingest.outputs.iter().filter(|(name, _)| name.ends_with(".parquet"));
+    let logs = ingest
+        .outputs
+        .iter()
+        .filter(|(name, _)| name.ends_with(".parquet"));
     links.extend(logs.map(|(name, object)| (folder.join("logs").join(name), object)));
-    links.extend(clean.outputs.get(READINGS).map(|o| (folder.join(READINGS), o)));
+    links.extend(
+        clean
+            .outputs
+            .get(READINGS)
+            .map(|o| (folder.join(READINGS), o)),
+    );
     links.extend(normalize.outputs.get(ROWS).map(|o| (folder.join(ROWS), o)));
     for (path, object) in links {
         link(&engine.object_path(object), &path, object.size)?;

@@ -112,7 +112,12 @@ pub fn run(options: &RunOptions, progress: &dyn Progress) -> Result<Outcome> {
     Ok(outcome)
 }
 
-fn drive(engine: &Engine, options: &RunOptions, discovery: &Discovery, progress: &dyn Progress) -> Result<Outcome> {
+fn drive(
+    engine: &Engine,
+    options: &RunOptions,
+    discovery: &Discovery,
+    progress: &dyn Progress,
+) -> Result<Outcome> {
     progress.begin("sessions", discovery.sessions.len());
     let results: Vec<SessionResult> = discovery
         .sessions
@@ -153,7 +158,11 @@ fn check_raw(raw: &Path) -> Result<()> {
 }
 
 fn no_sessions(options: &RunOptions, discovery: &Discovery) -> String {
-    let roots: Vec<String> = options.raw.iter().map(|r| r.display().to_string()).collect();
+    let roots: Vec<String> = options
+        .raw
+        .iter()
+        .map(|r| r.display().to_string())
+        .collect();
     let mut message = format!(
         "no session.toml below {}; a session is a folder with a session.toml and its logs (see README.md, Raw sessions)",
         roots.join(", ")
@@ -173,18 +182,32 @@ fn summary(engine: &Engine, discovery: &Discovery, results: &[SessionResult]) ->
         ..Outcome::default()
     };
     for unusable in &discovery.unusable {
-        let name = unusable.id.clone().unwrap_or_else(|| unusable.relative.clone());
-        let why = unusable.diagnostics.first().map_or_else(String::new, |d| d.found.clone());
+        let name = unusable
+            .id
+            .clone()
+            .unwrap_or_else(|| unusable.relative.clone());
+        let why = unusable
+            .diagnostics
+            .first()
+            .map_or_else(String::new, |d| d.found.clone());
         outcome.rejected.push((name, why));
-        outcome.diagnostics.extend(unusable.diagnostics.iter().cloned());
+        outcome
+            .diagnostics
+            .extend(unusable.diagnostics.iter().cloned());
     }
     for result in results {
-        let Some((ingest, clean)) = result.headers(engine)? else { continue };
+        let Some((ingest, clean)) = result.headers(engine)? else {
+            continue;
+        };
         let loud = |d: &&Diagnostic| d.severity != Severity::Note;
-        outcome.diagnostics.extend(ingest.diagnostics.iter().filter(loud).cloned());
+        outcome
+            .diagnostics
+            .extend(ingest.diagnostics.iter().filter(loud).cloned());
         for reject in ingest.rejects.iter().chain(&clean.rejects) {
             match reject.extent {
-                Extent::Session => outcome.rejected.push((reject.session.clone(), reject.reason.clone())),
+                Extent::Session => outcome
+                    .rejected
+                    .push((reject.session.clone(), reject.reason.clone())),
                 Extent::Log => outcome.rejected_logs.push((
                     reject.session.clone(),
                     reject.log.clone(),

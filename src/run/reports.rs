@@ -35,8 +35,11 @@ pub fn process(
     let discovered = discovery_digest(discovery)?;
     let mut inputs = BTreeMap::from([("sessions found".to_owned(), discovered)]);
     for session in sessions {
-        let (Some(i), Some(c), Some(n)) = (session.ingest.entry(), session.clean.entry(), session.normalize.entry())
-        else {
+        let (Some(i), Some(c), Some(n)) = (
+            session.ingest.entry(),
+            session.clean.entry(),
+            session.normalize.entry(),
+        ) else {
             engine.waits(REPORT, UNIT, &format!("session {}", session.id))?;
             return Ok(Written::default());
         };
@@ -78,11 +81,20 @@ fn discovery_digest(discovery: &Discovery) -> Result<Digest> {
 
 /// One digest over all outputs of an entry.
 fn digest_of(entry: &Entry) -> Digest {
-    combined(&entry.outputs.iter().map(|(n, o)| (n.clone(), o.digest.clone())).collect())
+    combined(
+        &entry
+            .outputs
+            .iter()
+            .map(|(n, o)| (n.clone(), o.digest.clone()))
+            .collect(),
+    )
 }
 
 fn combined(digests: &BTreeMap<String, Digest>) -> Digest {
-    let lines: Vec<String> = digests.iter().map(|(name, d)| format!("{name:?} {d}\n")).collect();
+    let lines: Vec<String> = digests
+        .iter()
+        .map(|(name, d)| format!("{name:?} {d}\n"))
+        .collect();
     Digest::of(lines.concat().as_bytes())
 }
 
@@ -123,7 +135,12 @@ fn gather(
         unusable: discovery
             .unusable
             .iter()
-            .map(|u| (u.id.clone().unwrap_or_else(|| u.relative.clone()), u.diagnostics.clone()))
+            .map(|u| {
+                (
+                    u.id.clone().unwrap_or_else(|| u.relative.clone()),
+                    u.diagnostics.clone(),
+                )
+            })
             .collect(),
         diagnostics: discovery.diagnostics.clone(),
         sessions: inputs,
@@ -135,7 +152,12 @@ fn gather(
 }
 
 /// The samples of the logs that the report draws.
-fn traces(engine: &Engine, sessions: &[SessionResult], inputs: &[SessionInput], rows: &[Row]) -> Result<Vec<Trace>> {
+fn traces(
+    engine: &Engine,
+    sessions: &[SessionResult],
+    inputs: &[SessionInput],
+    rows: &[Row],
+) -> Result<Vec<Trace>> {
     report::traces_wanted(inputs, rows)
         .into_iter()
         .map(|(session, log)| {

@@ -6,8 +6,8 @@ use crate::base::frame::Frame;
 use crate::base::reject::Reject;
 use crate::base::row::{self, Row};
 use crate::base::{reading, reading::Reading};
-use crate::cache::store::Outputs;
 use crate::cache::Digest;
+use crate::cache::store::Outputs;
 use crate::config::{Config, flatten};
 use crate::formats::csv::check_line_lengths;
 use crate::formats::discover::Located;
@@ -87,7 +87,11 @@ pub fn process(engine: &Engine, located: &Located, config: &Config) -> Result<Se
     )))
 }
 
-fn attempt(engine: &Engine, located: &Located, config: &Config) -> std::result::Result<SessionResult, Again> {
+fn attempt(
+    engine: &Engine,
+    located: &Located,
+    config: &Config,
+) -> std::result::Result<SessionResult, Again> {
     let session = &located.session;
     let id = session.id.clone();
     let ingest = ingest_step(engine, located)?;
@@ -100,7 +104,9 @@ fn attempt(engine: &Engine, located: &Located, config: &Config) -> std::result::
         });
     };
     let digests = |step: &crate::cache::store::Entry, prefix: &str| -> BTreeMap<String, Digest> {
-        let named = |(name, o): (&String, &crate::cache::store::Object)| (format!("{prefix}/{name}"), o.digest.clone());
+        let named = |(name, o): (&String, &crate::cache::store::Object)| {
+            (format!("{prefix}/{name}"), o.digest.clone())
+        };
         step.outputs.iter().map(named).collect()
     };
     let options = flatten("clean", &config.clean)?;
@@ -109,7 +115,10 @@ fn attempt(engine: &Engine, located: &Located, config: &Config) -> std::result::
         let cleaned = clean::clean(session, &logs, &config.clean);
         let header = to_json(&cleaned.header)?;
         let readings = reading::to_frame(&cleaned.readings).to_parquet()?;
-        Ok(Outputs::from([(HEADER.to_owned(), header), (READINGS.to_owned(), readings)]))
+        Ok(Outputs::from([
+            (HEADER.to_owned(), header),
+            (READINGS.to_owned(), readings),
+        ]))
     })?;
     let Some(entry) = clean.entry() else {
         return Ok(SessionResult {
@@ -157,7 +166,8 @@ fn ingest_step(engine: &Engine, located: &Located) -> std::result::Result<Step, 
     let step = engine.step(INGEST, &session.id, options, inputs, || {
         let mut files = Vec::with_capacity(at_hand.len());
         for (log, (path, digest, bytes)) in session.logs.iter().zip(at_hand) {
-            let (bytes, read) = read_log(&path, &format!("{}/{}", located.relative, log.file), bytes);
+            let (bytes, read) =
+                read_log(&path, &format!("{}/{}", located.relative, log.file), bytes);
             changed |= read.is_some_and(|read| read != digest);
             files.push(bytes);
         }
@@ -208,7 +218,8 @@ fn unreadable(file: &str, error: &std::io::Error) -> (LogBytes, Option<Digest>) 
         ),
         kind => (format!("\"{kind}\""), "mend the permissions"),
     };
-    let diagnostic = Diagnostic::error(file, found, "a readable log", hint).with_severity(Severity::Warning);
+    let diagnostic =
+        Diagnostic::error(file, found, "a readable log", hint).with_severity(Severity::Warning);
     (Err(diagnostic), Some(unreadable_digest(error)))
 }
 
@@ -225,7 +236,8 @@ fn to_json(value: &impl serde::Serialize) -> Result<Vec<u8>> {
 }
 
 fn read_logs(engine: &Engine, ingest: &Step) -> Result<Vec<LogSamples>> {
-    let header: IngestHeader = serde_json::from_slice(&engine.read(ingest, HEADER)?).map_err(Error::internal)?;
+    let header: IngestHeader =
+        serde_json::from_slice(&engine.read(ingest, HEADER)?).map_err(Error::internal)?;
     header
         .logs
         .iter()
@@ -257,8 +269,10 @@ impl SessionResult {
         if self.clean.entry().is_none() || self.ingest.entry().is_none() {
             return Ok(None);
         }
-        let ingest = serde_json::from_slice(&engine.read(&self.ingest, HEADER)?).map_err(Error::internal)?;
-        let clean = serde_json::from_slice(&engine.read(&self.clean, HEADER)?).map_err(Error::internal)?;
+        let ingest =
+            serde_json::from_slice(&engine.read(&self.ingest, HEADER)?).map_err(Error::internal)?;
+        let clean =
+            serde_json::from_slice(&engine.read(&self.clean, HEADER)?).map_err(Error::internal)?;
         Ok(Some((ingest, clean)))
     }
 

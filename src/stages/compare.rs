@@ -111,16 +111,24 @@ pub fn compare(
         m.diameters().contains(&fit.group.diameter_mm)
             && (options.models.is_empty() || options.models.iter().any(|id| id == m.id()))
     };
-    let baselines = published().into_iter().filter(chosen).map(|m| baseline(m, &rows));
+    let baselines = published()
+        .into_iter()
+        .filter(chosen)
+        .map(|m| baseline(m, &rows));
     for answers in new.into_iter().chain(baselines) {
-        let parameters = if answers.fitted_here { parameters(fit) } else { 0 };
+        let parameters = if answers.fitted_here {
+            parameters(fit)
+        } else {
+            0
+        };
         for split in SPLITS {
             let (used, p) = match (split, answers.fitted_here) {
                 ("loso", true) => (loso.as_ref(), 0),
                 ("train" | "all", true) => (Some(&answers), parameters),
                 _ => (Some(&answers), 0),
             };
-            let line = used.and_then(|used| statistics(used, &answers, split, &rows, p, &strongest));
+            let line =
+                used.and_then(|used| statistics(used, &answers, split, &rows, p, &strongest));
             comparisons.extend(line);
         }
         domain.extend(domain_notes(&answers));
@@ -149,7 +157,10 @@ fn in_split(split: &str, row: &Row) -> bool {
 }
 
 fn forces(predictions: &[Prediction]) -> Vec<f64> {
-    predictions.iter().map(|p| p.force_n().unwrap_or(f64::NAN)).collect()
+    predictions
+        .iter()
+        .map(|p| p.force_n().unwrap_or(f64::NAN))
+        .collect()
 }
 
 /// Number of coefficients that the joint fit determined.
@@ -160,7 +171,9 @@ fn parameters(fit: &GroupFit) -> usize {
 fn strongest(rows: &[Row]) -> BTreeMap<String, f64> {
     let mut strongest = BTreeMap::new();
     for row in rows {
-        let slot = strongest.entry(row.specimen.clone()).or_insert(f64::NEG_INFINITY);
+        let slot = strongest
+            .entry(row.specimen.clone())
+            .or_insert(f64::NEG_INFINITY);
         *slot = row.force_n.max(*slot);
     }
     strongest
@@ -193,7 +206,10 @@ fn new_model(fit: &GroupFit, rows: &[Row], options: &FitOptions) -> Option<Answe
         id: NEW.to_owned(),
         title: "New model, fitted here".to_owned(),
         fitted_here: true,
-        predictions: rows.iter().map(|r| Prediction::new(force(r), None)).collect(),
+        predictions: rows
+            .iter()
+            .map(|r| Prediction::new(force(r), None))
+            .collect(),
     })
 }
 
@@ -210,7 +226,9 @@ fn leave_one_specimen_out(fit: &GroupFit, rows: &[Row], options: &FitOptions) ->
         .collect();
     let predict = |row: &Row| match folds.get(row.specimen.as_str()) {
         Some(c) => Prediction::new(joint_force(c, fit.group.diameter_mm, row, options), None),
-        None => Prediction::outside(crate::models::Reason::NotAState("no fit left this specimen out")),
+        None => Prediction::outside(crate::models::Reason::NotAState(
+            "no fit left this specimen out",
+        )),
     };
     Some(Answers {
         id: NEW_LOSO.to_owned(),
@@ -229,7 +247,9 @@ fn statistics(
     parameters: usize,
     strongest: &BTreeMap<String, f64>,
 ) -> Option<Comparison> {
-    let members: Vec<usize> = (0..rows.len()).filter(|k| in_split(split, &rows[*k])).collect();
+    let members: Vec<usize> = (0..rows.len())
+        .filter(|k| in_split(split, &rows[*k]))
+        .collect();
     if members.is_empty() {
         return None;
     }
@@ -241,11 +261,15 @@ fn statistics(
     let predicted: Vec<f64> = answered.iter().map(|(_, f)| *f).collect();
     let goodness = GoodnessOfFit::new(&observed, &predicted, parameters);
     let percent = |(k, f): &(usize, f64)| {
-        let most = strongest.get(&rows[*k].specimen).copied().unwrap_or(f64::NAN);
+        let most = strongest
+            .get(&rows[*k].specimen)
+            .copied()
+            .unwrap_or(f64::NAN);
         100.0 * (rows[*k].force_n - f).abs() / most
     };
     let finite = |x: f64| x.is_finite().then_some(x);
-    let extrapolated = |k: &&usize| matches!(used.predictions[**k], Prediction::Extrapolated { .. });
+    let extrapolated =
+        |k: &&usize| matches!(used.predictions[**k], Prediction::Extrapolated { .. });
     Some(Comparison {
         model: named.id.clone(),
         title: named.title.clone(),
@@ -255,7 +279,11 @@ fn statistics(
         adj_r2: finite(goodness.adjusted_r2),
         rmse: finite(goodness.rmse),
         max_abs_error: finite(goodness.max_abs_error),
-        max_abs_error_pct: answered.iter().map(percent).reduce(f64::max).and_then(finite),
+        max_abs_error_pct: answered
+            .iter()
+            .map(percent)
+            .reduce(f64::max)
+            .and_then(finite),
         bias: finite(goodness.bias),
         n_excluded: members.len() - answered.len(),
         n_extrapolated: members.iter().filter(extrapolated).count(),
@@ -266,10 +294,15 @@ fn statistics(
 fn domain_notes(answers: &Answers) -> Vec<DomainNote> {
     let mut notes: Vec<DomainNote> = Vec::new();
     for prediction in &answers.predictions {
-        let Some(reason) = prediction.reason() else { continue };
+        let Some(reason) = prediction.reason() else {
+            continue;
+        };
         let excluded = prediction.force_n().is_none();
         let kind = reason.kind();
-        match notes.iter_mut().find(|n| n.excluded == excluded && n.reason == kind) {
+        match notes
+            .iter_mut()
+            .find(|n| n.excluded == excluded && n.reason == kind)
+        {
             Some(note) => note.count += 1,
             None => notes.push(DomainNote {
                 model: answers.id.clone(),

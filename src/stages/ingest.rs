@@ -98,7 +98,11 @@ pub fn ingest(session: &Session, relative: &str, files: Vec<LogBytes>) -> Ingest
         .map(|c| Request {
             name: c.column.clone(),
             position: c.position.clone(),
-            codes: c.values.iter().map(|(raw, phase)| (raw.clone(), phase.code())).collect(),
+            codes: c
+                .values
+                .iter()
+                .map(|(raw, phase)| (raw.clone(), phase.code()))
+                .collect(),
         })
         .collect();
     let mut ingested = Ingested {
@@ -145,7 +149,9 @@ fn keep(ingested: &mut Ingested, index: usize, spec: &LogSpec, file: &str, raw: 
         .zip(raw.columns)
         .map(|(c, mut values)| {
             if c.factor != 1.0 || c.constant != 0.0 {
-                values.iter_mut().for_each(|x| *x = c.factor * *x + c.constant);
+                values
+                    .iter_mut()
+                    .for_each(|x| *x = c.factor * *x + c.constant);
             }
             (c.column.clone(), values)
         })
@@ -170,7 +176,10 @@ fn leave_out(header: &mut IngestHeader, spec: &LogSpec, diagnostic: Diagnostic) 
         last_row: None,
         count: 0,
         extent: Extent::Log,
-        reason: format!("unreadable: {}, expected {}", diagnostic.found, diagnostic.expected),
+        reason: format!(
+            "unreadable: {}, expected {}",
+            diagnostic.found, diagnostic.expected
+        ),
     });
     header.diagnostics.push(diagnostic);
 }

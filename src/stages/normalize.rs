@@ -21,7 +21,9 @@ pub fn normalize(session: &Session, readings: &[Reading]) -> (Vec<Row>, Vec<Reje
     let mut rows = Vec::with_capacity(readings.len());
     for reading in readings {
         let row = row(session, reading);
-        if !row.length_m.is_nan() && !(CONTRACTION_RANGE.0..=CONTRACTION_RANGE.1).contains(&row.contraction) {
+        if !row.length_m.is_nan()
+            && !(CONTRACTION_RANGE.0..=CONTRACTION_RANGE.1).contains(&row.contraction)
+        {
             rejects.push(Reject {
                 session: session.id.clone(),
                 log: reading.log.clone(),
@@ -53,7 +55,8 @@ fn row(session: &Session, reading: &Reading) -> Row {
         Kind::KneeTorque => quantity(MUSCLE_LENGTH),
     };
     let contraction = (specimen.rest_length_m - length_m) / specimen.rest_length_m;
-    let contraction_620 = (specimen.rest_length_m - specimen.contracted_length_m) / specimen.rest_length_m;
+    let contraction_620 =
+        (specimen.rest_length_m - specimen.contracted_length_m) / specimen.rest_length_m;
     let pressure_kpa = quantity(PRESSURE);
     Row {
         session: session.id.clone(),
@@ -87,10 +90,13 @@ fn row(session: &Session, reading: &Reading) -> Row {
 /// Every column without a field of its own, constants of the set-up and the tendon included.
 fn extras(session: &Session, reading: &Reading) -> std::collections::BTreeMap<String, f64> {
     let fields = [TIME, PRESSURE, FORCE, LENGTH];
-    let constants = session.setup.iter().filter_map(|(name, constant)| match constant {
-        Constant::Number(x) => Some((name.clone(), *x)),
-        Constant::Text(_) => None,
-    });
+    let constants = session
+        .setup
+        .iter()
+        .filter_map(|(name, constant)| match constant {
+            Constant::Number(x) => Some((name.clone(), *x)),
+            Constant::Text(_) => None,
+        });
     let mut extras: std::collections::BTreeMap<String, f64> = constants
         .chain(reading.values.iter().map(|(name, x)| (name.clone(), *x)))
         .filter(|(name, _)| !fields.contains(&name.as_str()))

@@ -6,7 +6,7 @@ use crate::base::row::{self, Row};
 use crate::base::session::{Phase, Sampling};
 use crate::cache::store::Outputs;
 use crate::config::Config;
-use crate::report::figures::{self, Named};
+use crate::report::figures::{self, Drawn, Named};
 use crate::report::force::{Figures, force_pdf};
 use crate::report::render;
 use crate::report::tables;
@@ -24,8 +24,12 @@ pub const VERSION: u32 = 1;
 /// # Errors
 /// A template that does not compile, a figure without room.
 pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
-    let traces = figures::plateaus(input);
-    let groups: Vec<Vec<Named>> = input.groups.iter().map(|g| figures::of_group(g, config)).collect();
+    let traces = draw(&figures::plateaus(input))?;
+    let groups: Vec<Vec<Drawn>> = input
+        .groups
+        .par_iter()
+        .map(|g| draw(&figures::of_group(g, config)))
+        .collect::<Result<_>>()?;
     let shown = Figures {
         traces: &traces,
         groups: &groups,
@@ -36,7 +40,10 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
     );
     let mut outputs = Outputs::from([
         ("reports/force.pdf".to_owned(), pdf?.bytes),
-        ("derived/rows.parquet".to_owned(), row::to_frame(&input.rows).to_parquet()?),
+        (
+            "derived/rows.parquet".to_owned(),
+            row::to_frame(&input.rows).to_parquet()?,
+        ),
     ]);
     outputs.extend(files?);
     let mut names = Vec::new();
@@ -52,11 +59,19 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
     Ok(outputs)
 }
 
-fn figure_files(traces: &[Named], groups: &[Vec<Named>], png_dpi: f64) -> Result<Vec<(String, Vec<u8>)>> {
-    let all: Vec<&Named> = traces.iter().chain(groups.iter().flatten()).collect();
+fn draw(figures: &[Named]) -> Result<Vec<Drawn>> {
+    figures.par_iter().map(Named::draw).collect()
+}
+
+fn figure_files(
+    traces: &[Drawn],
+    groups: &[Vec<Drawn>],
+    png_dpi: f64,
+) -> Result<Vec<(String, Vec<u8>)>> {
+    let all: Vec<&Drawn> = traces.iter().chain(groups.iter().flatten()).collect();
     let files: Vec<Vec<(String, Vec<u8>)>> = all
         .par_iter()
-        .map(|named| figures::files(named, png_dpi))
+        .map(|drawn| figures::files(drawn, png_dpi))
         .collect::<Result<_>>()?;
     let below = |(name, bytes)| (format!("reports/figures/{name}"), bytes);
     Ok(files.into_iter().flatten().map(below).collect())
@@ -70,10 +85,17 @@ fn summary(input: &ReportInput, tables: &[String]) -> Result<Vec<u8>> {
     }
     for reject in input.sessions.iter().flat_map(|s| s.rejects()) {
         if reject.extent == Extent::Session {
-            rejected.entry(&reject.session).or_default().push(reject.reason.clone());
+            rejected
+                .entry(&reject.session)
+                .or_default()
+                .push(reject.reason.clone());
         }
     }
-    let used = input.sessions.iter().map(|s| &s.ingest.session).filter(|s| !rejected.contains_key(s.id.as_str()));
+    let used = input
+        .sessions
+        .iter()
+        .map(|s| &s.ingest.session)
+        .filter(|s| !rejected.contains_key(s.id.as_str()));
     let session = |s: &crate::base::session::Session| {
         json!({
             "id": s.id, "campaign": s.campaign, "kind": row::kind_name(s.kind), "simulated": s.is_simulated(), "exclude": s.exclude,
@@ -117,7 +139,8 @@ pub fn traces_wanted(sessions: &[SessionInput], rows: &[Row]) -> Vec<(usize, usi
             continue;
         }
         for (log, header) in session.ingest.logs.iter().enumerate() {
-            let Some((readings, phases)) = found.get(&(s.id.as_str(), header.spec.file.as_str())) else {
+            let Some((readings, phases)) = found.get(&(s.id.as_str(), header.spec.file.as_str()))
+            else {
                 continue;
             };
             let candidate = (phases.len() > 1, *readings, (place, log));

@@ -28,10 +28,17 @@ const DATA: &str = "length_mm,pressure_kpa,force_n\n182,620,388\n182,400,230\n17
 /// The good session with one replacement, beside an untouched one.
 fn with(file: &str, from: &str, to: &str) -> Bench {
     let bench = Bench::empty();
-    bench.write("good/session.toml", POINTS.replace("\"points\"\nkind", "\"good\"\nkind"));
+    bench.write(
+        "good/session.toml",
+        POINTS.replace("\"points\"\nkind", "\"good\"\nkind"),
+    );
     bench.write("good/points.csv", DATA);
     let (mut session, mut data) = (POINTS.to_owned(), DATA.to_owned());
-    let target = if file == "session.toml" { &mut session } else { &mut data };
+    let target = if file == "session.toml" {
+        &mut session
+    } else {
+        &mut data
+    };
     assert!(target.contains(from), "{from:?}");
     *target = target.replacen(from, to, 1);
     bench.write("bad/session.toml", session);
@@ -47,31 +54,99 @@ fn expect(bench: &Bench, parts: &[&str]) {
         assert!(said.err.contains(part), "{part:?} is not in\n{}", said.err);
     }
     let plateaus = bench.table("plateaus");
-    assert_eq!(plateaus.iter().filter(|r| r["session"] == "good").count(), 7);
+    assert_eq!(
+        plateaus.iter().filter(|r| r["session"] == "good").count(),
+        7
+    );
     let rejects = bench.table("rejects");
-    assert!(rejects.iter().any(|r| r["session"] == "points" || r["session"] == "bad"), "{rejects:?}");
+    assert!(
+        rejects
+            .iter()
+            .any(|r| r["session"] == "points" || r["session"] == "bad"),
+        "{rejects:?}"
+    );
 }
 
 #[test]
 fn mistakes_in_session_toml_name_line_key_found_expected_and_hint() {
     let cases: [(&str, &str, &[&str]); 17] = [
-        ("kind = \"isometric\"", "kind = \"isometrik\"", &["bad/session.toml:3 [kind]", "did you mean \"isometric\"?"]),
-        ("campaign = \"hand\"\n", "", &["[campaign]", "found nothing"]),
-        ("campaign = \"hand\"", "campain = \"hand\"", &[":5 [campain]", "did you mean `campaign`?"]),
-        ("diameter_mm = 10", "diameter_mm = 15", &[":9 [specimen.diameter_mm]", "found 15", "10, 20 or 40"]),
-        ("rest_length_mm = 182", "rest_length_mm = -182", &["found -182", "positive", "hose clamps"]),
-        ("rest_length_mm = 182", "rest_length_mm = \"182\"", &["found \"182\"", "a finite number"]),
-        ("rest_length_mm = 182", "rest_length_mm = nan", &["a finite number"]),
-        ("contracted_length_mm = 152", "contracted_length_mm = 190", &["found 190", "below rest_length_mm", "swapped"]),
-        ("unit = \"kPa\"", "unit = \"kpa\"", &[":15", "found \"kpa\"", "did you mean \"kPa\"?"]),
-        ("unit = \"kPa\"", "unit = \"mm\"", &["found \"mm\"", "kPa, Pa, MPa, bar, psi"]),
+        (
+            "kind = \"isometric\"",
+            "kind = \"isometrik\"",
+            &["bad/session.toml:3 [kind]", "did you mean \"isometric\"?"],
+        ),
+        (
+            "campaign = \"hand\"\n",
+            "",
+            &["[campaign]", "found nothing"],
+        ),
+        (
+            "campaign = \"hand\"",
+            "campain = \"hand\"",
+            &[":5 [campain]", "did you mean `campaign`?"],
+        ),
+        (
+            "diameter_mm = 10",
+            "diameter_mm = 15",
+            &[":9 [specimen.diameter_mm]", "found 15", "10, 20 or 40"],
+        ),
+        (
+            "rest_length_mm = 182",
+            "rest_length_mm = -182",
+            &["found -182", "positive", "hose clamps"],
+        ),
+        (
+            "rest_length_mm = 182",
+            "rest_length_mm = \"182\"",
+            &["found \"182\"", "a finite number"],
+        ),
+        (
+            "rest_length_mm = 182",
+            "rest_length_mm = nan",
+            &["a finite number"],
+        ),
+        (
+            "contracted_length_mm = 152",
+            "contracted_length_mm = 190",
+            &["found 190", "below rest_length_mm", "swapped"],
+        ),
+        (
+            "unit = \"kPa\"",
+            "unit = \"kpa\"",
+            &[":15", "found \"kpa\"", "did you mean \"kPa\"?"],
+        ),
+        (
+            "unit = \"kPa\"",
+            "unit = \"mm\"",
+            &["found \"mm\"", "kPa, Pa, MPa, bar, psi"],
+        ),
         (", unit = \"kPa\"", "", &["[columns.pressure]", "add `unit"]),
-        ("name = \"force_n\"", "index = 2", &["by `index`", "by `name`"]),
-        ("file = \"points.csv\"", "file = \"../points.csv\"", &["found \"../points.csv\"", "below the session's folder"]),
-        ("[[log]]\nfile = \"points.csv\"\n", "", &["[log]", "at least one"]),
+        (
+            "name = \"force_n\"",
+            "index = 2",
+            &["by `index`", "by `name`"],
+        ),
+        (
+            "file = \"points.csv\"",
+            "file = \"../points.csv\"",
+            &["found \"../points.csv\"", "below the session's folder"],
+        ),
+        (
+            "[[log]]\nfile = \"points.csv\"\n",
+            "",
+            &["[log]", "at least one"],
+        ),
         ("force = {", "forze = {", &["the column `force`"]),
-        ("schema = \"bpa-session/1\"", "schema = \"bpa-session/9\"", &["bpa-session/1"]),
-        ("id = \"points\"", "id = \"points", &["bad/session.toml:2", "valid TOML"]),
+        (
+            "schema = \"bpa-session/1\"",
+            "schema = \"bpa-session/9\"",
+            &["bpa-session/1"],
+        ),
+        (
+            "id = \"points\"",
+            "id = \"points",
+            &["bad/session.toml:2", "valid TOML"],
+        ),
     ];
     for (from, to, parts) in cases {
         expect(&with("session.toml", from, to), parts);
@@ -80,16 +155,29 @@ fn mistakes_in_session_toml_name_line_key_found_expected_and_hint() {
 
 #[test]
 fn all_mistakes_of_a_file_are_reported_at_once() {
-    let bench = with("session.toml", "rest_length_mm = 182", "rest_length_mm = -182\ncolour = \"red\"");
+    let bench = with(
+        "session.toml",
+        "rest_length_mm = 182",
+        "rest_length_mm = -182\ncolour = \"red\"",
+    );
     expect(&bench, &["found -182", "[specimen.colour]"]);
 }
 
 #[test]
 fn a_bad_cell_costs_its_row_and_is_quoted_with_its_place() {
-    for (to, quoted) in [("182,abc,388", "\"abc\""), ("182,,388", "an empty field"), ("182,NaN,388", "\"NaN\""), ("182,620,inf", "\"inf\"")] {
+    for (to, quoted) in [
+        ("182,abc,388", "\"abc\""),
+        ("182,,388", "an empty field"),
+        ("182,NaN,388", "\"NaN\""),
+        ("182,620,inf", "\"inf\""),
+    ] {
         let bench = with("points.csv", "182,620,388", to);
         expect(&bench, &["bad/points.csv:2", quoted, "a finite number"]);
-        let left = bench.table("plateaus").iter().filter(|r| r["session"] == "points").count();
+        let left = bench
+            .table("plateaus")
+            .iter()
+            .filter(|r| r["session"] == "points")
+            .count();
         assert_eq!(left, 6, "{to}");
     }
 }
@@ -102,16 +190,35 @@ fn unreadable_logs_are_left_out_with_their_reason() {
         bench
     };
     expect(&replace(b""), &["bad/points.csv", "an empty file"]);
-    expect(&replace(b"length_mm,pressure_kpa,force_n\n"), &["a header and no rows"]);
-    expect(&replace(b"length_mm,pressure_kpa\n182,620\n"), &["a column named \"force_n\"", "length_mm, pressure_kpa"]);
-    expect(&replace(b"length_mm,pressure_kpa,force_n\n182,\xff\xfe,3\n"), &["points.csv:2", "not UTF-8"]);
+    expect(
+        &replace(b"length_mm,pressure_kpa,force_n\n"),
+        &["a header and no rows"],
+    );
+    expect(
+        &replace(b"length_mm,pressure_kpa\n182,620\n"),
+        &["a column named \"force_n\"", "length_mm, pressure_kpa"],
+    );
+    expect(
+        &replace(b"length_mm,pressure_kpa,force_n\n182,\xff\xfe,3\n"),
+        &["points.csv:2", "not UTF-8"],
+    );
     expect(&replace(&[b'1'; 1 << 20]), &["a line of more than"]);
     let missing = with("points.csv", "182,620,388", "182,620,388");
     std::fs::remove_file(missing.raw().join("bad/points.csv")).unwrap();
     expect(&missing, &["bad/points.csv", "no such file"]);
     let rejects = missing.table("rejects");
-    assert!(rejects.iter().any(|r| r["extent"] == "log" && r["log"] == "points.csv"), "{rejects:?}");
-    assert!(rejects.iter().any(|r| r["extent"] == "session" && r["session"] == "points"), "{rejects:?}");
+    assert!(
+        rejects
+            .iter()
+            .any(|r| r["extent"] == "log" && r["log"] == "points.csv"),
+        "{rejects:?}"
+    );
+    assert!(
+        rejects
+            .iter()
+            .any(|r| r["extent"] == "session" && r["session"] == "points"),
+        "{rejects:?}"
+    );
 }
 
 #[test]
@@ -127,17 +234,32 @@ fn impossible_values_are_left_out_and_counted() {
     let bench = with("points.csv", "182,620,388", "182,53152,388");
     bench.run(&["run"]);
     let rejects = bench.table("rejects");
-    assert!(rejects.iter().any(|r| r["reason"].contains("pressure outside") && r["first_row"] == "2" && r["count"] == "1"));
+    assert!(
+        rejects
+            .iter()
+            .any(|r| r["reason"].contains("pressure outside")
+                && r["first_row"] == "2"
+                && r["count"] == "1")
+    );
     let bench = with("points.csv", "182,620,388", "-182,620,388");
     bench.run(&["run"]);
-    assert!(bench.table("rejects").iter().any(|r| r["reason"].contains("length that is not positive")));
+    assert!(
+        bench
+            .table("rejects")
+            .iter()
+            .any(|r| r["reason"].contains("length that is not positive"))
+    );
 }
 
 #[test]
 fn duplicate_ids_keep_the_first_and_name_both() {
     let bench = with("session.toml", "id = \"points\"", "id = \"good\"");
     let said = bench.run(&["run"]);
-    assert!(said.err.contains("good/session.toml [id]") && said.err.contains("bad/session.toml"), "{}", said.err);
+    assert!(
+        said.err.contains("good/session.toml [id]") && said.err.contains("bad/session.toml"),
+        "{}",
+        said.err
+    );
     assert_eq!(bench.table("plateaus").len(), 7);
 }
 
@@ -148,7 +270,11 @@ fn a_loop_of_links_is_reported_and_not_entered() {
     std::os::unix::fs::symlink("..", bench.raw().join("good/loop")).unwrap();
     let said = bench.run(&["run"]);
     assert_eq!(said.code, 0);
-    assert!(said.err.contains("a link to a folder above itself"), "{}", said.err);
+    assert!(
+        said.err.contains("a link to a folder above itself"),
+        "{}",
+        said.err
+    );
     assert_eq!(bench.table("plateaus").len(), 14);
 }
 
@@ -166,7 +292,11 @@ fn an_unreadable_folder_is_reported_and_the_rest_is_used() {
     let said = bench.run(&["run"]);
     std::fs::set_permissions(&locked, std::fs::Permissions::from_mode(0o755)).unwrap();
     assert_eq!(said.code, 0, "{}", said.err);
-    assert!(said.err.contains("a readable file or folder"), "{}", said.err);
+    assert!(
+        said.err.contains("a readable file or folder"),
+        "{}",
+        said.err
+    );
     assert_eq!(bench.table("plateaus").len(), 7);
 }
 

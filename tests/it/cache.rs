@@ -11,7 +11,11 @@ fn computed(bench: &Bench, arguments: &[&str]) -> BTreeSet<String> {
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     let stages = pipeline::run::STAGES;
     let is_work = |l: &&str| stages.iter().any(|s| l.starts_with(&format!("{s} ")));
-    said.out.lines().filter(is_work).map(|l| l.split(": ").next().unwrap().to_owned()).collect()
+    said.out
+        .lines()
+        .filter(is_work)
+        .map(|l| l.split(": ").next().unwrap().to_owned())
+        .collect()
 }
 
 fn set(items: &[&str]) -> BTreeSet<String> {
@@ -26,10 +30,18 @@ fn a_second_run_does_nothing_and_says_so() {
     assert_eq!(computed(&bench, &[]).len(), 6 * 3 + 3);
     let before = bench.snapshot("reports");
     let said = bench.run(&["run"]);
-    assert!(said.out.starts_with("nothing to do: 6 sessions, all 21 results are up to date"), "{}", said.out);
+    assert!(
+        said.out
+            .starts_with("nothing to do: 6 sessions, all 21 results are up to date"),
+        "{}",
+        said.out
+    );
     assert_eq!(bench.snapshot("reports"), before);
     let status = bench.run(&["status"]);
-    assert_eq!((status.code, status.out.contains("nothing to do")), (0, true));
+    assert_eq!(
+        (status.code, status.out.contains("nothing to do")),
+        (0, true)
+    );
 }
 
 #[test]
@@ -38,16 +50,27 @@ fn a_changed_byte_in_one_log_redoes_that_session_and_what_depends_on_it() {
     computed(&bench, &[]);
     let log = bench.raw().join("small/b/c50/test8.csv");
     let mut bytes = std::fs::read(&log).unwrap();
-    let digit = bytes.iter().position(|b| (b'1'..=b'8').contains(b)).unwrap();
+    let digit = bytes
+        .iter()
+        .position(|b| (b'1'..=b'8').contains(b))
+        .unwrap();
     bytes[digit] += 1;
     std::fs::write(&log, bytes).unwrap();
     let status = bench.run(&["status"]);
     assert_eq!(status.code, 1);
-    assert!(status.out.contains("input changed: test8.csv"), "{}", status.out);
+    assert!(
+        status.out.contains("input changed: test8.csv"),
+        "{}",
+        status.out
+    );
     let ran = computed(&bench, &[]);
     let session = "small-b-c50";
     assert!(ran.contains(&format!("ingest {session}")), "{ran:?}");
-    assert!(ran.iter().all(|r| r.ends_with(session) || DOWNSTREAM.contains(&r.as_str())), "{ran:?}");
+    assert!(
+        ran.iter()
+            .all(|r| r.ends_with(session) || DOWNSTREAM.contains(&r.as_str())),
+        "{ran:?}"
+    );
 }
 
 #[test]
@@ -70,12 +93,25 @@ fn an_option_redoes_the_stages_that_read_it() {
     let config = bench.root().join("pipeline.toml");
     std::fs::write(&config, "[report]\ntitle = \"Another\"\n").unwrap();
     assert_eq!(computed(&bench, &[]), set(&["report reports"]));
-    std::fs::write(&config, "[report]\ntitle = \"Another\"\n[fit]\nloss = \"least_squares\"\n").unwrap();
+    std::fs::write(
+        &config,
+        "[report]\ntitle = \"Another\"\n[fit]\nloss = \"least_squares\"\n",
+    )
+    .unwrap();
     let said = bench.run(&["status"]);
-    assert!(said.out.contains("option fit.loss \"huber\" -> \"least_squares\""), "{}", said.out);
+    assert!(
+        said.out
+            .contains("option fit.loss \"huber\" -> \"least_squares\""),
+        "{}",
+        said.out
+    );
     assert_eq!(computed(&bench, &[]), set(&DOWNSTREAM));
     std::fs::remove_file(&config).unwrap();
-    assert_eq!(computed(&bench, &[]), set(&[]), "what was computed before is still there");
+    assert_eq!(
+        computed(&bench, &[]),
+        set(&[]),
+        "what was computed before is still there"
+    );
 }
 
 #[test]
@@ -85,7 +121,11 @@ fn an_unchanged_intermediate_result_stops_the_cascade() {
     let log = bench.raw().join("small/c/c00/test8.csv");
     let text = std::fs::read_to_string(&log).unwrap();
     std::fs::write(&log, text.replace('\n', "\r\n")).unwrap();
-    assert_eq!(computed(&bench, &[]), set(&["ingest small-c-c00"]), "other line ends, same numbers");
+    assert_eq!(
+        computed(&bench, &[]),
+        set(&["ingest small-c-c00"]),
+        "other line ends, same numbers"
+    );
 }
 
 #[test]
@@ -108,7 +148,10 @@ fn the_same_inputs_give_the_same_bytes_whatever_the_number_of_jobs() {
     computed(&one, &["--jobs", "1"]);
     computed(&two, &["--jobs", "4"]);
     assert_eq!(one.snapshot("reports"), two.snapshot("reports"));
-    assert_eq!(one.snapshot("derived/cache/objects"), two.snapshot("derived/cache/objects"));
+    assert_eq!(
+        one.snapshot("derived/cache/objects"),
+        two.snapshot("derived/cache/objects")
+    );
 }
 
 #[test]

@@ -5,7 +5,13 @@ use crate::support::Bench;
 #[test]
 fn every_command_has_help_with_an_example() {
     let bench = Bench::empty();
-    for command in [&["--help"][..], &["run", "--help"], &["status", "--help"], &["simulate", "--help"], &["config", "--help"]] {
+    for command in [
+        &["--help"][..],
+        &["run", "--help"],
+        &["status", "--help"],
+        &["simulate", "--help"],
+        &["config", "--help"],
+    ] {
         let said = bench.run(command);
         assert_eq!(said.code, 0, "{command:?}");
         assert!(said.out.contains("Example"), "{command:?}\n{}", said.out);
@@ -21,7 +27,10 @@ fn usage_mistakes_exit_with_2_and_say_what_to_do() {
         (&["run"], "no session.toml below raw"),
         (&["run", "--force", "fits"], "fit"),
         (&["run", "--config", "no.toml"], "no.toml"),
-        (&["simulate", "no-truth.toml", "--out", "x"], "no-truth.toml"),
+        (
+            &["simulate", "no-truth.toml", "--out", "x"],
+            "no-truth.toml",
+        ),
     ] {
         let said = bench.run(arguments);
         assert_eq!(said.code, 2, "{arguments:?}\n{}", said.err);
@@ -39,7 +48,11 @@ fn config_prints_what_can_be_read_back() {
     let said = bench.run(&["config"]);
     assert_eq!(said.code, 0);
     std::fs::write(bench.root().join("pipeline.toml"), &said.out).unwrap();
-    assert_eq!(bench.run(&["status"]).code, 1, "everything is still to do, so the configuration was read");
+    assert_eq!(
+        bench.run(&["status"]).code,
+        1,
+        "everything is still to do, so the configuration was read"
+    );
 }
 
 #[test]
@@ -47,17 +60,30 @@ fn a_dry_run_says_what_would_run_and_writes_nothing() {
     let bench = Bench::small();
     let said = bench.run(&["run", "--dry-run"]);
     assert_eq!(said.code, 0, "{}", said.err);
-    assert!(said.out.contains("ingest small-a-c00: no earlier result"), "{}", said.out);
-    assert!(said.out.contains("clean small-a-c00: waits for ingest"), "{}", said.out);
+    assert!(
+        said.out.contains("ingest small-a-c00: no earlier result"),
+        "{}",
+        said.out
+    );
+    assert!(
+        said.out.contains("clean small-a-c00: waits for ingest"),
+        "{}",
+        said.out
+    );
     assert!(!bench.root().join("derived").exists() && !bench.root().join("reports").exists());
 }
 
 #[test]
 fn json_output_is_json() {
     let bench = Bench::small();
-    for arguments in [&["status", "--json"][..], &["run", "--json"], &["status", "--json"]] {
+    for arguments in [
+        &["status", "--json"][..],
+        &["run", "--json"],
+        &["status", "--json"],
+    ] {
         let said = bench.run(arguments);
-        let value: serde_json::Value = serde_json::from_str(&said.out).unwrap_or_else(|e| panic!("{e}\n{}", said.out));
+        let value: serde_json::Value =
+            serde_json::from_str(&said.out).unwrap_or_else(|e| panic!("{e}\n{}", said.out));
         assert!(value.is_object());
     }
 }
@@ -69,8 +95,13 @@ fn simulate_refuses_to_overwrite_and_labels_what_it_writes() {
     assert_eq!(bench.run(&["simulate", truth, "--out", "raw/c"]).code, 0);
     let again = bench.run(&["simulate", truth, "--out", "raw/c"]);
     assert_ne!(again.code, 0);
-    assert!(again.err.contains("--replace") || again.err.contains("replace"), "{}", again.err);
-    let session = std::fs::read_to_string(bench.raw().join("c/sim10-l83/c00/session.toml")).unwrap();
+    assert!(
+        again.err.contains("--replace") || again.err.contains("replace"),
+        "{}",
+        again.err
+    );
+    let session =
+        std::fs::read_to_string(bench.raw().join("c/sim10-l83/c00/session.toml")).unwrap();
     assert!(session.contains("notes = \"simulated"));
 }
 
@@ -81,5 +112,9 @@ fn strict_turns_rejected_sessions_into_exit_code_3() {
     assert_eq!(bench.run(&["run"]).code, 0);
     let said = bench.run(&["run", "--strict"]);
     assert_eq!(said.code, 3);
-    assert!(said.out.contains("left out: session broken"), "{}", said.out);
+    assert!(
+        said.out.contains("left out: session broken"),
+        "{}",
+        said.out
+    );
 }

@@ -24,7 +24,9 @@ const LENGTHS_MM: [f64; 8] = [83.0, 112.0, 150.0, 182.0, 233.0, 300.0, 382.0, 45
 fn truth() -> Truth {
     let specimens: Vec<String> = LENGTHS_MM
         .iter()
-        .map(|l| format!("[[specimen]]\nid = \"l{l}\"\nrest_length_mm = {l}\ncontraction_max = 0.165\n"))
+        .map(|l| {
+            format!("[[specimen]]\nid = \"l{l}\"\nrest_length_mm = {l}\ncontraction_max = 0.165\n")
+        })
         .collect();
     let text = format!("{TRUTH}\n{}", specimens.concat());
     simulate::read_truth("coverage.toml", &text).unwrap_or_else(|d| panic!("{d:?}"))
@@ -50,7 +52,8 @@ fn rows(truth: &Truth) -> Vec<Row> {
             row.pressure_kpa = reading.pressure_kpa;
             row.force_n = reading.force_n;
             row.contraction = (row.rest_length_m - row.length_m) / row.rest_length_m;
-            row.contraction_rel = row.contraction * row.rest_length_m / (row.rest_length_m - row.contracted_length_m);
+            row.contraction_rel =
+                row.contraction * row.rest_length_m / (row.rest_length_m - row.contracted_length_m);
             row.pressure_rel = row.pressure_kpa / P_620_KPA;
             row
         })
@@ -71,7 +74,8 @@ fn every_coefficient_is_inside_its_interval_in_at_least_90_of_100_campaigns() {
         for c in &joint.coefficients {
             let (low, high) = (c.ci_low.unwrap(), c.ci_high.unwrap());
             let truth = c.published.unwrap();
-            *inside.entry(c.symbol.clone()).or_default() += usize::from(low <= truth && truth <= high);
+            *inside.entry(c.symbol.clone()).or_default() +=
+                usize::from(low <= truth && truth <= high);
         }
     }
     println!("inside the 95% interval, of 100 campaigns: {inside:?}");

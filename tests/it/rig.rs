@@ -11,7 +11,9 @@ fn run(bench: &Bench, rig: &std::path::Path) -> Said {
 
 #[test]
 fn all_campaigns_go_through_and_the_corrupt_run_is_left_out() {
-    let Some(rig) = rig("the real rig") else { return };
+    let Some(rig) = rig("the real rig") else {
+        return;
+    };
     let bench = Bench::empty();
     let said = run(&bench, &rig);
     assert!(said.out.contains("51 sessions"), "{}", said.out);
@@ -21,7 +23,10 @@ fn all_campaigns_go_through_and_the_corrupt_run_is_left_out() {
     corrupt_run(&bench, &plateaus);
     phases(&plateaus);
     errors(&bench);
-    assert!(run(&bench, &rig).out.contains("nothing to do"), "a second run does nothing");
+    assert!(
+        run(&bench, &rig).out.contains("nothing to do"),
+        "a second run does nothing"
+    );
 }
 
 /// Run 10 of l397/c46 is corrupt; the rest of its session is used.
@@ -29,29 +34,52 @@ fn corrupt_run(bench: &Bench, plateaus: &[BTreeMap<String, String>]) {
     let rejects = bench.table("rejects");
     let logs: Vec<_> = rejects.iter().filter(|r| r["extent"] == "log").collect();
     assert_eq!(logs.len(), 1, "{logs:?}");
-    assert_eq!((logs[0]["session"].as_str(), logs[0]["log"].as_str()), ("iso20-2022-01-l397-c46", "test10.csv"));
-    assert!(logs[0]["reason"].contains("a pressure outside the possible range in 1200 rows from line 27801"));
-    let of_session = plateaus.iter().filter(|r| r["session"] == "iso20-2022-01-l397-c46");
+    assert_eq!(
+        (logs[0]["session"].as_str(), logs[0]["log"].as_str()),
+        ("iso20-2022-01-l397-c46", "test10.csv")
+    );
+    assert!(
+        logs[0]["reason"]
+            .contains("a pressure outside the possible range in 1200 rows from line 27801")
+    );
+    let of_session = plateaus
+        .iter()
+        .filter(|r| r["session"] == "iso20-2022-01-l397-c46");
     let used: BTreeSet<&str> = of_session.map(|r| r["log"].as_str()).collect();
-    assert_eq!(used, BTreeSet::from(["test1.csv", "test8.csv", "test9.csv"]));
+    assert_eq!(
+        used,
+        BTreeSet::from(["test1.csv", "test8.csv", "test9.csv"])
+    );
 }
 
 /// Filling and venting are told apart in every log, also in those without a state column (20 mm, l228).
 fn phases(plateaus: &[BTreeMap<String, String>]) {
     let mut by_log: BTreeMap<(&str, &str), Vec<(f64, &str, f64)>> = BTreeMap::new();
-    for row in plateaus.iter().filter(|r| r["campaign"].ends_with("2022-11") || r["campaign"].ends_with("2022-01")) {
+    for row in plateaus
+        .iter()
+        .filter(|r| r["campaign"].ends_with("2022-11") || r["campaign"].ends_with("2022-01"))
+    {
         let number = |name: &str| row[name].parse::<f64>().unwrap();
         let reading = (number("t_s"), row["phase"].as_str(), number("pressure_kpa"));
-        by_log.entry((&row["session"], &row["log"])).or_default().push(reading);
+        by_log
+            .entry((&row["session"], &row["log"]))
+            .or_default()
+            .push(reading);
     }
     assert_eq!(by_log.len(), 16 * 3 + 8 * 4 - 1);
     for (log, mut readings) in by_log {
         readings.sort_by(|a, b| a.0.total_cmp(&b.0));
         let vented = readings.iter().position(|r| r.1 == "depressurizing");
         let Some(vented) = vented else { continue };
-        assert!(readings[vented..].iter().all(|r| r.1 == "depressurizing"), "{log:?} fills and vents once");
+        assert!(
+            readings[vented..].iter().all(|r| r.1 == "depressurizing"),
+            "{log:?} fills and vents once"
+        );
         let top = readings.iter().map(|r| r.2).fold(0.0, f64::max);
-        assert!(vented == 0 || readings[vented - 1].2 > top - 25.0, "{log:?} vents from the top");
+        assert!(
+            vented == 0 || readings[vented - 1].2 > top - 25.0,
+            "{log:?} vents from the top"
+        );
     }
 }
 
@@ -60,12 +88,20 @@ fn phases(plateaus: &[BTreeMap<String, String>]) {
 fn errors(bench: &Bench) {
     let rmse = |model: &str| {
         let table = bench.table("model_comparison");
-        let row = table
-            .iter()
-            .find(|r| r["campaign"] == "iso10-2022-11" && r["model"] == model && r["split"] == "all");
+        let row = table.iter().find(|r| {
+            r["campaign"] == "iso10-2022-11" && r["model"] == model && r["split"] == "all"
+        });
         row.unwrap()["rmse"].parse::<f64>().unwrap()
     };
-    assert!((15.0..21.0).contains(&rmse("new_published")), "{}", rmse("new_published"));
-    assert!((60.0..80.0).contains(&rmse("hunt2017")), "{}", rmse("hunt2017"));
+    assert!(
+        (15.0..21.0).contains(&rmse("new_published")),
+        "{}",
+        rmse("new_published")
+    );
+    assert!(
+        (60.0..80.0).contains(&rmse("hunt2017")),
+        "{}",
+        rmse("hunt2017")
+    );
     assert!(rmse("new") < rmse("new_published"));
 }

@@ -14,14 +14,25 @@ fn the_simulated_campaigns_are_what_their_truth_files_give() {
         let truth = std::fs::read_to_string(root().join(format!("truths/{name}.toml"))).unwrap();
         let truth = simulate::read_truth(name, &truth).unwrap_or_else(|d| panic!("{d:?}"));
         let directory = tempfile::tempdir().unwrap();
-        simulate::write(&simulate::simulate(&truth), &directory.path().join("c"), None, false).unwrap();
+        simulate::write(
+            &simulate::simulate(&truth),
+            &directory.path().join("c"),
+            None,
+            false,
+        )
+        .unwrap();
         let (written, shipped) = (directory.path().join("c"), root().join("raw").join(name));
         let fresh = files(&written);
         assert_eq!(fresh.len(), files(&shipped).len());
         for file in fresh {
             let relative = file.strip_prefix(&written).unwrap();
-            let same = std::fs::read(&file).unwrap() == std::fs::read(shipped.join(relative)).unwrap();
-            assert!(same, "{name}/{} is not what the truth file gives", relative.display());
+            let same =
+                std::fs::read(&file).unwrap() == std::fs::read(shipped.join(relative)).unwrap();
+            assert!(
+                same,
+                "{name}/{} is not what the truth file gives",
+                relative.display()
+            );
         }
     }
 }
@@ -34,7 +45,12 @@ fn raw_is_small_and_every_simulated_session_says_so() {
     for file in all.iter().filter(|f| f.ends_with("session.toml")) {
         let text = std::fs::read_to_string(file).unwrap();
         let simulated = text.contains("notes = \"simulated");
-        assert_eq!(simulated, file.to_string_lossy().contains("/raw/simulated-"), "{}", file.display());
+        assert_eq!(
+            simulated,
+            file.to_string_lossy().contains("/raw/simulated-"),
+            "{}",
+            file.display()
+        );
     }
 }
 
@@ -48,21 +64,35 @@ fn the_main_job_gives_tables_figures_and_a_report_and_recovers_the_truth() {
     let pdf = std::fs::read(reports.join("force.pdf")).unwrap();
     assert!(pdf.starts_with(b"%PDF") && pdf.len() > 100_000);
     for extension in ["csv", "tex", "typ", "md"] {
-        assert!(reports.join(format!("tables/model_comparison.{extension}")).is_file());
+        assert!(
+            reports
+                .join(format!("tables/model_comparison.{extension}"))
+                .is_file()
+        );
     }
     for extension in ["svg", "pdf", "png"] {
-        assert!(reports.join(format!("figures/isobars-simulated-10mm.{extension}")).is_file());
+        assert!(
+            reports
+                .join(format!("figures/isobars-simulated-10mm.{extension}"))
+                .is_file()
+        );
     }
-    let summary: serde_json::Value = serde_json::from_slice(&std::fs::read(reports.join("summary.json")).unwrap()).unwrap();
+    let summary: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(reports.join("summary.json")).unwrap()).unwrap();
     assert_eq!(summary["sessions_used"].as_array().unwrap().len(), 42);
     let coefficients = read_table(&reports.join("tables/coefficients.csv"));
     let joint: Vec<_> = coefficients
         .iter()
-        .filter(|r| r["equation"] == "F(eps*, P*, l_rest)" && r["campaign"].starts_with("simulated"))
+        .filter(|r| {
+            r["equation"] == "F(eps*, P*, l_rest)" && r["campaign"].starts_with("simulated")
+        })
         .collect();
     assert_eq!(joint.len(), 10);
     for row in joint {
         let number = |name: &str| row[name].parse::<f64>().unwrap();
-        assert!(number("ci_low") <= number("published") && number("published") <= number("ci_high"), "{row:?}");
+        assert!(
+            number("ci_low") <= number("published") && number("published") <= number("ci_high"),
+            "{row:?}"
+        );
     }
 }

@@ -66,7 +66,13 @@ impl Bench {
     pub fn small() -> Self {
         let bench = Self::empty();
         let truth = simulate::read_truth("small.toml", TRUTH).unwrap_or_else(|d| panic!("{d:?}"));
-        simulate::write(&simulate::simulate(&truth), &bench.raw().join("small"), None, false).unwrap();
+        simulate::write(
+            &simulate::simulate(&truth),
+            &bench.raw().join("small"),
+            None,
+            false,
+        )
+        .unwrap();
         bench.age();
         bench
     }
@@ -97,7 +103,13 @@ impl Bench {
 
     /// Runs the program here.
     pub fn run(&self, arguments: &[&str]) -> Said {
-        said(Command::new(env!("CARGO_BIN_EXE_pipeline")).args(arguments).current_dir(self.root()).output().unwrap())
+        said(
+            Command::new(env!("CARGO_BIN_EXE_pipeline"))
+                .args(arguments)
+                .current_dir(self.root())
+                .output()
+                .unwrap(),
+        )
     }
 
     /// Every file below a directory with its contents, by relative path.
@@ -105,13 +117,23 @@ impl Bench {
         let root = self.root().join(directory);
         files(&root)
             .into_iter()
-            .map(|f| (f.strip_prefix(&root).unwrap().display().to_string(), std::fs::read(&f).unwrap()))
+            .map(|f| {
+                (
+                    f.strip_prefix(&root).unwrap().display().to_string(),
+                    std::fs::read(&f).unwrap(),
+                )
+            })
             .collect()
     }
 
     /// A table of the last run: header and rows, split at commas outside quotes.
     pub fn table(&self, name: &str) -> Vec<BTreeMap<String, String>> {
-        read_table(&self.root().join("reports/tables").join(format!("{name}.csv")))
+        read_table(
+            &self
+                .root()
+                .join("reports/tables")
+                .join(format!("{name}.csv")),
+        )
     }
 }
 
@@ -145,7 +167,9 @@ pub fn read_table(path: &Path) -> Vec<BTreeMap<String, String>> {
     let text = std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     let mut lines = text.lines();
     let header = fields(lines.next().unwrap());
-    lines.map(|l| header.iter().cloned().zip(fields(l)).collect()).collect()
+    lines
+        .map(|l| header.iter().cloned().zip(fields(l)).collect())
+        .collect()
 }
 
 fn fields(line: &str) -> Vec<String> {

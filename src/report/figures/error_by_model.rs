@@ -21,15 +21,31 @@ pub fn figure(group: &GroupInput, _config: &Config) -> Option<(&'static str, Str
         let of = errors.iter().enumerate().filter(|(_, e)| e.2 == partial);
         of.map(|(k, e)| (e.1, k as f64)).collect()
     };
-    let mut panel = Panel::new(Axis::new("RMSE (N)").including(0.0), Axis::categories("", &names)).legend(Legend::Above);
-    panel = panel.with(Series::marks("on all readings", marks(false), Mark::filled(Shape::Circle, Ink::Blue).wide(2.0)));
+    let mut panel = Panel::new(
+        Axis::new("RMSE (N)").including(0.0),
+        Axis::categories("", &names),
+    )
+    .legend(Legend::Above);
+    panel = panel.with(Series::marks(
+        "on all readings",
+        marks(false),
+        Mark::filled(Shape::Circle, Ink::Blue).wide(2.0),
+    ));
     if !marks(true).is_empty() {
         let mark = Mark::open(Shape::Circle, Ink::Vermilion).wide(2.0);
-        panel = panel.with(Series::marks("only where the model gives an answer", marks(true), mark));
+        panel = panel.with(Series::marks(
+            "only where the model gives an answer",
+            marks(true),
+            mark,
+        ));
     }
     let title = format!("Error of every model, {}", group.fit.group.campaign);
     let caption = "Root-mean-square error of every model on specimens that it has not seen: published models as published, the new model \
         fitted to the other specimens."
         .to_owned();
-    Some(("models", caption, Figure::new(&title, 1.3 * SINGLE_MM, 68.0).with(panel)))
+    Some((
+        "models",
+        caption,
+        Figure::new(&title, 1.3 * SINGLE_MM, 68.0).with(panel),
+    ))
 }

@@ -3,7 +3,9 @@
 use crate::config::Config;
 use crate::models::{ForceModel, P_620_KPA, new};
 use crate::report::input::GroupInput;
-use crate::report::plot::{Axis, DOUBLE_MM, Dash, Figure, Layer, Legend, Mark, Panel, Series, Stroke, look};
+use crate::report::plot::{
+    Axis, DOUBLE_MM, Dash, Figure, Layer, Legend, Mark, Panel, Series, Stroke, look,
+};
 use crate::stages::fit::equations::{JOINT, cap_length_m};
 
 /// Pressures of the isobars, kPa.
@@ -16,7 +18,10 @@ pub fn figure(group: &GroupInput, config: &Config) -> Option<(&'static str, Stri
     let diameter = group.fit.group.diameter_mm;
     let c = group.fit.equation(JOINT)?.values();
     let offset = cap_length_m(diameter, &config.fit);
-    let fitted = panel(group, [c[2], c[3], c[4]], |l| new::f620(c[0], c[1], offset, l)).title("Fitted here");
+    let fitted = panel(group, [c[2], c[3], c[4]], |l| {
+        new::f620(c[0], c[1], offset, l)
+    })
+    .title("Fitted here");
     let mut figure = Figure::new(
         &format!("Relative force along isobars, {}", group.fit.group.campaign),
         DOUBLE_MM,
@@ -26,7 +31,9 @@ pub fn figure(group: &GroupInput, config: &Config) -> Option<(&'static str, Stri
     .shared_legend()
     .with(fitted);
     if let Some(([b1, b2], surface)) = published(diameter) {
-        figure = figure.with(panel(group, surface, |l| new::f620(b1, b2, offset, l)).title("Published coefficients"));
+        figure = figure.with(
+            panel(group, surface, |l| new::f620(b1, b2, offset, l)).title("Published coefficients"),
+        );
     }
     let caption = format!(
         "Relative force against relative contraction. Curves are isobars of Eq. 8; marks are readings within {NEAR_KPA:.0} kPa of \
@@ -36,12 +43,24 @@ pub fn figure(group: &GroupInput, config: &Config) -> Option<(&'static str, Stri
 }
 
 fn panel(group: &GroupInput, c: [f64; 3], f620: impl Fn(f64) -> f64) -> Panel {
-    let most = group.predictions.rows.iter().map(|r| r.contraction_rel).fold(0.0, f64::max);
-    let least = group.predictions.rows.iter().map(|r| r.contraction_rel).fold(0.0, f64::min);
+    let most = group
+        .predictions
+        .rows
+        .iter()
+        .map(|r| r.contraction_rel)
+        .fold(0.0, f64::max);
+    let least = group
+        .predictions
+        .rows
+        .iter()
+        .map(|r| r.contraction_rel)
+        .fold(0.0, f64::min);
     let (low, high) = (least.max(-0.2) - 0.02, most.clamp(1.0, 1.3) + 0.02);
     let mut panel = Panel::new(
         Axis::new("ε* = ε/ε_{620}").fixed(low, high),
-        Axis::new("F* = \\v{F}/F_{620}").including(0.0).including(1.05),
+        Axis::new("F* = \\v{F}/F_{620}")
+            .including(0.0)
+            .including(1.05),
     )
     .legend(Legend::Above);
     for (k, isobar) in ISOBARS_KPA.iter().enumerate() {
@@ -57,10 +76,18 @@ fn panel(group: &GroupInput, c: [f64; 3], f620: impl Fn(f64) -> f64) -> Panel {
             .filter(|r| (r.pressure_kpa - isobar).abs() <= NEAR_KPA)
             .map(|r| (r.contraction_rel, r.force_n / f620(r.rest_length_m)))
             .collect();
-        let series = Series::line(&format!("{isobar:.0} kPa"), line, Stroke::new(ink, Dash::Solid));
+        let series = Series::line(
+            &format!("{isobar:.0} kPa"),
+            line,
+            Stroke::new(ink, Dash::Solid),
+        );
         panel = panel.with(series);
         if !near.is_empty() {
-            panel = panel.with(Layer::from(Series::marks("", near, Mark::open(shape, ink).wide(1.2))));
+            panel = panel.with(Layer::from(Series::marks(
+                "",
+                near,
+                Mark::open(shape, ink).wide(1.2),
+            )));
         }
     }
     panel

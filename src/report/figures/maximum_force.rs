@@ -1,7 +1,9 @@
 //! Maximum force at 620 kPa against resting length: measured, fitted, published (force paper, Fig. 2).
 
 use crate::config::Config;
-use crate::models::{Direction, ForceModel, P_620_KPA, Prediction, State, festo_tool::FestoTool, new};
+use crate::models::{
+    Direction, ForceModel, P_620_KPA, Prediction, State, festo_tool::FestoTool, new,
+};
 use crate::report::input::GroupInput;
 use crate::report::plot::{Axis, Dash, Figure, Ink, Mark, Panel, SINGLE_MM, Series, Shape, Stroke};
 use crate::stages::fit::equations::{JOINT, MAXIMUM_FORCE, cap_length_m};
@@ -28,7 +30,10 @@ pub fn figure(group: &GroupInput, config: &Config) -> Option<(&'static str, Stri
             .map(|mm| (mm, new::f620(b1, b2, offset, 1e-3 * mm)))
             .collect()
     };
-    let mut panel = Panel::new(Axis::new("l_{rest} (mm)").including(0.0), Axis::new("F_{620} (N)").including(0.0));
+    let mut panel = Panel::new(
+        Axis::new("l_{rest} (mm)").including(0.0),
+        Axis::new("F_{620} (N)").including(0.0),
+    );
     let fits = [
         (MAXIMUM_FORCE, "fitted to the maxima", Dash::Solid),
         (JOINT, "fitted jointly", Dash::Dashed),
@@ -36,22 +41,45 @@ pub fn figure(group: &GroupInput, config: &Config) -> Option<(&'static str, Stri
     for (id, name, dash) in fits {
         if let Some(fit) = group.fit.equation(id) {
             let b = fit.values();
-            panel = panel.with(Series::line(name, curve(b[0], b[1]), Stroke::new(Ink::Blue, dash)));
+            panel = panel.with(Series::line(
+                name,
+                curve(b[0], b[1]),
+                Stroke::new(Ink::Blue, dash),
+            ));
         }
     }
     if let Some((b1, b2)) = published(diameter) {
-        panel = panel.with(Series::line("published", curve(b1, b2), Stroke::new(Ink::Vermilion, Dash::DashDot)));
+        panel = panel.with(Series::line(
+            "published",
+            curve(b1, b2),
+            Stroke::new(Ink::Vermilion, Dash::DashDot),
+        ));
     }
     if let Some(force) = festo(diameter) {
         let line = vec![(0.0, force), (1.1 * longest, force)];
-        panel = panel.with(Series::line("Festo tool", line, Stroke::new(Ink::Grey, Dash::Dotted)));
+        panel = panel.with(Series::line(
+            "Festo tool",
+            line,
+            Stroke::new(Ink::Grey, Dash::Dotted),
+        ));
     }
-    panel = panel.with(Series::marks("measured", measured, Mark::filled(Shape::Circle, Ink::Black)));
-    let title = format!("Maximum force against resting length, {}", group.fit.group.campaign);
+    panel = panel.with(Series::marks(
+        "measured",
+        measured,
+        Mark::filled(Shape::Circle, Ink::Black),
+    ));
+    let title = format!(
+        "Maximum force against resting length, {}",
+        group.fit.group.campaign
+    );
     let caption = "Maximum force at 620 kPa and resting length: measured on each specimen, as fitted here to these maxima and jointly with \
         all coefficients, as published, and as the manufacturer's tool has it for any length."
         .to_owned();
-    Some(("f620", caption, Figure::new(&title, SINGLE_MM, 65.0).with(panel)))
+    Some((
+        "f620",
+        caption,
+        Figure::new(&title, SINGLE_MM, 65.0).with(panel),
+    ))
 }
 
 fn published(diameter_mm: u32) -> Option<(f64, f64)> {

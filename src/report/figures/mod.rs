@@ -7,10 +7,10 @@ mod plateaus;
 mod predicted;
 
 use crate::base::error::Result;
+use crate::base::names::file_name;
 use crate::config::Config;
 use crate::report::input::{GroupInput, ReportInput};
 use crate::report::plot::Figure;
-use crate::base::names::file_name;
 
 /// A figure with the name of its files and its caption (in Typst markup).
 #[derive(Clone, Debug)]
@@ -21,6 +21,37 @@ pub struct Named {
     pub caption: String,
     /// The figure.
     pub figure: Figure,
+}
+
+/// A figure as drawn.
+#[derive(Clone, Debug)]
+pub struct Drawn {
+    /// Name of the files, without extension.
+    pub name: String,
+    /// What it shows.
+    pub caption: String,
+    /// The figure's own title.
+    pub title: String,
+    /// Width and height, mm.
+    pub size_mm: (f64, f64),
+    /// The drawing.
+    pub svg: String,
+}
+
+impl Named {
+    /// Draws the figure.
+    ///
+    /// # Errors
+    /// A figure too small for its contents.
+    pub fn draw(&self) -> Result<Drawn> {
+        Ok(Drawn {
+            name: self.name.clone(),
+            caption: self.caption.clone(),
+            title: self.figure.title.clone(),
+            size_mm: (self.figure.width_mm, self.figure.height_mm),
+            svg: self.figure.to_svg()?,
+        })
+    }
 }
 
 type OfGroup = fn(&GroupInput, &Config) -> Option<(&'static str, String, Figure)>;
@@ -56,20 +87,26 @@ pub fn slug(group: &GroupInput) -> String {
     let g = &group.fit.group;
     let suffix = format!("{}mm", g.diameter_mm);
     let name = file_name(&g.campaign);
-    if name.ends_with(&suffix) { name } else { format!("{name}-{suffix}") }
+    if name.ends_with(&suffix) {
+        name
+    } else {
+        format!("{name}-{suffix}")
+    }
 }
 
 /// SVG, PDF and PNG of a figure, by file name.
 ///
 /// # Errors
-/// A figure too small for its contents.
-pub fn files(named: &Named, png_dpi: f64) -> Result<Vec<(String, Vec<u8>)>> {
-    let svg = named.figure.to_svg()?;
-    let pdf = crate::report::typeset::svg_to_pdf(&svg, &named.figure.title)?;
-    let png = crate::report::raster::svg_to_png(&svg, png_dpi)?;
+/// A drawing that is no SVG.
+pub fn files(drawn: &Drawn, png_dpi: f64) -> Result<Vec<(String, Vec<u8>)>> {
+    let pdf = crate::report::typeset::svg_to_pdf(&drawn.svg, &drawn.title, drawn.size_mm)?;
+    let png = crate::report::raster::svg_to_png(&drawn.svg, png_dpi)?;
     Ok(vec![
-        (format!("{}.svg", named.name), svg.into_bytes()),
-        (format!("{}.pdf", named.name), pdf),
-        (format!("{}.png", named.name), png),
+        (
+            format!("{}.svg", drawn.name),
+            drawn.svg.clone().into_bytes(),
+        ),
+        (format!("{}.pdf", drawn.name), pdf),
+        (format!("{}.png", drawn.name), png),
     ])
 }

@@ -15,13 +15,23 @@ pub fn figure(group: &GroupInput, _config: &Config) -> Option<(&'static str, Str
     for (row, force) in group.predictions.rows.iter().zip(predicted) {
         if force.is_finite() {
             let key = ((1e4 * row.rest_length_m) as u64, row.specimen.as_str());
-            by_specimen.entry(key).or_default().push((*force, row.force_n));
+            by_specimen
+                .entry(key)
+                .or_default()
+                .push((*force, row.force_n));
         }
     }
-    let mut agreement = Panel::new(Axis::new("Predicted force (N)"), Axis::new("Measured force (N)"))
-        .same_range()
-        .with(Layer::identity(""));
-    let mut left_over = Panel::new(Axis::new("Predicted force (N)"), Axis::new("Measured − predicted (N)")).with(Layer::zero());
+    let mut agreement = Panel::new(
+        Axis::new("Predicted force (N)"),
+        Axis::new("Measured force (N)"),
+    )
+    .same_range()
+    .with(Layer::identity(""));
+    let mut left_over = Panel::new(
+        Axis::new("Predicted force (N)"),
+        Axis::new("Measured − predicted (N)"),
+    )
+    .with(Layer::zero());
     for (k, ((tenths_of_mm, _), points)) in by_specimen.iter().enumerate() {
         let (ink, shape, _) = look(k);
         let name = format!("{:.0} mm", *tenths_of_mm as f64 / 10.0);
@@ -30,13 +40,22 @@ pub fn figure(group: &GroupInput, _config: &Config) -> Option<(&'static str, Str
         let residuals = points.iter().map(|(p, m)| (*p, m - p)).collect();
         left_over = left_over.with(Series::marks(&name, residuals, mark));
     }
-    let title = format!("Measured against predicted force, {}", group.fit.group.campaign);
-    let figure = Figure::new(&title, DOUBLE_MM, 82.0).grid(2).shared_legend().with(agreement).with(left_over);
+    let title = format!(
+        "Measured against predicted force, {}",
+        group.fit.group.campaign
+    );
+    let figure = Figure::new(&title, DOUBLE_MM, 82.0)
+        .grid(2)
+        .shared_legend()
+        .with(agreement)
+        .with(left_over);
     let how = if unseen.is_some() {
         "Every reading is predicted by the fit that has not seen its specimen."
     } else {
         "The predictions are those of the fit itself: there is no second specimen that could be left out."
     };
-    let caption = format!("Measured against predicted force (A) and the difference (B), by resting length. {how}");
+    let caption = format!(
+        "Measured against predicted force (A) and the difference (B), by resting length. {how}"
+    );
     Some(("predicted", caption, figure))
 }

@@ -116,7 +116,9 @@ fn cell(cell: &Printed, fraction: Option<usize>) -> String {
         Printed::Empty => "[]".into(),
         Printed::Undefined => quoted("–"),
         // One word, such as an id with hyphens, is not broken over lines.
-        Printed::Text(word) if !word.contains(' ') && word.len() <= LONGEST_WORD => format!("box({})", quoted(word)),
+        Printed::Text(word) if !word.contains(' ') && word.len() <= LONGEST_WORD => {
+            format!("box({})", quoted(word))
+        }
         Printed::Text(text) => quoted(text),
         Printed::Rich(pieces) => rich(pieces),
         Printed::Number(n) => match fraction {

@@ -59,10 +59,14 @@ fn row(group: &GroupInput, equation: &EquationFit, c: &CoefficientFit) -> Vec<Ce
         (Some(low), Some(high)) => Cell::with_interval(c.value, low, high),
         _ => [Cell::number(c.value, Rounding::Digits(4)), Cell::Empty],
     };
-    let method = if c.ci_low.is_some() { Cell::text(&equation.ci_method) } else { Cell::Empty };
-    let inside = c
-        .published_interval
-        .map_or(Cell::Empty, |(low, high)| Cell::Flag((low..=high).contains(&c.value)));
+    let method = if c.ci_low.is_some() {
+        Cell::text(&equation.ci_method)
+    } else {
+        Cell::Empty
+    };
+    let inside = c.published_interval.map_or(Cell::Empty, |(low, high)| {
+        Cell::Flag((low..=high).contains(&c.value))
+    });
     let finite = |x: f64, rounding| Cell::number(x.is_finite().then_some(x), rounding);
     vec![
         Cell::text(NEW),
@@ -78,7 +82,11 @@ fn row(group: &GroupInput, equation: &EquationFit, c: &CoefficientFit) -> Vec<Ce
         Cell::number(c.published, Rounding::Digits(4)),
         inside,
         Cell::text(&group.fit.group.campaign),
-        if c.state == "ok" { Cell::Empty } else { Cell::text(&c.state) },
+        if c.state == "ok" {
+            Cell::Empty
+        } else {
+            Cell::text(&c.state)
+        },
         Cell::Integer(equation.n as i64),
         finite(equation.rmse, Rounding::Digits(4)),
         finite(equation.adjusted_r2, Rounding::Decimals(4)),

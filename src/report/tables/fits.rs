@@ -32,7 +32,11 @@ fn build(groups: Vec<&GroupInput>) -> Table {
         Column::text("loss", "Loss").seen_by(Audience::Machines),
         Column::text("status", "Fit"),
     ];
-    let mut table = Table::new("fits", "Goodness of the fits, on the rows that were fitted (RMSE over \\v{n} − \\v{p})", columns);
+    let mut table = Table::new(
+        "fits",
+        "Goodness of the fits, on the rows that were fitted (RMSE over \\v{n} − \\v{p})",
+        columns,
+    );
     for group in groups {
         table.rule();
         for e in &group.fit.equations {

@@ -12,7 +12,13 @@ pub fn table(input: &ReportInput) -> Table {
 
 /// One group, for people: a published model has seen none of the rows, so that one split says all of it.
 pub fn of_group(group: &GroupInput) -> Table {
-    let mut table = build(vec![group], |c| if c.fitted_here { c.split != "all" } else { c.split == "all" });
+    let mut table = build(vec![group], |c| {
+        if c.fitted_here {
+            c.split != "all"
+        } else {
+            c.split == "all"
+        }
+    });
     table.id = format!("model_comparison-{}", slug(group));
     table
 }
@@ -40,14 +46,22 @@ fn build(groups: Vec<&GroupInput>, shown: fn(&Comparison) -> bool) -> Table {
         Column::number("n_excluded", "Outside", ""),
         Column::number("n_extrapolated", "Extrap.", ""),
     ];
-    let mut table = Table::new("model_comparison", "Every model on the same readings", columns);
+    let mut table = Table::new(
+        "model_comparison",
+        "Every model on the same readings",
+        columns,
+    );
     for group in groups {
         let mut model = None;
         for c in group.comparison.comparisons.iter().filter(|c| shown(c)) {
             if model != Some(&c.model) {
                 table.rule();
             }
-            let title = if model == Some(&c.model) { Cell::Empty } else { Cell::text(short(&c.title)) };
+            let title = if model == Some(&c.model) {
+                Cell::Empty
+            } else {
+                Cell::text(short(&c.title))
+            };
             model = Some(&c.model);
             table.push(vec![
                 Cell::text(&group.comparison.group.campaign),

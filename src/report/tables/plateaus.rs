@@ -25,11 +25,16 @@ pub fn table(input: &ReportInput) -> Table {
         Column::number("sd_force_n", "s.d. of \\v{F}", "N"),
         Column::text("campaign", "Campaign"),
     ];
-    columns.extend(extras.iter().map(|name| Column::number(name, &name.replace('_', "\\_"), "")));
+    columns.extend(
+        extras
+            .iter()
+            .map(|name| Column::number(name, &name.replace('_', "\\_"), "")),
+    );
     let mut table = Table::new("plateaus", "Steady readings", columns);
     for row in &input.rows {
         let mut cells = fixed(row);
-        let extra = |name: &&String| Cell::number(row.extras.get(*name).copied(), Rounding::Digits(6));
+        let extra =
+            |name: &&String| Cell::number(row.extras.get(*name).copied(), Rounding::Digits(6));
         cells.extend(extras.iter().map(extra));
         table.push(cells);
     }
@@ -37,8 +42,14 @@ pub fn table(input: &ReportInput) -> Table {
 }
 
 fn fixed(row: &Row) -> Vec<Cell> {
-    let number = |x: f64, decimals: usize| Cell::number(x.is_finite().then_some(x), Rounding::Decimals(decimals));
-    let force = if row.kind == Kind::Isometric { row.force_n } else { f64::NAN };
+    let number = |x: f64, decimals: usize| {
+        Cell::number(x.is_finite().then_some(x), Rounding::Decimals(decimals))
+    };
+    let force = if row.kind == Kind::Isometric {
+        row.force_n
+    } else {
+        f64::NAN
+    };
     vec![
         Cell::text(&row.session),
         Cell::text(&row.specimen),

@@ -60,10 +60,13 @@ pub fn summary(input: &ReportInput) -> Table {
         Column::number("sessions", "Sessions", ""),
     ];
     let mut table = Table::new("rejects_summary", "What was left out, by reason", columns);
-    let mut by_reason: BTreeMap<(Extent, &str), (i64, i64, std::collections::BTreeSet<&str>)> = BTreeMap::new();
+    let mut by_reason: BTreeMap<(Extent, &str), (i64, i64, std::collections::BTreeSet<&str>)> =
+        BTreeMap::new();
     let all: Vec<&Reject> = input.sessions.iter().flat_map(|s| s.rejects()).collect();
     for reject in all {
-        let slot = by_reason.entry((reject.extent, &reject.reason)).or_default();
+        let slot = by_reason
+            .entry((reject.extent, &reject.reason))
+            .or_default();
         slot.0 += 1;
         slot.1 += reject.count as i64;
         slot.2.insert(&reject.session);

@@ -24,7 +24,11 @@ pub fn table(input: &ReportInput) -> Table {
         Column::text("remark", "Remark").seen_by(Audience::People),
         Column::text("notes", "Notes").seen_by(Audience::Machines),
     ];
-    let mut table = Table::new("sessions", "Sessions: what was measured, and how many steady readings it gave", columns);
+    let mut table = Table::new(
+        "sessions",
+        "Sessions: what was measured, and how many steady readings it gave",
+        columns,
+    );
     let mut campaign = None;
     for session in &input.sessions {
         let s = &session.ingest.session;
@@ -32,7 +36,10 @@ pub fn table(input: &ReportInput) -> Table {
             table.rule();
         }
         campaign = Some(&s.campaign);
-        let lost = session.rejects().filter(|r| r.extent == Extent::Log).count();
+        let lost = session
+            .rejects()
+            .filter(|r| r.extent == Extent::Log)
+            .count();
         table.push(vec![
             Cell::text(&s.id),
             Cell::text(&s.campaign),

@@ -30,7 +30,11 @@ fn build(id: &str, groups: Vec<&GroupInput>) -> Table {
         Column::number("f_620_n", "F_{620}", "N"),
         Column::text("f_620_from", "F_{620} from"),
     ];
-    let mut table = Table::new(id, "Specimens, and their measured maximum force at 620 kPa and resting length", columns);
+    let mut table = Table::new(
+        id,
+        "Specimens, and their measured maximum force at 620 kPa and resting length",
+        columns,
+    );
     for group in groups {
         table.rule();
         for s in &group.fit.specimens {

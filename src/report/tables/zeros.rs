@@ -22,7 +22,9 @@ pub fn table(input: &ReportInput) -> Table {
     );
     let mut campaign = None;
     for session in &input.sessions {
-        let Some(zero) = &session.clean.zero else { continue };
+        let Some(zero) = &session.clean.zero else {
+            continue;
+        };
         if zero.zero_log_n.is_none() && zero.slack_n.is_none() {
             continue;
         }

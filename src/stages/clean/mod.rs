@@ -59,7 +59,9 @@ pub fn clean(session: &Session, logs: &[LogSamples], options: &CleanOptions) -> 
     let mut readings = Vec::new();
     for log in screened.iter().filter(|l| !l.log.spec.is_zero) {
         match session.sampling {
-            Sampling::Timeseries => steady::readings(session, log, options, &mut readings, &mut rejects),
+            Sampling::Timeseries => {
+                steady::readings(session, log, options, &mut readings, &mut rejects)
+            }
             Sampling::Points => points::readings(session, log, &mut readings, &mut rejects),
         }
     }

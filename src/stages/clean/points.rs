@@ -8,7 +8,12 @@ use crate::stages::clean::screen::Screened;
 use crate::stages::clean::zero::is_clipped;
 
 /// Adds the readings of one log of points; rows at the limit of the converter are left out.
-pub fn readings(session: &Session, log: &Screened, readings: &mut Vec<Reading>, rejects: &mut Vec<Reject>) {
+pub fn readings(
+    session: &Session,
+    log: &Screened,
+    readings: &mut Vec<Reading>,
+    rejects: &mut Vec<Reject>,
+) {
     let column = session.column(FORCE);
     for (k, row) in log.rows.iter().enumerate() {
         let line = log.line(k);

@@ -66,20 +66,29 @@ pub fn screen<'a>(
         rejects.push(whole_log(session, log, bad, &by_reason));
         return None;
     }
-    rejects.extend(by_reason.into_iter().map(|(reason, (first, last, count))| Reject {
-        session: session.id.clone(),
-        log: log.spec.file.clone(),
-        first_row: Some(first),
-        last_row: Some(last),
-        count,
-        extent: Extent::Row,
-        reason: reason.to_owned(),
-    }));
+    rejects.extend(
+        by_reason
+            .into_iter()
+            .map(|(reason, (first, last, count))| Reject {
+                session: session.id.clone(),
+                log: log.spec.file.clone(),
+                first_row: Some(first),
+                last_row: Some(last),
+                count,
+                extent: Extent::Row,
+                reason: reason.to_owned(),
+            }),
+    );
     let rows = (0..log.len()).filter(|k| reasons[*k].is_none()).collect();
     Some(Screened { log, rows })
 }
 
-fn mark(reasons: &mut [Option<&'static str>], values: &[f64], reason: &'static str, bad: impl Fn(f64) -> bool) {
+fn mark(
+    reasons: &mut [Option<&'static str>],
+    values: &[f64],
+    reason: &'static str,
+    bad: impl Fn(f64) -> bool,
+) {
     for (slot, value) in reasons.iter_mut().zip(values) {
         if slot.is_none() && bad(*value) {
             *slot = Some(reason);
@@ -87,7 +96,11 @@ fn mark(reasons: &mut [Option<&'static str>], values: &[f64], reason: &'static s
     }
 }
 
-fn impossible_values(log: &LogSamples, options: &CleanOptions, reasons: &mut [Option<&'static str>]) {
+fn impossible_values(
+    log: &LogSamples,
+    options: &CleanOptions,
+    reasons: &mut [Option<&'static str>],
+) {
     for name in [TIME, FORCE, TORQUE, PRESSURE, LENGTH] {
         if let Some(values) = log.column(name) {
             mark(reasons, values, NOT_A_NUMBER, |x| !x.is_finite());
@@ -98,7 +111,9 @@ fn impossible_values(log: &LogSamples, options: &CleanOptions, reasons: &mut [Op
         mark(reasons, values, NO_PRESSURE, |p| p < low || p > high);
     }
     if let Some(values) = log.column(FORCE) {
-        mark(reasons, values, NO_FORCE, |f| f.abs() > options.largest_force_n);
+        mark(reasons, values, NO_FORCE, |f| {
+            f.abs() > options.largest_force_n
+        });
     }
     if let Some(values) = log.column(LENGTH) {
         mark(reasons, values, NO_LENGTH, |l| l <= 0.0);
@@ -155,7 +170,9 @@ fn spikes(log: &LogSamples, fraction: f64, reasons: &mut [Option<&'static str>])
         let Some(values) = log.column(name) else {
             continue;
         };
-        let usable: Vec<usize> = (0..values.len()).filter(|k| reasons[*k].is_none()).collect();
+        let usable: Vec<usize> = (0..values.len())
+            .filter(|k| reasons[*k].is_none())
+            .collect();
         let levels: Vec<f64> = usable.iter().map(|k| values[*k]).collect();
         let range = quantile_range(&levels, 0.01, 0.99);
         let limit = (fraction * range).max(20.0);
@@ -208,8 +225,14 @@ mod tests {
     #[test]
     fn a_wrong_stamp_costs_one_row_and_a_clock_that_starts_again_costs_its_shorter_part() {
         let rows: Vec<usize> = (0..6).collect();
-        assert_eq!(longest_rising(&rows, &[0.0, 1.0, 99.0, 2.0, 2.0, 3.0]), [0, 1, 3, 4, 5]);
-        assert_eq!(longest_rising(&rows, &[0.0, 1.0, 2.0, 3.0, 0.1, 0.2]), [0, 1, 2, 3]);
+        assert_eq!(
+            longest_rising(&rows, &[0.0, 1.0, 99.0, 2.0, 2.0, 3.0]),
+            [0, 1, 3, 4, 5]
+        );
+        assert_eq!(
+            longest_rising(&rows, &[0.0, 1.0, 2.0, 3.0, 0.1, 0.2]),
+            [0, 1, 2, 3]
+        );
         assert_eq!(longest_rising(&[], &[]), [0_usize; 0]);
     }
 }

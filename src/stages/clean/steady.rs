@@ -75,7 +75,11 @@ pub fn readings(
         rejects.push(between);
     }
     let phases = series.phases(&used, options.turning_kpa);
-    readings.extend(used.iter().zip(phases).map(|(p, phase)| series.reading(&p.window, phase)));
+    readings.extend(
+        used.iter()
+            .zip(phases)
+            .map(|(p, phase)| series.reading(&p.window, phase)),
+    );
 }
 
 impl<'a> Series<'a> {
@@ -132,15 +136,34 @@ impl<'a> Series<'a> {
     /// Filling or venting: what most of the segment's rows state, else what follows from the sequence of levels.
     fn phases(&self, used: &[&Plateau], turning_kpa: f64) -> Vec<Option<Phase>> {
         if self.phase.is_empty() {
-            let levels: Vec<f64> = used.iter().map(|p| mean(&self.pressure[p.window.clone()])).collect();
-            let name = |up: bool| if up { Phase::Pressurizing } else { Phase::Depressurizing };
-            return rising(&levels, turning_kpa).into_iter().map(|up| Some(name(up))).collect();
+            let levels: Vec<f64> = used
+                .iter()
+                .map(|p| mean(&self.pressure[p.window.clone()]))
+                .collect();
+            let name = |up: bool| {
+                if up {
+                    Phase::Pressurizing
+                } else {
+                    Phase::Depressurizing
+                }
+            };
+            return rising(&levels, turning_kpa)
+                .into_iter()
+                .map(|up| Some(name(up)))
+                .collect();
         }
         used.iter()
             .map(|plateau| {
                 let states = &self.phase[plateau.segment.clone()];
-                let filling = states.iter().filter(|c| **c == Phase::Pressurizing.code()).count();
-                let code = if 2 * filling >= states.len() { Phase::Pressurizing } else { Phase::Depressurizing };
+                let filling = states
+                    .iter()
+                    .filter(|c| **c == Phase::Pressurizing.code())
+                    .count();
+                let code = if 2 * filling >= states.len() {
+                    Phase::Pressurizing
+                } else {
+                    Phase::Depressurizing
+                };
                 Some(code)
             })
             .collect()
@@ -159,7 +182,11 @@ impl<'a> Series<'a> {
         if !self.force.is_empty() {
             values.insert(FORCE.to_owned(), over(&self.force));
         }
-        let scatter = |column: &[f64]| column.get(window.clone()).map_or(f64::NAN, standard_deviation);
+        let scatter = |column: &[f64]| {
+            column
+                .get(window.clone())
+                .map_or(f64::NAN, standard_deviation)
+        };
         Reading {
             log: self.log.log.spec.file.clone(),
             run: self.log.log.spec.run,
@@ -180,7 +207,11 @@ fn drift(time: &[f64], values: &[f64]) -> f64 {
         return 0.0;
     }
     let (t0, v0) = (mean(time), mean(values));
-    let products: Vec<f64> = time.iter().zip(values).map(|(t, v)| (t - t0) * (v - v0)).collect();
+    let products: Vec<f64> = time
+        .iter()
+        .zip(values)
+        .map(|(t, v)| (t - t0) * (v - v0))
+        .collect();
     let squares: Vec<f64> = time.iter().map(|t| (t - t0) * (t - t0)).collect();
     let span = time[time.len() - 1] - time[0];
     let slope = sum(&products) / sum(&squares).max(f64::MIN_POSITIVE);

@@ -73,7 +73,12 @@ const TOLERANCE_FRACTION: f64 = 0.01;
 const HALF: f64 = 0.5;
 
 /// Determines the zero from the screened logs and the readings as yet without zero.
-pub fn determine(column: &ColumnSpec, logs: &[Screened], readings: &[Reading], rule: ZeroRule) -> Zero {
+pub fn determine(
+    column: &ColumnSpec,
+    logs: &[Screened],
+    readings: &[Reading],
+    rule: ZeroRule,
+) -> Zero {
     let zero_logs = || logs.iter().filter(|l| l.log.spec.is_zero);
     let forces: Vec<f64> = zero_logs().flat_map(|l| l.column(FORCE)).collect();
     let pressures: Vec<f64> = zero_logs().flat_map(|l| l.column(PRESSURE)).collect();
@@ -105,12 +110,20 @@ pub fn determine(column: &ColumnSpec, logs: &[Screened], readings: &[Reading], r
 /// Whether a force stands at one of the converter's limits.
 pub fn is_clipped(column: &ColumnSpec, force: f64) -> bool {
     let margin = |limit: f64| 1e-6 * limit.abs().max(1.0);
-    column.saturation_low.is_some_and(|l| force <= l + margin(l))
-        || column.saturation_high.is_some_and(|h| force >= h - margin(h))
+    column
+        .saturation_low
+        .is_some_and(|l| force <= l + margin(l))
+        || column
+            .saturation_high
+            .is_some_and(|h| force >= h - margin(h))
 }
 
 fn force_range(readings: &[Reading]) -> f64 {
-    let forces: Vec<f64> = readings.iter().map(|r| r.value(FORCE)).filter(|f| f.is_finite()).collect();
+    let forces: Vec<f64> = readings
+        .iter()
+        .map(|r| r.value(FORCE))
+        .filter(|f| f.is_finite())
+        .collect();
     if forces.is_empty() {
         return 0.0;
     }
@@ -164,11 +177,21 @@ mod tests {
     #[test]
     fn a_slack_actuator_shows_the_zero_and_a_taut_one_does_not() {
         let force = |p: f64| -4.0 + 0.5 * (p - 200.0).max(0.0);
-        let slack: Vec<Reading> = (0..30).map(|k| f64::from(k) * 20.0).map(|p| reading(p, force(p))).collect();
+        let slack: Vec<Reading> = (0..30)
+            .map(|k| f64::from(k) * 20.0)
+            .map(|p| reading(p, force(p)))
+            .collect();
         assert_eq!(slack_level(&slack, 3.0), Some(-4.0));
-        let taut: Vec<Reading> = (0..30).map(|k| f64::from(k) * 20.0).map(|p| reading(p, 0.6 * p)).collect();
+        let taut: Vec<Reading> = (0..30)
+            .map(|k| f64::from(k) * 20.0)
+            .map(|p| reading(p, 0.6 * p))
+            .collect();
         assert_eq!(slack_level(&taut, 3.0), None);
         let dead: Vec<Reading> = (0..30).map(|k| reading(f64::from(k) * 20.0, 1.0)).collect();
-        assert_eq!(slack_level(&dead, 3.0), None, "a channel that never moves shows nothing");
+        assert_eq!(
+            slack_level(&dead, 3.0),
+            None,
+            "a channel that never moves shows nothing"
+        );
     }
 }

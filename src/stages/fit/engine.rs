@@ -10,7 +10,9 @@ use crate::base::row::Row;
 use crate::config::FitOptions;
 use crate::numerics::distributions::student_t_quantile;
 use crate::numerics::dual_problem::DualProblem;
-use crate::numerics::fit::{Fit, Options, ParameterState, Status, fit as minimise, fit_multi_start};
+use crate::numerics::fit::{
+    Fit, Options, ParameterState, Status, fit as minimise, fit_multi_start,
+};
 use crate::numerics::loss::Loss;
 use crate::numerics::real::Dual;
 use crate::numerics::statistics::{GoodnessOfFit, sum_of_squares};
@@ -160,7 +162,8 @@ impl<const N: usize> Equation<'_, N> {
         if rows.len() <= free.len() {
             return None;
         }
-        let problem = DualProblem::new(&observed, |i, c: &[Dual<N>; N]| (self.model)(rows[i], c)).with_held(held);
+        let problem = DualProblem::new(&observed, |i, c: &[Dual<N>; N]| (self.model)(rows[i], c))
+            .with_held(held);
         let options = |loss: Loss, scale: Option<f64>| Options {
             loss,
             scale,
@@ -199,21 +202,31 @@ impl<const N: usize> Equation<'_, N> {
         let refits: Vec<(&str, Option<Solution<N>>)> = specimens
             .par_iter()
             .map(|id| {
-                let others: Vec<&Row> = rows.iter().copied().filter(|r| r.specimen != *id).collect();
+                let others: Vec<&Row> =
+                    rows.iter().copied().filter(|r| r.specimen != *id).collect();
                 (*id, self.solve(&others, &[full.values], loss))
             })
             .collect();
         let spread = jackknife(&full, &refits);
         let confidence = 0.5 + 0.5 * options.confidence;
         let clustered = spread.is_some();
-        let freedom = if clustered { specimens.len() - 1 } else { full.fit.residuals.len() - full.fit.parameters.len() };
+        let freedom = if clustered {
+            specimens.len() - 1
+        } else {
+            full.fit.residuals.len() - full.fit.parameters.len()
+        };
         let quantile = student_t_quantile(confidence, freedom as f64);
         Some(EquationFit {
             id: self.id.to_owned(),
             title: self.title.to_owned(),
             unit: self.unit.to_owned(),
             loss: loss.name().to_owned(),
-            ci_method: if clustered { "jackknife by specimen" } else { "linearised" }.to_owned(),
+            ci_method: if clustered {
+                "jackknife by specimen"
+            } else {
+                "linearised"
+            }
+            .to_owned(),
             status: full.fit.status.to_string(),
             coefficients: self.coefficients(&full, &refits, spread.as_ref(), quantile, confidence),
             folds: self.folds(&refits),
@@ -223,7 +236,11 @@ impl<const N: usize> Equation<'_, N> {
 
     fn statistics(&self, rows: &[&Row], full: &Solution<N>) -> EquationFit {
         let observed: Vec<f64> = rows.iter().map(|r| (self.observed)(r)).collect();
-        let predicted: Vec<f64> = observed.iter().zip(&full.fit.residuals).map(|(y, r)| y - r).collect();
+        let predicted: Vec<f64> = observed
+            .iter()
+            .zip(&full.fit.residuals)
+            .map(|(y, r)| y - r)
+            .collect();
         let goodness = GoodnessOfFit::new(&observed, &predicted, full.fit.parameters.len());
         EquationFit {
             id: String::new(),
@@ -256,9 +273,14 @@ impl<const N: usize> Equation<'_, N> {
         (0..N)
             .map(|k| {
                 let value = full.values[k];
-                let around = |half: f64| (half.is_finite() && half > 0.0).then_some((value - half, value + half));
+                let around = |half: f64| {
+                    (half.is_finite() && half > 0.0).then_some((value - half, value + half))
+                };
                 let free = (0..k).filter(|j| full.held[*j].is_none()).count();
-                let linearised = full.held[k].is_none().then(|| around(row_quantile * errors[free])).flatten();
+                let linearised = full.held[k]
+                    .is_none()
+                    .then(|| around(row_quantile * errors[free]))
+                    .flatten();
                 let interval = match spread {
                     Some(spread) => around(quantile * spread[k]),
                     None => linearised,
@@ -305,7 +327,11 @@ fn linearised_errors(fit: &Fit) -> Vec<f64> {
 }
 
 /// "ok", or what a reader of the coefficient must know.
-fn remark<const N: usize>(k: usize, full: &Solution<N>, refits: &[(&str, Option<Solution<N>>)]) -> String {
+fn remark<const N: usize>(
+    k: usize,
+    full: &Solution<N>,
+    refits: &[(&str, Option<Solution<N>>)],
+) -> String {
     let of = |state: ParameterState| match state {
         ParameterState::Ok => "ok",
         ParameterState::AtLowerBound => "at its lower bound",
@@ -316,9 +342,13 @@ fn remark<const N: usize>(k: usize, full: &Solution<N>, refits: &[(&str, Option<
     match full.state(k) {
         None => "held: not determined by these specimens".to_owned(),
         Some(ParameterState::Ok) => {
-            let lost = refits.iter().find(|(_, s)| s.as_ref().is_some_and(|s| !s.determines(k)));
+            let lost = refits
+                .iter()
+                .find(|(_, s)| s.as_ref().is_some_and(|s| !s.determines(k)));
             match lost {
-                Some((id, _)) if refits.len() >= 3 => format!("interval open: not determined without {id}"),
+                Some((id, _)) if refits.len() >= 3 => {
+                    format!("interval open: not determined without {id}")
+                }
                 _ => "ok".to_owned(),
             }
         }
@@ -329,7 +359,10 @@ fn remark<const N: usize>(k: usize, full: &Solution<N>, refits: &[(&str, Option<
 /// Jackknife standard errors over specimens: sqrt((G - 1)/G sum (b_g - b)^2), about the full estimate, which is never smaller than about
 /// the mean. NaN for a coefficient that the full fit or one of the refits could not determine (at a bound, held): its interval is open.
 /// `None` below three specimens, or where a refit failed altogether.
-fn jackknife<const N: usize>(full: &Solution<N>, refits: &[(&str, Option<Solution<N>>)]) -> Option<[f64; N]> {
+fn jackknife<const N: usize>(
+    full: &Solution<N>,
+    refits: &[(&str, Option<Solution<N>>)],
+) -> Option<[f64; N]> {
     let g = refits.len() as f64;
     let solutions: Vec<&Solution<N>> = refits.iter().filter_map(|(_, s)| s.as_ref()).collect();
     if refits.len() < 3 || solutions.len() < refits.len() {
@@ -339,7 +372,10 @@ fn jackknife<const N: usize>(full: &Solution<N>, refits: &[(&str, Option<Solutio
         if !full.determines(k) || !solutions.iter().all(|s| s.determines(k)) {
             return f64::NAN;
         }
-        let deviations: Vec<f64> = solutions.iter().map(|s| s.values[k] - full.values[k]).collect();
+        let deviations: Vec<f64> = solutions
+            .iter()
+            .map(|s| s.values[k] - full.values[k])
+            .collect();
         ((g - 1.0) / g * sum_of_squares(&deviations)).sqrt()
     }))
 }

@@ -73,11 +73,31 @@ pub fn fit_all(
     let by_length = maximum_force(diameter_mm, maxima, options);
     let f620 = by_length.as_ref().map(|fit| fit.values());
     let fits = [
-        (MAXIMUM_FORCE, by_length, "needs a measured maximum of at least three specimens"),
-        (FORCE_AT_REST, force_at_rest(diameter_mm, rows, options), "needs rows at resting length of at least two specimens"),
-        (SURFACE, surface(diameter_mm, rows, maxima, f620.as_deref(), options), "needs the measured maximum of its specimens"),
-        (JOINT, joint(diameter_mm, rows, options), "needs more rows than coefficients"),
-        (CONTRACTION, contraction(rows, options), "needs at least three specimens"),
+        (
+            MAXIMUM_FORCE,
+            by_length,
+            "needs a measured maximum of at least three specimens",
+        ),
+        (
+            FORCE_AT_REST,
+            force_at_rest(diameter_mm, rows, options),
+            "needs rows at resting length of at least two specimens",
+        ),
+        (
+            SURFACE,
+            surface(diameter_mm, rows, maxima, f620.as_deref(), options),
+            "needs the measured maximum of its specimens",
+        ),
+        (
+            JOINT,
+            joint(diameter_mm, rows, options),
+            "needs more rows than coefficients",
+        ),
+        (
+            CONTRACTION,
+            contraction(rows, options),
+            "needs at least three specimens",
+        ),
     ];
     fits.into_iter()
         .filter_map(|(id, fit, needs)| {
@@ -89,12 +109,17 @@ pub fn fit_all(
         .collect()
 }
 
-fn maximum_force(diameter_mm: u32, maxima: &[Maximum], options: &FitOptions) -> Option<EquationFit> {
+fn maximum_force(
+    diameter_mm: u32,
+    maxima: &[Maximum],
+    options: &FitOptions,
+) -> Option<EquationFit> {
     let rows: Vec<Row> = maxima
         .iter()
         .map(|m| {
             let mut row = Row::blank();
-            (row.specimen, row.rest_length_m, row.force_n) = (m.specimen.clone(), m.rest_length_m, m.force_n);
+            (row.specimen, row.rest_length_m, row.force_n) =
+                (m.specimen.clone(), m.rest_length_m, m.force_n);
             row
         })
         .collect();
@@ -103,7 +128,10 @@ fn maximum_force(diameter_mm: u32, maxima: &[Maximum], options: &FitOptions) -> 
         return None;
     }
     let offset = cap_length_m(diameter_mm, options);
-    let (b1, b2) = (start(diameter_mm, "b1", 1000.0), start(diameter_mm, "b2", 15.0));
+    let (b1, b2) = (
+        start(diameter_mm, "b1", 1000.0),
+        start(diameter_mm, "b2", 15.0),
+    );
     let equation = Equation::<2> {
         id: MAXIMUM_FORCE,
         title: "maximum force at 620 kPa against resting length",
@@ -115,7 +143,14 @@ fn maximum_force(diameter_mm: u32, maxima: &[Maximum], options: &FitOptions) -> 
         starts: vec![[b1, b2], [b1, 0.3 * b2], [b1, 3.0 * b2]],
         held: &|_| [None; 2],
         observed: &|r| r.force_n,
-        model: &|r, c| new::f620(c[0], c[1], Dual::constant(offset), Dual::constant(r.rest_length_m)),
+        model: &|r, c| {
+            new::f620(
+                c[0],
+                c[1],
+                Dual::constant(offset),
+                Dual::constant(r.rest_length_m),
+            )
+        },
     };
     equation.fit(&rows, options)
 }
@@ -130,7 +165,10 @@ fn force_at_rest(diameter_mm: u32, rows: &[&Row], options: &FitOptions) -> Optio
         return None;
     }
     let offset = published(diameter_mm, "l_0 (Eq. 7)").map_or(0.0, |c| c.value);
-    let (a1, a2) = (start(diameter_mm, "a1", 1.0), start(diameter_mm, "a2", 0.03));
+    let (a1, a2) = (
+        start(diameter_mm, "a1", 1.0),
+        start(diameter_mm, "a2", 0.03),
+    );
     let equation = Equation::<2> {
         id: FORCE_AT_REST,
         title: "force at resting length against resting length and pressure",
@@ -143,7 +181,10 @@ fn force_at_rest(diameter_mm: u32, rows: &[&Row], options: &FitOptions) -> Optio
         held: &|rows| [None, (lengths(rows) < 2).then_some(a2)],
         observed: &|r| r.force_n,
         model: &|r, c| {
-            let (length, pressure) = (Dual::constant(r.rest_length_m), Dual::constant(r.pressure_kpa));
+            let (length, pressure) = (
+                Dual::constant(r.rest_length_m),
+                Dual::constant(r.pressure_kpa),
+            );
             new::fmax(c[0], c[1], Dual::constant(offset), length, pressure)
         },
     };
@@ -179,9 +220,16 @@ fn surface(
     let offset = cap_length_m(diameter_mm, options);
     let scale = |r: &Row| match f620 {
         Some(b) => Some(new::f620(b[0], b[1], offset, r.rest_length_m)),
-        None => maxima.iter().find(|m| m.specimen == r.specimen).map(|m| m.force_n),
+        None => maxima
+            .iter()
+            .find(|m| m.specimen == r.specimen)
+            .map(|m| m.force_n),
     };
-    let rows: Vec<&Row> = rows.iter().copied().filter(|r| scale(r).is_some()).collect();
+    let rows: Vec<&Row> = rows
+        .iter()
+        .copied()
+        .filter(|r| scale(r).is_some())
+        .collect();
     let equation = Equation::<3> {
         id: SURFACE,
         title: "relative force against relative contraction and relative pressure",
@@ -190,7 +238,13 @@ fn surface(
         starts: vec![surface_start(diameter_mm)],
         held: &|_| [None; 3],
         observed: &|r| r.force_n / scale(r).unwrap_or(f64::NAN),
-        model: &|r, c| new::surface(*c, Dual::constant(r.contraction_rel), Dual::constant(r.pressure_rel)),
+        model: &|r, c| {
+            new::surface(
+                *c,
+                Dual::constant(r.contraction_rel),
+                Dual::constant(r.pressure_rel),
+            )
+        },
     };
     equation.fit(&rows, options)
 }
@@ -200,7 +254,10 @@ fn surface(
 pub fn joint(diameter_mm: u32, rows: &[&Row], options: &FitOptions) -> Option<EquationFit> {
     let offset = cap_length_m(diameter_mm, options);
     let constant = start(diameter_mm, "F_620", 1000.0) / std::f64::consts::FRAC_PI_2;
-    let (b1, b2) = (start(diameter_mm, "b1", constant), start(diameter_mm, "b2", NO_LENGTH_LAW));
+    let (b1, b2) = (
+        start(diameter_mm, "b1", constant),
+        start(diameter_mm, "b2", NO_LENGTH_LAW),
+    );
     let [c0, c1, c2] = surface_start(diameter_mm);
     let has_law = published(diameter_mm, "b2").is_some();
     let symbols = surface_symbols(diameter_mm);
@@ -215,12 +272,31 @@ pub fn joint(diameter_mm: u32, rows: &[&Row], options: &FitOptions) -> Option<Eq
             symbols[1],
             symbols[2],
         ],
-        starts: [1.0, 0.3, 3.0].iter().map(|k| [b1, k * b2, c0, c1, c2]).collect(),
-        held: &|rows| [None, (!has_law || lengths(rows) < 2).then_some(b2), None, None, None],
+        starts: [1.0, 0.3, 3.0]
+            .iter()
+            .map(|k| [b1, k * b2, c0, c1, c2])
+            .collect(),
+        held: &|rows| {
+            [
+                None,
+                (!has_law || lengths(rows) < 2).then_some(b2),
+                None,
+                None,
+                None,
+            ]
+        },
         observed: &|r| r.force_n,
         model: &|r, c| {
-            let f620 = new::f620(c[0], c[1], Dual::constant(offset), Dual::constant(r.rest_length_m));
-            let (contraction, pressure) = (Dual::constant(r.contraction_rel), Dual::constant(r.pressure_rel));
+            let f620 = new::f620(
+                c[0],
+                c[1],
+                Dual::constant(offset),
+                Dual::constant(r.rest_length_m),
+            );
+            let (contraction, pressure) = (
+                Dual::constant(r.contraction_rel),
+                Dual::constant(r.pressure_rel),
+            );
             new::force([c[2], c[3], c[4]], f620, contraction, pressure)
         },
     };
@@ -230,13 +306,24 @@ pub fn joint(diameter_mm: u32, rows: &[&Row], options: &FitOptions) -> Option<Eq
 /// The force of Eq. 9 with jointly fitted coefficients, N.
 pub fn joint_force(coefficients: &[f64], diameter_mm: u32, row: &Row, options: &FitOptions) -> f64 {
     let c = coefficients;
-    let f620 = new::f620(c[0], c[1], cap_length_m(diameter_mm, options), row.rest_length_m);
-    new::force([c[2], c[3], c[4]], f620, row.contraction_rel, row.pressure_rel)
+    let f620 = new::f620(
+        c[0],
+        c[1],
+        cap_length_m(diameter_mm, options),
+        row.rest_length_m,
+    );
+    new::force(
+        [c[2], c[3], c[4]],
+        f620,
+        row.contraction_rel,
+        row.pressure_rel,
+    )
 }
 
 /// eps_620 in percent against l_rest in m, one point a specimen (force paper, Fig. 3B).
 fn contraction(rows: &[&Row], options: &FitOptions) -> Option<EquationFit> {
-    let specimens: std::collections::BTreeMap<&str, &Row> = rows.iter().map(|r| (r.specimen.as_str(), *r)).collect();
+    let specimens: std::collections::BTreeMap<&str, &Row> =
+        rows.iter().map(|r| (r.specimen.as_str(), *r)).collect();
     let rows: Vec<&Row> = specimens.into_values().collect();
     if lengths(&rows) < 3 {
         return None;

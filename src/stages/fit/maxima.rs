@@ -36,7 +36,8 @@ pub fn maxima(rows: &[&Row], options: &FitOptions) -> Vec<Maximum> {
     by_specimen
         .into_iter()
         .filter_map(|(id, rows)| {
-            let (force_n, used, method) = at_rest(&rows, options).or_else(|| along_length(&rows, options))?;
+            let (force_n, used, method) =
+                at_rest(&rows, options).or_else(|| along_length(&rows, options))?;
             Some(Maximum {
                 specimen: id.to_owned(),
                 rest_length_m: rows[0].rest_length_m,
@@ -52,17 +53,27 @@ fn at_rest(rows: &[&Row], options: &FitOptions) -> Option<(f64, usize, &'static 
     let near = |row: &&&Row, span: f64| {
         row.contraction_rel.abs() <= options.at_rest && (row.pressure_kpa - P_620_KPA).abs() <= span
     };
-    let closest = rows.iter().filter(|r| near(r, options.near_620_kpa)).count();
+    let closest = rows
+        .iter()
+        .filter(|r| near(r, options.near_620_kpa))
+        .count();
     if closest == 0 {
         return None;
     }
-    let used: Vec<&&Row> = rows.iter().filter(|r| near(r, 4.0 * options.near_620_kpa)).collect();
+    let used: Vec<&&Row> = rows
+        .iter()
+        .filter(|r| near(r, 4.0 * options.near_620_kpa))
+        .collect();
     let pressures: Vec<f64> = used.iter().map(|r| r.pressure_kpa - P_620_KPA).collect();
     let forces: Vec<f64> = used.iter().map(|r| r.force_n).collect();
     let span = pressures.iter().copied().fold(f64::NEG_INFINITY, f64::max)
         - pressures.iter().copied().fold(f64::INFINITY, f64::min);
     if used.len() < 3 || span < options.near_620_kpa {
-        return Some((forces.iter().sum::<f64>() / forces.len() as f64, used.len(), "mean near 620 kPa"));
+        return Some((
+            forces.iter().sum::<f64>() / forces.len() as f64,
+            used.len(),
+            "mean near 620 kPa",
+        ));
     }
     let force = polynomial_at_zero(&pressures, &forces, 1)?;
     Some((force, used.len(), "line in pressure, at resting length"))
@@ -73,7 +84,9 @@ fn along_length(rows: &[&Row], options: &FitOptions) -> Option<(f64, usize, &'st
     const STARTS_BELOW: f64 = 0.3;
     let used: Vec<&&Row> = rows
         .iter()
-        .filter(|r| (r.pressure_kpa - P_620_KPA).abs() <= options.near_620_kpa && r.contraction_rel <= UP_TO)
+        .filter(|r| {
+            (r.pressure_kpa - P_620_KPA).abs() <= options.near_620_kpa && r.contraction_rel <= UP_TO
+        })
         .collect();
     let contractions: Vec<f64> = used.iter().map(|r| r.contraction_rel).collect();
     let forces: Vec<f64> = used.iter().map(|r| r.force_n).collect();
@@ -111,6 +124,9 @@ mod tests {
         let x = [-2.0, -1.0, 0.5, 1.0, 3.0];
         let y: Vec<f64> = x.iter().map(|x| 4.0 - 2.0 * x + 0.5 * x * x).collect();
         assert!((polynomial_at_zero(&x, &y, 2).unwrap() - 4.0).abs() < 1e-12);
-        assert_eq!(polynomial_at_zero(&[1.0, 1.0, 1.0], &[1.0, 2.0, 3.0], 1), None);
+        assert_eq!(
+            polynomial_at_zero(&[1.0, 1.0, 1.0], &[1.0, 2.0, 3.0], 1),
+            None
+        );
     }
 }

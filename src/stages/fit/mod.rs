@@ -110,17 +110,24 @@ pub fn groups(rows: &[(String, u32, bool)], pool: bool) -> Vec<Group> {
     let mut by_campaign: BTreeMap<(String, u32), bool> = BTreeMap::new();
     let mut by_diameter: BTreeMap<u32, BTreeSet<String>> = BTreeMap::new();
     for (campaign, diameter_mm, simulated) in rows {
-        *by_campaign.entry((campaign.clone(), *diameter_mm)).or_default() |= simulated;
+        *by_campaign
+            .entry((campaign.clone(), *diameter_mm))
+            .or_default() |= simulated;
     }
     for ((campaign, diameter), _) in by_campaign.iter().filter(|(_, simulated)| !**simulated) {
-        by_diameter.entry(*diameter).or_default().insert(campaign.clone());
+        by_diameter
+            .entry(*diameter)
+            .or_default()
+            .insert(campaign.clone());
     }
-    let single = by_campaign.into_iter().map(|((campaign, diameter_mm), simulated)| Group {
-        members: vec![campaign.clone()],
-        campaign,
-        diameter_mm,
-        simulated,
-    });
+    let single = by_campaign
+        .into_iter()
+        .map(|((campaign, diameter_mm), simulated)| Group {
+            members: vec![campaign.clone()],
+            campaign,
+            diameter_mm,
+            simulated,
+        });
     let pooled = by_diameter
         .into_iter()
         .filter(|(_, members)| pool && members.len() > 1)
@@ -167,12 +174,19 @@ fn summaries(rows: &[&Row], maxima: &[Maximum]) -> Vec<SpecimenSummary> {
                 contraction_620: contraction_620(rows[0]),
                 rows: rows.len(),
                 sessions: sessions.len(),
-                largest_force_n: rows.iter().map(|r| r.force_n).fold(f64::NEG_INFINITY, f64::max),
+                largest_force_n: rows
+                    .iter()
+                    .map(|r| r.force_n)
+                    .fold(f64::NEG_INFINITY, f64::max),
                 maximum: maxima.iter().find(|m| m.specimen == id).cloned(),
             }
         })
         .collect();
-    summaries.sort_by(|a, b| a.rest_length_m.total_cmp(&b.rest_length_m).then(a.id.cmp(&b.id)));
+    summaries.sort_by(|a, b| {
+        a.rest_length_m
+            .total_cmp(&b.rest_length_m)
+            .then(a.id.cmp(&b.id))
+    });
     summaries
 }
 
