@@ -1,12 +1,13 @@
 //! `session.toml`, schema `bpa-session/1`: strict, every mistake at once.
 
 use crate::base::columns::{self, KnownColumn};
-use crate::base::diagnostics::{Diagnostic, nearest};
+use crate::base::diagnostics::Diagnostic;
 use crate::base::session::{
-    ColumnSpec, Constant, Joint, Kind, LogSpec, Phase, Position, Role, Sampling, Session, Specimen,
+    ColumnSpec, Constant, Joint, Kind, LogSpec, Position, Role, Sampling, Session, Specimen,
 };
 use crate::base::toml_reader::{Entry, Reader, Section, parse};
-use crate::base::units::Quantity;
+use crate::base::units::{Quantity, Unit};
+use crate::formats::session_columns;
 use std::collections::BTreeMap;
 
 /// The only schema that is understood.
@@ -27,47 +28,58 @@ pub fn read(file: &str, text: &str) -> Result<Session, Vec<Diagnostic>> {
     }
 }
 
-fn session(root: &Section) -> Option<Session> {
+/// What the head of the file says.
+struct Head {
+    id: Option<String>,
+    kind: Option<Kind>,
+    sampling: Option<Sampling>,
+    campaign: Option<String>,
+    date: Option<String>,
+    role: Option<Role>,
+    exclude: Option<String>,
+    notes: Option<String>,
+}
+
+fn head(root: &Section) -> Head {
     if let Some(entry) = root.require("schema", SCHEMA, "write schema = \"bpa-session/1\"") {
         entry.choice(&[(SCHEMA, ())]);
     }
     let id = identifier(root, "id", "a name that no other session has");
-    let kind = root
-        .require("kind", "isometric or knee-torque", "say what was measured")
-        .and_then(|e| {
-            e.choice(&[
-                ("isometric", Kind::Isometric),
-                ("knee-torque", Kind::KneeTorque),
-            ])
-        });
-    let sampling = root
-        .require("sampling", "timeseries or points", "say how it was logged")
-        .and_then(|e| {
-            e.choice(&[
-                ("timeseries", Sampling::Timeseries),
-                ("points", Sampling::Points),
-            ])
-        });
-    let campaign = identifier(root, "campaign", "the name of what was measured together");
-    let date = root.get("date").and_then(|e| date(&e));
-    let role = root.get("role").and_then(|e| {
-        e.choice(&[
-            ("train", Role::Train),
-            ("validation", Role::Validation),
-            ("holdout", Role::Holdout),
-        ])
-    });
-    let exclude = root.get("exclude").and_then(|e| e.string());
-    let notes = root.get("notes").and_then(|e| e.string());
+    let kind = root.require("kind", "isometric or knee-torque", "say what was measured");
+    let kinds = [
+        ("isometric", Kind::Isometric),
+        ("knee-torque", Kind::KneeTorque),
+    ];
+    let sampling = root.require("sampling", "timeseries or points", "say how it was logged");
+    let samplings = [
+        ("timeseries", Sampling::Timeseries),
+        ("points", Sampling::Points),
+    ];
+    let roles = [
+        ("train", Role::Train),
+        ("validation", Role::Validation),
+        ("holdout", Role::Holdout),
+    ];
+    Head {
+        id,
+        kind: kind.and_then(|e| e.choice(&kinds)),
+        sampling: sampling.and_then(|e| e.choice(&samplings)),
+        campaign: identifier(root, "campaign", "the name of what was measured together"),
+        date: root.get("date").and_then(|e| date(&e)),
+        role: root.get("role").and_then(|e| e.choice(&roles)),
+        exclude: root.get("exclude").and_then(|e| e.string()),
+        notes: root.get("notes").and_then(|e| e.string()),
+    }
+}
+
+fn session(root: &Section) -> Option<Session> {
+    let head = head(root);
     let specimen = root
         .require("specimen", "a table [specimen]", "describe the actuator")
         .and_then(|e| e.table())
         .and_then(|t| specimen(&t));
-    let setup = root
-        .get("setup")
-        .and_then(|e| e.table())
-        .map(|t| setup(&t))
-        .unwrap_or_default();
+    let setup = root.get("setup").and_then(|e| e.table());
+    let setup = setup.map(|t| setup_constants(&t)).unwrap_or_default();
     let joint_entry = root.get("joint");
     let columns = root
         .require(
@@ -76,22 +88,22 @@ fn session(root: &Section) -> Option<Session> {
             "say which quantity stands where",
         )
         .and_then(|e| e.table())
-        .map(|t| column_specs(&t));
+        .map(|t| session_columns::column_specs(&t));
     let logs = root
         .require("log", "at least one [[log]]", "name the log files")
         .and_then(|e| e.list())
         .map(|l| l.iter().filter_map(log).collect::<Vec<_>>());
     root.close();
-    let joint = joint(root, kind, joint_entry);
+    let joint = joint(root, head.kind, joint_entry);
     let session = Session {
-        id: id?,
-        kind: kind?,
-        sampling: sampling?,
-        campaign: campaign?,
-        date,
-        role,
-        exclude,
-        notes,
+        id: head.id?,
+        kind: head.kind?,
+        sampling: head.sampling?,
+        campaign: head.campaign?,
+        date: head.date,
+        role: head.role,
+        exclude: head.exclude,
+        notes: head.notes,
         specimen: specimen?,
         setup,
         joint,
@@ -185,7 +197,7 @@ fn specimen(table: &Section) -> Option<Specimen> {
 }
 
 /// A key of `[setup]` such as `length_mm` or `temperature_c`: quantity and unit, the unit's case ignored.
-fn split_unit(key: &str) -> Option<(&'static KnownColumn, crate::base::units::Unit)> {
+fn split_unit(key: &str) -> Option<(&'static KnownColumn, Unit)> {
     columns::KNOWN.iter().find_map(|known| {
         let suffix = key.strip_prefix(known.quantity_name)?.strip_prefix('_')?;
         let unit = known
@@ -196,7 +208,7 @@ fn split_unit(key: &str) -> Option<(&'static KnownColumn, crate::base::units::Un
     })
 }
 
-fn setup(table: &Section) -> BTreeMap<String, Constant> {
+fn setup_constants(table: &Section) -> BTreeMap<String, Constant> {
     let mut constants = BTreeMap::new();
     for (key, entry) in table.entries() {
         if let Some((known, unit)) = split_unit(&key) {
@@ -283,132 +295,6 @@ fn joint_table(table: &Section) -> Option<Joint> {
         muscle: muscle?.to_owned(),
         tendon_m: tendon,
     })
-}
-
-fn column_specs(table: &Section) -> Vec<ColumnSpec> {
-    table
-        .entries()
-        .iter()
-        .filter_map(|(name, entry)| column_spec(name, entry))
-        .collect()
-}
-
-fn column_spec(name: &str, entry: &Entry) -> Option<ColumnSpec> {
-    let known = columns::by_quantity_name(name);
-    if known.is_none() && columns::is_reserved(name) {
-        entry.reject(
-            "a name that the pipeline does not use itself",
-            "choose another name",
-        );
-        return None;
-    }
-    let table = entry.table()?;
-    let position = position(entry, &table);
-    let unit_entry = table.get("unit");
-    let gain = table.get("gain").map_or(Some(1.0), |e| e.number());
-    let offset = table.get("offset").map_or(Some(0.0), |e| e.number());
-    let low = table.get("saturation_low").and_then(|e| e.number());
-    let high = table.get("saturation_high").and_then(|e| e.number());
-    let values = table.get("values");
-    table.close();
-    let (unit, factor, constant) = unit_of(name, known, entry, unit_entry)?;
-    let (gain, offset) = (gain?, offset?);
-    if gain == 0.0 {
-        entry.reject("a gain other than 0", "write the converter's gain");
-        return None;
-    }
-    Some(ColumnSpec {
-        column: known.map_or(name, |k| k.column).to_owned(),
-        position: position?,
-        unit,
-        factor: gain * factor,
-        constant: offset * factor + constant,
-        saturation_low: low.map(|x| x * factor + constant),
-        saturation_high: high.map(|x| x * factor + constant),
-        values: phase_values(known, entry, values)?,
-    })
-}
-
-fn position(entry: &Entry, table: &Section) -> Option<Position> {
-    match (table.get("index"), table.get("name")) {
-        (Some(index), None) => match index.integer()? {
-            i if (0..10_000).contains(&i) => Some(Position::Index(i as usize)),
-            _ => {
-                index.reject("a column number from 0", "count the first column as 0");
-                None
-            }
-        },
-        (None, Some(name)) => name.string().map(Position::Name),
-        _ => {
-            entry.reject(
-                "either `index` (file without header) or `name` (header line)",
-                "say where the column stands",
-            );
-            None
-        }
-    }
-}
-
-/// Unit as written, factor and constant to the unit used inside.
-fn unit_of(
-    name: &str,
-    known: Option<&KnownColumn>,
-    entry: &Entry,
-    unit: Option<Entry>,
-) -> Option<(String, f64, f64)> {
-    let Some(quantity) = known.and_then(|k| k.quantity) else {
-        let text = unit.map_or(Some(String::new()), |u| u.string())?;
-        return Some((text, 1.0, 0.0));
-    };
-    let expected = format!("a unit of {name}: {}", quantity.list_of_units());
-    let Some(unit_entry) = unit else {
-        entry.reject(&expected, "add `unit = \"...\"`");
-        return None;
-    };
-    let symbol = unit_entry.string()?;
-    let Some(unit) = quantity.unit(&symbol) else {
-        let hint = match nearest(&symbol, quantity.units().map(|u| u.symbol)) {
-            Some(near) => format!("did you mean \"{near}\"?"),
-            None => "convert it, or give gain and offset to one of these units".to_owned(),
-        };
-        unit_entry.reject(&expected, &hint);
-        return None;
-    };
-    let constant = unit.to_inside(0.0);
-    Some((symbol, unit.to_inside(1.0) - constant, constant))
-}
-
-fn phase_values(
-    known: Option<&KnownColumn>,
-    entry: &Entry,
-    values: Option<Entry>,
-) -> Option<BTreeMap<String, Phase>> {
-    let is_phase = known.is_some_and(|k| k.column == columns::PHASE);
-    match (is_phase, values) {
-        (false, None) => Some(BTreeMap::new()),
-        (false, Some(v)) => {
-            v.reject("`values` at the phase only", "remove it");
-            None
-        }
-        (true, None) => {
-            entry.reject(
-                "`values`, from what stands in the log to pressurizing or depressurizing",
-                "write values = { \"1\" = \"pressurizing\", \"2\" = \"depressurizing\" }",
-            );
-            None
-        }
-        (true, Some(v)) => {
-            let mut map = BTreeMap::new();
-            for (raw, state) in v.table()?.entries() {
-                let phase = state.choice(&[
-                    ("pressurizing", Phase::Pressurizing),
-                    ("depressurizing", Phase::Depressurizing),
-                ])?;
-                map.insert(raw, phase);
-            }
-            Some(map)
-        }
-    }
 }
 
 fn log(entry: &Entry) -> Option<LogSpec> {

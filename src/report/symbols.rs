@@ -1,12 +1,15 @@
 //! The symbols of equations and coefficients as people read them, in the report's markup.
 
-use crate::stages::fit::equations::{CONTRACTION, FORCE_AT_REST, JOINT, MAXIMUM_FORCE, SURFACE};
+use crate::stages::fit::equations::{
+    CONTRACTION, FORCE_AT_REST, FORCE_AT_REST_CAPS, JOINT, MAXIMUM_FORCE, SURFACE,
+};
 
 /// An equation by its id; an unknown id stands for itself.
 pub fn equation(id: &str) -> String {
     match id {
         MAXIMUM_FORCE => "F_{620}(l_{rest})",
         FORCE_AT_REST => "F_{max}(l_{rest}, \\v{P})",
+        FORCE_AT_REST_CAPS => "F_{max}(l_{rest}, \\v{P}), l_0 of Eq. 6",
         SURFACE => "\\v{F}*(ε*, \\v{P}*)",
         JOINT => "\\v{F}(ε*, \\v{P}*, l_{rest})",
         CONTRACTION => "ε_{620}(l_{rest})",

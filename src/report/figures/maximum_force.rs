@@ -10,17 +10,34 @@ use crate::stages::fit::equations::{JOINT, MAXIMUM_FORCE, cap_length_m};
 
 /// The figure, for groups with at least two resting lengths.
 pub fn figure(group: &GroupInput, config: &Config) -> Option<(&'static str, String, Figure)> {
-    let diameter = group.fit.group.diameter_mm;
     let measured: Vec<(f64, f64)> = group
         .fit
         .specimens
         .iter()
         .filter_map(|s| Some((1e3 * s.rest_length_m, s.maximum.as_ref()?.force_n)))
         .collect();
-    let longest = measured.iter().map(|m| m.0).fold(0.0, f64::max);
     if measured.len() < 2 {
         return None;
     }
+    let panel = panel(group, config, &measured);
+    let title = format!(
+        "Maximum force against resting length, {}",
+        group.fit.group.campaign
+    );
+    let caption = "Maximum force at 620 kPa and resting length: measured on each specimen, as fitted here to these maxima and jointly with \
+        all coefficients, as published, and as the manufacturer's tool has it for any length."
+        .to_owned();
+    Some((
+        "f620",
+        caption,
+        Figure::new(&title, SINGLE_MM, 65.0).with(panel),
+    ))
+}
+
+/// Every curve there is, and the measured maxima.
+fn panel(group: &GroupInput, config: &Config, measured: &[(f64, f64)]) -> Panel {
+    let diameter = group.fit.group.diameter_mm;
+    let longest = measured.iter().map(|m| m.0).fold(0.0, f64::max);
     let offset = cap_length_m(diameter, &config.fit);
     let curve = |b1: f64, b2: f64| -> Vec<(f64, f64)> {
         let step = 1.1 * longest / 150.0;
@@ -65,21 +82,10 @@ pub fn figure(group: &GroupInput, config: &Config) -> Option<(&'static str, Stri
     }
     panel = panel.with(Series::marks(
         "measured",
-        measured,
+        measured.to_vec(),
         Mark::filled(Shape::Circle, Ink::Black),
     ));
-    let title = format!(
-        "Maximum force against resting length, {}",
-        group.fit.group.campaign
-    );
-    let caption = "Maximum force at 620 kPa and resting length: measured on each specimen, as fitted here to these maxima and jointly with \
-        all coefficients, as published, and as the manufacturer's tool has it for any length."
-        .to_owned();
-    Some((
-        "f620",
-        caption,
-        Figure::new(&title, SINGLE_MM, 65.0).with(panel),
-    ))
+    panel
 }
 
 fn published(diameter_mm: u32) -> Option<(f64, f64)> {

@@ -5,7 +5,7 @@ use crate::base::names::file_name;
 use crate::base::row::Row;
 use crate::base::session::Phase;
 use crate::report::figures::Named;
-use crate::report::input::{ReportInput, Trace};
+use crate::report::input::{ReportInput, SessionInput, Trace};
 use crate::report::plot::{
     Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Mark, Panel, Series, Shape, Stroke,
 };
@@ -22,108 +22,125 @@ pub fn figures(input: &ReportInput) -> Vec<Named> {
         .collect()
 }
 
+/// One channel of a log with its readings.
+struct Channel<'a> {
+    label: &'static str,
+    ink: Ink,
+    values: &'a [f64],
+    readings: Vec<(f64, f64)>,
+}
+
+impl Channel<'_> {
+    /// The channel over a stretch of time.
+    fn panel(&self, time: &[f64], windows: &[(f64, f64)], (low, high): (f64, f64)) -> Panel {
+        let inside = |t: f64| (low..=high).contains(&t);
+        let within = |points: &mut dyn Iterator<Item = (f64, f64)>| -> Vec<(f64, f64)> {
+            points.filter(|(t, _)| inside(*t)).collect()
+        };
+        let line = within(&mut time.iter().copied().zip(self.values.iter().copied()));
+        let means = within(&mut self.readings.iter().copied());
+        let windows = windows.iter().copied();
+        let windows = windows.filter(|(a, b)| inside(*a) && inside(*b)).collect();
+        let mark = Mark::filled(Shape::Circle, Ink::Black).wide(1.0);
+        Panel::new(
+            Axis::new("Time (s)").fixed(low, high),
+            Axis::new(self.label),
+        )
+        .with(Layer::windows("steady window", windows))
+        .with(Series::line(
+            "log",
+            line,
+            Stroke::hair(self.ink, Dash::Solid),
+        ))
+        .with(Series::marks("reading", means, mark))
+    }
+}
+
 fn figure(input: &ReportInput, trace: &Trace) -> Option<Named> {
     let time = trace.samples.numbers(TIME)?;
-    let columns = [
-        (
-            trace.samples.numbers(PRESSURE)?,
-            "Pressure (kPa)",
-            Ink::Vermilion,
-        ),
-        (
-            trace.samples.numbers(FORCE)?,
-            "Force as logged (N)",
-            Ink::Blue,
-        ),
-    ];
-    let readings: Vec<&Row> = input
-        .rows
-        .iter()
-        .filter(|r| r.session == trace.session && r.log == trace.log)
-        .collect();
-    let session = input
-        .sessions
-        .iter()
-        .find(|s| s.ingest.session.id == trace.session)?;
-    let first_line = session
-        .ingest
-        .logs
-        .iter()
-        .find(|l| l.spec.file == trace.log)?
-        .first_line as i64;
+    let of_log = |r: &&Row| r.session == trace.session && r.log == trace.log;
+    let readings: Vec<&Row> = input.rows.iter().filter(of_log).collect();
+    let of_trace = |s: &&SessionInput| s.ingest.session.id == trace.session;
+    let session = input.sessions.iter().find(of_trace)?;
     let zero = session.clean.zero.as_ref().map_or(0.0, |z| z.applied_n);
-    let spans: Vec<(f64, f64)> = readings
-        .iter()
-        .map(|r| window(r, first_line, time))
-        .collect();
-    let first = readings.first()?.time_s;
-    let filled = readings
-        .iter()
-        .rfind(|r| r.phase == Some(Phase::Pressurizing))
-        .map_or(first, |r| r.time_s);
-    let from = first + 0.35 * (filled - first);
-    let whole = (
-        time.iter().copied().fold(f64::INFINITY, f64::min),
-        time.iter().copied().fold(0.0, f64::max),
-    );
-    let mut figure = Figure::new(
-        &format!("Plateaus of {} {}", trace.session, trace.log),
-        DOUBLE_MM,
-        105.0,
-    )
-    .grid(2)
-    .shared_legend();
-    for (values, label, ink) in columns {
-        for (low, high) in [whole, (from, from + CLOSE_UP_S)] {
-            let inside = |t: &f64| (low..=high).contains(t);
-            let line: Vec<(f64, f64)> = time
-                .iter()
-                .copied()
-                .zip(values.iter().copied())
-                .filter(|(t, _)| inside(t))
-                .collect();
-            let means = readings.iter().filter(|r| inside(&r.time_s)).map(|r| {
-                let value = if ink == Ink::Vermilion {
-                    r.pressure_kpa
-                } else {
-                    r.force_n + zero
-                };
-                (r.time_s, value)
-            });
-            let windows = spans
-                .iter()
-                .copied()
-                .filter(|(a, b)| inside(a) && inside(b))
-                .collect();
-            let panel = Panel::new(Axis::new("Time (s)").fixed(low, high), Axis::new(label))
-                .with(Layer::windows("steady window", windows))
-                .with(Series::line("log", line, Stroke::hair(ink, Dash::Solid)))
-                .with(Series::marks(
-                    "reading",
-                    means.collect(),
-                    Mark::filled(Shape::Circle, Ink::Black).wide(1.0),
-                ));
-            figure = figure.with(panel);
-        }
+    let pressure = Channel {
+        label: "Pressure (kPa)",
+        ink: Ink::Vermilion,
+        values: trace.samples.numbers(PRESSURE)?,
+        readings: readings
+            .iter()
+            .map(|r| (r.time_s, r.pressure_kpa))
+            .collect(),
+    };
+    let force = Channel {
+        label: "Force as logged (N)",
+        ink: Ink::Blue,
+        values: trace.samples.numbers(FORCE)?,
+        readings: readings
+            .iter()
+            .map(|r| (r.time_s, r.force_n + zero))
+            .collect(),
+    };
+    let windows = windows(session, trace, &readings, time)?;
+    let from = close_up(&readings)?;
+    let end = time.iter().copied().fold(0.0, f64::max);
+    let begin = time.iter().copied().fold(end, f64::min);
+    let title = format!("Plateaus of {} {}", trace.session, trace.log);
+    let mut figure = Figure::new(&title, DOUBLE_MM, 105.0)
+        .grid(2)
+        .shared_legend();
+    for channel in [pressure, force] {
+        figure = figure
+            .with(channel.panel(time, &windows, (begin, end)))
+            .with(channel.panel(time, &windows, (from, from + CLOSE_UP_S)));
     }
+    Some(Named {
+        name: format!("plateaus-{}", file_name(&trace.campaign)),
+        caption: caption(trace, readings.len()),
+        figure,
+    })
+}
+
+fn caption(trace: &Trace, readings: usize) -> String {
     let word = if trace.simulated {
         "Simulated log"
     } else {
         "Log"
     };
-    let caption = format!(
+    format!(
         "{word} {} of session {} (campaign {}): pressure (A, B) and force (C, D), whole and over {CLOSE_UP_S:.0} s, with the steady \
-         windows and their readings. {} of its stretches gave a reading.",
-        trace.log,
-        trace.session,
-        trace.campaign,
-        readings.len()
-    );
-    Some(Named {
-        name: format!("plateaus-{}", file_name(&trace.campaign)),
-        caption,
-        figure,
-    })
+         windows and their readings, {readings} in all.",
+        trace.log, trace.session, trace.campaign
+    )
+}
+
+/// Where the close-up begins: a third of the way from the first reading to the last one of filling.
+fn close_up(readings: &[&Row]) -> Option<f64> {
+    let first = readings.first()?.time_s;
+    let filling = |r: &&&Row| r.phase == Some(Phase::Pressurizing);
+    let filled = readings.iter().rfind(filling).map_or(first, |r| r.time_s);
+    Some(first + (filled - first) / 3.0)
+}
+
+/// Beginning and end of every reading's window.
+fn windows(
+    session: &SessionInput,
+    trace: &Trace,
+    readings: &[&Row],
+    time: &[f64],
+) -> Option<Vec<(f64, f64)>> {
+    let header = session
+        .ingest
+        .logs
+        .iter()
+        .find(|l| l.spec.file == trace.log)?;
+    let first_line = header.first_line as i64;
+    Some(
+        readings
+            .iter()
+            .map(|r| window(r, first_line, time))
+            .collect(),
+    )
 }
 
 /// Beginning and end of a reading's window: its lines in the log are the rows of the samples.

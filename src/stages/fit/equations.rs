@@ -13,6 +13,8 @@ use std::collections::BTreeSet;
 pub const MAXIMUM_FORCE: &str = "F_620(l_rest)";
 /// Id of the fit of F_max(l_rest, P): Eq. 7.
 pub const FORCE_AT_REST: &str = "F_max(l_rest, P)";
+/// Id of the same fit with the offset of Eq. 6 where Eq. 7 is printed with another one (20 mm: 0.013 m instead of 0.0075 m).
+pub const FORCE_AT_REST_CAPS: &str = "F_max(l_rest, P), l_0 of Eq. 6";
 /// Id of the fit of F*(eps*, P*): Eq. 8.
 pub const SURFACE: &str = "F*(eps*, P*)";
 /// Id of the fit of all coefficients jointly: Eq. 9.
@@ -72,6 +74,9 @@ pub fn fit_all(
 ) -> Vec<EquationFit> {
     let by_length = maximum_force(diameter_mm, maxima, options);
     let f620 = by_length.as_ref().map(|fit| fit.values());
+    let cap = cap_length_m(diameter_mm, options);
+    let printed = published(diameter_mm, "l_0 (Eq. 7)").map_or(cap, |c| c.value);
+    let other = (printed != cap).then_some(cap);
     let fits = [
         (
             MAXIMUM_FORCE,
@@ -80,8 +85,14 @@ pub fn fit_all(
         ),
         (
             FORCE_AT_REST,
-            force_at_rest(diameter_mm, rows, options),
+            force_at_rest(FORCE_AT_REST, diameter_mm, rows, printed, options),
             "needs rows at resting length of at least two specimens",
+        ),
+        (
+            FORCE_AT_REST_CAPS,
+            other
+                .and_then(|l_0| force_at_rest(FORCE_AT_REST_CAPS, diameter_mm, rows, l_0, options)),
+            "",
         ),
         (
             SURFACE,
@@ -101,7 +112,7 @@ pub fn fit_all(
     ];
     fits.into_iter()
         .filter_map(|(id, fit, needs)| {
-            if fit.is_none() {
+            if fit.is_none() && !needs.is_empty() {
                 notes.push(format!("{id} was not fitted: it {needs}"));
             }
             fit
@@ -155,7 +166,14 @@ fn maximum_force(
     equation.fit(&rows, options)
 }
 
-fn force_at_rest(diameter_mm: u32, rows: &[&Row], options: &FitOptions) -> Option<EquationFit> {
+/// Eq. 7 with a given offset l_0, m.
+fn force_at_rest(
+    id: &'static str,
+    diameter_mm: u32,
+    rows: &[&Row],
+    offset: f64,
+    options: &FitOptions,
+) -> Option<EquationFit> {
     let rows: Vec<&Row> = rows
         .iter()
         .copied()
@@ -164,13 +182,12 @@ fn force_at_rest(diameter_mm: u32, rows: &[&Row], options: &FitOptions) -> Optio
     if lengths(&rows) < 2 {
         return None;
     }
-    let offset = published(diameter_mm, "l_0 (Eq. 7)").map_or(0.0, |c| c.value);
     let (a1, a2) = (
         start(diameter_mm, "a1", 1.0),
         start(diameter_mm, "a2", 0.03),
     );
     let equation = Equation::<2> {
-        id: FORCE_AT_REST,
+        id,
         title: "force at resting length against resting length and pressure",
         unit: "N",
         symbols: [

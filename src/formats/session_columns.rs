@@ -1,0 +1,134 @@
+//! `[columns]` of a `session.toml`: which quantity stands where in the logs, and how it becomes a column inside.
+
+use crate::base::columns::{self, KnownColumn};
+use crate::base::diagnostics::nearest;
+use crate::base::session::{ColumnSpec, Phase, Position};
+use crate::base::toml_reader::{Entry, Section};
+use std::collections::BTreeMap;
+
+/// The columns of the table, in the order of the file; mistakes go to the table's reader.
+pub fn column_specs(table: &Section) -> Vec<ColumnSpec> {
+    table
+        .entries()
+        .iter()
+        .filter_map(|(name, entry)| column_spec(name, entry))
+        .collect()
+}
+
+fn column_spec(name: &str, entry: &Entry) -> Option<ColumnSpec> {
+    let known = columns::by_quantity_name(name);
+    if known.is_none() && columns::is_reserved(name) {
+        entry.reject(
+            "a name that the pipeline does not use itself",
+            "choose another name",
+        );
+        return None;
+    }
+    let table = entry.table()?;
+    let position = position(entry, &table);
+    let unit_entry = table.get("unit");
+    let gain = table.get("gain").map_or(Some(1.0), |e| e.number());
+    let offset = table.get("offset").map_or(Some(0.0), |e| e.number());
+    let low = table.get("saturation_low").and_then(|e| e.number());
+    let high = table.get("saturation_high").and_then(|e| e.number());
+    let values = table.get("values");
+    table.close();
+    let (unit, factor, constant) = unit_of(name, known, entry, unit_entry)?;
+    let (gain, offset) = (gain?, offset?);
+    if gain == 0.0 {
+        entry.reject("a gain other than 0", "write the converter's gain");
+        return None;
+    }
+    Some(ColumnSpec {
+        column: known.map_or(name, |k| k.column).to_owned(),
+        position: position?,
+        unit,
+        factor: gain * factor,
+        constant: offset * factor + constant,
+        saturation_low: low.map(|x| x * factor + constant),
+        saturation_high: high.map(|x| x * factor + constant),
+        values: phase_values(known, entry, values)?,
+    })
+}
+
+fn position(entry: &Entry, table: &Section) -> Option<Position> {
+    match (table.get("index"), table.get("name")) {
+        (Some(index), None) => match index.integer()? {
+            i if (0..10_000).contains(&i) => Some(Position::Index(i as usize)),
+            _ => {
+                index.reject("a column number from 0", "count the first column as 0");
+                None
+            }
+        },
+        (None, Some(name)) => name.string().map(Position::Name),
+        _ => {
+            entry.reject(
+                "either `index` (file without header) or `name` (header line)",
+                "say where the column stands",
+            );
+            None
+        }
+    }
+}
+
+/// Unit as written, factor and constant to the unit used inside.
+fn unit_of(
+    name: &str,
+    known: Option<&KnownColumn>,
+    entry: &Entry,
+    unit: Option<Entry>,
+) -> Option<(String, f64, f64)> {
+    let Some(quantity) = known.and_then(|k| k.quantity) else {
+        let text = unit.map_or(Some(String::new()), |u| u.string())?;
+        return Some((text, 1.0, 0.0));
+    };
+    let expected = format!("a unit of {name}: {}", quantity.list_of_units());
+    let Some(unit_entry) = unit else {
+        entry.reject(&expected, "add `unit = \"...\"`");
+        return None;
+    };
+    let symbol = unit_entry.string()?;
+    let Some(unit) = quantity.unit(&symbol) else {
+        let hint = match nearest(&symbol, quantity.units().map(|u| u.symbol)) {
+            Some(near) => format!("did you mean \"{near}\"?"),
+            None => "convert it, or give gain and offset to one of these units".to_owned(),
+        };
+        unit_entry.reject(&expected, &hint);
+        return None;
+    };
+    let constant = unit.to_inside(0.0);
+    Some((symbol, unit.to_inside(1.0) - constant, constant))
+}
+
+fn phase_values(
+    known: Option<&KnownColumn>,
+    entry: &Entry,
+    values: Option<Entry>,
+) -> Option<BTreeMap<String, Phase>> {
+    let is_phase = known.is_some_and(|k| k.column == columns::PHASE);
+    match (is_phase, values) {
+        (false, None) => Some(BTreeMap::new()),
+        (false, Some(v)) => {
+            v.reject("`values` at the phase only", "remove it");
+            None
+        }
+        (true, None) => {
+            entry.reject(
+                "`values`, from what stands in the log to pressurizing or depressurizing",
+                "write values = { \"1\" = \"pressurizing\", \"2\" = \"depressurizing\" }",
+            );
+            None
+        }
+        (true, Some(v)) => {
+            let mut map = BTreeMap::new();
+            for (raw, state) in v.table()?.entries() {
+                let phase = state.choice(&[
+                    ("pressurizing", Phase::Pressurizing),
+                    ("depressurizing", Phase::Depressurizing),
+                ])?;
+                map.insert(raw, phase);
+            }
+            Some(map)
+        }
+    }
+}
