@@ -23,6 +23,7 @@ fn all_campaigns_go_through_and_the_corrupt_run_is_left_out() {
     corrupt_run(&bench, &plateaus);
     phases(&plateaus);
     errors(&bench);
+    intervals(&bench);
     assert!(
         run(&bench, &rig).out.contains("nothing to do"),
         "a second run does nothing"
@@ -104,4 +105,35 @@ fn errors(bench: &Bench) {
         rmse("hunt2017")
     );
     assert!(rmse("new") < rmse("new_published"));
+}
+
+/// Four specimens give every coefficient of the joint fit an interval by the jackknife; two give only the linearised one.
+fn intervals(bench: &Bench) {
+    let table = bench.table("coefficients");
+    let joint = |campaign: &str| -> Vec<_> {
+        let of = |r: &&BTreeMap<String, String>| {
+            r["campaign"] == campaign && r["equation"] == "F(eps*, P*, l_rest)"
+        };
+        table.iter().filter(of).cloned().collect()
+    };
+    for (campaign, method) in [
+        ("iso10-2022-11", "jackknife by specimen"),
+        ("iso20-2022-01", "linearised"),
+        ("pooled-10mm", "jackknife by specimen"),
+    ] {
+        let rows = joint(campaign);
+        assert_eq!(rows.len(), 5);
+        for row in rows {
+            assert_eq!(
+                (row["ci_method"].as_str(), row["state"].as_str()),
+                (method, ""),
+                "{row:?}"
+            );
+            let number = |name: &str| row[name].parse::<f64>().unwrap();
+            assert!(
+                number("ci_low") < number("value") && number("value") < number("ci_high"),
+                "{row:?}"
+            );
+        }
+    }
 }

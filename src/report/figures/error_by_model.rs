@@ -27,17 +27,13 @@ pub fn figure(group: &GroupInput, _config: &Config) -> Option<(&'static str, Str
     )
     .legend(Legend::Above);
     panel = panel.with(Series::marks(
-        "on all readings",
+        "all readings",
         marks(false),
         Mark::filled(Shape::Circle, Ink::Blue).wide(2.0),
     ));
     if !marks(true).is_empty() {
         let mark = Mark::open(Shape::Circle, Ink::Vermilion).wide(2.0);
-        panel = panel.with(Series::marks(
-            "only where the model gives an answer",
-            marks(true),
-            mark,
-        ));
+        panel = panel.with(Series::marks("those that it answers", marks(true), mark));
     }
     let title = format!("Error of every model, {}", group.fit.group.campaign);
     let caption = "Root-mean-square error of every model on specimens that it has not seen: published models as published, the new model \

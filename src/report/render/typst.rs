@@ -117,7 +117,7 @@ fn cell(cell: &Printed, fraction: Option<usize>) -> String {
         Printed::Undefined => quoted("–"),
         // One word, such as an id with hyphens, is not broken over lines.
         Printed::Text(word) if !word.contains(' ') && word.len() <= LONGEST_WORD => {
-            format!("box({})", quoted(word))
+            quoted(&word.replace('-', "\u{2011}"))
         }
         Printed::Text(text) => quoted(text),
         Printed::Rich(pieces) => rich(pieces),

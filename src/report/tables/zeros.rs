@@ -10,10 +10,10 @@ pub fn table(input: &ReportInput) -> Table {
         Column::number("applied_n", "Taken off", "N"),
         Column::text("source", "From"),
         Column::number("zero_log_n", "Zero log", "N"),
-        Column::number("zero_log_clipped", "of it clipped", ""),
+        Column::number("zero_log_clipped", "clipped", ""),
         Column::number("slack_n", "Slack state", "N"),
-        Column::flag("contradicted", "Contradicted"),
-        Column::number("zero_log_pressure_kpa", "\\v{P} in the zero log", "kPa"),
+        Column::flag("contradicted", "Contra"),
+        Column::number("zero_log_pressure_kpa", "\\v{P} then", "kPa"),
     ];
     let mut table = Table::new("zeros", "The zero of the force channel", columns).note(
         "The slack state is the force of the session's own plateaus while the actuator carries no load, before any zero. \

@@ -148,9 +148,12 @@ impl<const N: usize> Solution<N> {
         self.held[k].is_none().then(|| self.fit.states[free])
     }
 
-    /// Whether the rows determine a coefficient.
+    /// Whether the rows determine a coefficient; one that ends exactly where it started is determined too.
     fn determines(&self, k: usize) -> bool {
-        self.state(k) == Some(ParameterState::Ok)
+        matches!(
+            self.state(k),
+            Some(ParameterState::Ok | ParameterState::Unmoved)
+        )
     }
 }
 
@@ -179,7 +182,14 @@ impl<const N: usize> Equation<'_, N> {
         };
         if loss != Loss::LeastSquares {
             let scale = matches!(loss, Loss::Huber { .. }).then_some(fit.scale);
-            fit = minimise(&problem, &fit.parameters, &options(loss, scale));
+            let first = fit;
+            fit = minimise(&problem, &first.parameters, &options(loss, scale));
+            // Where no row is far out the robust fit ends where it started; what became of a coefficient is then for the first fit to say.
+            for (state, before) in fit.states.iter_mut().zip(first.states) {
+                if *state == ParameterState::Unmoved {
+                    *state = before;
+                }
+            }
         }
         (fit.status != Status::NotFinite).then(|| Solution {
             values: problem.full(&fit.parameters),
