@@ -18,34 +18,34 @@ pub enum Severity {
     Error,
 }
 
-/// One defect of one input file.
+/// One defect of one input file. Its texts are boxed, because they never grow and a diagnostic is returned as an error.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Diagnostic {
     /// How much is lost.
     pub severity: Severity,
     /// The file, relative to the raw directory (or as given on the command line, for a configuration).
-    pub file: String,
+    pub file: Box<str>,
     /// Line in the file, counted from 1.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub row: Option<u64>,
     /// Column or key.
     #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub column: Option<String>,
+    pub column: Option<Box<str>>,
     /// What stands there.
-    pub found: String,
+    pub found: Box<str>,
     /// What should stand there.
-    pub expected: String,
+    pub expected: Box<str>,
     /// What to do about it.
-    pub hint: String,
+    pub hint: Box<str>,
 }
 
 impl Diagnostic {
     /// An error: the session is left out.
     pub fn error(
-        file: impl Into<String>,
-        found: impl Into<String>,
-        expected: impl Into<String>,
-        hint: impl Into<String>,
+        file: impl Into<Box<str>>,
+        found: impl Into<Box<str>>,
+        expected: impl Into<Box<str>>,
+        hint: impl Into<Box<str>>,
     ) -> Self {
         Self {
             severity: Severity::Error,
@@ -71,14 +71,14 @@ impl Diagnostic {
     }
 
     /// The same defect, with the column or key in which it stands.
-    pub fn in_column(mut self, column: impl Into<String>) -> Self {
+    pub fn in_column(mut self, column: impl Into<Box<str>>) -> Self {
         self.column = Some(column.into());
         self
     }
 
     /// File, row and column in the form that editors turn into a link.
     pub fn place(&self) -> String {
-        let mut place = self.file.clone();
+        let mut place = self.file.to_string();
         if let Some(row) = self.row {
             place.push_str(&format!(":{row}"));
         }

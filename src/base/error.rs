@@ -30,11 +30,11 @@ pub enum Error {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
-    /// Process exit code: 2 usage, configuration or no usable input; 4 internal, files included.
+    /// Process exit code: 2 usage, configuration, no usable input or a place that cannot be written; 4 internal.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Error::Config(_) | Error::Usage(_) => 2,
-            Error::Io { .. } | Error::Damaged(_) | Error::Internal(_) => 4,
+            Error::Config(_) | Error::Usage(_) | Error::Io { .. } => 2,
+            Error::Damaged(_) | Error::Internal(_) => 4,
         }
     }
 

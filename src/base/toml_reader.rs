@@ -92,7 +92,7 @@ impl<'a> Reader<'a> {
         &self,
         line: u64,
         key: &str,
-        found: impl Into<String>,
+        found: impl Into<Box<str>>,
         expected: &str,
         hint: &str,
     ) {
@@ -101,6 +101,11 @@ impl<'a> Reader<'a> {
                 .at_row(line)
                 .in_column(key),
         );
+    }
+
+    /// Whether no mistake has been found so far.
+    pub fn is_clean(&self) -> bool {
+        self.diagnostics.borrow().is_empty()
     }
 
     /// The mistakes, in the order of their lines.

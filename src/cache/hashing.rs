@@ -115,8 +115,9 @@ impl FileHashes {
     /// What the system says.
     pub fn digest(&self, name: &str, path: &Path) -> std::io::Result<(Digest, Option<Vec<u8>>)> {
         let metadata = std::fs::metadata(path)?;
-        if metadata.is_dir() {
-            return Err(std::io::ErrorKind::IsADirectory.into());
+        if !metadata.is_file() {
+            // A pipe or device would be read for ever.
+            return Err(std::io::ErrorKind::InvalidInput.into());
         }
         let modified = metadata.modified().unwrap_or(UNIX_EPOCH);
         let since_epoch = modified.duration_since(UNIX_EPOCH).unwrap_or_default();

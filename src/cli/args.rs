@@ -19,6 +19,9 @@ pub struct Args {
     pub command: Command,
 }
 
+/// More threads than this help nobody.
+const MOST_JOBS: u64 = 256;
+
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
@@ -56,8 +59,8 @@ pub struct RunArgs {
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
     /// Threads; 0 for as many as there are cores
-    #[arg(long, short, value_name = "N", default_value_t = 0)]
-    pub jobs: usize,
+    #[arg(long, short, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=MOST_JOBS))]
+    pub jobs: u64,
     /// Do this stage again whatever the cache holds
     #[arg(long, value_name = "STAGE")]
     pub force: Option<String>,

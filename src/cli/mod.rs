@@ -59,7 +59,7 @@ fn options(args: &RunArgs, dry_run: bool) -> Result<RunOptions> {
         derived: args.derived.clone(),
         reports: args.reports.clone(),
         config: Config::load(args.config.as_deref())?,
-        jobs: args.jobs,
+        jobs: args.jobs as usize,
         force,
         dry_run,
     })

@@ -191,7 +191,7 @@ fn locate(file: &str, fields: &[&str], requests: &[Request]) -> Result<Vec<usize
             "correct [columns] in session.toml, or the log",
         )
         .at_row(1)
-        .in_column(&request.name)
+        .in_column(request.name.as_str())
     };
     requests
         .iter()

@@ -3,7 +3,7 @@
 use crate::base::diagnostics::{Diagnostic, Severity};
 use crate::base::session::Session;
 use crate::formats::session_toml;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use walkdir::WalkDir;
 
@@ -49,8 +49,9 @@ pub struct Discovery {
 /// Walks the raw directories and reads every `session.toml`. Links are followed; a loop of links is reported and not entered.
 pub fn discover(roots: &[PathBuf]) -> Discovery {
     let mut found = Discovery::default();
+    let mut seen = BTreeSet::new();
     for root in roots {
-        walk(root, &mut found);
+        walk(root, &mut seen, &mut found);
     }
     reject_duplicates(&mut found);
     note_contradictions(&mut found);
@@ -60,17 +61,40 @@ pub fn discover(roots: &[PathBuf]) -> Discovery {
     found
 }
 
-fn walk(root: &Path, found: &mut Discovery) {
+fn walk(root: &Path, seen: &mut BTreeSet<PathBuf>, found: &mut Discovery) {
     let entries = WalkDir::new(root).follow_links(true).sort_by_file_name();
     for entry in entries {
         match entry {
             Ok(entry) if entry.file_name() == SESSION_FILE && entry.file_type().is_file() => {
                 let directory = entry.path().parent().unwrap_or(root);
-                read_session(root, directory, found);
+                let canonical = directory
+                    .canonicalize()
+                    .unwrap_or_else(|_| directory.to_path_buf());
+                // A directory that is given twice, or inside another, is read once.
+                if seen.insert(canonical) {
+                    read_session(root, directory, found);
+                }
+            }
+            Ok(entry) if entry.file_name() == SESSION_FILE => {
+                found.unusable.push(not_a_file(root, entry.path()));
             }
             Ok(_) => {}
             Err(error) => found.diagnostics.push(unreadable(root, &error)),
         }
+    }
+}
+
+fn not_a_file(root: &Path, path: &Path) -> Unusable {
+    let relative = relative_to(root, path);
+    Unusable {
+        id: None,
+        diagnostics: vec![Diagnostic::error(
+            relative.clone(),
+            "something that is not a file",
+            "a file that describes the session",
+            "replace it by a session.toml",
+        )],
+        relative,
     }
 }
 
@@ -215,7 +239,7 @@ fn note_contradictions(found: &mut Discovery) {
                     ),
                     "correct one of them, or give the second actuator its own id",
                 )
-                .with_severity(Severity::Note)
+                .with_severity(Severity::Warning)
                 .in_column("specimen"),
             );
         }

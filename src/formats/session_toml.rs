@@ -13,6 +13,9 @@ use std::collections::BTreeMap;
 /// The only schema that is understood.
 pub const SCHEMA: &str = "bpa-session/1";
 
+/// The longest id or campaign, bytes: it becomes part of file names.
+const LONGEST_NAME: usize = 80;
+
 /// Reads and checks the text of a `session.toml`; messages call it `file`.
 ///
 /// # Errors
@@ -110,8 +113,11 @@ fn session(root: &Section) -> Option<Session> {
         columns: columns?,
         logs: logs?,
     };
-    check_columns(root, &session);
-    check_positions(root, &session);
+    // A column that was given and is wrong has been reported; that it is missing as well would be false.
+    if root.reader().is_clean() {
+        check_columns(root, &session);
+        check_positions(root, &session);
+    }
     check_logs(root, &session);
     Some(session)
 }
@@ -119,8 +125,8 @@ fn session(root: &Section) -> Option<Session> {
 fn identifier(root: &Section, key: &'static str, expected: &str) -> Option<String> {
     let entry = root.require(key, expected, "add it")?;
     let text = entry.string()?;
-    if text.trim().is_empty() || text.chars().any(char::is_control) {
-        entry.reject(expected, "write a name without line breaks");
+    if text.trim().is_empty() || text.len() > LONGEST_NAME || text.chars().any(char::is_control) {
+        entry.reject(expected, "write a short name without line breaks");
         return None;
     }
     Some(text)

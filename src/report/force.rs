@@ -229,7 +229,7 @@ fn group(input: &GroupInput, figures: &[Drawn]) -> Group {
         found.and_then(|c| c.rmse)
     };
     let whole = |c: &&crate::stages::compare::Comparison| {
-        !c.fitted_here && c.split == "all" && c.n_excluded == 0
+        !c.fitted_here && c.model != "martens2017" && c.split == "all" && c.n_excluded == 0
     };
     let best = input
         .comparison

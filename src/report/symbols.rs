@@ -9,7 +9,7 @@ pub fn equation(id: &str) -> String {
     match id {
         MAXIMUM_FORCE => "F_{620}(l_{rest})",
         FORCE_AT_REST => "F_{max}(l_{rest}, \\v{P})",
-        FORCE_AT_REST_CAPS => "F_{max}(l_{rest}, \\v{P}), l_0 of Eq. 6",
+        FORCE_AT_REST_CAPS => "F_{max}(l_{rest}, \\v{P}), l_0 of F_{620}",
         SURFACE => "\\v{F}*(ε*, \\v{P}*)",
         JOINT => "\\v{F}(ε*, \\v{P}*, l_{rest})",
         CONTRACTION => "ε_{620}(l_{rest})",

@@ -86,6 +86,8 @@ pub trait Progress: Sync {
 pub fn run(options: &RunOptions, progress: &dyn Progress) -> Result<Outcome> {
     for raw in &options.raw {
         check_raw(raw)?;
+        check_outside(raw, &options.derived, "--derived")?;
+        check_outside(raw, &options.reports, "--reports")?;
     }
     let discovery = discover(&options.raw);
     if discovery.sessions.is_empty() && discovery.unusable.is_empty() {
@@ -157,6 +159,23 @@ fn check_raw(raw: &Path) -> Result<()> {
     }
 }
 
+/// Nothing below a raw directory is ever written.
+fn check_outside(raw: &Path, output: &Path, option: &str) -> Result<()> {
+    let absolute = std::path::absolute(output).map_err(Error::io("find", output))?;
+    let there = absolute.ancestors().find_map(|a| {
+        let canonical = a.canonicalize().ok()?;
+        Some(canonical.join(absolute.strip_prefix(a).ok()?))
+    });
+    match (raw.canonicalize(), there) {
+        (Ok(raw), Some(there)) if there.starts_with(&raw) => Err(Error::Usage(format!(
+            "{option} {} lies in the raw directory {}, in which nothing is written; choose another place",
+            output.display(),
+            raw.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
 fn no_sessions(options: &RunOptions, discovery: &Discovery) -> String {
     let roots: Vec<String> = options
         .raw
@@ -182,15 +201,11 @@ fn summary(engine: &Engine, discovery: &Discovery, results: &[SessionResult]) ->
         ..Outcome::default()
     };
     for unusable in &discovery.unusable {
-        let name = unusable
-            .id
-            .clone()
-            .unwrap_or_else(|| unusable.relative.clone());
-        let why = unusable
-            .diagnostics
-            .first()
-            .map_or_else(String::new, |d| d.found.clone());
-        outcome.rejected.push((name, why));
+        let why = unusable.diagnostics.first().map_or_else(String::new, |d| {
+            let place = d.column.as_deref().unwrap_or("session.toml");
+            format!("{place}: found {}, expected {}", d.found, d.expected)
+        });
+        outcome.rejected.push((unusable.relative.clone(), why));
         outcome
             .diagnostics
             .extend(unusable.diagnostics.iter().cloned());
@@ -203,7 +218,13 @@ fn summary(engine: &Engine, discovery: &Discovery, results: &[SessionResult]) ->
         outcome
             .diagnostics
             .extend(ingest.diagnostics.iter().filter(loud).cloned());
-        for reject in ingest.rejects.iter().chain(&clean.rejects) {
+        let normalize = result.normalize_rejects(engine)?;
+        for reject in ingest
+            .rejects
+            .iter()
+            .chain(&clean.rejects)
+            .chain(&normalize)
+        {
             match reject.extent {
                 Extent::Session => outcome
                     .rejected

@@ -140,7 +140,7 @@ fn keep(ingested: &mut Ingested, index: usize, spec: &LogSpec, file: &str, raw: 
             Diagnostic::error(file, cell.found.clone(), expected, hint)
                 .with_severity(Severity::Warning)
                 .at_row(cell.line)
-                .in_column(&cell.column),
+                .in_column(cell.column.as_str()),
         );
     }
     let columns = session

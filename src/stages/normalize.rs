@@ -37,6 +37,17 @@ pub fn normalize(session: &Session, readings: &[Reading]) -> (Vec<Row>, Vec<Reje
             rows.push(row);
         }
     }
+    if rows.is_empty() && !readings.is_empty() {
+        rejects.push(Reject {
+            session: session.id.clone(),
+            log: String::new(),
+            first_row: None,
+            last_row: None,
+            count: 0,
+            extent: Extent::Session,
+            reason: "no reading has a length that fits the specimen".to_owned(),
+        });
+    }
     (rows, rejects)
 }
 

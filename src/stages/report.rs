@@ -126,11 +126,10 @@ fn summary(input: &ReportInput, tables: &[String]) -> Result<Vec<u8>> {
 /// The logs that the report draws, as positions of session and log: of every campaign of time series the log with most readings that
 /// was both filled and vented.
 pub fn traces_wanted(sessions: &[SessionInput], rows: &[Row]) -> Vec<(usize, usize)> {
-    let mut found: BTreeMap<(&str, &str), (usize, BTreeSet<Option<Phase>>)> = BTreeMap::new();
+    let mut of_log: BTreeMap<(&str, &str), Vec<&Row>> = BTreeMap::new();
     for row in rows {
-        let slot = found.entry((&row.session, &row.log)).or_default();
-        slot.0 += 1;
-        slot.1.insert(row.phase);
+        let log = of_log.entry((&row.session, &row.log)).or_default();
+        log.push(row);
     }
     let mut best: BTreeMap<&str, (bool, usize, (usize, usize))> = BTreeMap::new();
     for (place, session) in sessions.iter().enumerate() {
@@ -139,11 +138,11 @@ pub fn traces_wanted(sessions: &[SessionInput], rows: &[Row]) -> Vec<(usize, usi
             continue;
         }
         for (log, header) in session.ingest.logs.iter().enumerate() {
-            let Some((readings, phases)) = found.get(&(s.id.as_str(), header.spec.file.as_str()))
-            else {
+            let Some(readings) = of_log.get(&(s.id.as_str(), header.spec.file.as_str())) else {
                 continue;
             };
-            let candidate = (phases.len() > 1, *readings, (place, log));
+            let phases: BTreeSet<Option<Phase>> = readings.iter().map(|r| r.phase).collect();
+            let candidate = (phases.len() > 1, readings.len(), (place, log));
             let slot = best.entry(&s.campaign).or_insert(candidate);
             if (candidate.0, candidate.1) > (slot.0, slot.1) {
                 *slot = candidate;

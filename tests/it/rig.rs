@@ -55,7 +55,8 @@ fn corrupt_run(bench: &Bench, plateaus: &[BTreeMap<String, String>]) {
 
 /// Filling and venting are told apart in every log, also in those without a state column (20 mm, l228).
 fn phases(plateaus: &[BTreeMap<String, String>]) {
-    let mut by_log: BTreeMap<(&str, &str), Vec<(f64, &str, f64)>> = BTreeMap::new();
+    type Reading<'a> = (f64, &'a str, f64);
+    let mut by_log: BTreeMap<[&str; 2], Vec<Reading>> = BTreeMap::new();
     for row in plateaus
         .iter()
         .filter(|r| r["campaign"].ends_with("2022-11") || r["campaign"].ends_with("2022-01"))
@@ -63,7 +64,7 @@ fn phases(plateaus: &[BTreeMap<String, String>]) {
         let number = |name: &str| row[name].parse::<f64>().unwrap();
         let reading = (number("t_s"), row["phase"].as_str(), number("pressure_kpa"));
         by_log
-            .entry((&row["session"], &row["log"]))
+            .entry([&row["session"], &row["log"]])
             .or_default()
             .push(reading);
     }

@@ -36,7 +36,7 @@ pub fn figure(group: &GroupInput, config: &Config) -> Option<(&'static str, Stri
         );
     }
     let caption = format!(
-        "Relative force against relative contraction. Curves are isobars of Eq. 8; marks are readings within {NEAR_KPA:.0} kPa of \
+        "Relative force against relative contraction. Curves are isobars of the surface; marks are readings within {NEAR_KPA:.0} kPa of \
          them, divided by F#sub[620] of their resting length from the same coefficients."
     );
     Some(("isobars", caption, figure))

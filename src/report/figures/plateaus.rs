@@ -110,8 +110,15 @@ fn caption(trace: &Trace, readings: usize) -> String {
     format!(
         "{word} {} of session {} (campaign {}): pressure (A, B) and force (C, D), whole and over {CLOSE_UP_S:.0} s, with the steady \
          windows and their readings, {readings} in all.",
-        trace.log, trace.session, trace.campaign
+        verbatim(&trace.log),
+        verbatim(&trace.session),
+        verbatim(&trace.campaign)
     )
+}
+
+/// A user's text inside Typst markup, as a string that is not markup.
+fn verbatim(text: &str) -> String {
+    format!("#{:?}", text.replace('\\', "/").replace('"', "'"))
 }
 
 /// Where the close-up begins: a third of the way from the first reading to the last one of filling.

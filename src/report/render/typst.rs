@@ -55,7 +55,7 @@ impl Renderer for Typst {
             lines.push(format!("    block(align(left, text(size: 0.9em, {note})))"));
         }
         lines.push("  },".into());
-        lines.push(format!(") <tab-{}>\n", table.id.replace('_', "-")));
+        lines.push(format!(") <tab-{}>\n", label(&table.id)));
         lines.join("\n")
     }
 }
@@ -108,6 +108,18 @@ fn side(align: Align) -> &'static str {
         Align::Center => "center",
         Align::Right => "right",
     }
+}
+
+/// An id as a Typst label: letters, digits, hyphens and points.
+fn label(id: &str) -> String {
+    let plain = |c: char| {
+        if c.is_ascii_alphanumeric() || c == '.' {
+            c
+        } else {
+            '-'
+        }
+    };
+    id.chars().map(plain).collect()
 }
 
 /// A cell; in a decimal column padded to `fraction` digits after the point.

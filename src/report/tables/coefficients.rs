@@ -32,7 +32,7 @@ fn build(groups: Vec<&GroupInput>) -> Table {
         Column::interval("ci", "95% CI", ""),
         Column::text("ci_method", "CI by").seen_by(Audience::Machines),
         Column::number("published", "Published", ""),
-        Column::flag("inside_published_ci", "Inside its CI"),
+        Column::flag("inside_published_ci", "In publ. CI"),
         Column::text("campaign", "Campaign").seen_by(Audience::Machines),
         Column::text("state", "Remark"),
         Column::number("n", "\\v{n}", "").seen_by(Audience::Machines),

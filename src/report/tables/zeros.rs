@@ -17,7 +17,7 @@ pub fn table(input: &ReportInput) -> Table {
     ];
     let mut table = Table::new("zeros", "The zero of the force channel", columns).note(
         "The slack state is the force of the session's own plateaus while the actuator carries no load, before any zero. \
-         Where zero log and slack state contradict each other the zero log is applied, being what the measurers declared. \
+         A zero log that contradicts the slack state is applied all the same, being what the measurers declared, unless half of it is clipped. \
          The pressure in the zero log is not taken off.",
     );
     let mut campaign = None;

@@ -65,6 +65,20 @@ pub fn clean(session: &Session, logs: &[LogSamples], options: &CleanOptions) -> 
             Sampling::Points => points::readings(session, log, &mut readings, &mut rejects),
         }
     }
+    for log in screened.iter().filter(|l| !l.log.spec.is_zero) {
+        let file = &log.log.spec.file;
+        if !readings.iter().any(|r| &r.log == file) {
+            rejects.push(Reject {
+                session: session.id.clone(),
+                log: file.clone(),
+                first_row: None,
+                last_row: None,
+                count: 0,
+                extent: Extent::Log,
+                reason: "no steady reading in it".to_owned(),
+            });
+        }
+    }
     let zero = session
         .column(FORCE)
         .map(|column| zero::determine(column, &screened, &readings, options.zero));

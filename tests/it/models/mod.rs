@@ -45,6 +45,9 @@ pub fn force(id: &str, state: &State) -> f64 {
 pub fn assert_printed(found: f64, printed: &str) {
     let digits = printed.split('.').nth(1).map_or(0, str::len);
     let expected: f64 = printed.parse().unwrap();
-    let half = 0.5 * 10f64.powi(-i32::try_from(digits).unwrap()) + 1e-12;
-    assert!((found - expected).abs() <= half, "{found} is not {printed}");
+    let half: f64 = format!("0.5e-{digits}").parse().unwrap();
+    assert!(
+        (found - expected).abs() <= half + 1e-12,
+        "{found} is not {printed}"
+    );
 }
