@@ -96,7 +96,7 @@ fn status_command(args: &RunArgs) -> Result<u8> {
     let outcome = run::run(&options(args, true)?, &progress::Shown::new(true))?;
     print::diagnostics(&outcome.diagnostics, args.verbose);
     print::status(&outcome, args.json)?;
-    Ok(if outcome.work.is_empty() {
+    Ok(if outcome.work.is_empty() && outcome.written.is_empty() {
         DONE
     } else {
         DIFFERENCE

@@ -49,7 +49,27 @@ fn counts(outcome: &Outcome) -> String {
         .filter(|(_, n)| *n > 0)
         .map(|(stage, n)| format!("{stage} {n}"))
         .collect();
+    if parts.is_empty() {
+        return "none".to_owned();
+    }
     parts.join(", ")
+}
+
+/// One line for every unit and file that was, or would be, made anew.
+fn reasons(outcome: &Outcome) {
+    for work in &outcome.work {
+        let why = one_line(&work.reasons);
+        line(format!("{} {}: {why}", work.stage, work.unit));
+    }
+    if outcome.work.is_empty() {
+        for path in &outcome.written {
+            line(format!("{}: missing or changed by hand", path.display()));
+        }
+    }
+}
+
+fn paths(list: &[std::path::PathBuf]) -> Vec<String> {
+    list.iter().map(|p| p.display().to_string()).collect()
 }
 
 fn work_json(outcome: &Outcome) -> Vec<serde_json::Value> {
@@ -78,25 +98,14 @@ pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> R
             .iter()
             .map(|(session, log, why)| json!({ "session": session, "log": log, "reason": why }))
             .collect();
-        let reports: Vec<String> = outcome
-            .pdfs
-            .iter()
-            .map(|p| p.display().to_string())
-            .collect();
         return print_json(&json!({
             "sessions": outcome.sessions, "computed": work_json(outcome), "up_to_date": outcome.fresh,
-            "rejected_sessions": rejected, "rejected_logs": logs, "reports": reports,
+            "rejected_sessions": rejected, "rejected_logs": logs, "files_written": paths(&outcome.written),
+            "reports": paths(&outcome.pdfs),
         }));
     }
     if explain {
-        for work in &outcome.work {
-            line(format!(
-                "{} {}: {}",
-                work.stage,
-                work.unit,
-                one_line(&work.reasons)
-            ));
-        }
+        reasons(outcome);
     }
     for (session, log, why) in &outcome.rejected_logs {
         line(format!("left out: log {log} of session {session}: {why}"));
@@ -115,11 +124,7 @@ pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> R
             "{} sessions: computed {} results ({}), {} were up to date; {} files written ({seconds:.2} s)",
             outcome.sessions,
             outcome.work.len(),
-            if outcome.work.is_empty() {
-                "none".to_owned()
-            } else {
-                counts(outcome)
-            },
+            counts(outcome),
             outcome.fresh,
             outcome.written.len()
         ));
@@ -134,28 +139,22 @@ pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> R
 pub fn status(outcome: &Outcome, as_json: bool) -> Result<()> {
     if as_json {
         return print_json(
-            &json!({ "would_run": work_json(outcome), "up_to_date": outcome.fresh }),
+            &json!({ "would_run": work_json(outcome), "up_to_date": outcome.fresh, "would_put_back": paths(&outcome.written) }),
         );
     }
-    for work in &outcome.work {
-        line(format!(
-            "{} {}: {}",
-            work.stage,
-            work.unit,
-            one_line(&work.reasons)
-        ));
-    }
-    if outcome.work.is_empty() {
+    reasons(outcome);
+    if outcome.work.is_empty() && outcome.written.is_empty() {
         line(format!(
             "nothing to do: all {} results are up to date",
             outcome.fresh
         ));
     } else {
         line(format!(
-            "{} results would be computed ({}), {} are up to date",
+            "{} results would be computed ({}), {} are up to date; {} files would be put back",
             outcome.work.len(),
             counts(outcome),
-            outcome.fresh
+            outcome.fresh,
+            outcome.written.len()
         ));
     }
     Ok(())

@@ -26,7 +26,7 @@ const DERIVED: &str = "derived/";
 const REPORTS: &str = "reports/";
 const LIST: &str = "materialized.json";
 
-/// Brings `reports/` and the tidy part of `derived/` in line with the results.
+/// Brings `reports/` and the tidy part of `derived/` in line with the results; a dry run only says which files differ.
 ///
 /// # Errors
 /// A file cannot be written; a stored result is damaged.
@@ -46,7 +46,9 @@ pub fn materialize(
             continue;
         };
         if hashing::of_file(&path).ok().as_ref() != Some(&object.digest) {
-            write_atomically(&path, &engine.read(report, name)?)?;
+            if !options.dry_run {
+                write_atomically(&path, &engine.read(report, name)?)?;
+            }
             written.changed.push(path.clone());
         }
         let is_report = name
@@ -56,6 +58,9 @@ pub fn materialize(
             written.pdfs.push(path);
         }
         present.insert(name.clone(), object.digest.clone());
+    }
+    if options.dry_run {
+        return Ok(written);
     }
     for session in sessions {
         link_session(engine, session, options)?;

@@ -63,7 +63,7 @@ pub struct Outcome {
     pub rejected_logs: Vec<(String, String, String)>,
     /// What is wrong with the inputs.
     pub diagnostics: Vec<Diagnostic>,
-    /// Files written below `reports/`.
+    /// Files written below `reports/` (or that would be), because they were missing or had other contents.
     pub written: Vec<PathBuf>,
     /// Reports that exist now.
     pub pdfs: Vec<PathBuf>,

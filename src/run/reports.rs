@@ -63,7 +63,7 @@ pub fn process(
         let input = gather(engine, discovery, sessions, groups, &input_digest)?;
         report::report(&input, &options.config)
     })?;
-    if options.dry_run {
+    if step.entry().is_none() {
         return Ok(Written::default());
     }
     materialize(engine, &step, sessions, options)
