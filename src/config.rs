@@ -33,6 +33,40 @@ pub enum ZeroRule {
     None,
 }
 
+/// How the interval of a coefficient is made; `stages::fit::intervals` has the methods.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum IntervalMethod {
+    /// Refits without each specimen, Student's t.
+    Jackknife,
+    /// Refits to specimens drawn with replacement, percentiles.
+    Bootstrap,
+    /// Profile of the sum of squares; counts every row as independent.
+    Profile,
+    /// Covariance of the linearised model; counts every row as independent.
+    Linearised,
+}
+
+impl IntervalMethod {
+    /// Every method, in the order of the tables.
+    pub const ALL: [IntervalMethod; 4] = [
+        IntervalMethod::Jackknife,
+        IntervalMethod::Bootstrap,
+        IntervalMethod::Profile,
+        IntervalMethod::Linearised,
+    ];
+
+    /// What tables call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            IntervalMethod::Jackknife => "jackknife by specimen",
+            IntervalMethod::Bootstrap => "bootstrap by specimen",
+            IntervalMethod::Profile => "profile likelihood",
+            IntervalMethod::Linearised => "linearised",
+        }
+    }
+}
+
 /// Options of the clean stage.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -122,6 +156,15 @@ pub struct FitOptions {
     pub huber_at_rmse: f64,
     /// Confidence of the intervals.
     pub confidence: f64,
+    /// Which interval the tables print: "jackknife", "bootstrap", "profile" or "linearised"; the first two go by specimen. All are in
+    /// `intervals.csv`.
+    pub interval: IntervalMethod,
+    /// Refits of the bootstrap by specimen.
+    pub bootstrap_refits: usize,
+    /// Seed of the bootstrap and of the split by row.
+    pub seed: u64,
+    /// Fraction of each session's rows that the split by row trains on, as in the force paper.
+    pub train_fraction: f64,
     /// Rows with |eps*| up to this count as measured at resting length.
     pub at_rest: f64,
     /// Rows within this of 620 kPa give the measured maximum force, kPa.
@@ -140,6 +183,10 @@ impl Default for FitOptions {
             loss: "huber".to_owned(),
             huber_at_rmse: 3.0,
             confidence: 0.95,
+            interval: IntervalMethod::Jackknife,
+            bootstrap_refits: 1000,
+            seed: 1,
+            train_fraction: 0.8,
             at_rest: 0.05,
             near_620_kpa: 15.0,
             l_0_10mm_m: 0.0075,
@@ -262,12 +309,15 @@ impl Config {
             .filter(|(_, x)| !(*x > 0.0 && x.is_finite()))
             .map(|(key, x)| mistake(file, key, &x.to_string(), "a positive number"))
             .collect();
-        if !(self.fit.confidence > 0.0 && self.fit.confidence < 1.0) {
-            let found = self.fit.confidence.to_string();
+        let shares = [
+            ("fit.confidence", self.fit.confidence),
+            ("fit.train_fraction", self.fit.train_fraction),
+        ];
+        for (key, x) in shares.iter().filter(|(_, x)| !(*x > 0.0 && *x < 1.0)) {
             mistakes.push(mistake(
                 file,
-                "fit.confidence",
-                &found,
+                key,
+                &x.to_string(),
                 "a number between 0 and 1",
             ));
         }

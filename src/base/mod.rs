@@ -1,4 +1,4 @@
-//! What everything else stands on: units, column names, tables, diagnostics and errors.
+//! What everything else stands on: units, column names, tables, diagnostics, errors and seeded random numbers.
 //!
 //! Architecture invariant: nothing in here knows a stage, a model, the cache or the command line.
 
@@ -7,6 +7,7 @@ pub mod diagnostics;
 pub mod error;
 pub mod frame;
 pub mod names;
+pub mod random;
 pub mod reading;
 pub mod reject;
 pub mod row;

@@ -3,16 +3,19 @@
 use super::levenberg_marquardt::LeastSquaresProblem;
 use super::matrix::Matrix;
 use super::real::Dual;
+use std::cell::RefCell;
 
 /// Observations of a model `f(row, parameters)` with `N` parameters, some of which may be held at a value.
 ///
-/// The fitter sees the free parameters only, in their order; [`DualProblem::full`] and [`DualProblem::free`] translate.
+/// The fitter sees the free parameters only, in their order; [`DualProblem::full`] and [`DualProblem::free`] translate. Dual numbers give
+/// the derivatives along with the residuals, and a descent asks for both at the same point, so those of the last point are kept.
 #[derive(Clone, Debug)]
 pub struct DualProblem<'a, const N: usize, F> {
     model: F,
     observed: &'a [f64],
     row_factors: Option<Vec<f64>>,
     held: [Option<f64>; N],
+    last: RefCell<Option<(Vec<f64>, Matrix)>>,
 }
 
 impl<'a, const N: usize, F> DualProblem<'a, N, F>
@@ -26,6 +29,7 @@ where
             observed,
             row_factors: None,
             held: [None; N],
+            last: RefCell::new(None),
         }
     }
 
@@ -93,19 +97,27 @@ where
 
     fn residuals(&self, p: &[f64], r: &mut [f64]) {
         let seeded = self.seeded(p);
+        let mut derivatives = Matrix::zeros(self.observed.len(), p.len());
         for (row, slot) in r.iter_mut().enumerate() {
-            let model = (self.model)(row, &seeded).value;
-            *slot = self.row_factor(row) * (self.observed[row] - model);
+            let model = (self.model)(row, &seeded);
+            let factor = self.row_factor(row);
+            *slot = factor * (self.observed[row] - model.value);
+            for k in 0..p.len() {
+                derivatives[(row, k)] = factor * model.gradient[k];
+            }
         }
+        *self.last.borrow_mut() = Some((p.to_vec(), derivatives));
     }
 
     fn jacobian(&self, p: &[f64], j: &mut Matrix) {
-        let seeded = self.seeded(p);
-        for row in 0..self.observed.len() {
-            let model = (self.model)(row, &seeded);
-            for k in 0..p.len() {
-                j[(row, k)] = self.row_factor(row) * model.gradient[k];
-            }
+        let known = |last: &Option<(Vec<f64>, Matrix)>| {
+            last.as_ref().is_some_and(|(at, _)| at.as_slice() == p)
+        };
+        if !known(&self.last.borrow()) {
+            self.residuals(p, &mut vec![0.0; self.observed.len()]);
+        }
+        if let Some((_, derivatives)) = self.last.borrow().as_ref() {
+            j.clone_from(derivatives);
         }
     }
 }

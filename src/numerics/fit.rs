@@ -88,7 +88,12 @@ impl<'a, P: LeastSquaresProblem + ?Sized> Fitter<'a, P> {
     }
 
     fn descend(&self, start: &[f64], weights: &[f64]) -> Minimum {
-        self.descend_at_most(self.options.max_iterations, start, weights, true)
+        self.descend_at_most(
+            self.options.max_iterations,
+            start,
+            weights,
+            self.options.polish,
+        )
     }
 
     fn descend_at_most(

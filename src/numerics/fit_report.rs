@@ -18,6 +18,8 @@ pub struct Options {
     pub max_iterations: usize,
     /// Relative change of the sum of squares or the parameters that ends a descent, before it is polished.
     pub tolerance: f64,
+    /// Whether the end of a descent is polished to machine precision.
+    pub polish: bool,
     /// Largest number of reweighted passes of a robust fit.
     pub max_passes: usize,
     /// Relative change of every parameter that ends the passes.
@@ -33,6 +35,7 @@ impl Default for Options {
             bounds: None,
             max_iterations: 2000,
             tolerance: f64::EPSILON,
+            polish: true,
             max_passes: 500,
             pass_tolerance: 1e-8,
         }

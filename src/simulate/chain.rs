@@ -9,7 +9,7 @@
 //! [`Actuator::force`], on its result, or on what the sensor receives. A list of such operators, applied in the order of the truth
 //! file, belongs in this file.
 
-use super::random::Stream;
+use crate::base::random::Stream;
 use crate::models::new;
 use crate::models::{Direction, State};
 

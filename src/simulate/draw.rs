@@ -1,10 +1,10 @@
 //! What a campaign draws before anything is measured: the specimens' strengths, and each session's zeros and pressures.
 
 use super::chain::{Actuator, Channel};
-use super::random::Stream;
 use super::staircase::Air;
 use super::truth::{Run, SpecimenTruth, Truth};
 use super::truth_lists::contraction_label;
+use crate::base::random::Stream;
 use crate::base::session::Sampling;
 use serde::Serialize;
 

@@ -8,10 +8,10 @@
 use super::chain::{Actuator, Channel};
 use super::draw::{DrawnSession, DrawnTruth};
 use super::number::{five_digits, fixed};
-use super::random::Stream;
 use super::rig_settings::LogUnit;
 use super::staircase::Staircase;
 use super::truth::Run;
+use crate::base::random::Stream;
 use crate::base::session::Phase;
 use std::fmt::Write;
 

@@ -7,7 +7,6 @@
 //! | file | idea |
 //! |---|---|
 //! | [`truth`], `truth_lists`, [`coefficients`], [`rig_settings`] | the truth file, strictly read |
-//! | [`random`] | random numbers that do not depend on what else is drawn |
 //! | [`draw`] | strengths, zeros and pressures of the sessions |
 //! | [`staircase`] | pressure over time |
 //! | [`chain`] | length, pressure, force, sensor: where effects belong |
@@ -16,14 +15,13 @@
 //! | [`write`](mod@write) | folders |
 //!
 //! Architecture invariant: everything but [`write`](mod@write) is a pure function of the truth file. Transcendental functions come
-//! from `libm` and random numbers from ChaCha8, so that equal truth files give equal bytes on every machine.
+//! from `libm` and random numbers from ChaCha8 ([`crate::base::random`]), so that equal truth files give equal bytes on every machine.
 
 pub mod chain;
 pub mod coefficients;
 pub mod draw;
 mod log;
 mod number;
-pub mod random;
 pub mod rig_settings;
 mod session_file;
 pub mod staircase;

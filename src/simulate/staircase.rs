@@ -19,8 +19,8 @@
 //! The wave decays within T_d = 50 ms sqrt(P/500 kPa), P the pressure at the end of the step, at least 10 ms: thin air rings less.
 //! Before the next step it is down to 1e-3 of its height.
 
-use super::random::Stream;
 use super::rig_settings::Rig;
+use crate::base::random::Stream;
 use crate::base::session::Phase;
 use std::f64::consts::TAU;
 

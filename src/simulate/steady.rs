@@ -8,9 +8,9 @@
 //! (the switch to venting may fall into the neighbouring step); the clipping bias of a zero that lies near the clipping level.
 
 use super::draw::{DrawnSession, DrawnTruth};
-use super::random::Stream;
 use super::staircase::{STEP_S, Staircase};
 use super::truth::{Run, Truth};
+use crate::base::random::Stream;
 use crate::base::session::{Phase, Sampling};
 
 /// The part of a step, counted from its beginning, over which a reading is averaged, s.

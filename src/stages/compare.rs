@@ -1,8 +1,9 @@
 //! Compare: every model on the same rows, with the honest statistics.
 //!
-//! The new model as fitted is judged three times: on the rows it was fitted to (`train`, RMSE over n - p), on each specimen by the fit
-//! that has not seen it (`loso`, leave one specimen out), and on what its owner held out. A published model has seen none of the rows,
-//! so p is 0 and all its splits are predictions. Where a model has no answer the row is not counted for it (`n_excluded`); where it
+//! The new model as fitted is judged on the rows it was fitted to (`train`, RMSE over n - p), on each specimen by the fit that has not
+//! seen it (`loso`, leave one specimen out), on what its owner held out, and by the force paper's split by row (`rows_train`,
+//! `rows_validation`: a fit to four fifths of each session's rows). A published model has seen none of the rows, so p is 0 and all its
+//! splits are predictions. Where a model has no answer the row is not counted for it (`n_excluded`); where it
 //! answers beyond what it was fitted to, the row counts and is said so (`n_extrapolated`).
 
 use crate::base::row::Row;
@@ -11,6 +12,7 @@ use crate::config::{CompareOptions, FitOptions};
 use crate::models::{Direction, ForceModel, Prediction, State, published};
 use crate::numerics::statistics::GoodnessOfFit;
 use crate::stages::fit::equations::{JOINT, joint_force};
+use crate::stages::fit::split::{self, Part};
 use crate::stages::fit::{Group, GroupFit, is_fitted, is_usable};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -30,7 +32,7 @@ pub struct Comparison {
     pub title: String,
     /// Whether its coefficients were fitted to this group.
     pub fitted_here: bool,
-    /// "train", "validation", "loso", "holdout" or "all".
+    /// One of [`SPLITS`].
     pub split: String,
     /// Rows compared.
     pub n: usize,
@@ -48,6 +50,17 @@ pub struct Comparison {
     pub n_excluded: usize,
     /// Rows for which it answers beyond what it was fitted to.
     pub n_extrapolated: usize,
+}
+
+/// One model on one specimen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SpecimenComparison {
+    /// Specimen id.
+    pub specimen: String,
+    /// l_rest, m.
+    pub rest_length_m: f64,
+    /// The statistics; its split is `loso` for a fit that has not seen the specimen, else `all`.
+    pub comparison: Comparison,
 }
 
 /// Why a model left rows out or went beyond its data.
@@ -70,6 +83,8 @@ pub struct GroupComparison {
     pub group: Group,
     /// Every model and split.
     pub comparisons: Vec<Comparison>,
+    /// Every model on each specimen; the fitted one by the fit that has not seen it, where there is one.
+    pub by_specimen: Vec<SpecimenComparison>,
     /// Where models end.
     pub domain: Vec<DomainNote>,
 }
@@ -103,10 +118,13 @@ pub fn compare(
     let rows: Vec<Row> = rows.iter().filter(|r| is_usable(r)).cloned().collect();
     let strongest = strongest(&rows);
     let mut comparisons = Vec::new();
+    let mut by_specimen = Vec::new();
     let mut domain = Vec::new();
     let mut by_model = BTreeMap::new();
     let new = new_model(fit, &rows, fit_options);
     let loso = leave_one_specimen_out(fit, &rows, fit_options);
+    let by_rows = split_by_row(fit, &rows, fit_options);
+    let splits = Splits::new(&rows, fit_options);
     let chosen = |m: &&'static dyn ForceModel| {
         m.diameters().contains(&fit.group.diameter_mm)
             && (options.models.is_empty() || options.models.iter().any(|id| id == m.id()))
@@ -124,13 +142,18 @@ pub fn compare(
         for split in SPLITS {
             let (used, p) = match (split, answers.fitted_here) {
                 ("loso", true) => (loso.as_ref(), 0),
+                ("rows_train", true) => (by_rows.as_ref(), parameters),
+                ("rows_validation", true) => (by_rows.as_ref(), 0),
                 ("train" | "all", true) => (Some(&answers), parameters),
                 _ => (Some(&answers), 0),
             };
-            let line =
-                used.and_then(|used| statistics(used, &answers, split, &rows, p, &strongest));
+            let members = splits.members(split, &rows);
+            let line = used
+                .and_then(|used| statistics(used, &answers, split, &rows, &members, p, &strongest));
             comparisons.extend(line);
         }
+        let unseen = loso.as_ref().filter(|_| answers.fitted_here);
+        by_specimen.extend(of_specimens(&answers, unseen, &rows, &strongest));
         domain.extend(domain_notes(&answers));
         by_model.insert(answers.id.clone(), forces(&answers.predictions));
     }
@@ -140,20 +163,76 @@ pub fn compare(
     let comparison = GroupComparison {
         group: fit.group.clone(),
         comparisons,
+        by_specimen,
         domain,
     };
     (comparison, Predictions { rows, by_model })
 }
 
-const SPLITS: [&str; 5] = ["train", "loso", "validation", "holdout", "all"];
+/// The splits, in the order of the tables.
+pub const SPLITS: [&str; 7] = [
+    "train",
+    "loso",
+    "validation",
+    "holdout",
+    "rows_train",
+    "rows_validation",
+    "all",
+];
 
-fn in_split(split: &str, row: &Row) -> bool {
-    match split {
-        "train" | "loso" => is_fitted(row),
-        "validation" => row.role == Some(Role::Validation),
-        "holdout" => row.role == Some(Role::Holdout),
-        _ => true,
+struct Splits {
+    by_row: Vec<Option<Part>>,
+}
+
+impl Splits {
+    fn new(rows: &[Row], options: &FitOptions) -> Self {
+        let rows: Vec<&Row> = rows.iter().collect();
+        Self {
+            by_row: split::by_row(&rows, options),
+        }
     }
+
+    /// The rows of a split.
+    fn members(&self, split: &str, rows: &[Row]) -> Vec<usize> {
+        let belongs = |k: &usize| match split {
+            "train" | "loso" => is_fitted(&rows[*k]),
+            "validation" => rows[*k].role == Some(Role::Validation),
+            "holdout" => rows[*k].role == Some(Role::Holdout),
+            "rows_train" => self.by_row[*k] == Some(Part::Train),
+            "rows_validation" => self.by_row[*k] == Some(Part::Validation),
+            _ => true,
+        };
+        (0..rows.len()).filter(belongs).collect()
+    }
+}
+
+/// One model on each specimen, by resting length.
+fn of_specimens(
+    answers: &Answers,
+    unseen: Option<&Answers>,
+    rows: &[Row],
+    strongest: &BTreeMap<String, f64>,
+) -> Vec<SpecimenComparison> {
+    let mut members: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    for (k, row) in rows.iter().enumerate() {
+        members.entry(&row.specimen).or_default().push(k);
+    }
+    let (used, split) = match unseen {
+        Some(unseen) => (unseen, "loso"),
+        None => (answers, "all"),
+    };
+    let mut found: Vec<SpecimenComparison> = members
+        .into_iter()
+        .filter_map(|(specimen, members)| {
+            Some(SpecimenComparison {
+                specimen: specimen.to_owned(),
+                rest_length_m: rows[members[0]].rest_length_m,
+                comparison: statistics(used, answers, split, rows, &members, 0, strongest)?,
+            })
+        })
+        .collect();
+    found.sort_by(|a, b| a.rest_length_m.total_cmp(&b.rest_length_m));
+    found
 }
 
 fn forces(predictions: &[Prediction]) -> Vec<f64> {
@@ -238,18 +317,32 @@ fn leave_one_specimen_out(fit: &GroupFit, rows: &[Row], options: &FitOptions) ->
     })
 }
 
+/// Every row predicted by the fit to the training rows of the split by row.
+fn split_by_row(fit: &GroupFit, rows: &[Row], options: &FitOptions) -> Option<Answers> {
+    let split = fit.equation(JOINT)?.by_rows.as_ref()?;
+    let diameter = fit.group.diameter_mm;
+    let force = |r: &Row| joint_force(&split.coefficients, diameter, r, options);
+    Some(Answers {
+        id: NEW.to_owned(),
+        title: String::new(),
+        fitted_here: true,
+        predictions: rows
+            .iter()
+            .map(|r| Prediction::new(force(r), None))
+            .collect(),
+    })
+}
+
 /// The statistics of one model on one split; `None` where the split has no rows.
 fn statistics(
     used: &Answers,
     named: &Answers,
     split: &str,
     rows: &[Row],
+    members: &[usize],
     parameters: usize,
     strongest: &BTreeMap<String, f64>,
 ) -> Option<Comparison> {
-    let members: Vec<usize> = (0..rows.len())
-        .filter(|k| in_split(split, &rows[*k]))
-        .collect();
     if members.is_empty() {
         return None;
     }

@@ -2,14 +2,16 @@
 
 use crate::base::error::{Error, Result};
 use crate::base::reject::Extent;
-use crate::base::row::{self, Row};
+use crate::base::row::{self, Row, role_name};
 use crate::base::session::{Phase, Sampling};
 use crate::cache::store::Outputs;
 use crate::config::Config;
 use crate::report::figures::{self, Drawn, Named};
 use crate::report::force::{Figures, force_pdf};
-use crate::report::render;
+use crate::report::render::{self, Renderer};
+use crate::report::table::{Cell, Column, Table};
 use crate::report::tables;
+use crate::stages::fit::{GroupFit, is_usable, split};
 use rayon::prelude::*;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
@@ -45,6 +47,8 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
             row::to_frame(&input.rows).to_parquet()?,
         ),
     ]);
+    outputs.insert("derived/fits.json".to_owned(), fits(input)?);
+    outputs.insert("derived/split.csv".to_owned(), split_csv(input, config));
     outputs.extend(files?);
     let mut names = Vec::new();
     for make in tables::ALL {
@@ -57,6 +61,34 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
     }
     outputs.insert("reports/summary.json".to_owned(), summary(input, &names)?);
     Ok(outputs)
+}
+
+/// `derived/fits.json`: every fit with its refits, for `pipeline predict` and for other programs.
+fn fits(input: &ReportInput) -> Result<Vec<u8>> {
+    let fits: Vec<&GroupFit> = input.groups.iter().map(|g| &g.fit).collect();
+    let mut bytes = serde_json::to_vec_pretty(&fits).map_err(Error::internal)?;
+    bytes.push(b'\n');
+    Ok(bytes)
+}
+
+/// `derived/split.csv`: on which side of each split every isometric reading lies. Leave-one-specimen-out folds are the specimens.
+fn split_csv(input: &ReportInput, config: &Config) -> Vec<u8> {
+    let rows: Vec<&Row> = input.rows.iter().filter(|r| is_usable(r)).collect();
+    let parts = split::by_row(&rows, &config.fit);
+    let names = ["session", "log", "first_row", "specimen", "role", "by_row"];
+    let columns = names.map(|n| Column::text(n, n)).to_vec();
+    let mut table = Table::new("split", "", columns);
+    for (row, part) in rows.iter().zip(parts) {
+        table.push(vec![
+            Cell::text(&row.session),
+            Cell::text(&row.log),
+            Cell::Integer(row.first_row),
+            Cell::text(&row.specimen),
+            row.role.map_or(Cell::Empty, |r| Cell::text(role_name(r))),
+            part.map_or(Cell::Empty, |p| Cell::text(p.name())),
+        ]);
+    }
+    render::csv::Csv.render(&table).into_bytes()
 }
 
 fn draw(figures: &[Named]) -> Result<Vec<Drawn>> {

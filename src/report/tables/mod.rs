@@ -1,7 +1,9 @@
 //! The tables, one file each. A new table is one new file and one line in [`ALL`].
 
 mod coefficients;
+mod comparison_by_length;
 mod fits;
+mod intervals;
 mod model_comparison;
 mod plateaus;
 mod rejects;
@@ -20,12 +22,16 @@ pub const ALL: &[fn(&ReportInput) -> Table] = &[
     plateaus::table,
     specimens::table,
     coefficients::table,
+    intervals::table,
     fits::table,
     model_comparison::table,
+    comparison_by_length::table,
 ];
 
 pub use coefficients::of_group as coefficients_of;
+pub use comparison_by_length::of_group as comparison_by_length_of;
 pub use fits::of_group as fits_of;
+pub use intervals::of_group as intervals_of;
 pub use model_comparison::of_group as comparison_of;
 pub use rejects::summary as rejects_summary;
 pub use sessions::table as sessions;

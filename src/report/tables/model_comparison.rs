@@ -24,7 +24,7 @@ pub fn of_group(group: &GroupInput) -> Table {
 }
 
 /// A title without what stands in brackets behind it.
-fn short(title: &str) -> &str {
+pub fn short(title: &str) -> &str {
     title.split(" (").next().unwrap_or(title)
 }
 
@@ -50,6 +50,10 @@ fn build(groups: Vec<&GroupInput>, shown: fn(&Comparison) -> bool) -> Table {
         "model_comparison",
         "Every model on the same readings",
         columns,
+    )
+    .note(
+        "Errors and bias are measured minus predicted. \\v{Outside}: readings for which the model has no answer, not counted in its errors; \
+         \\v{Extrap.}: readings beyond the model's own data, counted. Directions of filling and venting enter Hunt's model as \\v{S} = 0, the mean of both.",
     );
     for group in groups {
         let mut model = None;

@@ -7,15 +7,16 @@
 //! 89 of 100 simulated campaigns, with c0, c1, c2 inside in all).
 
 use crate::base::row::Row;
-use crate::config::FitOptions;
-use crate::numerics::distributions::student_t_quantile;
+use crate::config::{FitOptions, IntervalMethod};
 use crate::numerics::dual_problem::DualProblem;
 use crate::numerics::fit::{
     Fit, Options, ParameterState, Status, fit as minimise, fit_multi_start,
 };
+use crate::numerics::lar::{LarOptions, fit_lar};
 use crate::numerics::loss::Loss;
-use crate::numerics::real::Dual;
-use crate::numerics::statistics::{GoodnessOfFit, sum_of_squares};
+use crate::numerics::real::{Dual, Real};
+use crate::numerics::statistics::GoodnessOfFit;
+use crate::stages::fit::intervals::{Interval, Refits, intervals};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -71,8 +72,8 @@ pub struct CoefficientFit {
     pub ci_low: Option<f64>,
     /// Upper end.
     pub ci_high: Option<f64>,
-    /// Interval of the linearised covariance, which counts every row as independent.
-    pub linearised: Option<(f64, f64)>,
+    /// The intervals by every method that applies.
+    pub intervals: Vec<Interval>,
     /// "ok", or what is wrong with it: at a bound, not identified, held.
     pub state: String,
     /// Published value.
@@ -103,7 +104,7 @@ pub struct EquationFit {
     pub unit: String,
     /// The loss.
     pub loss: String,
-    /// How the intervals were made: "jackknife by specimen" or "linearised".
+    /// How `ci_low` and `ci_high` were made; linearised where the configured method does not apply.
     pub ci_method: String,
     /// How the fit ended.
     pub status: String,
@@ -121,6 +122,70 @@ pub struct EquationFit {
     pub max_abs_error: f64,
     /// Refits, one for every specimen.
     pub folds: Vec<Fold>,
+    /// The robust fit of the papers with the statistics that are printed for it; none where it has too few rows.
+    pub compatible: Option<Compatible>,
+    /// The fit to a part of each session's rows, judged on the others.
+    pub by_rows: Option<RowSplit>,
+}
+
+/// The LAR-compatible statistics of an equation ([`crate::numerics::lar`]): never mixed with the honest ones.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Compatible {
+    /// The coefficients of the fit with LAR weights; held ones as in the honest fit.
+    pub coefficients: Vec<f64>,
+    /// The intervals printed for them.
+    pub intervals: Vec<Option<(f64, f64)>>,
+    /// The printed RMSE.
+    pub rmse: f64,
+    /// The printed adjusted R2.
+    pub adjusted_r2: Option<f64>,
+    /// Largest absolute residual.
+    pub max_abs_error: f64,
+    /// Root of the mean squared residual over n - p of the ordinary fit.
+    pub s_ols: f64,
+    /// Street's scale of the robust one.
+    pub s_rob: f64,
+    /// Whether the coefficients settled.
+    pub converged: bool,
+}
+
+/// An equation fitted to the training rows of the split by row ([`crate::stages::fit::split`]).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RowSplit {
+    /// The coefficients of the training rows.
+    pub coefficients: Vec<f64>,
+    /// Honest statistics on the training rows, over n - p.
+    pub train: Goodness,
+    /// What the papers print for the training rows.
+    pub compatible: Option<Compatible>,
+    /// Honest statistics on the validation rows, over n.
+    pub validation: Goodness,
+}
+
+/// Honest statistics of residuals.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Goodness {
+    /// Rows.
+    pub n: usize,
+    /// RMSE.
+    pub rmse: Option<f64>,
+    /// Adjusted R2.
+    pub adjusted_r2: Option<f64>,
+    /// Largest absolute residual.
+    pub max_abs_error: Option<f64>,
+}
+
+impl Goodness {
+    /// The statistics that exist.
+    pub fn new(goodness: &GoodnessOfFit) -> Self {
+        let finite = |x: f64| x.is_finite().then_some(x);
+        Self {
+            n: goodness.n,
+            rmse: finite(goodness.rmse),
+            adjusted_r2: finite(goodness.adjusted_r2),
+            max_abs_error: finite(goodness.max_abs_error),
+        }
+    }
 }
 
 impl EquationFit {
@@ -135,21 +200,27 @@ const TOLERANCE: f64 = 1e-10;
 /// Relative change of every coefficient that ends the reweighted passes, as in the robust fits of the force paper.
 const PASS_TOLERANCE: f64 = 1e-6;
 
-struct Solution<const N: usize> {
-    values: [f64; N],
-    held: [Option<f64>; N],
-    fit: Fit,
+/// A solved equation.
+pub(super) struct Solution<const N: usize> {
+    pub(super) values: [f64; N],
+    pub(super) held: [Option<f64>; N],
+    pub(super) fit: Fit,
 }
 
 impl<const N: usize> Solution<N> {
+    /// The place of a coefficient among the free ones; `None` where it was held.
+    pub(super) fn place(&self, k: usize) -> Option<usize> {
+        let free = (0..k).filter(|j| self.held[*j].is_none()).count();
+        self.held[k].is_none().then_some(free)
+    }
+
     /// What became of a coefficient; `None` where it was held.
     fn state(&self, k: usize) -> Option<ParameterState> {
-        let free = (0..k).filter(|j| self.held[*j].is_none()).count();
-        self.held[k].is_none().then(|| self.fit.states[free])
+        Some(self.fit.states[self.place(k)?])
     }
 
     /// Whether the rows determine a coefficient; one that ends exactly where it started is determined too.
-    fn determines(&self, k: usize) -> bool {
+    pub(super) fn determines(&self, k: usize) -> bool {
         matches!(
             self.state(k),
             Some(ParameterState::Ok | ParameterState::Unmoved)
@@ -158,7 +229,12 @@ impl<const N: usize> Solution<N> {
 }
 
 impl<const N: usize> Equation<'_, N> {
-    fn solve(&self, rows: &[&Row], starts: &[[f64; N]], loss: Loss) -> Option<Solution<N>> {
+    pub(super) fn solve(
+        &self,
+        rows: &[&Row],
+        starts: &[[f64; N]],
+        loss: Loss,
+    ) -> Option<Solution<N>> {
         let held = (self.held)(rows);
         let observed: Vec<f64> = rows.iter().map(|r| (self.observed)(r)).collect();
         let free: Vec<usize> = (0..N).filter(|k| held[*k].is_none()).collect();
@@ -198,14 +274,20 @@ impl<const N: usize> Equation<'_, N> {
         })
     }
 
-    /// Fits the rows, and again without each of their specimens. `None` where the rows are too few or the model has no value.
-    pub fn fit(&self, rows: &[&Row], options: &FitOptions) -> Option<EquationFit> {
-        let loss = match options.loss.parse().unwrap_or(Loss::LeastSquares) {
+    /// The loss that the options ask for.
+    pub(super) fn loss(&self, options: &FitOptions) -> Loss {
+        match options.loss.parse().unwrap_or(Loss::LeastSquares) {
             Loss::Huber { .. } => Loss::Huber {
                 k: options.huber_at_rmse,
             },
             other => other,
-        };
+        }
+    }
+
+    /// Fits the rows, again without each of their specimens, and to the training rows of the split by row. `None` where the rows are too
+    /// few or the model has no value.
+    pub fn fit(&self, rows: &[&Row], options: &FitOptions) -> Option<EquationFit> {
+        let loss = self.loss(options);
         let full = self.solve(rows, &self.starts, loss)?;
         let specimens: BTreeSet<&str> = rows.iter().map(|r| r.specimen.as_str()).collect();
         let specimens: Vec<&str> = specimens.into_iter().collect();
@@ -217,100 +299,136 @@ impl<const N: usize> Equation<'_, N> {
                 (*id, self.solve(&others, &[full.values], loss))
             })
             .collect();
-        let spread = jackknife(&full, &refits);
-        let confidence = 0.5 + 0.5 * options.confidence;
-        let clustered = spread.is_some();
-        let freedom = if clustered {
-            specimens.len() - 1
-        } else {
-            full.fit.residuals.len() - full.fit.parameters.len()
+        let (intervals, compatible) = rayon::join(
+            || intervals(self, rows, &full, &refits, options),
+            || self.compatible(rows, &full, options),
+        );
+        let by_method = |method: IntervalMethod| {
+            intervals
+                .iter()
+                .flatten()
+                .any(|i| i.method == method)
+                .then_some(method)
         };
-        let quantile = student_t_quantile(confidence, freedom as f64);
+        let method = by_method(options.interval).unwrap_or(IntervalMethod::Linearised);
+        let goodness = self.goodness(rows, &full.values, full.fit.parameters.len());
         Some(EquationFit {
             id: self.id.to_owned(),
             title: self.title.to_owned(),
             unit: self.unit.to_owned(),
             loss: loss.name().to_owned(),
-            ci_method: if clustered {
-                "jackknife by specimen"
-            } else {
-                "linearised"
-            }
-            .to_owned(),
+            ci_method: method.name().to_owned(),
             status: full.fit.status.to_string(),
-            coefficients: self.coefficients(&full, &refits, spread.as_ref(), quantile, confidence),
-            folds: self.folds(&refits),
-            ..self.statistics(rows, &full)
-        })
-    }
-
-    fn statistics(&self, rows: &[&Row], full: &Solution<N>) -> EquationFit {
-        let observed: Vec<f64> = rows.iter().map(|r| (self.observed)(r)).collect();
-        let predicted: Vec<f64> = observed
-            .iter()
-            .zip(&full.fit.residuals)
-            .map(|(y, r)| y - r)
-            .collect();
-        let goodness = GoodnessOfFit::new(&observed, &predicted, full.fit.parameters.len());
-        EquationFit {
-            id: String::new(),
-            title: String::new(),
-            unit: String::new(),
-            loss: String::new(),
-            ci_method: String::new(),
-            status: String::new(),
-            coefficients: Vec::new(),
+            coefficients: self.coefficients(&full, &refits, intervals, method),
             n: goodness.n,
             p: goodness.parameters,
             rmse: goodness.rmse,
             adjusted_r2: goodness.adjusted_r2,
             max_abs_error: goodness.max_abs_error,
-            folds: Vec::new(),
+            folds: self.folds(&refits),
+            compatible,
+            by_rows: None,
+        })
+    }
+
+    /// Only the coefficients, without intervals.
+    pub fn values(&self, rows: &[&Row], options: &FitOptions) -> Option<[f64; N]> {
+        let solution = self.solve(rows, &self.starts, self.loss(options))?;
+        Some(solution.values)
+    }
+
+    /// Honest statistics of coefficients on rows; `parameters` is how many of them were fitted to these rows.
+    fn goodness(&self, rows: &[&Row], values: &[f64; N], parameters: usize) -> GoodnessOfFit {
+        let observed: Vec<f64> = rows.iter().map(|r| (self.observed)(r)).collect();
+        let constants = values.map(Dual::constant);
+        let predicted: Vec<f64> = rows
+            .iter()
+            .map(|r| (self.model)(r, &constants).value)
+            .collect();
+        GoodnessOfFit::new(&observed, &predicted, parameters)
+    }
+
+    /// The robust fit of the papers, from the honest solution on.
+    fn compatible(
+        &self,
+        rows: &[&Row],
+        full: &Solution<N>,
+        options: &FitOptions,
+    ) -> Option<Compatible> {
+        let observed: Vec<f64> = rows.iter().map(|r| (self.observed)(r)).collect();
+        let problem = DualProblem::new(&observed, |i, c: &[Dual<N>; N]| (self.model)(rows[i], c))
+            .with_held(full.held);
+        let bounds = (0..N)
+            .filter(|k| full.held[*k].is_none())
+            .map(|k| self.symbols[k].bounds);
+        let lar = LarOptions {
+            confidence_level: options.confidence,
+            bounds: Some(bounds.collect()),
+            ..LarOptions::default()
+        };
+        let fit = fit_lar(&problem, &observed, &problem.free(&full.values), &lar).ok()?;
+        let finite = |ends: (f64, f64)| (ends.0.is_finite() && ends.1.is_finite()).then_some(ends);
+        let interval = |k: usize| full.place(k).and_then(|free| finite(fit.confidence[free]));
+        Some(Compatible {
+            coefficients: problem.full(&fit.parameters).to_vec(),
+            intervals: (0..N).map(interval).collect(),
+            rmse: fit.rmse,
+            adjusted_r2: fit.adjusted_r2.is_finite().then_some(fit.adjusted_r2),
+            max_abs_error: fit.residuals.iter().fold(0.0, |m: f64, r| m.max(r.abs())),
+            s_ols: fit.s_ols,
+            s_rob: fit.s_rob,
+            converged: fit.converged,
+        })
+    }
+
+    /// The fit to `train`, judged on `validation`; `None` where one of them is empty or too small.
+    pub fn split(
+        &self,
+        train: &[&Row],
+        validation: &[&Row],
+        options: &FitOptions,
+    ) -> Option<RowSplit> {
+        if validation.is_empty() {
+            return None;
         }
+        let solution = self.solve(train, &self.starts, self.loss(options))?;
+        let of_train = self.goodness(train, &solution.values, solution.fit.parameters.len());
+        Some(RowSplit {
+            coefficients: solution.values.to_vec(),
+            train: Goodness::new(&of_train),
+            compatible: self.compatible(train, &solution, options),
+            validation: Goodness::new(&self.goodness(validation, &solution.values, 0)),
+        })
     }
 
     fn coefficients(
         &self,
         full: &Solution<N>,
-        refits: &[(&str, Option<Solution<N>>)],
-        spread: Option<&[f64; N]>,
-        quantile: f64,
-        confidence: f64,
+        refits: &Refits<N>,
+        intervals: [Vec<Interval>; N],
+        method: IntervalMethod,
     ) -> Vec<CoefficientFit> {
-        let errors = linearised_errors(&full.fit);
-        let freedom = (full.fit.residuals.len() - full.fit.parameters.len()) as f64;
-        let row_quantile = student_t_quantile(confidence, freedom);
-        (0..N)
-            .map(|k| {
-                let value = full.values[k];
-                let around = |half: f64| {
-                    (half.is_finite() && half > 0.0).then_some((value - half, value + half))
-                };
-                let free = (0..k).filter(|j| full.held[*j].is_none()).count();
-                let linearised = full.held[k]
-                    .is_none()
-                    .then(|| around(row_quantile * errors[free]))
-                    .flatten();
-                let interval = match spread {
-                    Some(spread) => around(quantile * spread[k]),
-                    None => linearised,
-                };
-                CoefficientFit {
-                    symbol: self.symbols[k].name.to_owned(),
-                    unit: self.symbols[k].unit.to_owned(),
-                    value,
-                    ci_low: interval.map(|i| i.0),
-                    ci_high: interval.map(|i| i.1),
-                    linearised,
-                    state: remark(k, full, refits),
-                    published: self.symbols[k].published.map(|p| p.0),
-                    published_interval: self.symbols[k].published.and_then(|p| p.1),
-                }
-            })
-            .collect()
+        let coefficient = |(k, intervals): (usize, Vec<Interval>)| {
+            let ends = intervals
+                .iter()
+                .find(|i| i.method == method)
+                .and_then(Interval::ends);
+            CoefficientFit {
+                symbol: self.symbols[k].name.to_owned(),
+                unit: self.symbols[k].unit.to_owned(),
+                value: full.values[k],
+                ci_low: ends.map(|i| i.0),
+                ci_high: ends.map(|i| i.1),
+                intervals,
+                state: remark(k, full, refits),
+                published: self.symbols[k].published.map(|p| p.0),
+                published_interval: self.symbols[k].published.and_then(|p| p.1),
+            }
+        };
+        intervals.into_iter().enumerate().map(coefficient).collect()
     }
 
-    fn folds(&self, refits: &[(&str, Option<Solution<N>>)]) -> Vec<Fold> {
+    fn folds(&self, refits: &Refits<N>) -> Vec<Fold> {
         refits
             .iter()
             .filter_map(|(id, solution)| {
@@ -326,22 +444,8 @@ impl<const N: usize> Equation<'_, N> {
     }
 }
 
-/// Standard errors from the covariance (JtJ)^-1 s^2 with s of the residuals themselves, whatever the loss.
-fn linearised_errors(fit: &Fit) -> Vec<f64> {
-    let n = fit.residuals.len() as f64;
-    let p = fit.parameters.len() as f64;
-    let variance = sum_of_squares(&fit.residuals) / (n - p);
-    (0..fit.parameters.len())
-        .map(|k| (variance * fit.covariance_factor[(k, k)]).sqrt())
-        .collect()
-}
-
 /// "ok", or what a reader of the coefficient must know.
-fn remark<const N: usize>(
-    k: usize,
-    full: &Solution<N>,
-    refits: &[(&str, Option<Solution<N>>)],
-) -> String {
+fn remark<const N: usize>(k: usize, full: &Solution<N>, refits: &Refits<N>) -> String {
     let of = |state: ParameterState| match state {
         ParameterState::Ok => "ok",
         ParameterState::AtLowerBound => "at its lower bound",
@@ -364,28 +468,4 @@ fn remark<const N: usize>(
         }
         Some(state) => of(state).to_owned(),
     }
-}
-
-/// Jackknife standard errors over specimens: sqrt((G - 1)/G sum (b_g - b)^2), about the full estimate, which is never smaller than about
-/// the mean. NaN for a coefficient that the full fit or one of the refits could not determine (at a bound, held): its interval is open.
-/// `None` below three specimens, or where a refit failed altogether.
-fn jackknife<const N: usize>(
-    full: &Solution<N>,
-    refits: &[(&str, Option<Solution<N>>)],
-) -> Option<[f64; N]> {
-    let g = refits.len() as f64;
-    let solutions: Vec<&Solution<N>> = refits.iter().filter_map(|(_, s)| s.as_ref()).collect();
-    if refits.len() < 3 || solutions.len() < refits.len() {
-        return None;
-    }
-    Some(std::array::from_fn(|k| {
-        if !full.determines(k) || !solutions.iter().all(|s| s.determines(k)) {
-            return f64::NAN;
-        }
-        let deviations: Vec<f64> = solutions
-            .iter()
-            .map(|s| s.values[k] - full.values[k])
-            .collect();
-        ((g - 1.0) / g * sum_of_squares(&deviations)).sqrt()
-    }))
 }

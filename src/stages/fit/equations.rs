@@ -6,7 +6,8 @@ use crate::models::{Coefficient, new};
 use crate::numerics::real::{Dual, Real};
 use crate::stages::fit::contraction_620;
 use crate::stages::fit::engine::{Equation, EquationFit, Symbol};
-use crate::stages::fit::maxima::Maximum;
+use crate::stages::fit::maxima::{self, Maximum};
+use crate::stages::fit::split::{self, Part};
 use std::collections::BTreeSet;
 
 /// Id of the fit of F_620(l_rest): Eq. 5 (10 mm) or Eq. 6 (20 mm).
@@ -120,11 +121,13 @@ pub fn fit_all(
         .collect()
 }
 
-fn maximum_force(
+/// Eqs. 5 and 6, with one row a specimen; `None` below three resting lengths.
+fn with_maximum_force<R>(
     diameter_mm: u32,
     maxima: &[Maximum],
     options: &FitOptions,
-) -> Option<EquationFit> {
+    then: impl FnOnce(&Equation<2>, &[&Row]) -> Option<R>,
+) -> Option<R> {
     let rows: Vec<Row> = maxima
         .iter()
         .map(|m| {
@@ -163,30 +166,40 @@ fn maximum_force(
             )
         },
     };
-    equation.fit(&rows, options)
+    then(&equation, &rows)
+}
+
+fn maximum_force(
+    diameter_mm: u32,
+    maxima: &[Maximum],
+    options: &FitOptions,
+) -> Option<EquationFit> {
+    with_maximum_force(diameter_mm, maxima, options, |e, rows| e.fit(rows, options))
+}
+
+/// Only the coefficients of it.
+fn maximum_force_law(
+    diameter_mm: u32,
+    maxima: &[Maximum],
+    options: &FitOptions,
+) -> Option<[f64; 2]> {
+    with_maximum_force(diameter_mm, maxima, options, |e, rows| {
+        e.values(rows, options)
+    })
 }
 
 /// Eq. 7 with a given offset l_0, m.
-fn force_at_rest(
+fn with_force_at_rest<R>(
     id: &'static str,
     diameter_mm: u32,
-    rows: &[&Row],
     offset: f64,
-    options: &FitOptions,
-) -> Option<EquationFit> {
-    let rows: Vec<&Row> = rows
-        .iter()
-        .copied()
-        .filter(|r| r.contraction_rel.abs() <= options.at_rest)
-        .collect();
-    if lengths(&rows) < 2 {
-        return None;
-    }
+    then: impl FnOnce(&Equation<2>) -> R,
+) -> R {
     let (a1, a2) = (
         start(diameter_mm, "a1", 1.0),
         start(diameter_mm, "a2", 0.03),
     );
-    let equation = Equation::<2> {
+    then(&Equation::<2> {
         id,
         title: "force at resting length against resting length and pressure",
         unit: "N",
@@ -204,8 +217,26 @@ fn force_at_rest(
             );
             new::fmax(c[0], c[1], Dual::constant(offset), length, pressure)
         },
-    };
-    equation.fit(&rows, options)
+    })
+}
+
+fn at_rest<'a>(rows: &[&'a Row], options: &FitOptions) -> Vec<&'a Row> {
+    let at_rest = |r: &&Row| r.contraction_rel.abs() <= options.at_rest;
+    rows.iter().copied().filter(at_rest).collect()
+}
+
+fn force_at_rest(
+    id: &'static str,
+    diameter_mm: u32,
+    rows: &[&Row],
+    offset: f64,
+    options: &FitOptions,
+) -> Option<EquationFit> {
+    let rows = at_rest(rows, options);
+    if lengths(&rows) < 2 {
+        return None;
+    }
+    with_force_at_rest(id, diameter_mm, offset, |e| e.fit(&rows, options))
 }
 
 const SURFACE_BOUNDS: [(f64, f64); 3] = [(0.0, 5.0), (1e-3, 100.0), (-2.0, 50.0)];
@@ -226,35 +257,31 @@ fn surface_start(diameter_mm: u32) -> [f64; 3] {
     ]
 }
 
-/// Eq. 8: forces divided by the fitted F_620 of their resting length, or by the specimen's own where no law of length could be fitted.
-fn surface(
+/// Eq. 8: forces divided by the fitted F_620 of their resting length, or by the specimen's own maximum where no law of length could be
+/// fitted; what is fitted is not a number for rows that have neither.
+fn with_surface<R>(
     diameter_mm: u32,
-    rows: &[&Row],
     maxima: &[Maximum],
     f620: Option<&[f64]>,
     options: &FitOptions,
-) -> Option<EquationFit> {
+    then: impl FnOnce(&Equation<3>) -> R,
+) -> R {
     let offset = cap_length_m(diameter_mm, options);
     let scale = |r: &Row| match f620 {
-        Some(b) => Some(new::f620(b[0], b[1], offset, r.rest_length_m)),
+        Some(b) => new::f620(b[0], b[1], offset, r.rest_length_m),
         None => maxima
             .iter()
             .find(|m| m.specimen == r.specimen)
-            .map(|m| m.force_n),
+            .map_or(f64::NAN, |m| m.force_n),
     };
-    let rows: Vec<&Row> = rows
-        .iter()
-        .copied()
-        .filter(|r| scale(r).is_some())
-        .collect();
-    let equation = Equation::<3> {
+    then(&Equation::<3> {
         id: SURFACE,
         title: "relative force against relative contraction and relative pressure",
         unit: "1",
         symbols: surface_symbols(diameter_mm),
         starts: vec![surface_start(diameter_mm)],
         held: &|_| [None; 3],
-        observed: &|r| r.force_n / scale(r).unwrap_or(f64::NAN),
+        observed: &|r| r.force_n / scale(r),
         model: &|r, c| {
             new::surface(
                 *c,
@@ -262,13 +289,33 @@ fn surface(
                 Dual::constant(r.pressure_rel),
             )
         },
-    };
-    equation.fit(&rows, options)
+    })
 }
 
-/// Eq. 9 with all coefficients free: b1, b2, c0, c1, c2, in N. With one resting length b2 cannot be told from b1 and is held. `None`
-/// without more rows than coefficients.
-pub fn joint(diameter_mm: u32, rows: &[&Row], options: &FitOptions) -> Option<EquationFit> {
+/// The rows that an equation can be fitted to.
+fn defined<'a, const N: usize>(equation: &Equation<N>, rows: &[&'a Row]) -> Vec<&'a Row> {
+    let defined = |r: &&Row| (equation.observed)(r).is_finite();
+    rows.iter().copied().filter(defined).collect()
+}
+
+fn surface(
+    diameter_mm: u32,
+    rows: &[&Row],
+    maxima: &[Maximum],
+    f620: Option<&[f64]>,
+    options: &FitOptions,
+) -> Option<EquationFit> {
+    with_surface(diameter_mm, maxima, f620, options, |e| {
+        e.fit(&defined(e, rows), options)
+    })
+}
+
+/// Eq. 9 with all coefficients free: b1, b2, c0, c1, c2, in N. With one resting length b2 cannot be told from b1 and is held.
+fn with_joint<R>(
+    diameter_mm: u32,
+    options: &FitOptions,
+    then: impl FnOnce(&Equation<5>) -> R,
+) -> R {
     let offset = cap_length_m(diameter_mm, options);
     let constant = start(diameter_mm, "F_620", 1000.0) / std::f64::consts::FRAC_PI_2;
     let (b1, b2) = (
@@ -278,7 +325,7 @@ pub fn joint(diameter_mm: u32, rows: &[&Row], options: &FitOptions) -> Option<Eq
     let [c0, c1, c2] = surface_start(diameter_mm);
     let has_law = published(diameter_mm, "b2").is_some();
     let symbols = surface_symbols(diameter_mm);
-    let equation = Equation::<5> {
+    then(&Equation::<5> {
         id: JOINT,
         title: "force against resting length, contraction and pressure, all coefficients jointly",
         unit: "N",
@@ -316,8 +363,52 @@ pub fn joint(diameter_mm: u32, rows: &[&Row], options: &FitOptions) -> Option<Eq
             );
             new::force([c[2], c[3], c[4]], f620, contraction, pressure)
         },
-    };
-    equation.fit(rows, options)
+    })
+}
+
+/// The fit of Eq. 9; `None` without more rows than coefficients.
+pub fn joint(diameter_mm: u32, rows: &[&Row], options: &FitOptions) -> Option<EquationFit> {
+    with_joint(diameter_mm, options, |e| e.fit(rows, options))
+}
+
+/// The split by row of every equation that is fitted to rows, the law of length by which Eq. 8 divides included.
+pub fn judge_by_rows(
+    diameter_mm: u32,
+    fits: &mut [EquationFit],
+    rows: &[&Row],
+    options: &FitOptions,
+) {
+    let parts = split::by_row(rows, options);
+    let train = split::part(rows, &parts, Part::Train);
+    let validation = split::part(rows, &parts, Part::Validation);
+    let cap = cap_length_m(diameter_mm, options);
+    let printed = published(diameter_mm, "l_0 (Eq. 7)").map_or(cap, |c| c.value);
+    for fit in fits {
+        fit.by_rows = match fit.id.as_str() {
+            FORCE_AT_REST => with_force_at_rest(FORCE_AT_REST, diameter_mm, printed, |e| {
+                e.split(
+                    &at_rest(&train, options),
+                    &at_rest(&validation, options),
+                    options,
+                )
+            }),
+            SURFACE => {
+                let maxima = maxima::maxima(&train, options);
+                let law = maximum_force_law(diameter_mm, &maxima, options);
+                with_surface(
+                    diameter_mm,
+                    &maxima,
+                    law.as_ref().map(<[f64; 2]>::as_slice),
+                    options,
+                    |e| e.split(&defined(e, &train), &defined(e, &validation), options),
+                )
+            }
+            JOINT => with_joint(diameter_mm, options, |e| {
+                e.split(&train, &validation, options)
+            }),
+            _ => None,
+        };
+    }
 }
 
 /// The force of Eq. 9 with jointly fitted coefficients, N.

@@ -18,7 +18,9 @@
 
 pub mod engine;
 pub mod equations;
+pub mod intervals;
 pub mod maxima;
+pub mod split;
 
 use crate::base::row::Row;
 use crate::base::session::{Kind, Role};
@@ -65,6 +67,19 @@ pub struct SpecimenSummary {
     pub maximum: Option<Maximum>,
 }
 
+/// The smallest and largest value of each quantity among fitted rows.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ranges {
+    /// l_rest, m.
+    pub rest_length_m: (f64, f64),
+    /// Gauge pressure, kPa.
+    pub pressure_kpa: (f64, f64),
+    /// eps*.
+    pub contraction_rel: (f64, f64),
+    /// eps_620.
+    pub contraction_620: (f64, f64),
+}
+
 /// Everything that was fitted to one group.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GroupFit {
@@ -76,6 +91,8 @@ pub struct GroupFit {
     pub rows_kept_out: usize,
     /// Rows of excluded sessions.
     pub rows_excluded: usize,
+    /// What was measured of it: the range in which its fits interpolate.
+    pub ranges: Ranges,
     /// The specimens, by resting length.
     pub specimens: Vec<SpecimenSummary>,
     /// The equations, in the order of the force paper.
@@ -146,15 +163,34 @@ pub fn fit_group(group: &Group, rows: &[Row], options: &FitOptions) -> GroupFit 
     let fitted: Vec<&Row> = usable.iter().copied().filter(|r| is_fitted(r)).collect();
     let maxima = maxima::maxima(&fitted, options);
     let mut notes = Vec::new();
-    let equations = equations::fit_all(group.diameter_mm, &fitted, &maxima, options, &mut notes);
+    let mut equations =
+        equations::fit_all(group.diameter_mm, &fitted, &maxima, options, &mut notes);
+    equations::judge_by_rows(group.diameter_mm, &mut equations, &usable, options);
     GroupFit {
         group: group.clone(),
         rows: fitted.len(),
         rows_kept_out: usable.len() - fitted.len(),
         rows_excluded: rows.iter().filter(|r| r.excluded).count(),
+        ranges: ranges(&fitted),
         specimens: summaries(&fitted, &maxima),
         equations,
         notes,
+    }
+}
+
+fn ranges(rows: &[&Row]) -> Ranges {
+    let of = |quantity: fn(&Row) -> f64| {
+        rows.iter()
+            .map(|r| quantity(r))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+                (low.min(x), high.max(x))
+            })
+    };
+    Ranges {
+        rest_length_m: of(|r| r.rest_length_m),
+        pressure_kpa: of(|r| r.pressure_kpa),
+        contraction_rel: of(|r| r.contraction_rel),
+        contraction_620: of(contraction_620),
     }
 }
 

@@ -1,8 +1,8 @@
 //! Random numbers that depend on what they are for and on nothing else.
 //!
-//! A [`Stream`] is ChaCha8 keyed by the campaign's seed and a path of names, such as `["log", session id, run]`. No stream sees how
-//! often another was drawn from, or whether another exists: a specimen or a run that is added to a truth file leaves the bytes
-//! of all other sessions as they were.
+//! A [`Stream`] is ChaCha8 keyed by a seed and a path of names, such as `["log", session id, run]`. No stream sees how often another
+//! was drawn from, or whether another exists: a specimen or a run that is added to a truth file leaves the bytes of all other simulated
+//! sessions as they were, and a session that is added to a campaign leaves every other session's split of rows as it was.
 //!
 //! Derivation of the 256-bit key: FNV-1a (64 bits; offset basis 0xcbf29ce484222325, prime 0x100000001b3) over the seed's eight
 //! little-endian bytes and then each name followed by the byte 0x1f; the hash starts a SplitMix64 generator, whose first four
@@ -36,6 +36,11 @@ impl Stream {
     pub fn uniform(&mut self) -> f64 {
         let cell = (self.generator.next_u64() >> 11) as f64;
         ((cell + 0.5) * (1.0 / (1_u64 << 53) as f64)).min(1.0 - f64::EPSILON / 2.0)
+    }
+
+    /// Uniform on 0, 1, …, `n` - 1; 0 of none. The bias is below n/2^53.
+    pub fn below(&mut self, n: usize) -> usize {
+        ((self.uniform() * n as f64) as usize).min(n.saturating_sub(1))
     }
 
     /// Standard normal (G. E. P. Box and M. E. Muller, Ann. Math. Stat. 29 (1958) 610); both deviates of a pair are used.

@@ -1,0 +1,364 @@
+//! The interval of a coefficient, by four methods that stand side by side in `intervals.csv`.
+//!
+//! | method | what it assumes |
+//! |---|---|
+//! | jackknife by specimen | refits without each specimen, Student's t of G - 1 degrees of freedom (Tukey 1958; Efron 1982): rows of one specimen may depend on each other in any way |
+//! | bootstrap by specimen | refits to G specimens drawn with replacement, percentiles (Efron and Tibshirani 1993, section 8.5): as before; too narrow for few specimens |
+//! | profile likelihood | values at which the best sum of squares of the other coefficients rises by t^2 s^2 (Bates and Watts 1988, chapter 6): independent rows, any curvature |
+//! | linearised | (JtJ)^-1 s^2: independent rows, no curvature |
+//!
+//! The last two stand beside the published intervals, which were made in the same way; rows of one log are not independent, so they are too
+//! narrow. A method that needs specimens gives nothing below three of them, and an end that the data do not determine is open.
+
+use crate::base::random::Stream;
+use crate::base::row::Row;
+use crate::config::{FitOptions, IntervalMethod};
+use crate::numerics::distributions::student_t_quantile;
+use crate::numerics::dual_problem::DualProblem;
+use crate::numerics::fit::{Fit, Options, Status, fit as minimise};
+use crate::numerics::real::Dual;
+use crate::numerics::statistics::{quantile, sum_of_squares};
+use crate::stages::fit::engine::{Equation, Solution};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Fewest specimens of a method that goes by specimen.
+const FEWEST_SPECIMENS: usize = 3;
+/// Relative change of the sum of squares that ends a refit: percentiles of a thousand refits have no use for more.
+const TOLERANCE: f64 = 1e-8;
+/// Largest fraction of bootstrap refits that may fail to determine a coefficient.
+const MOST_UNDETERMINED: f64 = 0.05;
+
+/// The interval of one coefficient by one method.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Interval {
+    /// How it was made.
+    pub method: IntervalMethod,
+    /// Lower end; none where it is open.
+    pub low: Option<f64>,
+    /// Upper end.
+    pub high: Option<f64>,
+}
+
+impl Interval {
+    fn new(method: IntervalMethod, ends: [Option<f64>; 2]) -> Self {
+        let [low, high] = ends.map(|x| x.filter(|x| x.is_finite()));
+        Self { method, low, high }
+    }
+
+    fn around(method: IntervalMethod, value: f64, half: f64) -> Self {
+        let known = half.is_finite() && half > 0.0;
+        Self::new(
+            method,
+            [known.then_some(value - half), known.then_some(value + half)],
+        )
+    }
+
+    /// Both ends, where neither is open.
+    pub fn ends(&self) -> Option<(f64, f64)> {
+        self.low.zip(self.high)
+    }
+}
+
+/// Refits without each specimen, by id.
+pub(super) type Refits<'a, const N: usize> = [(&'a str, Option<Solution<N>>)];
+
+/// The intervals of every coefficient, by every method that applies.
+pub(super) fn intervals<const N: usize>(
+    equation: &Equation<N>,
+    rows: &[&Row],
+    full: &Solution<N>,
+    refits: &Refits<N>,
+    options: &FitOptions,
+) -> [Vec<Interval>; N] {
+    let level = 0.5 + 0.5 * options.confidence;
+    let errors = linearised_errors(&full.fit);
+    let freedom = full.fit.residuals.len() - full.fit.parameters.len();
+    let t_of_rows = student_t_quantile(level, freedom as f64);
+    let spread = jackknife(full, refits);
+    let draws = bootstrap(equation, rows, full, refits, options);
+    let work: Vec<usize> = (0..N).collect();
+    let found: Vec<Vec<Interval>> = work
+        .into_par_iter()
+        .map(|k| {
+            let Some(free) = full.place(k) else {
+                return Vec::new();
+            };
+            let value = full.values[k];
+            let mut list = Vec::new();
+            if let Some(spread) = &spread {
+                let t = student_t_quantile(level, (refits.len() - 1) as f64);
+                list.push(Interval::around(
+                    IntervalMethod::Jackknife,
+                    value,
+                    t * spread[k],
+                ));
+            }
+            if let Some(draws) = &draws {
+                list.push(Interval::new(
+                    IntervalMethod::Bootstrap,
+                    percentiles(draws, k, level),
+                ));
+            }
+            let half = t_of_rows * errors[free];
+            let profile = Profile::new(equation, rows, full, k);
+            list.push(Interval::new(
+                IntervalMethod::Profile,
+                profile.ends(half, t_of_rows),
+            ));
+            list.push(Interval::around(IntervalMethod::Linearised, value, half));
+            list
+        })
+        .collect();
+    let mut found = found.into_iter();
+    std::array::from_fn(|_| found.next().unwrap_or_default())
+}
+
+/// Standard errors from the covariance (JtJ)^-1 s^2 with s of the residuals themselves, whatever the loss.
+fn linearised_errors(fit: &Fit) -> Vec<f64> {
+    let n = fit.residuals.len() as f64;
+    let p = fit.parameters.len() as f64;
+    let variance = sum_of_squares(&fit.residuals) / (n - p);
+    (0..fit.parameters.len())
+        .map(|k| (variance * fit.covariance_factor[(k, k)]).sqrt())
+        .collect()
+}
+
+/// Jackknife standard errors over specimens: sqrt((G - 1)/G sum (b_g - b)^2), about the full estimate, which is never smaller than about
+/// the mean. NaN for a coefficient that the full fit or one of the refits could not determine (at a bound, held): its interval is open.
+/// `None` below three specimens, or where a refit failed altogether.
+fn jackknife<const N: usize>(full: &Solution<N>, refits: &Refits<N>) -> Option<[f64; N]> {
+    let g = refits.len() as f64;
+    let solutions: Vec<&Solution<N>> = refits.iter().filter_map(|(_, s)| s.as_ref()).collect();
+    if refits.len() < FEWEST_SPECIMENS || solutions.len() < refits.len() {
+        return None;
+    }
+    Some(std::array::from_fn(|k| {
+        if !full.determines(k) || !solutions.iter().all(|s| s.determines(k)) {
+            return f64::NAN;
+        }
+        let deviations: Vec<f64> = solutions
+            .iter()
+            .map(|s| s.values[k] - full.values[k])
+            .collect();
+        ((g - 1.0) / g * sum_of_squares(&deviations)).sqrt()
+    }))
+}
+
+/// The coefficients of every bootstrap refit; NaN where it did not determine one. `None` below three specimens or without refits.
+///
+/// G specimens give (2G - 1 choose G) different draws, 35 for four: each is solved once, however often it was drawn.
+fn bootstrap<const N: usize>(
+    equation: &Equation<N>,
+    rows: &[&Row],
+    full: &Solution<N>,
+    refits: &Refits<N>,
+    options: &FitOptions,
+) -> Option<Vec<[f64; N]>> {
+    let specimens = refits.len();
+    if specimens < FEWEST_SPECIMENS || options.bootstrap_refits == 0 {
+        return None;
+    }
+    let mut stream = Stream::new(options.seed, &["bootstrap", equation.id]);
+    let mut times_drawn: BTreeMap<Vec<usize>, usize> = BTreeMap::new();
+    for _ in 0..options.bootstrap_refits {
+        let mut copies = vec![0_usize; specimens];
+        for _ in 0..specimens {
+            copies[stream.below(specimens)] += 1;
+        }
+        *times_drawn.entry(copies).or_default() += 1;
+    }
+    let draws: Vec<(Vec<usize>, usize)> = times_drawn.into_iter().collect();
+    let solved: Vec<([f64; N], usize)> = draws
+        .par_iter()
+        .map(|(copies, times)| {
+            let of = |row: &Row| refits.iter().position(|(id, _)| *id == row.specimen);
+            let copies: Vec<f64> = rows
+                .iter()
+                .map(|r| of(r).map_or(0.0, |g| copies[g] as f64))
+                .collect();
+            (refit(equation, rows, full, &copies), *times)
+        })
+        .collect();
+    Some(
+        solved
+            .into_iter()
+            .flat_map(|(values, times)| std::iter::repeat_n(values, times))
+            .collect(),
+    )
+}
+
+/// The coefficients of the rows taken so many times each, NaN where they do not determine one. Rows keep the weight that the robust loss
+/// gave them in the full fit.
+fn refit<const N: usize>(
+    equation: &Equation<N>,
+    rows: &[&Row],
+    full: &Solution<N>,
+    copies: &[f64],
+) -> [f64; N] {
+    let drawn = rows.iter().zip(copies).zip(&full.fit.weights);
+    let (drawn, weights): (Vec<&Row>, Vec<f64>) = drawn
+        .filter(|((_, copies), _)| **copies > 0.0)
+        .map(|((row, copies), weight)| (*row, copies * weight))
+        .unzip();
+    let held = (equation.held)(&drawn);
+    let solution = weighted(equation, &drawn, &weights, held, &full.values);
+    let value = |k: usize| match &solution {
+        Some(s) if s.determines(k) => s.values[k],
+        _ => f64::NAN,
+    };
+    std::array::from_fn(value)
+}
+
+/// Least squares with given weights and held coefficients; `None` where there are too few rows or the model has no value.
+fn weighted<const N: usize>(
+    equation: &Equation<N>,
+    rows: &[&Row],
+    weights: &[f64],
+    held: [Option<f64>; N],
+    start: &[f64; N],
+) -> Option<Solution<N>> {
+    let observed: Vec<f64> = rows.iter().map(|r| (equation.observed)(r)).collect();
+    let free: Vec<usize> = (0..N).filter(|k| held[*k].is_none()).collect();
+    if rows.len() <= free.len() {
+        return None;
+    }
+    let problem = DualProblem::new(&observed, |i, c: &[Dual<N>; N]| {
+        (equation.model)(rows[i], c)
+    })
+    .with_weights(weights)
+    .with_held(held);
+    let options = Options {
+        bounds: Some(free.iter().map(|k| equation.symbols[*k].bounds).collect()),
+        tolerance: TOLERANCE,
+        polish: false,
+        ..Options::default()
+    };
+    let fit = minimise(&problem, &problem.free(start), &options);
+    (fit.status != Status::NotFinite).then(|| Solution {
+        values: problem.full(&fit.parameters),
+        held,
+        fit,
+    })
+}
+
+/// The percentile interval; open where too many refits did not determine the coefficient.
+fn percentiles<const N: usize>(draws: &[[f64; N]], k: usize, level: f64) -> [Option<f64>; 2] {
+    let known: Vec<f64> = draws
+        .iter()
+        .map(|d| d[k])
+        .filter(|x| x.is_finite())
+        .collect();
+    let lost = 1.0 - known.len() as f64 / draws.len() as f64;
+    if lost > MOST_UNDETERMINED {
+        return [None; 2];
+    }
+    [1.0 - level, level].map(|p| Some(quantile(&known, p)))
+}
+
+/// The sum of squares as a function of one coefficient, the others at their best; rows keep the weights of the full fit.
+struct Profile<'a, 'e, const N: usize> {
+    equation: &'a Equation<'e, N>,
+    rows: &'a [&'a Row],
+    full: &'a Solution<N>,
+    k: usize,
+    lowest: f64,
+    variance: f64,
+}
+
+impl<'a, 'e, const N: usize> Profile<'a, 'e, N> {
+    /// Doublings of the distance in which an end must be found.
+    const DOUBLINGS: usize = 30;
+    /// Steps of the search between a point inside and one outside, and the precision that ends it.
+    const STEPS: usize = 60;
+    const PRECISION: f64 = 1e-6;
+
+    fn new(
+        equation: &'a Equation<'e, N>,
+        rows: &'a [&'a Row],
+        full: &'a Solution<N>,
+        k: usize,
+    ) -> Self {
+        let weighted: Vec<f64> = full
+            .fit
+            .residuals
+            .iter()
+            .zip(&full.fit.weights)
+            .map(|(r, w)| w * r * r)
+            .collect();
+        let lowest = crate::numerics::statistics::sum(&weighted);
+        let freedom = full.fit.residuals.len() - full.fit.parameters.len();
+        Self {
+            equation,
+            rows,
+            full,
+            k,
+            lowest,
+            variance: lowest / freedom as f64,
+        }
+    }
+
+    /// Where the signed root of the rise over s^2 reaches `t`, below and above the estimate.
+    fn ends(&self, half: f64, t: f64) -> [Option<f64>; 2] {
+        if !(half.is_finite() && half > 0.0 && self.variance > 0.0) {
+            return [None; 2];
+        }
+        let (low, high) = self.equation.symbols[self.k].bounds;
+        let value = self.full.values[self.k];
+        [
+            self.end(-1.0, half, value - low, t),
+            self.end(1.0, half, high - value, t),
+        ]
+    }
+
+    fn end(&self, side: f64, half: f64, room: f64, t: f64) -> Option<f64> {
+        let value = self.full.values[self.k];
+        let mut start = self.full.values;
+        let mut rise = |distance: f64| self.rise(value + side * distance, &mut start);
+        let (mut inside, mut below) = (0.0, -t);
+        let mut outside = half.min(room);
+        let mut above = rise(outside)? - t;
+        for _ in 0..Self::DOUBLINGS {
+            if above >= 0.0 || outside >= room {
+                break;
+            }
+            (inside, below) = (outside, above);
+            outside = (2.0 * outside).min(room);
+            above = rise(outside)? - t;
+        }
+        if above < 0.0 {
+            return None;
+        }
+        // False position with halving of the end that stays (Illinois).
+        for _ in 0..Self::STEPS {
+            if above == 0.0 || (outside - inside) <= Self::PRECISION * outside {
+                break;
+            }
+            let middle = (inside * above - outside * below) / (above - below);
+            let at = rise(middle)? - t;
+            if at.abs() <= Self::PRECISION * t {
+                return Some(value + side * middle);
+            }
+            if at < 0.0 {
+                (inside, below) = (middle, at);
+                above *= 0.5;
+            } else {
+                (outside, above) = (middle, at);
+                below *= 0.5;
+            }
+        }
+        Some(value + side * outside)
+    }
+
+    /// sqrt((S - S_lowest)/s^2) with the coefficient at `at`; `start` follows the other coefficients.
+    fn rise(&self, at: f64, start: &mut [f64; N]) -> Option<f64> {
+        let mut held = self.full.held;
+        held[self.k] = Some(at);
+        let weights = &self.full.fit.weights;
+        let solution = weighted(self.equation, self.rows, weights, held, start)?;
+        *start = solution.values;
+        let rise = (solution.fit.sse - self.lowest).max(0.0);
+        Some((rise / self.variance).sqrt())
+    }
+}
