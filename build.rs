@@ -23,13 +23,7 @@ const STAGES: &[(&str, &[&str])] = &[
     ("FIT", &["base", "models", "numerics", "stages/fit"]),
     (
         "COMPARE",
-        &[
-            "base",
-            "models",
-            "numerics",
-            "stages/fit",
-            "stages/compare.rs",
-        ],
+        &["base", "models", "numerics", "stages/fit", "stages/compare"],
     ),
     (
         "REPORT",

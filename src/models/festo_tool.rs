@@ -12,6 +12,7 @@
 use std::sync::OnceLock;
 
 use super::festo_table::{FestoTable, Lookup};
+use super::gate::Reference;
 use super::{Citation, Coefficient, ForceModel, Prediction, Quantity, Reason, State};
 use crate::numerics::real::Real;
 
@@ -59,6 +60,36 @@ impl ForceModel for FestoTool {
     }
     fn coefficients(&self, _diameter_mm: u32) -> &'static [Coefficient] {
         &[]
+    }
+    fn references(&self) -> Vec<Reference> {
+        let queried = |diameter_mm, against, points: &[(f64, f64, f64)]| Reference {
+            diameter_mm,
+            against,
+            points: points
+                .iter()
+                .map(|(rest, kpa, force)| {
+                    (State::relative(diameter_mm, *rest, 0.2, 0.0, *kpa), *force)
+                })
+                .collect(),
+            claimed: None,
+            allowed: TOLERANCE,
+        };
+        vec![
+            queried(
+                10,
+                "the tool's answers in the force paper at 54 mm, 112 mm and 1 m, which a table without length cannot all meet",
+                &[
+                    (0.054, 300.0, 270.0),
+                    (0.112, 620.0, 498.6),
+                    (1.0, 620.0, 490.0),
+                ],
+            ),
+            queried(
+                20,
+                "the tool's answer in the force paper at 1 m",
+                &[(1.0, 620.0, 1570.0)],
+            ),
+        ]
     }
     fn evaluate(&self, diameter_mm: u32, state: &State) -> Prediction {
         let (contraction, pressure) = (state.contraction(), state.pressure_kpa);

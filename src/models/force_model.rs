@@ -1,5 +1,6 @@
 //! The interface of a force model: who it is, where it holds, what its coefficients are, what force it predicts.
 
+use super::gate::Reference;
 use super::{Prediction, Reason, State};
 
 /// Where a model was published.
@@ -63,6 +64,10 @@ pub trait ForceModel: Send + Sync {
     fn domain(&self) -> &'static str;
     /// The published coefficients for a nominal diameter in mm; empty for a diameter that is not covered.
     fn coefficients(&self, diameter_mm: u32) -> &'static [Coefficient];
+    /// What its authors published and it has to reproduce ([`super::gate`]); empty where they published no force.
+    fn references(&self) -> Vec<Reference> {
+        Vec::new()
+    }
     /// The force at a state without defect whose nominal diameter, given in mm, is covered. Callers use
     /// [`ForceModel::predict`], which sees to both.
     fn evaluate(&self, diameter_mm: u32, state: &State) -> Prediction;

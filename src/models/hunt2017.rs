@@ -16,7 +16,10 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Citation, Coefficient, ForceModel, Prediction, Quantity, Reason, State, values};
+use super::gate::Reference;
+use super::{
+    Citation, Coefficient, Direction, ForceModel, Prediction, Quantity, Reason, State, values,
+};
 use crate::numerics::real::{Dual, Real};
 
 /// The coefficients in the order p0, A, w, q, k, g, h.
@@ -131,6 +134,25 @@ impl ForceModel for Hunt2017 {
             10 => &PUBLISHED_10,
             _ => &[],
         }
+    }
+    fn references(&self) -> Vec<Reference> {
+        let at = |direction, kpa, rel, force| {
+            let state = State::relative(10, 0.3, 0.168, rel, kpa);
+            (State { direction, ..state }, force)
+        };
+        vec![Reference {
+            diameter_mm: 10,
+            against: "check values of the corrected equation, solved apart from this program",
+            points: vec![
+                at(Direction::Isometric, 620.0, 0.5, 181.016),
+                at(Direction::Shortening, 620.0, 0.5, 175.052),
+                at(Direction::Lengthening, 620.0, 0.5, 186.735),
+                at(Direction::Isometric, 300.0, 0.25, 88.918),
+                at(Direction::Isometric, 620.0, 1.0, 0.0),
+            ],
+            claimed: None,
+            allowed: 1e-4,
+        }]
     }
     fn evaluate(&self, _diameter_mm: u32, state: &State) -> Prediction {
         let Some(eps_max) = state.free_contraction() else {

@@ -14,6 +14,7 @@
 //! interval (0.4848, 0.488); 620 a1 is then 300.6 N, not the 301.6 N of Eq. 7, which belongs to the interval's middle, 0.4864.
 //! Eq. 7 is what the paper multiplies with (Eq. 10), and what stands here.
 
+use super::gate::Reference;
 use super::{Citation, Coefficient, ForceModel, Prediction, Quantity, Reason, State, new, values};
 use crate::numerics::real::Real;
 
@@ -117,6 +118,24 @@ impl ForceModel for KneePaper {
             40 => &PUBLISHED_40,
             _ => &[],
         }
+    }
+    fn references(&self) -> Vec<Reference> {
+        let own = |diameter_mm, against, (rest, kpa, force)| Reference {
+            diameter_mm,
+            against,
+            points: vec![(State::relative(diameter_mm, rest, 0.17, 0.0, kpa), force)],
+            claimed: None,
+            allowed: 0.03,
+        };
+        vec![
+            own(
+                10,
+                "Eq. 6 at 620 kPa against Eq. 7, 182 mm",
+                (0.182, 620.0, 390.2),
+            ),
+            own(20, "F*(0, 1) = 1: F_max of the text", (0.3, 600.0, 1500.0)),
+            own(40, "F*(0, 1) = 1: F_max of the text", (0.3, 600.0, 6000.0)),
+        ]
     }
     fn evaluate(&self, diameter_mm: u32, state: &State) -> Prediction {
         match diameter_mm {

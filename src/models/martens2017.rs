@@ -22,7 +22,10 @@
 
 use std::f64::consts::PI;
 
-use super::{Citation, Coefficient, ForceModel, Prediction, Quantity, Reason, State, values};
+use super::gate::Reference;
+use super::{
+    Citation, Coefficient, Direction, ForceModel, Prediction, Quantity, Reason, State, values,
+};
 use crate::numerics::real::Real;
 
 pub use super::martens_geometry::{GEOMETRIES, Geometry, NOMINAL_ANGLE_RAD, NamedGeometry};
@@ -130,12 +133,56 @@ impl ForceModel for Martens2017 {
             _ => &[],
         }
     }
+    fn references(&self) -> Vec<Reference> {
+        let map = |diameter_mm, csv, rest_length_m, claimed| Reference {
+            diameter_mm,
+            against: "its authors' measured map, with delta in radians and L0, D0, H0 fitted to it",
+            points: measured_map(diameter_mm, csv, rest_length_m),
+            claimed: Some(claimed),
+            allowed: 0.04,
+        };
+        vec![
+            map(
+                10,
+                include_str!("data/martens_a2_dmsp10_250.csv"),
+                0.250,
+                0.044,
+            ),
+            map(
+                20,
+                include_str!("data/martens_a1_dmsp20_300.csv"),
+                0.300,
+                0.0235,
+            ),
+        ]
+    }
     fn evaluate(&self, diameter_mm: u32, state: &State) -> Prediction {
         match diameter_mm {
             10 => answer(&PUBLISHED_10, &MAP_10, state),
             _ => answer(&PUBLISHED_20, &MAP_20, state),
         }
     }
+}
+
+/// The states and forces of a map with the columns length (m), gauge pressure (kPa), force (N).
+fn measured_map(diameter_mm: u32, csv: &str, rest_length_m: f64) -> Vec<(State, f64)> {
+    let row = |line: &str| {
+        let mut numbers = line
+            .split(',')
+            .map(|x| x.trim().parse().unwrap_or(f64::NAN));
+        let [length_m, pressure_kpa, force_n] =
+            std::array::from_fn(|_| numbers.next().unwrap_or(f64::NAN));
+        let state = State {
+            diameter_mm: f64::from(diameter_mm),
+            rest_length_m,
+            contracted_length_m: f64::NAN,
+            length_m,
+            pressure_kpa,
+            direction: Direction::Isometric,
+        };
+        (state, force_n)
+    };
+    csv.lines().skip(1).map(row).collect()
 }
 
 /// The prediction at the fitted actuator's length of equal contraction.

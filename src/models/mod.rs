@@ -10,6 +10,7 @@
 
 mod festo_table;
 mod force_model;
+pub mod gate;
 mod ideal_braid;
 mod martens_geometry;
 mod prediction;

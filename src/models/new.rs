@@ -13,6 +13,7 @@
 //! printed. The paper's limits for long actuators (470 N, 1460 N) do not recompute: pi b1/2 is 476.7 N and 1448.9 N. Its worked
 //! example at 54 mm uses F_620 = 230 N; Eq. 5 gives 219.9 N.
 
+use super::gate::Reference;
 use super::{Citation, Coefficient, ForceModel, Prediction, Quantity, Reason, State, values};
 use crate::numerics::real::Real;
 
@@ -115,6 +116,32 @@ impl ForceModel for NewPublished {
             40 => &PUBLISHED_40,
             _ => &[],
         }
+    }
+    fn references(&self) -> Vec<Reference> {
+        let check = |diameter_mm, points: &[(f64, f64, f64, f64)]| Reference {
+            diameter_mm,
+            against: "check values, computed apart from this program",
+            points: points
+                .iter()
+                .map(|(rest, kpa, rel, force)| {
+                    (
+                        State::relative(diameter_mm, *rest, 0.17, *rel, *kpa),
+                        *force,
+                    )
+                })
+                .collect(),
+            claimed: None,
+            allowed: 1e-4,
+        };
+        let ten = [
+            (0.182, 620.0, 0.5, 143.139),
+            (0.182, 300.0, 0.25, 36.936),
+            (0.455, 500.0, 0.75, 19.336),
+            (0.112, 620.0, 0.0, 335.33),
+            (0.455, 620.0, 0.0, 441.26),
+        ];
+        let twenty = [(0.397, 400.0, 0.3, 455.375), (0.397, 620.0, 0.0, 1294.09)];
+        vec![check(10, &ten), check(20, &twenty)]
     }
     fn evaluate(&self, diameter_mm: u32, state: &State) -> Prediction {
         match diameter_mm {

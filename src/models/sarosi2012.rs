@@ -7,6 +7,7 @@
 //! 20 mm there are two sets, fitted to actuators of 200 and 400 mm; the set of the nearer resting length is taken, the longer one
 //! at 300 mm. The coefficients know nothing else of the length.
 
+use super::gate::Reference;
 use super::{Citation, Coefficient, ForceModel, Prediction, Quantity, Reason, State, values};
 use crate::numerics::real::Real;
 
@@ -110,6 +111,33 @@ impl ForceModel for Sarosi2012 {
             20 => PUBLISHED_20.as_flattened(),
             _ => &[],
         }
+    }
+    fn references(&self) -> Vec<Reference> {
+        let check = |diameter_mm, points: &[(f64, f64, f64)]| Reference {
+            diameter_mm,
+            against: "check values, computed apart from this program",
+            points: points
+                .iter()
+                .map(|(rest, eps, force)| {
+                    (
+                        State::relative(diameter_mm, *rest, 0.2, eps / 0.2, 620.0),
+                        *force,
+                    )
+                })
+                .collect(),
+            claimed: None,
+            allowed: 1e-4,
+        };
+        let twenty = [
+            (0.2, 0.0, 1810.29),
+            (0.2, 0.1, 973.77),
+            (0.4, 0.0, 1864.17),
+            (0.4, 0.1, 1044.70),
+        ];
+        vec![
+            check(10, &[(0.25, 0.0, 615.23), (0.25, 0.1, 273.49)]),
+            check(20, &twenty),
+        ]
     }
     fn evaluate(&self, diameter_mm: u32, state: &State) -> Prediction {
         let (rest, eps) = (state.rest_length_m, state.contraction());

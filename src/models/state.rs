@@ -47,6 +47,24 @@ pub struct State {
 }
 
 impl State {
+    /// An isometric state by its dimensionless numbers: eps_620 and eps* = eps/eps_620.
+    pub fn relative(
+        diameter_mm: u32,
+        rest_length_m: f64,
+        contraction_620: f64,
+        contraction_rel: f64,
+        pressure_kpa: f64,
+    ) -> State {
+        State {
+            diameter_mm: f64::from(diameter_mm),
+            rest_length_m,
+            contracted_length_m: rest_length_m * (1.0 - contraction_620),
+            length_m: rest_length_m * (1.0 - contraction_rel * contraction_620),
+            pressure_kpa,
+            direction: Direction::Isometric,
+        }
+    }
+
     /// eps = (l_rest - l_m)/l_rest, a fraction: positive when shorter than at rest.
     pub fn contraction(&self) -> f64 {
         (self.rest_length_m - self.length_m) / self.rest_length_m

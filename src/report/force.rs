@@ -3,7 +3,7 @@
 use crate::base::error::Result;
 use crate::base::reject::Extent;
 use crate::base::session::Kind;
-use crate::config::ReportOptions;
+use crate::config::{Config, ReportOptions};
 use crate::report::figures::{Drawn, slug};
 use crate::report::input::{GroupInput, ReportInput};
 use crate::report::render::{Renderer, typst::Typst};
@@ -30,7 +30,14 @@ struct Data {
     unusable: Vec<String>,
     version: &'static str,
     input: String,
-    date: String,
+    split: Split,
+}
+
+#[derive(Serialize)]
+struct Split {
+    seed: u64,
+    train_percent: f64,
+    digest: String,
 }
 
 #[derive(Serialize)]
@@ -93,24 +100,36 @@ pub struct Figures<'a> {
 ///
 /// # Errors
 /// A template that does not compile.
-pub fn force_pdf(input: &ReportInput, figures: &Figures, options: &ReportOptions) -> Result<Pdf> {
-    let data = data(input, figures, options);
+pub fn force_pdf(
+    input: &ReportInput,
+    figures: &Figures,
+    config: &Config,
+    split_digest: &str,
+) -> Result<Pdf> {
+    let options = &config.report;
+    let data = data(input, figures, config, split_digest);
     let mut document = Document::new(TEMPLATE)
         .data("data.json", &data)?
-        .dated(date(&options.date));
+        .dated(date_of(input, options));
     for table in [
         tables::sessions(input),
         tables::zeros(input),
         tables::rejects_summary(input),
+        tables::baselines(input),
+        tables::provenance(input),
     ] {
         document = with_table(document, &table);
     }
     for group in &input.groups {
         let of_group = [
             tables::specimens_of(group),
+            tables::table1_of(group),
+            tables::table2_of(group),
             tables::coefficients_of(group),
-            tables::fits_of(group),
+            tables::statistics_of(group),
             tables::comparison_of(group),
+            tables::comparison_by_length_of(group),
+            tables::intervals_of(group),
         ];
         for table in of_group {
             document = with_table(document, &table);
@@ -126,6 +145,12 @@ fn with_table(document: Document, table: &Table) -> Document {
     document.file(&format!("tables/{}.typ", table.id), Typst.render(table))
 }
 
+/// The date that a document carries: the configured one, else the last day on which anything in it was measured. Never today's.
+pub fn date_of(input: &ReportInput, options: &ReportOptions) -> Option<(i32, u8, u8)> {
+    let measured = input.sessions.iter().map(|s| &s.ingest.session.date);
+    date(&options.date).or_else(|| measured.flatten().filter_map(|d| date(d)).max())
+}
+
 /// Year, month and day of an ISO 8601 date; none where it is empty.
 fn date(text: &str) -> Option<(i32, u8, u8)> {
     let mut parts = text.splitn(3, '-');
@@ -135,7 +160,8 @@ fn date(text: &str) -> Option<(i32, u8, u8)> {
     Some((year, month, day))
 }
 
-fn data(input: &ReportInput, figures: &Figures, options: &ReportOptions) -> Data {
+fn data(input: &ReportInput, figures: &Figures, config: &Config, split_digest: &str) -> Data {
+    let options = &config.report;
     let simulated = |s: &crate::report::input::SessionInput| s.ingest.session.is_simulated();
     let rejects = || input.sessions.iter().flat_map(|s| s.rejects());
     let of_extent = |extent: Extent| rejects().filter(|r| r.extent == extent).count();
@@ -180,7 +206,11 @@ fn data(input: &ReportInput, figures: &Figures, options: &ReportOptions) -> Data
             .collect(),
         version: env!("CARGO_PKG_VERSION"),
         input: input.input_digest.clone(),
-        date: options.date.clone(),
+        split: Split {
+            seed: config.fit.seed,
+            train_percent: 100.0 * config.fit.train_fraction,
+            digest: split_digest.to_owned(),
+        },
     }
 }
 

@@ -59,6 +59,19 @@ pub struct Trace {
     pub samples: Frame,
 }
 
+/// Where the numbers of a session or of a group of rows come from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Provenance {
+    /// Session id, or the group's campaign and diameter.
+    pub unit: String,
+    /// "session" or "fit".
+    pub kind: &'static str,
+    /// Digest over what went in: the session's raw files, or the rows of a group and its options.
+    pub inputs: String,
+    /// Digest over what came out: the session's rows, or the fit.
+    pub outputs: String,
+}
+
 /// Everything that a report is made of.
 #[derive(Clone, Debug)]
 pub struct ReportInput {
@@ -74,6 +87,8 @@ pub struct ReportInput {
     pub groups: Vec<GroupInput>,
     /// The logs to draw.
     pub traces: Vec<Trace>,
+    /// Sessions, then groups.
+    pub provenance: Vec<Provenance>,
     /// One digest over every input.
     pub input_digest: String,
 }

@@ -7,11 +7,11 @@ use crate::cache::store::Entry;
 use crate::config::flatten;
 use crate::formats::discover::Discovery;
 use crate::run::RunOptions;
-use crate::run::engine::{self, Engine, Stage};
+use crate::run::engine::{self, Engine, Stage, Step};
 use crate::run::groups::GroupResult;
 use crate::run::materialize::{Written, materialize};
 use crate::run::sessions::SessionResult;
-use crate::stages::report::{self, GroupInput, ReportInput, SessionInput, Trace};
+use crate::stages::report::{self, GroupInput, Provenance, ReportInput, SessionInput, Trace};
 use std::collections::BTreeMap;
 
 const REPORT: Stage = Stage {
@@ -46,6 +46,8 @@ pub fn process(
         for (stage, entry) in [("ingest", i), ("clean", c), ("normalize", n)] {
             inputs.insert(format!("{} {stage}", session.id), digest_of(entry));
         }
+        // The report prints it, so that it depends on the bytes of the raw files and not on what they mean alone.
+        inputs.insert(format!("{} raw", session.id), combined(&i.parts.inputs));
     }
     for result in groups {
         let (Some(f), Some(c)) = (result.fit.entry(), result.compare.entry()) else {
@@ -67,6 +69,26 @@ pub fn process(
         return Ok(Written::default());
     }
     materialize(engine, &step, sessions, options)
+}
+
+/// What went into every session and fit, and what came out.
+fn provenance(sessions: &[SessionResult], groups: &[GroupResult]) -> Vec<Provenance> {
+    let row = |unit: String, kind, first: &Step, last: &Step| {
+        Some(Provenance {
+            unit,
+            kind,
+            inputs: combined(&first.entry()?.parts.inputs).to_string(),
+            outputs: digest_of(last.entry()?).to_string(),
+        })
+    };
+    let of_sessions = sessions
+        .iter()
+        .filter_map(|s| row(s.id.clone(), "session", &s.ingest, &s.normalize));
+    let of_groups = groups.iter().filter_map(|g| {
+        let unit = format!("{}, {} mm", g.group.campaign, g.group.diameter_mm);
+        row(unit, "fit", &g.fit, &g.fit)
+    });
+    of_sessions.chain(of_groups).collect()
 }
 
 fn discovery_digest(discovery: &Discovery) -> Result<Digest> {
@@ -121,6 +143,7 @@ fn gather(
         rows.extend(session_rows);
     }
     let traces = traces(engine, sessions, &inputs, &rows)?;
+    let provenance = provenance(sessions, groups);
     let groups = groups
         .iter()
         .map(|g| {
@@ -147,6 +170,7 @@ fn gather(
         rows,
         groups,
         traces,
+        provenance,
         input_digest: input_digest.to_string(),
     })
 }

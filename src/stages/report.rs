@@ -4,6 +4,7 @@ use crate::base::error::{Error, Result};
 use crate::base::reject::Extent;
 use crate::base::row::{self, Row, role_name};
 use crate::base::session::{Phase, Sampling};
+use crate::cache::Digest;
 use crate::cache::store::Outputs;
 use crate::config::Config;
 use crate::report::figures::{self, Drawn, Named};
@@ -16,7 +17,7 @@ use rayon::prelude::*;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 
-pub use crate::report::input::{GroupInput, ReportInput, SessionInput, Trace};
+pub use crate::report::input::{GroupInput, Provenance, ReportInput, SessionInput, Trace};
 
 /// Raised when results change without a change of this stage's source files.
 pub const VERSION: u32 = 1;
@@ -36,8 +37,10 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
         traces: &traces,
         groups: &groups,
     };
+    let split = split_csv(input, config);
+    let split_digest = Digest::of(&split).to_string();
     let (pdf, files) = rayon::join(
-        || force_pdf(input, &shown, &config.report),
+        || force_pdf(input, &shown, config, &split_digest),
         || figure_files(&traces, &groups, config.report.png_dpi),
     );
     let mut outputs = Outputs::from([
@@ -48,7 +51,7 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
         ),
     ]);
     outputs.insert("derived/fits.json".to_owned(), fits(input)?);
-    outputs.insert("derived/split.csv".to_owned(), split_csv(input, config));
+    outputs.insert("derived/split.csv".to_owned(), split);
     outputs.extend(files?);
     let mut names = Vec::new();
     for make in tables::ALL {

@@ -1,14 +1,20 @@
 //! The tables, one file each. A new table is one new file and one line in [`ALL`].
 
+mod baselines;
 mod coefficients;
 mod comparison_by_length;
 mod fits;
 mod intervals;
 mod model_comparison;
+mod paper;
 mod plateaus;
+mod provenance;
 mod rejects;
 mod sessions;
 mod specimens;
+mod statistics;
+mod table1;
+mod table2;
 mod zeros;
 
 use crate::report::input::ReportInput;
@@ -21,19 +27,29 @@ pub const ALL: &[fn(&ReportInput) -> Table] = &[
     zeros::table,
     plateaus::table,
     specimens::table,
+    table1::table,
+    table2::table,
     coefficients::table,
     intervals::table,
     fits::table,
+    statistics::table,
+    baselines::table,
     model_comparison::table,
     comparison_by_length::table,
+    provenance::table,
 ];
 
+pub use baselines::table as baselines;
 pub use coefficients::of_group as coefficients_of;
 pub use comparison_by_length::of_group as comparison_by_length_of;
 pub use fits::of_group as fits_of;
 pub use intervals::of_group as intervals_of;
 pub use model_comparison::of_group as comparison_of;
+pub use provenance::table as provenance;
 pub use rejects::summary as rejects_summary;
 pub use sessions::table as sessions;
 pub use specimens::of_group as specimens_of;
+pub use statistics::of_group as statistics_of;
+pub use table1::of_group as table1_of;
+pub use table2::of_group as table2_of;
 pub use zeros::table as zeros;

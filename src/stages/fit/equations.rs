@@ -46,6 +46,12 @@ pub fn cap_length_m(diameter_mm: u32, options: &FitOptions) -> f64 {
     }
 }
 
+/// The offset l_0 with which Eq. 7 is printed, m; the length at which the caps touch where it is not printed.
+pub fn force_at_rest_offset_m(diameter_mm: u32, options: &FitOptions) -> f64 {
+    let caps = cap_length_m(diameter_mm, options);
+    published(diameter_mm, "l_0 (Eq. 7)").map_or(caps, |c| c.value)
+}
+
 fn symbol(diameter_mm: u32, name: &'static str, unit: &'static str, bounds: (f64, f64)) -> Symbol {
     Symbol {
         name,
@@ -76,7 +82,7 @@ pub fn fit_all(
     let by_length = maximum_force(diameter_mm, maxima, options);
     let f620 = by_length.as_ref().map(|fit| fit.values());
     let cap = cap_length_m(diameter_mm, options);
-    let printed = published(diameter_mm, "l_0 (Eq. 7)").map_or(cap, |c| c.value);
+    let printed = force_at_rest_offset_m(diameter_mm, options);
     let other = (printed != cap).then_some(cap);
     let fits = [
         (
@@ -381,8 +387,7 @@ pub fn judge_by_rows(
     let parts = split::by_row(rows, options);
     let train = split::part(rows, &parts, Part::Train);
     let validation = split::part(rows, &parts, Part::Validation);
-    let cap = cap_length_m(diameter_mm, options);
-    let printed = published(diameter_mm, "l_0 (Eq. 7)").map_or(cap, |c| c.value);
+    let printed = force_at_rest_offset_m(diameter_mm, options);
     for fit in fits {
         fit.by_rows = match fit.id.as_str() {
             FORCE_AT_REST => with_force_at_rest(FORCE_AT_REST, diameter_mm, printed, |e| {

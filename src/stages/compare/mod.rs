@@ -6,14 +6,17 @@
 //! splits are predictions. Where a model has no answer the row is not counted for it (`n_excluded`); where it
 //! answers beyond what it was fitted to, the row counts and is said so (`n_extrapolated`).
 
+pub mod maxima;
+
 use crate::base::row::Row;
 use crate::base::session::Role;
 use crate::config::{CompareOptions, FitOptions};
-use crate::models::{Direction, ForceModel, Prediction, State, published};
+use crate::models::{Direction, ForceModel, Prediction, State, gate, published};
 use crate::numerics::statistics::GoodnessOfFit;
 use crate::stages::fit::equations::{JOINT, joint_force};
 use crate::stages::fit::split::{self, Part};
 use crate::stages::fit::{Group, GroupFit, is_fitted, is_usable};
+use maxima::MaximaComparison;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -85,6 +88,8 @@ pub struct GroupComparison {
     pub comparisons: Vec<Comparison>,
     /// Every model on each specimen; the fitted one by the fit that has not seen it, where there is one.
     pub by_specimen: Vec<SpecimenComparison>,
+    /// What was predicted of the measured maxima.
+    pub maxima: Option<MaximaComparison>,
     /// Where models end.
     pub domain: Vec<DomainNote>,
 }
@@ -127,6 +132,7 @@ pub fn compare(
     let splits = Splits::new(&rows, fit_options);
     let chosen = |m: &&'static dyn ForceModel| {
         m.diameters().contains(&fit.group.diameter_mm)
+            && gate::passes(*m, fit.group.diameter_mm)
             && (options.models.is_empty() || options.models.iter().any(|id| id == m.id()))
     };
     let baselines = published()
@@ -164,6 +170,7 @@ pub fn compare(
         group: fit.group.clone(),
         comparisons,
         by_specimen,
+        maxima: maxima::compare(fit, fit_options),
         domain,
     };
     (comparison, Predictions { rows, by_model })
