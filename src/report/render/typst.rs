@@ -43,7 +43,7 @@ impl Renderer for Typst {
             "    table(".into(),
             format!("      columns: {},", printed.heads.len()),
             format!("      align: ({},),", aligns.join(", ")),
-            "      stroke: none, inset: (x: 0pt, y: 0.34em), column-gutter: 1.2em,".into(),
+            "      stroke: none, inset: (x: 0pt, y: 0.34em), column-gutter: 1.1em,".into(),
             format!("      table.hline(stroke: {HEAVY}),"),
         ]);
         lines.extend(header(&printed));
@@ -137,7 +137,9 @@ fn cell(cell: &Printed, fraction: Option<usize>) -> String {
             Some(digits) => quoted(&padded(n, digits)),
             None => quoted(&number(n)),
         },
-        Printed::Interval(low, high) => quoted(&format!("[{}, {}]", number(low), number(high))),
+        Printed::Interval(low, high) => {
+            quoted(&format!("[{},\u{a0}{}]", number(low), number(high)))
+        }
         Printed::Flag(true) => quoted("yes"),
         Printed::Flag(false) => quoted("no"),
     }
@@ -210,7 +212,7 @@ mod tests {
     table(
       columns: 6,
       align: (left, left, right, center, right, center,),
-      stroke: none, inset: (x: 0pt, y: 0.34em), column-gutter: 1.2em,
+      stroke: none, inset: (x: 0pt, y: 0.34em), column-gutter: 1.1em,
       table.hline(stroke: 0.8pt),
       table.header(
         [],
@@ -222,7 +224,7 @@ mod tests {
         [#"Model";], [#"Coefficient";], [#"Value (1/m)";], [#"95 % CI (1/m)";], [#emph("n");], [#"Fitted";],
         table.hline(stroke: 0.5pt),
       ),
-      "A&B \"x\", #1", [#emph("b");#sub("1");], "−7.1 ", "[−8.3, −5.9]", "12 345", "yes",
+      "A&B \"x\", #1", [#emph("b");#sub("1");], "−7.1 ", "[−8.3,~−5.9]", "12 345", "yes",
       table.hline(stroke: 0.3pt),
       "two lines | a_b", [#emph("F");#sub("620");], "0.25", [], "7", "no",
       table.hline(stroke: 0.8pt),
@@ -233,7 +235,8 @@ mod tests {
 "##;
         let expected = expected
             .replace("−7.1 ", "−7.1\u{2007}")
-            .replace("12 345", "12\u{202f}345");
+            .replace("12 345", "12\u{202f}345")
+            .replace(",~", ",\u{a0}");
         assert_eq!(Typst.render(&sample()), expected);
     }
 

@@ -65,7 +65,8 @@ pub fn columns(largest: &[Column; 2]) -> Vec<Column> {
         Column::number("diameter_mm", "⌀", "mm").seen_by(Audience::Machines),
         Column::text("equation", "Equation").seen_by(Audience::Machines),
         Column::text("number", "Equation").seen_by(Audience::People),
-        Column::text("statistics", "Statistics"),
+        Column::text("statistics", "Statistics").seen_by(Audience::Machines),
+        Column::text("statistics", "Statistics").seen_by(Audience::People),
         Column::text("coefficient", "Coefficient").seen_by(Audience::Machines),
         Column::text("coefficient", "").seen_by(Audience::People),
         Column::number("value", "Value", ""),
@@ -145,6 +146,7 @@ fn set(
                 Cell::Empty
             },
             Cell::text(name),
+            once(Cell::text(name)),
             Cell::text(&coefficient.symbol),
             Cell::Symbol(symbols::coefficient(&coefficient.symbol)),
             value,
