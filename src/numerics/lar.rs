@@ -31,12 +31,6 @@ const LIMITS: Limits = Limits {
     tolerance: f64::EPSILON,
     polish: true,
 };
-/// A few points are enough where the weights change before the next pass; only the last pass has to arrive.
-const PASSING: Limits = Limits {
-    max_iterations: 3,
-    tolerance: 1e-10,
-    polish: false,
-};
 
 /// How to fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -155,7 +149,7 @@ pub fn fit_lar<P: LeastSquaresProblem + ?Sized>(
         bounds: Bounds::new(options.bounds.as_deref(), parameters),
         scale_floor: SCALE_FLOOR * standard_deviation(observed),
     };
-    let ordinary = fitter.refit(start, &vec![1.0; rows], LIMITS);
+    let ordinary = fitter.refit(start, &vec![1.0; rows]);
     if ordinary.outcome != Outcome::Converged {
         return Err(LarError::OrdinaryFit(ordinary.outcome));
     }
@@ -180,9 +174,9 @@ struct Passes {
 }
 
 impl<P: LeastSquaresProblem + ?Sized> LarFitter<'_, P> {
-    fn refit(&self, start: &[f64], weights: &[f64], limits: Limits) -> Minimum {
+    fn refit(&self, start: &[f64], weights: &[f64]) -> Minimum {
         let row_factors: Vec<f64> = weights.iter().map(|w| w.sqrt()).collect();
-        minimise(self.problem, start, &row_factors, &self.bounds, limits)
+        minimise(self.problem, start, &row_factors, &self.bounds, LIMITS)
     }
 
     fn residuals(&self, parameters: &[f64]) -> Vec<f64> {
@@ -228,19 +222,8 @@ impl<P: LeastSquaresProblem + ?Sized> LarFitter<'_, P> {
             let scale = TUNING * self.sigma(&adjusted);
             let weight = |r: &f64| self.options.weighting.weight(r / scale);
             passes.weights = adjusted.iter().map(weight).collect();
-            let still =
-                |next: &[f64]| largest_relative_move(&passes.parameters, next) < PASS_TOLERANCE;
-            let refit = |limits| {
-                self.refit(&passes.parameters, &passes.weights, limits)
-                    .parameters
-            };
-            let mut next = refit(PASSING);
-            let mut converged = still(&next);
-            if converged {
-                next = refit(LIMITS);
-                converged = still(&next);
-            }
-            passes.converged = converged;
+            let next = self.refit(&passes.parameters, &passes.weights).parameters;
+            passes.converged = largest_relative_move(&passes.parameters, &next) < PASS_TOLERANCE;
             adjusted = self.residuals(&next);
             passes.parameters = next;
             passes.count += 1;

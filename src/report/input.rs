@@ -66,7 +66,7 @@ pub struct Provenance {
     pub unit: String,
     /// "session" or "fit".
     pub kind: &'static str,
-    /// Digest over what went in: the session's raw files, or the rows of a group and its options.
+    /// Digest over what went in: the session as it was read, or the rows of a group.
     pub inputs: String,
     /// Digest over what came out: the session's rows, or the fit.
     pub outputs: String,

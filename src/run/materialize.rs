@@ -25,6 +25,7 @@ pub struct Written {
 const DERIVED: &str = "derived/";
 const REPORTS: &str = "reports/";
 const LIST: &str = "materialized.json";
+const PROVENANCE: &str = "provenance.json";
 
 /// Brings `reports/` and the tidy part of `derived/` in line with the results; a dry run only says which files differ.
 ///
@@ -62,11 +63,32 @@ pub fn materialize(
     if options.dry_run {
         return Ok(written);
     }
+    let raw = raw_files(sessions)?;
+    let path = options.reports.join(PROVENANCE);
+    let digest = Digest::of(&raw);
+    if hashing::of_file(&path).ok().as_ref() != Some(&digest) {
+        write_atomically(&path, &raw)?;
+        written.changed.push(path);
+    }
+    present.insert(format!("{REPORTS}{PROVENANCE}"), digest);
     for session in sessions {
         link_session(engine, session, options)?;
     }
     remove_stale(engine, &present, options)?;
     Ok(written)
+}
+
+/// `reports/provenance.json`: the SHA-256 of every raw file, by session. It stands outside of the report stage, because a raw file may change
+/// without a change of any number.
+fn raw_files(sessions: &[SessionResult]) -> Result<Vec<u8>> {
+    let files: BTreeMap<&str, &BTreeMap<String, Digest>> = sessions
+        .iter()
+        .filter_map(|s| Some((s.id.as_str(), &s.ingest.entry()?.parts.inputs)))
+        .collect();
+    let json = serde_json::json!({ "schema": "bpa-provenance/1", "sessions": files });
+    let mut bytes = serde_json::to_vec_pretty(&json).map_err(Error::internal)?;
+    bytes.push(b'\n');
+    Ok(bytes)
 }
 
 fn place(name: &str, options: &RunOptions) -> Option<PathBuf> {

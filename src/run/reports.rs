@@ -46,8 +46,6 @@ pub fn process(
         for (stage, entry) in [("ingest", i), ("clean", c), ("normalize", n)] {
             inputs.insert(format!("{} {stage}", session.id), digest_of(entry));
         }
-        // The report prints it, so that it depends on the bytes of the raw files and not on what they mean alone.
-        inputs.insert(format!("{} raw", session.id), combined(&i.parts.inputs));
     }
     for result in groups {
         let (Some(f), Some(c)) = (result.fit.entry(), result.compare.entry()) else {
@@ -73,20 +71,21 @@ pub fn process(
 
 /// What went into every session and fit, and what came out.
 fn provenance(sessions: &[SessionResult], groups: &[GroupResult]) -> Vec<Provenance> {
-    let row = |unit: String, kind, first: &Step, last: &Step| {
+    let row = |unit: String, kind, inputs: Digest, last: &Step| {
         Some(Provenance {
             unit,
             kind,
-            inputs: combined(&first.entry()?.parts.inputs).to_string(),
+            inputs: inputs.to_string(),
             outputs: digest_of(last.entry()?).to_string(),
         })
     };
-    let of_sessions = sessions
-        .iter()
-        .filter_map(|s| row(s.id.clone(), "session", &s.ingest, &s.normalize));
+    let of_sessions = sessions.iter().filter_map(|s| {
+        let read = digest_of(s.ingest.entry()?);
+        row(s.id.clone(), "session", read, &s.normalize)
+    });
     let of_groups = groups.iter().filter_map(|g| {
         let unit = format!("{}, {} mm", g.group.campaign, g.group.diameter_mm);
-        row(unit, "fit", &g.fit, &g.fit)
+        row(unit, "fit", combined(&g.fit.entry()?.parts.inputs), &g.fit)
     });
     of_sessions.chain(of_groups).collect()
 }

@@ -17,8 +17,9 @@ pub fn table(input: &ReportInput) -> Table {
         Column::text("outputs", "Outputs (SHA-256)").seen_by(Audience::People),
     ];
     let mut table = Table::new("provenance", "Where every number comes from", columns).note(
-        "Inputs of a session are its session.toml and its logs, byte by byte; its outputs are its normalised readings. Inputs of a fit are \
-         the readings of its sessions. The whole digests are in tables/provenance.csv.",
+        "Inputs of a session are its description and its calibrated logs as they were read, its outputs the normalised readings; inputs of \
+         a fit are the readings of its sessions. Whole digests are in tables/provenance.csv, those of the raw files, byte by byte, in \
+         provenance.json.",
     );
     let mut kind = None;
     for row in &input.provenance {
