@@ -4,6 +4,7 @@ mod bad_input;
 mod cache;
 mod commands;
 mod coverage;
+mod intervals;
 mod models;
 mod numerics;
 mod rig;

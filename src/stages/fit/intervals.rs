@@ -221,7 +221,7 @@ fn weighted<const N: usize>(
 ) -> Option<Solution<N>> {
     let observed: Vec<f64> = rows.iter().map(|r| (equation.observed)(r)).collect();
     let free: Vec<usize> = (0..N).filter(|k| held[*k].is_none()).collect();
-    if rows.len() <= free.len() {
+    if rows.len() < free.len() {
         return None;
     }
     let problem = DualProblem::new(&observed, |i, c: &[Dual<N>; N]| {
