@@ -8,11 +8,20 @@ use std::collections::BTreeMap;
 
 /// The columns of the table, in the order of the file; mistakes go to the table's reader.
 pub fn column_specs(table: &Section) -> Vec<ColumnSpec> {
-    table
-        .entries()
-        .iter()
-        .filter_map(|(name, entry)| column_spec(name, entry))
-        .collect()
+    let mut specs: Vec<ColumnSpec> = Vec::new();
+    for (name, entry) in table.entries() {
+        let Some(spec) = column_spec(&name, &entry) else {
+            continue;
+        };
+        if let Some(other) = specs.iter().find(|s| s.position == spec.position) {
+            entry.reject(
+                &format!("a column of its own, not that of {}", other.column),
+                "correct `index` or `name` of one of them",
+            );
+        }
+        specs.push(spec);
+    }
+    specs
 }
 
 fn column_spec(name: &str, entry: &Entry) -> Option<ColumnSpec> {
@@ -37,6 +46,15 @@ fn column_spec(name: &str, entry: &Entry) -> Option<ColumnSpec> {
     let (gain, offset) = (gain?, offset?);
     if gain == 0.0 {
         entry.reject("a gain other than 0", "write the converter's gain");
+        return None;
+    }
+    if let (Some(low), Some(high)) = (low, high)
+        && low >= high
+    {
+        entry.reject(
+            "a `saturation_low` below `saturation_high`",
+            "exchange them",
+        );
         return None;
     }
     Some(ColumnSpec {

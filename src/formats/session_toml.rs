@@ -70,9 +70,22 @@ fn head(root: &Section) -> Head {
         campaign: identifier(root, "campaign", "the name of what was measured together"),
         date: root.get("date").and_then(|e| date(&e)),
         role: root.get("role").and_then(|e| e.choice(&roles)),
-        exclude: root.get("exclude").and_then(|e| e.string()),
+        exclude: root.get("exclude").and_then(|e| reason(&e)),
         notes: root.get("notes").and_then(|e| e.string()),
     }
+}
+
+/// Why a session is kept out of fits; an empty reason is none.
+fn reason(entry: &Entry) -> Option<String> {
+    let text = entry.string()?;
+    if text.trim().is_empty() {
+        entry.reject(
+            "the reason why the session is kept out of every fit",
+            "write it, or remove `exclude`",
+        );
+        return None;
+    }
+    Some(text)
 }
 
 fn session(root: &Section) -> Option<Session> {

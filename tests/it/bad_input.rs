@@ -69,7 +69,7 @@ fn expect(bench: &Bench, parts: &[&str]) {
 
 #[test]
 fn mistakes_in_session_toml_name_line_key_found_expected_and_hint() {
-    let cases: [(&str, &str, &[&str]); 17] = [
+    let cases: [(&str, &str, &[&str]); 20] = [
         (
             "kind = \"isometric\"",
             "kind = \"isometrik\"",
@@ -141,6 +141,21 @@ fn mistakes_in_session_toml_name_line_key_found_expected_and_hint() {
             "schema = \"bpa-session/1\"",
             "schema = \"bpa-session/9\"",
             &["bpa-session/1"],
+        ),
+        (
+            "name = \"force_n\"",
+            "name = \"pressure_kpa\"",
+            &["[columns.force]", "not that of pressure_kpa"],
+        ),
+        (
+            "unit = \"N\"",
+            "unit = \"N\", saturation_low = 5, saturation_high = -5",
+            &["below `saturation_high`", "exchange them"],
+        ),
+        (
+            "campaign = \"hand\"",
+            "campaign = \"hand\"\nexclude = \"\"",
+            &[":6 [exclude]", "the reason why"],
         ),
         (
             "id = \"points\"",
