@@ -14,6 +14,12 @@ const LONGEST_WORD: usize = 40;
 const HEAVY: &str = "0.8pt";
 const LIGHT: &str = "0.5pt";
 const THIN: &str = "0.3pt";
+/// Width of the text in the table's letters, em; of a letter on average; between columns.
+const TEXT_EM: f64 = 51.5;
+const LETTER_EM: f64 = 0.44;
+const GUTTER_EM: f64 = 1.1;
+/// How much smaller than others a wide table may be set.
+const SMALLEST: f64 = 0.75;
 /// Rows from which on a table breaks across pages instead of floating.
 const LONG: usize = 30;
 
@@ -40,10 +46,18 @@ impl Renderer for Typst {
             "  {".into(),
             "    set text(number-type: \"lining\", number-width: \"tabular\")".into(),
             "    set block(above: 0.7em, below: 0.7em)".into(),
+        ]);
+        let size = size(&printed);
+        if size < 1.0 {
+            lines.push(format!("    show table: set text(size: {size:.2}em)"));
+        }
+        lines.extend([
             "    table(".into(),
             format!("      columns: {},", printed.heads.len()),
             format!("      align: ({},),", aligns.join(", ")),
-            "      stroke: none, inset: (x: 0pt, y: 0.34em), column-gutter: 1.1em,".into(),
+            format!(
+                "      stroke: none, inset: (x: 0pt, y: 0.34em), column-gutter: {GUTTER_EM}em,"
+            ),
             format!("      table.hline(stroke: {HEAVY}),"),
         ]);
         lines.extend(header(&printed));
@@ -58,6 +72,47 @@ impl Renderer for Typst {
         lines.push(format!(") <tab-{}>\n", label(&table.id)));
         lines.join("\n")
     }
+}
+
+/// The size of the letters that lets the table keep its cells on one line, within reason. An estimate from the number of letters, since
+/// Typst's own measure would lay out every table twice.
+fn size(printed: &PrintedTable) -> f64 {
+    let widest = |k: usize| {
+        let cells = printed.rows.iter().map(|row| letters(&row[k]));
+        let heading = rich_letters(&printed.heads[k].heading);
+        cells.fold(heading, f64::max).min(LONGEST_WORD as f64)
+    };
+    let columns = printed.heads.len();
+    let letters: f64 = (0..columns).map(widest).sum();
+    let width = LETTER_EM * letters + GUTTER_EM * columns.saturating_sub(1) as f64;
+    (TEXT_EM / width).clamp(SMALLEST, 1.0)
+}
+
+/// About how many letters wide a cell is.
+fn letters(cell: &Printed) -> f64 {
+    let text = match cell {
+        Printed::Rich(pieces) => return rich_letters(pieces),
+        Printed::Empty => return 0.0,
+        Printed::Undefined => return 1.0,
+        Printed::Text(text) => text.chars().count(),
+        Printed::Number(n) => number(n).chars().count(),
+        Printed::Interval(a, b) => 4 + number(a).chars().count() + number(b).chars().count(),
+        Printed::Flag(_) => 3,
+    };
+    text as f64
+}
+
+/// Sub- and superscripts are about two thirds as wide.
+fn rich_letters(pieces: &[Piece]) -> f64 {
+    let wide = |p: &Piece| {
+        let letters = p.text.chars().count() as f64;
+        if p.script == Script::Base {
+            letters
+        } else {
+            0.65 * letters
+        }
+    };
+    pieces.iter().map(wide).sum()
 }
 
 fn header(printed: &PrintedTable) -> Vec<String> {
