@@ -5,6 +5,7 @@ use crate::base::names::file_name;
 use crate::base::row::Row;
 use crate::base::session::Phase;
 use crate::report::figures::Named;
+use crate::report::figures::words::verbatim;
 use crate::report::input::{ReportInput, SessionInput, Trace};
 use crate::report::plot::{
     Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Mark, Panel, Series, Shape, Stroke,
@@ -114,11 +115,6 @@ fn caption(trace: &Trace, readings: usize) -> String {
         verbatim(&trace.session),
         verbatim(&trace.campaign)
     )
-}
-
-/// A user's text inside Typst markup, as a string that is not markup.
-fn verbatim(text: &str) -> String {
-    format!("#{:?}", text.replace('\\', "/").replace('"', "'"))
 }
 
 /// Where the close-up begins: a third of the way from the first reading to the last one of filling.

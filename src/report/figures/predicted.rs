@@ -1,8 +1,9 @@
 //! Measured against predicted force, each reading predicted by the fit that has not seen its specimen, and what is left over.
 
 use crate::config::Config;
+use crate::report::figures::looks::of_specimen;
 use crate::report::input::GroupInput;
-use crate::report::plot::{Axis, DOUBLE_MM, Figure, Layer, Mark, Panel, Series, look};
+use crate::report::plot::{Axis, DOUBLE_MM, Figure, Layer, Panel, Series};
 use crate::stages::compare::{NEW, NEW_LOSO};
 use std::collections::BTreeMap;
 
@@ -33,9 +34,8 @@ pub fn figure(group: &GroupInput, _config: &Config) -> Option<(&'static str, Str
     )
     .with(Layer::zero());
     for (k, ((tenths_of_mm, _), points)) in by_specimen.iter().enumerate() {
-        let (ink, shape, _) = look(k);
         let name = format!("{:.0} mm", *tenths_of_mm as f64 / 10.0);
-        let mark = Mark::open(shape, ink).wide(1.0);
+        let mark = of_specimen(k, 1.0);
         agreement = agreement.with(Series::marks(&name, points.clone(), mark));
         let residuals = points.iter().map(|(p, m)| (*p, m - p)).collect();
         left_over = left_over.with(Series::marks(&name, residuals, mark));

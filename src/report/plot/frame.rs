@@ -35,7 +35,7 @@ impl Frame {
         let count = |length: f64, pitch: f64, most: f64| {
             (length / PER_MM / pitch).floor().clamp(2.0, most) as usize
         };
-        (count(width, 11.0, 8.0), count(height, 7.5, 7.0))
+        (count(width, 10.0, 8.0), count(height, 7.5, 7.0))
     }
 
     /// Measures the axes of a panel.
