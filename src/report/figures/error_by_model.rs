@@ -44,6 +44,9 @@ fn is_seen(line: &Comparison) -> bool {
     line.fitted_here && line.split == "train"
 }
 
+/// Name and mark of a kind of line, and whether a line is of it.
+type Kind = (&'static str, Mark, fn(&Comparison) -> bool);
+
 fn panel(lines: &[(&Comparison, f64)]) -> Panel {
     let most = lines.iter().map(|l| l.1).fold(0.0, f64::max);
     let mut y = Axis::new("").fixed(-0.5, lines.len() as f64 - 0.15);
@@ -58,7 +61,7 @@ fn panel(lines: &[(&Comparison, f64)]) -> Panel {
             .with(text(&line.title, (0.012 * most, place + 0.42)))
             .with(text(&format!("{rmse:.1}"), (rmse + 0.02 * most, place)));
     }
-    let kinds: [(&str, Mark, fn(&Comparison) -> bool); 3] = [
+    let kinds: [Kind; 3] = [
         (
             "all readings",
             Mark::filled(Shape::Circle, Ink::Blue),

@@ -2,7 +2,7 @@
 
 use crate::config::Config;
 use crate::report::figures::looks::of_model;
-use crate::report::figures::words::millimetres;
+use crate::report::figures::words::specimen_names;
 use crate::report::input::GroupInput;
 use crate::report::plot::{
     Axis, Dash, Figure, Ink, Layer, Legend, Panel, SINGLE_MM, Series, Stroke,
@@ -14,7 +14,7 @@ const PUBLISHED: &str = "new_published";
 /// How many other models are shown.
 const OTHERS: usize = 3;
 /// Distance between the marks of two models in the band of a specimen, in bands.
-const SHIFT: f64 = 0.1;
+const SHIFT: f64 = 0.14;
 
 /// The figure, for groups whose specimens were left out one by one.
 pub fn figure(group: &GroupInput, _config: &Config) -> Option<(&'static str, String, Figure)> {
@@ -28,15 +28,15 @@ pub fn figure(group: &GroupInput, _config: &Config) -> Option<(&'static str, Str
     if specimens.len() < 2 {
         return None;
     }
-    let names = names(&specimens);
+    let names = specimen_names(&specimens);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let mut panel = Panel::new(
         Axis::new("RMSE (N)").including(0.0),
         Axis::categories("l_{rest}", &names),
     )
     .legend(Legend::Above);
-    for k in 0..specimens.len() {
-        panel = panel.with(guide(k));
+    for k in 1..specimens.len() {
+        panel = panel.with(border(k));
     }
     let (models, partial) = models(group);
     for (order, line) in models.iter().enumerate() {
@@ -59,36 +59,13 @@ pub fn figure(group: &GroupInput, _config: &Config) -> Option<(&'static str, Str
     Some(("specimen-errors", caption(partial), figure))
 }
 
-/// A thin line along which the eye finds the marks of one specimen.
-fn guide(place: usize) -> Layer {
+/// A thin line below a specimen's band.
+fn border(place: usize) -> Layer {
     Layer::Level {
         name: String::new(),
-        at: place as f64,
+        at: place as f64 - 0.5,
         stroke: Stroke::hair(Ink::Grey, Dash::Dotted),
     }
-}
-
-/// Resting lengths, with the specimen's id where two have the same.
-fn names(specimens: &[(&str, f64)]) -> Vec<String> {
-    let same = |l: f64| {
-        let text = millimetres(l);
-        specimens
-            .iter()
-            .filter(|s| millimetres(s.1) == text)
-            .count()
-            > 1
-    };
-    specimens
-        .iter()
-        .map(|(id, l)| {
-            let length = millimetres(*l);
-            if same(*l) {
-                format!("{length} ({})", id.replace('_', "\\_").replace('^', "\\^"))
-            } else {
-                length
-            }
-        })
-        .collect()
 }
 
 /// The new model, its published coefficients, and the best of the others, of which those that answer everything come first; and whether

@@ -106,7 +106,7 @@ impl Sheet<'_> {
         format!(
             "Relative force against relative contraction. Solid: isobars of the surface. Marks: readings within 10 kPa of them, divided by \
              _F_#sub[620] of their resting length{whose}. Dashed: the Festo tool, divided by _F_#sub[620] of the specimen of {} with its \
-             _ε_#sub[620] of {} %.",
+             _ε_#sub[620] of {}%.",
             millimetres(self.specimen.rest_length_m),
             number(100.0 * self.specimen.contraction_620, 1)
         )

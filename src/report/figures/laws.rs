@@ -64,13 +64,16 @@ pub fn has_band(fit: &EquationFit) -> bool {
             .all(|c| c.state == "ok" || c.state == "unmoved")
 }
 
-/// The band of a fit's curve from its refits without each specimen: `x`, lower and upper value. Empty where there is none.
+/// A band: `x`, lower and upper value.
+pub type Band = Vec<(f64, f64, f64)>;
+
+/// The band of a fit's curve from its refits without each specimen. Empty where there is none.
 pub fn band(
     fit: &EquationFit,
     places: &[f64],
     confidence: f64,
     curve: impl Fn(&[f64], f64) -> f64,
-) -> Vec<(f64, f64, f64)> {
+) -> Band {
     if !has_band(fit) {
         return Vec::new();
     }

@@ -2,7 +2,7 @@
 
 use crate::config::Config;
 use crate::models::{P_620_KPA, new};
-use crate::report::figures::laws::{self, festo, misleading, places, published};
+use crate::report::figures::laws::{self, Band, festo, misleading, places, published};
 use crate::report::figures::words::listed;
 use crate::report::input::GroupInput;
 use crate::report::plot::{
@@ -43,6 +43,8 @@ struct Plot<'a> {
     offset: f64,
     confidence: f64,
     maxima: Vec<&'a Maximum>,
+    /// Specimens of the group, with or without a maximum.
+    specimens: usize,
     laws: Vec<Law<'a>>,
     /// Resting lengths of the curves, mm.
     lengths: Vec<f64>,
@@ -76,6 +78,7 @@ impl<'a> Plot<'a> {
             offset,
             confidence: config.fit.confidence,
             maxima,
+            specimens: group.fit.specimens.len(),
             laws: laws.into_iter().flatten().collect(),
             lengths: places(1e3 * offset, 1.1e3 * longest, 150),
         }
@@ -98,7 +101,7 @@ impl<'a> Plot<'a> {
     }
 
     /// The band of the first law that has one, with its words.
-    fn band(&self) -> Option<(&'static str, Vec<(f64, f64, f64)>)> {
+    fn band(&self) -> Option<(&'static str, Band)> {
         self.sound()
             .map(|law| {
                 let band = laws::band(law.fit, &self.lengths, self.confidence, |b, l| {
@@ -194,7 +197,8 @@ impl<'a> Plot<'a> {
             Some((words, _)) => format!(
                 " The {percent:.0}% band is that of {words}, from its refits without each specimen (jackknife, Student's _t_)."
             ),
-            None if self.maxima.len() < 3 => {
+            None if self.sound().next().is_none() => String::new(),
+            None if self.specimens == 2 => {
                 " Two specimens settle the two coefficients of the law and leave nothing to judge it by: there is no band.".to_owned()
             }
             None => {

@@ -1,11 +1,13 @@
 //! The figures, one file each. A figure of a group is one new file and one line in [`OF_GROUP`].
 
+mod covariates;
 mod error_by_model;
 mod error_by_specimen;
 mod isobars;
 mod laws;
 mod looks;
 mod maximum_force;
+mod model_curves;
 mod models_at_lengths;
 mod plateaus;
 mod predicted;

@@ -146,7 +146,7 @@ impl<'a> Isoclines<'a> {
             format!(" The fit of _F_#sub[max] is not drawn, for {why}.")
         });
         format!(
-            "Force at resting length: readings within 10 kPa of the isobars and |_ε_#super[∗]| at most {}.{lines}{missing}",
+            "Force at resting length: readings within 10 kPa of the isobars and |_ε_#super[\\*]| at most {}.{lines}{missing}",
             number(self.at_rest, 2)
         )
     }
@@ -194,14 +194,14 @@ fn contraction_caption(group: &GroupInput, config: &Config) -> String {
         ""
     };
     let r2 = number(fit.adjusted_r2, 2);
-    let per = "%/100 mm";
+    let per = "% per 100 mm";
     let slope = fit.coefficients.iter().find(|c| c.symbol == "slope");
     let interval = slope.and_then(|s| s.ci_low.zip(s.ci_high));
     let verdict = match interval {
         None => "it has no interval, so that nothing can be said of a relation".to_owned(),
         Some((low, high)) => {
             let ends = format!(
-                "its slope of {} {per} has the {:.0}% interval {} to {} {per}",
+                "its slope of {}{per} has the {:.0}% interval {} to {}{per}",
                 number(10.0 * slope.map_or(f64::NAN, |s| s.value), 2),
                 100.0 * config.fit.confidence,
                 number(10.0 * low, 2),

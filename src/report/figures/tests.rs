@@ -60,7 +60,7 @@ fn row(
     let (contraction_620, relative) = (0.16 + 0.004 * s as f64, 0.25 * quarter as f64);
     let strength = 1.0 + 0.03 * [0.0, 1.0, -1.0, 0.5, -0.4][s];
     let scatter = 3.0 * (((7 * s + 5 * quarter + 3 * k) % 11) as f64 / 5.0 - 1.0);
-    let f620 = f64::from(diameter_mm).powi(2) * 3.0 * libm::atan(19.0 * (length - 0.0075));
+    let f620 = f64::from(3 * diameter_mm * diameter_mm) * libm::atan(19.0 * (length - 0.0075));
     let force = new::force([0.57, 4.25, 0.56], f620, relative, pressure / 620.0);
     Row {
         session: format!("{campaign}-{s}-{quarter}"),

@@ -38,6 +38,30 @@ pub fn millimetres(rest_length_m: f64) -> String {
     format!("{:.0} mm", 1e3 * rest_length_m)
 }
 
+/// The names of specimens, given by id and resting length in m, in the markup of figures: their lengths, with the id where several have the
+/// same.
+pub fn specimen_names(specimens: &[(&str, f64)]) -> Vec<String> {
+    let lengths: Vec<String> = specimens.iter().map(|s| millimetres(s.1)).collect();
+    let is_single = |l: &String| lengths.iter().filter(|other| *other == l).count() == 1;
+    let name = |(length, (id, _)): (&String, &(&str, f64))| {
+        if is_single(length) {
+            length.clone()
+        } else {
+            format!("{length} ({})", plain(id))
+        }
+    };
+    lengths.iter().zip(specimens).map(name).collect()
+}
+
+/// A user's text in the markup of figures, taken as it stands.
+pub fn plain(text: &str) -> String {
+    let escaped = |c: char| match c {
+        '\\' | '_' | '^' | '{' | '}' => format!("\\{c}"),
+        other => other.to_string(),
+    };
+    text.chars().map(escaped).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -51,7 +75,17 @@ mod tests {
     }
 
     #[test]
+    fn specimens_of_one_length_are_told_apart() {
+        let names = specimen_names(&[("a_1", 0.2), ("b", 0.2), ("c", 0.3)]);
+        assert_eq!(names, ["200 mm (a\\_1)", "200 mm (b)", "300 mm"]);
+    }
+
+    #[test]
     fn a_users_text_is_no_markup() {
+        assert_eq!(
+            crate::report::markup::plain(&plain(r"a_b^{2}\v{x}")),
+            r"a_b^{2}\v{x}"
+        );
         assert_eq!(verbatim(r"a*_#\"), "#\"a*_#/\"");
     }
 }
