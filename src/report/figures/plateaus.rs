@@ -87,9 +87,7 @@ fn figure(input: &ReportInput, trace: &Trace) -> Option<Named> {
     let end = time.iter().copied().fold(0.0, f64::max);
     let begin = time.iter().copied().fold(end, f64::min);
     let title = format!("Plateaus of {} {}", trace.session, trace.log);
-    let mut figure = Figure::new(&title, DOUBLE_MM, 105.0)
-        .grid(2)
-        .shared_legend();
+    let mut figure = Figure::new(&title, DOUBLE_MM, 98.0).grid(2).shared_legend();
     for channel in [pressure, force] {
         figure = figure
             .with(channel.panel(time, &windows, (begin, end)))
