@@ -10,6 +10,7 @@
 //! | [`plateaus`] | the steady stretches of a staircase of pressure |
 //! | [`special`], [`distributions`] | incomplete beta and gamma functions, and the distributions made of them |
 //! | [`statistics`], [`interpolate`] | sums, quantiles, goodness of fit; curves through knots |
+//! | [`jackknife`], [`running`] | intervals from refits without a group; running medians and the normal quantile plot |
 //!
 //! Architecture invariant: nothing here does I/O, sees a data frame, keeps a global, starts a thread or draws a random number.
 //! Sums run in slice order and transcendental functions come from `libm`, so equal inputs give equal bits on every platform.
@@ -21,6 +22,7 @@ pub mod dual_problem;
 pub mod fit;
 mod fit_report;
 pub mod interpolate;
+pub mod jackknife;
 pub mod lar;
 mod lar_scale;
 pub mod levenberg_marquardt;
@@ -30,6 +32,7 @@ pub mod plateaus;
 mod problem;
 pub mod qr;
 pub mod real;
+pub mod running;
 pub mod special;
 pub mod statistics;
 pub mod trust_region;

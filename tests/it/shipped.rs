@@ -70,12 +70,20 @@ fn the_main_job_gives_tables_figures_and_a_report_and_recovers_the_truth() {
                 .is_file()
         );
     }
-    for extension in ["svg", "pdf", "png"] {
-        assert!(
-            reports
-                .join(format!("figures/isobars-simulated-10mm.{extension}"))
-                .is_file()
-        );
+    for kind in [
+        "f620",
+        "rest",
+        "isobars",
+        "curves",
+        "models",
+        "predicted",
+        "specimen-errors",
+        "residuals",
+    ] {
+        for extension in ["svg", "pdf", "png"] {
+            let name = format!("figures/{kind}-simulated-10mm.{extension}");
+            assert!(reports.join(&name).is_file(), "{name}");
+        }
     }
     let summary: serde_json::Value =
         serde_json::from_slice(&std::fs::read(reports.join("summary.json")).unwrap()).unwrap();

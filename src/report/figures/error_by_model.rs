@@ -2,46 +2,119 @@
 
 use crate::config::Config;
 use crate::report::input::GroupInput;
-use crate::report::plot::{Axis, Figure, Ink, Legend, Mark, Panel, SINGLE_MM, Series, Shape};
+use crate::report::plot::axis::Ticks;
+use crate::report::plot::{
+    Anchor, Axis, Dash, Figure, Ink, Layer, Legend, Level, Mark, Panel, Place, SINGLE_MM, Series,
+    Shape, Side, Stroke,
+};
+use crate::stages::compare::Comparison;
 
-/// The figure: RMSE by model, for specimens that the model has not seen.
+/// Height of one model's line with its name above it, mm.
+const PITCH_MM: f64 = 6.6;
+
+/// The figure: RMSE by model, for specimens that the model has not seen; with one specimen the fit itself stands beside the others.
 pub fn figure(group: &GroupInput, _config: &Config) -> Option<(&'static str, String, Figure)> {
-    let comparisons = &group.comparison.comparisons;
-    let mut errors: Vec<(&str, f64, bool)> = comparisons
-        .iter()
-        .filter(|c| c.split == "loso")
-        .filter_map(|c| Some((c.title.as_str(), c.rmse?, c.n_excluded > 0)))
+    let mut lines: Vec<(&Comparison, f64)> = lines(group)
+        .into_iter()
+        .filter_map(|c| Some((c, c.rmse?)))
         .collect();
-    if errors.len() < 2 {
+    if lines.len() < 2 {
         return None;
     }
-    errors.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let names: Vec<&str> = errors.iter().map(|e| e.0).collect();
-    let marks = |partial: bool| -> Vec<(f64, f64)> {
-        let of = errors.iter().enumerate().filter(|(_, e)| e.2 == partial);
-        of.map(|(k, e)| (e.1, k as f64)).collect()
-    };
-    let mut panel = Panel::new(
-        Axis::new("RMSE (N)").including(0.0),
-        Axis::categories("", &names),
-    )
-    .legend(Legend::Above);
-    panel = panel.with(Series::marks(
-        "all readings",
-        marks(false),
-        Mark::filled(Shape::Circle, Ink::Blue).wide(2.0),
-    ));
-    if !marks(true).is_empty() {
-        let mark = Mark::open(Shape::Circle, Ink::Vermilion).wide(2.0);
-        panel = panel.with(Series::marks("those that it answers", marks(true), mark));
-    }
+    lines.sort_by(|a, b| b.1.total_cmp(&a.1));
     let title = format!("Error of every model, {}", group.fit.group.campaign);
-    let caption = "Root-mean-square error of every model on specimens that it has not seen: published models as published, the new model \
-        fitted to the other specimens."
-        .to_owned();
-    Some((
-        "models",
-        caption,
-        Figure::new(&title, 1.3 * SINGLE_MM, 68.0).with(panel),
-    ))
+    let height = 18.0 + PITCH_MM * lines.len() as f64;
+    let figure = Figure::new(&title, SINGLE_MM, height).with(panel(&lines));
+    Some(("models", caption(&lines), figure))
+}
+
+/// One line for each model: on unseen specimens, or for a fit that has none on the readings that it was fitted to.
+fn lines(group: &GroupInput) -> Vec<&Comparison> {
+    let all = &group.comparison.comparisons;
+    let unseen = |model: &str| {
+        all.iter()
+            .any(|c| c.model == model && c.split == "loso" && c.rmse.is_some())
+    };
+    all.iter()
+        .filter(|c| c.split == "loso" || (c.split == "train" && !unseen(&c.model)))
+        .collect()
+}
+
+fn is_seen(line: &Comparison) -> bool {
+    line.fitted_here && line.split == "train"
+}
+
+/// Name and mark of a kind of line, and whether a line is of it.
+type Kind = (&'static str, Mark, fn(&Comparison) -> bool);
+
+fn panel(lines: &[(&Comparison, f64)]) -> Panel {
+    let most = lines.iter().map(|l| l.1).fold(0.0, f64::max);
+    let mut y = Axis::new("").fixed(-0.5, lines.len() as f64 - 0.15);
+    y.ticks = Ticks::Named(Vec::new());
+    let mut panel =
+        Panel::new(Axis::new("RMSE (N)").fixed(0.0, 1.12 * most), y).legend(Legend::Above);
+    for (k, (line, rmse)) in lines.iter().enumerate() {
+        let place = k as f64;
+        let stalk = Stroke::hair(Ink::Grey, Dash::Solid);
+        panel = panel
+            .with(Series::line("", vec![(0.0, place), (*rmse, place)], stalk))
+            .with(text(&line.title, (0.012 * most, place + 0.42)))
+            .with(text(&format!("{rmse:.1}"), (rmse + 0.02 * most, place)));
+    }
+    let kinds: [Kind; 3] = [
+        (
+            "all readings",
+            Mark::filled(Shape::Circle, Ink::Blue),
+            |c| c.n_excluded == 0 && !is_seen(c),
+        ),
+        (
+            "those that it answers",
+            Mark::open(Shape::Circle, Ink::Vermilion),
+            |c| c.n_excluded > 0 && !is_seen(c),
+        ),
+        (
+            "fitted to these readings",
+            Mark::open(Shape::Square, Ink::Black),
+            is_seen,
+        ),
+    ];
+    for (name, mark, belongs) in kinds {
+        let of = lines.iter().enumerate().filter(|(_, l)| belongs(l.0));
+        let points: Vec<(f64, f64)> = of.map(|(k, l)| (l.1, k as f64)).collect();
+        if !points.is_empty() {
+            panel = panel.with(Series::marks(name, points, mark.wide(1.8)));
+        }
+    }
+    panel
+}
+
+fn text(text: &str, (x, y): (f64, f64)) -> Layer {
+    Layer::Text {
+        text: text.to_owned(),
+        place: Place::Data(x, y),
+        anchor: Anchor::new(Side::Left, Level::Center),
+    }
+}
+
+fn caption(lines: &[(&Comparison, f64)]) -> String {
+    let fitted = if lines.iter().any(|l| is_seen(l.0)) {
+        "; the new model has no specimen that could be left out, and stands here with the readings that it was fitted to"
+    } else if lines.iter().any(|l| l.0.fitted_here) {
+        ", the new model fitted to the other specimens"
+    } else {
+        ""
+    };
+    let partial = if lines.iter().any(|l| l.0.n_excluded > 0) {
+        " Open circles: models that give nothing for some readings, judged on the others; their numbers cannot be compared with the rest."
+    } else {
+        ""
+    };
+    let refitted = if lines.iter().any(|l| l.0.model == "martens2017") {
+        " (that of Martens and Boblan with its geometry refitted to their own maps)"
+    } else {
+        ""
+    };
+    format!(
+        "Root-mean-square error of every model: published models as published{refitted}{fitted}.{partial}"
+    )
 }

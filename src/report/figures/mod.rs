@@ -1,10 +1,20 @@
 //! The figures, one file each. A figure of a group is one new file and one line in [`OF_GROUP`].
 
+mod covariates;
 mod error_by_model;
+mod error_by_specimen;
 mod isobars;
+mod laws;
+mod looks;
 mod maximum_force;
+mod model_curves;
+mod models_at_lengths;
 mod plateaus;
 mod predicted;
+mod readings;
+mod residuals;
+mod rest;
+mod words;
 
 use crate::base::error::Result;
 use crate::base::names::file_name;
@@ -56,12 +66,16 @@ impl Named {
 
 type OfGroup = fn(&GroupInput, &Config) -> Option<(&'static str, String, Figure)>;
 
-/// Every figure that a group of rows may have, in the order of the report.
+/// Every figure that a group of rows may have, in the order of the report: those of the paper, then those that look for what is left over.
 const OF_GROUP: &[OfGroup] = &[
     maximum_force::figure,
+    rest::figure,
     isobars::figure,
-    predicted::figure,
+    models_at_lengths::figure,
     error_by_model::figure,
+    predicted::figure,
+    error_by_specimen::figure,
+    residuals::figure,
 ];
 
 /// The figures of one group; those for which it has the data.
@@ -71,7 +85,11 @@ pub fn of_group(group: &GroupInput, config: &Config) -> Vec<Named> {
         .filter_map(|make| make(group, config))
         .map(|(name, caption, figure)| Named {
             name: format!("{name}-{}", slug(group)),
-            caption,
+            caption: if group.fit.group.simulated {
+                format!("Simulated. {caption}")
+            } else {
+                caption
+            },
             figure,
         })
         .collect()
@@ -110,3 +128,6 @@ pub fn files(drawn: &Drawn, png_dpi: f64) -> Result<Vec<(String, Vec<u8>)>> {
         (format!("{}.png", drawn.name), png),
     ])
 }
+
+#[cfg(test)]
+mod tests;

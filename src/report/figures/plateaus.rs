@@ -5,6 +5,7 @@ use crate::base::names::file_name;
 use crate::base::row::Row;
 use crate::base::session::Phase;
 use crate::report::figures::Named;
+use crate::report::figures::words::verbatim;
 use crate::report::input::{ReportInput, SessionInput, Trace};
 use crate::report::plot::{
     Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Mark, Panel, Series, Shape, Stroke,
@@ -86,9 +87,7 @@ fn figure(input: &ReportInput, trace: &Trace) -> Option<Named> {
     let end = time.iter().copied().fold(0.0, f64::max);
     let begin = time.iter().copied().fold(end, f64::min);
     let title = format!("Plateaus of {} {}", trace.session, trace.log);
-    let mut figure = Figure::new(&title, DOUBLE_MM, 105.0)
-        .grid(2)
-        .shared_legend();
+    let mut figure = Figure::new(&title, DOUBLE_MM, 98.0).grid(2).shared_legend();
     for channel in [pressure, force] {
         figure = figure
             .with(channel.panel(time, &windows, (begin, end)))
@@ -114,11 +113,6 @@ fn caption(trace: &Trace, readings: usize) -> String {
         verbatim(&trace.session),
         verbatim(&trace.campaign)
     )
-}
-
-/// A user's text inside Typst markup, as a string that is not markup.
-fn verbatim(text: &str) -> String {
-    format!("#{:?}", text.replace('\\', "/").replace('"', "'"))
 }
 
 /// Where the close-up begins: a third of the way from the first reading to the last one of filling.

@@ -35,7 +35,7 @@ impl Frame {
         let count = |length: f64, pitch: f64, most: f64| {
             (length / PER_MM / pitch).floor().clamp(2.0, most) as usize
         };
-        (count(width, 11.0, 8.0), count(height, 7.5, 7.0))
+        (count(width, 10.0, 8.0), count(height, 7.5, 7.0))
     }
 
     /// Measures the axes of a panel.
@@ -55,11 +55,14 @@ impl Frame {
             let room: f64 = ticks.iter().map(|(_, l)| l.width + mm(2.0)).sum();
             room <= size.0
         };
+        let ticks = |n: usize| labelled(panel.x.ticks(window.x, n), panel.x.numbered);
+        // One number says nothing of the scale: more steps then, if they fit.
         let x_ticks = (2..=across)
             .rev()
-            .map(|n| labelled(panel.x.ticks(window.x, n), panel.x.numbered))
-            .find(|ticks| fits(ticks))
-            .unwrap_or_else(|| labelled(panel.x.ticks(window.x, 2), panel.x.numbered));
+            .chain(across + 1..=2 * across)
+            .map(ticks)
+            .find(|ticks| fits(ticks) && ticks.len() > 1)
+            .unwrap_or_else(|| ticks(2));
         Frame {
             window,
             x_ticks,

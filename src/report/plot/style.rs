@@ -77,6 +77,14 @@ pub enum Dash {
     DashDot,
     /// Long dashes.
     Long,
+    /// Dash, dot, dot.
+    DashDotDot,
+    /// Long dash, dot.
+    LongDot,
+    /// Long dash, short dash.
+    LongShort,
+    /// Close short dashes.
+    Short,
 }
 
 impl Dash {
@@ -88,6 +96,10 @@ impl Dash {
             Dash::Dotted => &[35, 55],
             Dash::DashDot => &[130, 55, 35, 55],
             Dash::Long => &[230, 80],
+            Dash::DashDotDot => &[130, 55, 35, 55, 35, 55],
+            Dash::LongDot => &[230, 60, 35, 60],
+            Dash::LongShort => &[230, 60, 80, 60],
+            Dash::Short => &[65, 45],
         }
     }
 }

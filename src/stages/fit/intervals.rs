@@ -16,6 +16,7 @@ use crate::config::{FitOptions, IntervalMethod};
 use crate::numerics::distributions::student_t_quantile;
 use crate::numerics::dual_problem::DualProblem;
 use crate::numerics::fit::{Fit, Options, Status, fit as minimise};
+use crate::numerics::jackknife::{FEWEST_GROUPS as FEWEST_SPECIMENS, standard_error};
 use crate::numerics::real::Dual;
 use crate::numerics::statistics::{quantile, sum_of_squares};
 use crate::stages::fit::engine::{Equation, Solution};
@@ -23,8 +24,6 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Fewest specimens of a method that goes by specimen.
-const FEWEST_SPECIMENS: usize = 3;
 /// Relative change of the sum of squares that ends a refit: percentiles of a thousand refits have no use for more.
 const TOLERANCE: f64 = 1e-8;
 /// Largest fraction of bootstrap refits that may fail to determine a coefficient.
@@ -125,11 +124,9 @@ fn linearised_errors(fit: &Fit) -> Vec<f64> {
         .collect()
 }
 
-/// Jackknife standard errors over specimens: sqrt((G - 1)/G sum (b_g - b)^2), about the full estimate, which is never smaller than about
-/// the mean. NaN for a coefficient that the full fit or one of the refits could not determine (at a bound, held): its interval is open.
-/// `None` below three specimens, or where a refit failed altogether.
+/// Jackknife standard errors over specimens. NaN for a coefficient that the full fit or one of the refits could not determine (at a bound,
+/// held): its interval is open. `None` below three specimens, or where a refit failed altogether.
 fn jackknife<const N: usize>(full: &Solution<N>, refits: &Refits<N>) -> Option<[f64; N]> {
-    let g = refits.len() as f64;
     let solutions: Vec<&Solution<N>> = refits.iter().filter_map(|(_, s)| s.as_ref()).collect();
     if refits.len() < FEWEST_SPECIMENS || solutions.len() < refits.len() {
         return None;
@@ -138,11 +135,8 @@ fn jackknife<const N: usize>(full: &Solution<N>, refits: &Refits<N>) -> Option<[
         if !full.determines(k) || !solutions.iter().all(|s| s.determines(k)) {
             return f64::NAN;
         }
-        let deviations: Vec<f64> = solutions
-            .iter()
-            .map(|s| s.values[k] - full.values[k])
-            .collect();
-        ((g - 1.0) / g * sum_of_squares(&deviations)).sqrt()
+        let refits: Vec<f64> = solutions.iter().map(|s| s.values[k]).collect();
+        standard_error(full.values[k], &refits)
     }))
 }
 

@@ -1,0 +1,148 @@
+//! One look for each model in all figures: name, colour, dash and mark, so that none is told by its colour alone.
+
+use crate::report::plot::{Dash, Ink, Mark, Shape, Stroke, look};
+use crate::stages::compare::NEW;
+
+/// How a model is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Look {
+    /// Short name.
+    pub name: String,
+    /// Line.
+    pub stroke: Stroke,
+    /// Mark.
+    pub mark: Mark,
+}
+
+const LOOKS: [(&str, &str, Ink, Dash, Shape); 9] = [
+    (
+        NEW,
+        "New model, fitted",
+        Ink::Black,
+        Dash::Solid,
+        Shape::Circle,
+    ),
+    (
+        "new_published",
+        "New model, published",
+        Ink::Blue,
+        Dash::Dashed,
+        Shape::Square,
+    ),
+    (
+        "knee_paper",
+        "Earlier form (knee paper)",
+        Ink::Sky,
+        Dash::DashDotDot,
+        Shape::Diamond,
+    ),
+    (
+        "hunt2017",
+        "Hunt 2017",
+        Ink::Green,
+        Dash::DashDot,
+        Shape::Triangle,
+    ),
+    (
+        "festo_tool",
+        "Festo tool",
+        Ink::Vermilion,
+        Dash::Long,
+        Shape::Wedge,
+    ),
+    (
+        "sarosi2012",
+        "Sarosi 2012",
+        Ink::Purple,
+        Dash::Short,
+        Shape::Plus,
+    ),
+    (
+        "martens2017",
+        "Martens and Boblan 2017",
+        Ink::Orange,
+        Dash::LongDot,
+        Shape::Cross,
+    ),
+    (
+        "chou_hannaford",
+        "Chou and Hannaford 1996",
+        Ink::Grey,
+        Dash::LongShort,
+        Shape::Circle,
+    ),
+    (
+        "tondu_lopez",
+        "Tondu and Lopez 2000",
+        Ink::Grey,
+        Dash::Dotted,
+        Shape::Square,
+    ),
+];
+
+/// The look of a model; one that is not in the list gets its title without what stands in parentheses, and a look by its place.
+pub fn of_model(id: &str, title: &str, place: usize) -> Look {
+    let listed = LOOKS.iter().find(|l| l.0 == id);
+    let (name, ink, dash, shape) = match listed {
+        Some((_, name, ink, dash, shape)) => (*name, *ink, *dash, *shape),
+        None => {
+            let (ink, shape, dash) = look(place);
+            (title.split(" (").next().unwrap_or(title), ink, dash, shape)
+        }
+    };
+    Look {
+        name: name.to_owned(),
+        stroke: Stroke::new(ink, dash),
+        mark: if id == NEW {
+            Mark::filled(shape, ink)
+        } else {
+            Mark::open(shape, ink)
+        },
+    }
+}
+
+/// Colour, mark and dash of an isobar: the same for a pressure in every figure.
+pub fn of_isobar(pressure_kpa: f64) -> (Ink, Shape, Dash) {
+    look(((pressure_kpa / 100.0).round() as usize).saturating_sub(1))
+}
+
+/// The mark of the n-th of many specimens: open in the first seven looks, then filled.
+pub fn of_specimen(n: usize, width_mm: f64) -> Mark {
+    const OPEN: usize = 7;
+    let (ink, shape, _) = look(n);
+    let line_shape = matches!(shape, Shape::Plus | Shape::Cross);
+    let mark = if (n / OPEN).is_multiple_of(2) || line_shape {
+        Mark::open(shape, ink)
+    } else {
+        Mark::filled(shape, ink)
+    };
+    mark.wide(width_mm)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::models::published;
+
+    #[test]
+    fn every_model_has_its_own_dash_and_mark_whatever_the_colour() {
+        let ids = published().into_iter().map(|m| (m.id(), m.title()));
+        let all = ids.chain([(NEW, "")]).enumerate();
+        let looks: Vec<Look> = all.map(|(k, (id, title))| of_model(id, title, k)).collect();
+        for (i, a) in looks.iter().enumerate() {
+            for b in &looks[i + 1..] {
+                assert_ne!(a.stroke.dash, b.stroke.dash, "{} and {}", a.name, b.name);
+                assert_ne!(a.mark, b.mark);
+                assert_ne!(a.name, b.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_model_that_is_new_here_is_drawn_all_the_same() {
+        assert_eq!(
+            of_model("next", "Next 2030 (implicit)", 3).name,
+            "Next 2030"
+        );
+    }
+}

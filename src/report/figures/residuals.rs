@@ -1,0 +1,195 @@
+//! What the new model leaves over, against everything that was recorded beside it, with running medians, and a normal quantile plot.
+
+use crate::base::row::Row;
+use crate::config::Config;
+use crate::numerics::running::{medians_by_cluster, normal_plot, running_median};
+use crate::report::figures::covariates::{Covariate, covariates};
+use crate::report::figures::words::listed;
+use crate::report::input::GroupInput;
+use crate::report::plot::{
+    Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Mark, Panel, Series, Shape, Stroke,
+};
+use crate::stages::compare::{NEW, NEW_LOSO};
+use crate::stages::fit::is_fitted;
+
+/// Fewest readings for a figure.
+const FEWEST: usize = 12;
+/// Up to so many clusters of values get a median each, more values a running one.
+const FEW_CLUSTERS: usize = 12;
+/// Values that follow each other by less than this part of their range belong to a cluster.
+const GAP: f64 = 0.015;
+
+/// The figure: of leave-one-specimen-out predictions, or of the fit where no specimen can be left out.
+pub fn figure(group: &GroupInput, _config: &Config) -> Option<(&'static str, String, Figure)> {
+    let by_model = &group.predictions.by_model;
+    let unseen = by_model.get(NEW_LOSO);
+    let predicted = unseen.or_else(|| by_model.get(NEW))?;
+    // What its owner holds out takes part in no choice, and a look at residuals is the beginning of one.
+    let rows = group.predictions.rows.iter().zip(predicted);
+    let rows: Vec<(&Row, f64)> = rows
+        .filter(|(r, p)| is_fitted(r) && p.is_finite())
+        .map(|(r, p)| (r, *p))
+        .collect();
+    if rows.len() < FEWEST {
+        return None;
+    }
+    let sheet = Sheet::new(rows);
+    let title = format!("Residuals, {}", group.fit.group.campaign);
+    let quantiles = sheet.quantiles();
+    let panels = sheet.covariates.len() + usize::from(quantiles.is_some());
+    let columns = columns(panels);
+    let mut figure = Figure::new(&title, DOUBLE_MM, 0.0)
+        .grid(columns)
+        .shared_legend();
+    let all = sheet.covariates.iter().map(|c| sheet.panel(c));
+    for (k, mut panel) in all.chain(quantiles).enumerate() {
+        if k % columns > 0 {
+            panel.y = panel.y.bare();
+        }
+        figure = figure.with(panel);
+    }
+    figure.height_mm = 6.0 + 44.0 * panels.div_ceil(columns) as f64;
+    let caption = sheet.caption(unseen.is_some(), panels);
+    Some(("residuals", caption, figure))
+}
+
+/// How many panels stand in a row, so that few places stay empty.
+fn columns(panels: usize) -> usize {
+    match panels {
+        0..=4 => panels.max(1),
+        5 | 6 | 9 => 3,
+        _ => 4,
+    }
+}
+
+struct Sheet {
+    residuals: Vec<f64>,
+    covariates: Vec<Covariate>,
+    /// Extra columns for which there was no panel.
+    untold: Vec<String>,
+    /// Range of the residuals, N.
+    range: (f64, f64),
+}
+
+impl Sheet {
+    fn new(rows: Vec<(&Row, f64)>) -> Self {
+        let residuals: Vec<f64> = rows.iter().map(|(r, p)| r.force_n - p).collect();
+        let (covariates, untold) = covariates(&rows);
+        let low = residuals.iter().copied().fold(0.0, f64::min);
+        let high = residuals.iter().copied().fold(0.0, f64::max);
+        let margin = 0.04 * (high - low);
+        Self {
+            residuals,
+            covariates,
+            untold,
+            range: (low - margin, high + margin),
+        }
+    }
+
+    fn y_axis(&self) -> Axis {
+        Axis::new("Residual (N)").fixed(self.range.0, self.range.1)
+    }
+
+    fn panel(&self, against: &Covariate) -> Panel {
+        let places = if against.spread {
+            spread(&against.values)
+        } else {
+            against.values.clone()
+        };
+        let residuals = self.residuals.iter().copied();
+        let points = places.into_iter().zip(residuals).collect();
+        let dot = Mark::filled(Shape::Dot, Ink::Grey);
+        Panel::new(against.axis(), self.y_axis())
+            .with(Layer::zero())
+            .with(Series::marks("reading", points, dot))
+            .with(self.trend(against))
+    }
+
+    /// Medians of clusters where the values cluster or stand for names, else running ones.
+    fn trend(&self, against: &Covariate) -> Series {
+        let gap = if against.spread {
+            0.5
+        } else {
+            GAP * against.extent()
+        };
+        let clusters = medians_by_cluster(&against.values, &self.residuals, gap);
+        match clusters.filter(|c| against.spread || c.len() <= FEW_CLUSTERS) {
+            Some(medians) => {
+                let mark = Mark::filled(Shape::Diamond, Ink::Vermilion).wide(1.6);
+                Series::marks("median at this value", medians, mark)
+            }
+            None => {
+                let window = (self.residuals.len() / 10).max(9);
+                let medians = running_median(&against.values, &self.residuals, window);
+                let stroke = Stroke {
+                    width_pt: 1.3,
+                    ..Stroke::new(Ink::Vermilion, Dash::Solid)
+                };
+                Series::line("running median", medians, stroke)
+            }
+        }
+    }
+
+    fn quantiles(&self) -> Option<Panel> {
+        let plot = normal_plot(&self.residuals)?;
+        let end = plot.points.last()?.0;
+        let line = [-end, end].map(|q| (q, plot.intercept + plot.slope * q));
+        let dot = Mark::filled(Shape::Dot, Ink::Grey);
+        let stroke = Stroke::new(Ink::Black, Dash::Dashed);
+        Some(
+            Panel::new(Axis::new("Normal quantile (–)"), self.y_axis())
+                .with(Layer::zero())
+                .with(Series::marks("reading", plot.points, dot))
+                .with(Series::line("through the quartiles", line.to_vec(), stroke)),
+        )
+    }
+
+    fn caption(&self, unseen: bool, panels: usize) -> String {
+        let letter = |k: usize| char::from(b'A' + (k as u8).min(25));
+        let against: Vec<String> = self
+            .covariates
+            .iter()
+            .enumerate()
+            .map(|(k, c)| format!("{} ({})", c.words, letter(k)))
+            .collect();
+        let predicted = if unseen {
+            "the prediction of the fit that has not seen the specimen"
+        } else {
+            "the prediction of the fit itself"
+        };
+        let quantiles = if panels > self.covariates.len() {
+            format!(
+                ", and against normal quantiles ({})",
+                letter(self.covariates.len())
+            )
+        } else {
+            String::new()
+        };
+        let sideways = if self.covariates.iter().any(|c| c.spread) {
+            " Readings of one phase or session are spread sideways."
+        } else {
+            ""
+        };
+        let untold = if self.untold.is_empty() {
+            String::new()
+        } else {
+            format!(" Not shown: {}.", listed(&self.untold))
+        };
+        format!(
+            "Residuals of {} readings, measured force minus {predicted}, against {}{quantiles}.{sideways}{untold}",
+            self.residuals.len(),
+            listed(&against)
+        )
+    }
+}
+
+/// The values, spread by up to a quarter to both sides: by the golden ratio, so that neighbours stand apart and every run is the same.
+fn spread(values: &[f64]) -> Vec<f64> {
+    const GOLDEN: f64 = 0.618_033_988_749_895;
+    let shift = |k: usize| 0.5 * ((k as f64 * GOLDEN).fract() - 0.5);
+    values
+        .iter()
+        .enumerate()
+        .map(|(k, v)| v + shift(k))
+        .collect()
+}

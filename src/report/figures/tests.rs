@@ -1,0 +1,210 @@
+//! What holds for the figures of every group: they draw, they are fit for print, they repeat themselves, and their captions are true.
+
+use super::*;
+use crate::base::row::Row;
+use crate::base::session::Phase;
+use crate::models::new;
+use crate::report::plot::units::pt;
+use crate::stages::compare::compare;
+use crate::stages::fit::{Group, fit_group};
+use std::collections::BTreeMap;
+
+/// Groups as they come: campaigns of one, two and five specimens, at one pressure only, and of a diameter without a law of length.
+fn groups() -> Vec<GroupInput> {
+    let all = [80.0, 100.0, 200.0, 300.0, 400.0, 500.0, 600.0, 618.0, 622.0];
+    let one = [617.0, 620.0, 622.0];
+    let five = [0.083, 0.182, 0.233, 0.382, 0.455];
+    vec![
+        group("five", 10, &five, &all),
+        group("long", 10, &[0.415, 0.455, 0.49, 0.518], &one),
+        group("two", 20, &[0.228, 0.397], &all),
+        group("map_1*", 20, &[0.3], &[100.0, 350.0, 600.0]),
+        group("large", 40, &[0.3, 0.5, 0.6], &all),
+    ]
+}
+
+fn group(campaign: &str, diameter_mm: u32, lengths_m: &[f64], pressures: &[f64]) -> GroupInput {
+    let mut rows = Vec::new();
+    for (s, length) in lengths_m.iter().enumerate() {
+        for quarter in 0..4 {
+            for (k, pressure) in pressures.iter().enumerate() {
+                let place = (s, quarter, k);
+                rows.push(row(campaign, diameter_mm, *length, *pressure, place));
+            }
+        }
+    }
+    let group = Group {
+        campaign: campaign.to_owned(),
+        diameter_mm,
+        members: vec![campaign.to_owned()],
+        simulated: campaign == "five",
+    };
+    let config = Config::default();
+    let fit = fit_group(&group, &rows, &config.fit);
+    let (comparison, predictions) = compare(&fit, &rows, &config.compare, &config.fit);
+    GroupInput {
+        fit,
+        comparison,
+        predictions,
+    }
+}
+
+/// A reading of an actuator that follows the force paper but for its own strength and a little scatter.
+fn row(
+    campaign: &str,
+    diameter_mm: u32,
+    length: f64,
+    pressure: f64,
+    (s, quarter, k): (usize, usize, usize),
+) -> Row {
+    let (contraction_620, relative) = (0.16 + 0.004 * s as f64, 0.25 * quarter as f64);
+    let strength = 1.0 + 0.03 * [0.0, 1.0, -1.0, 0.5, -0.4][s];
+    let scatter = 3.0 * (((7 * s + 5 * quarter + 3 * k) % 11) as f64 / 5.0 - 1.0);
+    let f620 = f64::from(3 * diameter_mm * diameter_mm) * libm::atan(19.0 * (length - 0.0075));
+    let force = new::force([0.57, 4.25, 0.56], f620, relative, pressure / 620.0);
+    Row {
+        session: format!("{campaign}-{s}-{quarter}"),
+        campaign: campaign.to_owned(),
+        specimen: format!("l{:.0}", 1e3 * length),
+        phase: [Some(Phase::Pressurizing), Some(Phase::Depressurizing)][k % 2],
+        diameter_mm: f64::from(diameter_mm),
+        rest_length_m: length,
+        contracted_length_m: length * (1.0 - contraction_620),
+        length_m: length * (1.0 - relative * contraction_620),
+        contraction: relative * contraction_620,
+        contraction_rel: relative,
+        pressure_kpa: pressure,
+        pressure_rel: pressure / 620.0,
+        time_s: k as f64,
+        force_n: strength * force + scatter,
+        extras: BTreeMap::from([("humidity_#1".to_owned(), (k + 3 * s) as f64)]),
+        ..Row::blank()
+    }
+}
+
+fn figures_of(campaign: &str) -> BTreeMap<String, Named> {
+    let groups = groups();
+    let group = groups.iter().find(|g| g.fit.group.campaign == campaign);
+    let named = of_group(group.unwrap(), &Config::default());
+    let slug = slug(group.unwrap());
+    let kind = |n: &Named| n.name.trim_end_matches(&format!("-{slug}")).to_owned();
+    named.into_iter().map(|n| (kind(&n), n)).collect()
+}
+
+#[test]
+fn every_figure_of_every_group_is_fit_for_print_and_repeats_itself() {
+    for group in groups() {
+        for named in of_group(&group, &Config::default()) {
+            let svg = named.draw().unwrap().svg;
+            assert!(
+                !svg.contains("NaN") && !svg.contains("inf"),
+                "{}",
+                named.name
+            );
+            assert!(svg.len() < 400_000, "{}: {} bytes", named.name, svg.len());
+            assert!(smallest(&svg, "data-pt") >= 5.0, "{}", named.name);
+            assert!(smallest(&svg, "stroke-width") >= pt(0.5), "{}", named.name);
+            assert!(named.figure.width_mm <= crate::report::plot::DOUBLE_MM);
+            assert_eq!(svg, named.draw().unwrap().svg);
+        }
+    }
+}
+
+fn smallest(svg: &str, attribute: &str) -> f64 {
+    let attribute = format!("{attribute}=\"");
+    let parts = svg.split(&attribute).skip(1);
+    let numbers = parts.map(|p| p.split('"').next().unwrap().parse::<f64>().unwrap());
+    numbers.reduce(f64::min).unwrap()
+}
+
+#[test]
+fn captions_are_markup_that_compiles() {
+    for group in groups() {
+        for named in of_group(&group, &Config::default()) {
+            let source = format!("#set page(width: 200mm)\n{}", named.caption);
+            let pdf = crate::report::typeset::Document::new(&source).compile();
+            assert!(pdf.is_ok(), "{}: {}", named.name, named.caption);
+        }
+    }
+}
+
+#[test]
+fn figures_without_data_are_not_made() {
+    let kinds = |campaign| figures_of(campaign).into_keys().collect::<Vec<_>>();
+    let single = ["curves", "isobars", "models", "predicted", "residuals"];
+    assert_eq!(kinds("map_1*"), single);
+    assert_eq!(kinds("five").len(), 8);
+}
+
+#[test]
+fn captions_say_what_is_there() {
+    let five = figures_of("five");
+    assert!(five.values().all(|n| n.caption.starts_with("Simulated. ")));
+    assert!(five["f620"].caption.contains("95% band"));
+    assert!(
+        five["curves"]
+            .caption
+            .contains("a short, a middle and a long")
+    );
+    assert!(
+        five["residuals"]
+            .caption
+            .contains("has not seen the specimen")
+    );
+    assert!(five["residuals"].caption.contains("#\"humidity_#1\""));
+    let two = figures_of("two");
+    assert!(!two["f620"].caption.contains("95%"));
+    assert!(two["f620"].caption.contains("Two specimens settle"));
+    assert!(two["rest"].caption.contains("Too few specimens"));
+    let single = figures_of("map_1*");
+    assert!(
+        single["models"]
+            .caption
+            .contains("has no specimen that could be left out")
+    );
+    assert!(single["residuals"].caption.contains("of the fit itself"));
+    assert!(single["curves"].caption.contains("of the specimen:"));
+    assert!(single["curves"].figure.panels.len() == 2);
+}
+
+#[test]
+fn a_law_at_a_bound_is_named_and_not_drawn() {
+    let mut group = groups().remove(0);
+    let drawn = |group: &GroupInput| {
+        let (_, caption, figure) = maximum_force::figure(group, &Config::default()).unwrap();
+        (
+            caption,
+            figure
+                .to_svg()
+                .unwrap()
+                .contains("aria-label=\"fitted to the maxima\""),
+        )
+    };
+    assert!(drawn(&group).1);
+    let law = group
+        .fit
+        .equations
+        .iter_mut()
+        .find(|e| e.id == "F_620(l_rest)");
+    law.unwrap().coefficients[1].state = "at its upper bound".to_owned();
+    let (caption, is_drawn) = drawn(&group);
+    assert!(!is_drawn);
+    assert!(
+        caption.contains("_b_#sub[2] is at its upper bound"),
+        "{caption}"
+    );
+}
+
+#[test]
+fn rows_that_are_held_out_stay_out_of_the_residuals() {
+    let mut group = groups().remove(0);
+    let count = |group: &GroupInput| {
+        let (_, caption, _) = residuals::figure(group, &Config::default()).unwrap();
+        let words: Vec<&str> = caption.split_whitespace().collect();
+        words[2].parse::<usize>().unwrap()
+    };
+    let all = count(&group);
+    assert_eq!(all, group.predictions.rows.len());
+    group.predictions.rows[0].role = Some(crate::base::session::Role::Holdout);
+    assert_eq!(count(&group), all - 1);
+}
