@@ -6,6 +6,7 @@ mod commands;
 mod coverage;
 mod models;
 mod numerics;
+mod predict_coverage;
 mod rig;
 mod shipped;
 mod support;
