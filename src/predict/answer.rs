@@ -90,6 +90,7 @@ impl Answer {
 }
 
 /// Answers for one muscle.
+#[derive(Clone)]
 pub struct Predictor<'a> {
     /// The law.
     pub choice: Choice<'a>,
@@ -212,6 +213,12 @@ impl<'a> Predictor<'a> {
         answer.force_n = Some(force(&joint.values(), eps_620));
         answer.interval = interval::interval(fit, joint, eps_620, assumed, &force);
         answer.measured = measured(fit, answer, matches!(self.free, FreeContraction::Given));
+        let slack = |contraction_rel: f64, pressure_kpa: f64| {
+            let c = joint.values();
+            let pressure_rel = pressure_kpa / P_620_KPA;
+            new::surface_signed([c[2], c[3], c[4]], contraction_rel, pressure_rel) <= 0.0
+        };
+        forgive_slack(&mut answer.measured, &slack);
         let outside = answer.measured.iter().filter(|m| !m.inside).map(warning);
         answer.warnings.extend(outside);
     }
@@ -263,6 +270,9 @@ fn others(state: &State, chosen: &str) -> Vec<Other> {
         .collect()
 }
 
+const PRESSURE: &str = "gauge pressure";
+const CONTRACTION_REL: &str = "relative contraction";
+
 /// Every quantity beside its measured range. The slack is the resolution of a reading, as in [`crate::models`]: half a millimetre, 10 kPa,
 /// and what a millimetre read amiss makes of contractions.
 fn measured(fit: &GroupFit, answer: &Answer, given: bool) -> Vec<Measured> {
@@ -285,19 +295,32 @@ fn measured(fit: &GroupFit, answer: &Answer, given: bool) -> Vec<Measured> {
     let rest_mm = 1e3 * answer.muscle.rest_length_m;
     let mut all = vec![
         one("resting length", "mm", rest_mm, in_mm, SLACK[0]),
-        one(
-            "gauge pressure",
-            "kPa",
-            answer.pressure_kpa,
-            pressure_kpa,
-            SLACK[1],
-        ),
+        one(PRESSURE, "kPa", answer.pressure_kpa, pressure_kpa, SLACK[1]),
     ];
     let relative = answer.contraction_rel;
-    all.extend(relative.map(|x| one("relative contraction", "", x, contraction_rel, SLACK[2])));
+    all.extend(relative.map(|x| one(CONTRACTION_REL, "", x, contraction_rel, SLACK[2])));
     let free = answer.muscle.contraction_620.filter(|_| given);
     all.extend(free.map(|x| one("contraction at 620 kPa", "", x, contraction_620, SLACK[3])));
     all
+}
+
+/// A muscle that is slack at the edge of what was measured stays slack when it is contracted further or vented: no extrapolation.
+fn forgive_slack(all: &mut [Measured], slack: &dyn Fn(f64, f64) -> bool) {
+    let (mut contraction, mut pressure) = (f64::NAN, f64::NAN);
+    for m in all.iter() {
+        match m.quantity {
+            CONTRACTION_REL => contraction = m.value.min(m.high),
+            PRESSURE => pressure = m.value.max(m.low),
+            _ => {}
+        }
+    }
+    if slack(contraction, pressure) {
+        for m in all.iter_mut() {
+            let further = (m.quantity == CONTRACTION_REL && m.value > m.high)
+                || (m.quantity == PRESSURE && m.value < m.low);
+            m.inside |= further;
+        }
+    }
 }
 
 fn warning(m: &Measured) -> String {

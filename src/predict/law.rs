@@ -27,16 +27,24 @@ impl Law<'_> {
         }
     }
 
-    /// The model, for people.
+    /// The model, for people; says so if the data that it was fitted to are simulated.
     pub fn title(&self) -> String {
         match self {
-            Law::Fitted(fit, _) => format!("new model, fitted to {}", fit.group.campaign),
+            Law::Fitted(fit, _) => {
+                let simulated = if fit.group.simulated {
+                    " (simulated data)"
+                } else {
+                    ""
+                };
+                format!("new model, fitted to {}{simulated}", fit.group.campaign)
+            }
             Law::Published(model) => model.title().to_owned(),
         }
     }
 }
 
 /// The law that was chosen, and why.
+#[derive(Clone)]
 pub struct Choice<'a> {
     /// The law.
     pub law: Law<'a>,

@@ -95,12 +95,12 @@ pub struct Around {
     pub pressure_kpa: Option<f64>,
 }
 
-/// The answers at the values of one quantity; takes the predictor, whose resting length may be what is varied.
+/// The answers at the values of one quantity.
 ///
 /// # Errors
 /// A quantity that is missing, and what [`Predictor::at`] objects to.
 pub fn sweep(
-    mut predictor: Predictor,
+    predictor: &Predictor,
     axis: Axis,
     values: &[f64],
     around: Around,
@@ -113,8 +113,8 @@ pub fn sweep(
             Axis::Pressure => predictor.at(contraction()?, *value)?,
             Axis::Contraction => predictor.at(Contraction::Fraction(*value), pressure()?)?,
             Axis::RestLength => {
-                predictor = predictor.with_rest_length(*value)?;
-                predictor.at(contraction()?, pressure()?)?
+                let other = predictor.clone().with_rest_length(*value)?;
+                other.at(contraction()?, pressure()?)?
             }
         });
     }

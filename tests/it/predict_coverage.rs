@@ -24,7 +24,11 @@ sampling = "timeseries"
 fn truth(name: &str, lengths_mm: &[f64]) -> Truth {
     let specimens: Vec<String> = lengths_mm
         .iter()
-        .map(|l| format!("[[specimen]]\nid = \"{name}{l}\"\nrest_length_mm = {l}\ncontraction_max = 0.165\n"))
+        .map(|l| {
+            format!(
+                "[[specimen]]\nid = \"{name}{l}\"\nrest_length_mm = {l}\ncontraction_max = 0.165\n"
+            )
+        })
         .collect();
     let text = format!("{TRUTH}\n{}", specimens.concat());
     simulate::read_truth("coverage.toml", &text).unwrap_or_else(|d| panic!("{d:?}"))
@@ -59,7 +63,9 @@ fn coverage(lengths_mm: &[f64], unseen_mm: &[f64], campaigns: u64) -> (f64, f64)
             let choice = choose(&fits, "new", None, 10).unwrap();
             let predictor = Predictor::new(choice, muscle).unwrap();
             let contraction = Contraction::Length(row.length_m);
-            let answer = predictor.at(contraction, row.pressure_kpa.max(0.0)).unwrap();
+            let answer = predictor
+                .at(contraction, row.pressure_kpa.max(0.0))
+                .unwrap();
             let interval = answer.interval.unwrap();
             let force = row.force_n.max(0.0);
             let inside = usize::from(interval.low_n <= force && force <= interval.high_n);
@@ -78,9 +84,15 @@ fn coverage(lengths_mm: &[f64], unseen_mm: &[f64], campaigns: u64) -> (f64, f64)
 #[test]
 fn about_95_of_100_forces_of_unseen_specimens_lie_inside() {
     let unseen = [90.0, 100.0, 150.0, 210.0, 270.0, 340.0, 400.0, 440.0];
-    for lengths in [&[83.0, 112.0, 182.0, 257.0, 382.0, 455.0][..], &[83.0, 182.0, 300.0, 455.0]] {
+    for lengths in [
+        &[83.0, 112.0, 182.0, 257.0, 382.0, 455.0][..],
+        &[83.0, 182.0, 300.0, 455.0],
+    ] {
         let (all, pulling) = coverage(lengths, &unseen, 50);
-        println!("{} specimens: {all:.1}% of all readings, {pulling:.1}% of those above 20 N", lengths.len());
+        println!(
+            "{} specimens: {all:.1}% of all readings, {pulling:.1}% of those above 20 N",
+            lengths.len()
+        );
         assert!((91.0..=99.0).contains(&pulling), "{pulling}");
         assert!((92.0..=99.5).contains(&all), "{all}");
     }

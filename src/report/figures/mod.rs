@@ -5,6 +5,7 @@ mod isobars;
 mod maximum_force;
 mod plateaus;
 mod predicted;
+pub mod prediction;
 
 use crate::base::error::Result;
 use crate::base::names::file_name;

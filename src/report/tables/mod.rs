@@ -6,6 +6,7 @@ mod fits;
 mod intervals;
 mod model_comparison;
 mod plateaus;
+pub mod prediction;
 mod rejects;
 mod sessions;
 mod specimens;
