@@ -62,8 +62,8 @@ fn print_blessing(blessing: &Blessing, golden: &Path, as_json: bool) -> Result<(
     if as_json {
         return print_json(&json!({ "golden": golden, "blessed": blessing }));
     }
-    for (table, cells) in &blessing.changed {
-        line(format!("{table}: {cells} changed"));
+    for change in &blessing.changed {
+        line(format!("{}: {}", change.table, change.words()));
     }
     for table in &blessing.removed {
         line(format!(

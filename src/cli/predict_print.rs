@@ -191,7 +191,7 @@ fn no_interval(predictor: &Predictor) -> Option<String> {
             100.0 * TOLERANCE
         )),
         Law::Fitted(fit, _) if fit.scatter.is_none() => Some(format!(
-            "no interval: {} specimens do not tell how far others differ (Festo states {:.0}% of the force)",
+            "no interval: too few specimens ({}) to tell how far others differ (Festo states {:.0}% of the force)",
             fit.specimens.len(),
             100.0 * TOLERANCE
         )),

@@ -12,13 +12,34 @@ pub const LOG: &str = "BLESSED.md";
 const HEAD: &str = "# Blessed\n\nWhy the golden tables are what they are: one line a blessing, the latest last, written by \
                     `pipeline check --bless --reason \"why\"`.\n\n";
 
+/// What a blessing changed in one table.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Change {
+    /// Table.
+    pub table: String,
+    /// Cells, rows and columns that are not what they were; of a table that had no golden one, its rows.
+    pub changed: usize,
+    /// Whether it had none.
+    pub new: bool,
+}
+
+impl Change {
+    /// In words: "3 changed".
+    pub fn words(&self) -> String {
+        match self.new {
+            true => format!("new, {} rows", self.changed),
+            false => format!("{} changed", self.changed),
+        }
+    }
+}
+
 /// What a blessing changed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Blessing {
     /// Why.
     pub reason: String,
-    /// Tables that changed, with the number of cells, rows and columns that did; those of a table without golden one are its rows.
-    pub changed: Vec<(String, usize)>,
+    /// Tables that changed.
+    pub changed: Vec<Change>,
     /// Golden tables that were taken away, having no entry in the settings any more.
     pub removed: Vec<String>,
 }
@@ -30,14 +51,13 @@ impl Blessing {
     }
 
     fn line(&self) -> String {
-        let mut parts: Vec<String> = self
-            .changed
-            .iter()
-            .map(|(t, n)| format!("{t} ({n})"))
+        let changed = self.changed.iter();
+        let mut parts: Vec<String> = changed
+            .map(|c| format!("{} ({})", c.table, c.words()))
             .collect();
         parts.extend(self.removed.iter().map(|t| format!("{t} (taken away)")));
         format!(
-            "- {} *Changed cells:* {}.\n",
+            "- {} *Cells:* {}.\n",
             sentence(&self.reason),
             parts.join(", ")
         )
@@ -92,7 +112,11 @@ pub fn bless(golden: &Path, reports: &Path, reason: &str) -> Result<Blessing> {
         let file = format!("{name}.csv");
         let (from, to) = (reports.join("tables").join(&file), golden.join(&file));
         std::fs::copy(&from, &to).map_err(Error::io("write", &to))?;
-        blessing.changed.push((name.clone(), changes));
+        blessing.changed.push(Change {
+            table: name.clone(),
+            changed: changes,
+            new: !old.contains_key(name),
+        });
     }
     for name in old
         .keys()

@@ -32,7 +32,7 @@ impl Muscle {
     /// Numbers that describe no muscle.
     pub fn new(diameter_mm: f64, rest_length_m: f64, free: FreeLength) -> Result<Self> {
         let whole = diameter_mm.round();
-        if !(whole >= 1.0 && whole < 1000.0 && (diameter_mm - whole).abs() < 0.5) {
+        if !((1.0..1000.0).contains(&whole) && (diameter_mm - whole).abs() < 0.5) {
             return usage(format!(
                 "a diameter of {diameter_mm} mm is none: give the nominal diameter, 10, 20 or 40"
             ));

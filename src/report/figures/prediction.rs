@@ -59,7 +59,8 @@ pub fn isobars(predictor: &Predictor, rows: &[Vec<Answer>]) -> Named {
     for (n, (k, pressure)) in isobars.filter(|(_, p)| **p != CLOSE_KPA).enumerate() {
         let answers: Vec<Answer> = rows.iter().map(|row| row[k].clone()).collect();
         let x = |a: &Answer| 100.0 * a.contraction;
-        let names = [format!("{pressure:.0} kPa"), String::new()];
+        let outside = if n == 0 { "extrapolated" } else { "" };
+        let names = [format!("{pressure:.0} kPa"), outside.to_owned()];
         panel = with_curve(panel, names, &answers, &x, look(n).0, "");
     }
     let held = format!("l_{{rest}} {}", mm(predictor.muscle.rest_length_m));
