@@ -9,6 +9,23 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
+/// Keeps the doc comments of options beside their names, so that `pipeline config` prints what stands here. rustfmt does not format what
+/// stands in it.
+macro_rules! documented {
+    ($(#[$meta:meta])* pub struct $name:ident { $($(#[doc = $doc:literal])+ pub $key:ident: $type:ty,)* }) => {
+        $(#[$meta])*
+        pub struct $name { $($(#[doc = $doc])+ pub $key: $type,)* }
+        impl $name {
+            /// Every option with the lines of its doc comment.
+            const COMMENTS: Comments = &[$((stringify!($key), &[$($doc),+])),*];
+        }
+    };
+}
+
+/// Options with the lines of their doc comments.
+type Comments = &'static [(&'static str, &'static [&'static str])];
+
+documented! {
 /// All options. `pipeline config` prints the defaults.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -21,6 +38,7 @@ pub struct Config {
     pub compare: CompareOptions,
     /// The reports.
     pub report: ReportOptions,
+}
 }
 
 /// Where the zero of the force channel comes from.
@@ -67,6 +85,7 @@ impl IntervalMethod {
     }
 }
 
+documented! {
 /// Options of the clean stage.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -105,6 +124,7 @@ pub struct CleanOptions {
     pub largest_force_n: f64,
     /// An isolated sample that differs from its neighbours by this fraction of the channel's range is a spike.
     pub spike_fraction: f64,
+}
 }
 
 impl Default for CleanOptions {
@@ -146,6 +166,7 @@ impl CleanOptions {
     }
 }
 
+documented! {
 /// Options of the fit stage.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -176,6 +197,7 @@ pub struct FitOptions {
     /// Also fit each diameter over all measured campaigns that have it.
     pub pool: bool,
 }
+}
 
 impl Default for FitOptions {
     fn default() -> Self {
@@ -196,6 +218,7 @@ impl Default for FitOptions {
     }
 }
 
+documented! {
 /// Options of the compare stage.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -203,7 +226,9 @@ pub struct CompareOptions {
     /// Ids of the published models to compare; empty for all.
     pub models: Vec<String>,
 }
+}
 
+documented! {
 /// Options of the report stage.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -216,6 +241,7 @@ pub struct ReportOptions {
     pub date: String,
     /// Resolution of the PNG figures, dots per inch.
     pub png_dpi: f64,
+}
 }
 
 impl Default for ReportOptions {
@@ -233,6 +259,41 @@ impl Config {
     /// The defaults as TOML.
     pub fn to_toml(&self) -> Result<String> {
         toml::to_string(self).map_err(Error::internal)
+    }
+
+    /// The same for people, every section and option below a comment that says what it is.
+    ///
+    /// # Errors
+    /// None for options that can be written as TOML.
+    pub fn to_commented_toml(&self) -> Result<String> {
+        let mut section = "";
+        let mut text = String::new();
+        let plain = self.to_toml()?;
+        for line in plain.lines() {
+            let of_section = line.strip_prefix('[').and_then(|l| l.strip_suffix(']'));
+            section = of_section.unwrap_or(section);
+            let option = line.split_once(" = ").map(|(key, _)| key);
+            let comment = match (of_section, option) {
+                (Some(section), _) => find(Self::COMMENTS, section),
+                (None, Some(key)) => find(Self::comments_of(section), key),
+                (None, None) => &[],
+            };
+            text.extend(comment.iter().map(|c| format!("#{c}\n")));
+            text.push_str(line);
+            text.push('\n');
+        }
+        Ok(text)
+    }
+
+    /// The comments on the options of a section.
+    fn comments_of(section: &str) -> Comments {
+        match section {
+            "clean" => CleanOptions::COMMENTS,
+            "fit" => FitOptions::COMMENTS,
+            "compare" => CompareOptions::COMMENTS,
+            "report" => ReportOptions::COMMENTS,
+            _ => &[],
+        }
     }
 
     /// Reads a configuration file, or the defaults where there is none at the default place.
@@ -352,6 +413,12 @@ impl Config {
     }
 }
 
+/// The comment on one option.
+fn find(comments: Comments, key: &str) -> &'static [&'static str] {
+    let found = comments.iter().find(|(name, _)| *name == key);
+    found.map_or(&[], |(_, lines)| lines)
+}
+
 fn mistake(file: &str, key: &str, found: &str, expected: &str) -> Diagnostic {
     Diagnostic::error(file, found, expected, "see `pipeline config`").in_column(key)
 }
@@ -420,10 +487,39 @@ mod tests {
             Config::read("pipeline.toml", &text).unwrap(),
             Config::default()
         );
+        let commented = Config::default().to_commented_toml().unwrap();
+        assert_eq!(
+            Config::read("pipeline.toml", &commented).unwrap(),
+            Config::default()
+        );
         assert_eq!(
             Config::read("pipeline.toml", "").unwrap(),
             Config::default()
         );
+    }
+
+    #[test]
+    fn no_section_and_no_option_is_printed_without_a_comment() {
+        let text = Config::default().to_commented_toml().unwrap();
+        let lines: Vec<&str> = text.lines().filter(|l| !l.is_empty()).collect();
+        assert!(
+            lines
+                .iter()
+                .filter(|l| l.contains(" = ") && !l.starts_with('#'))
+                .count()
+                > 30
+        );
+        for (k, line) in lines
+            .iter()
+            .enumerate()
+            .filter(|(_, l)| !l.starts_with('#'))
+        {
+            let commented = k > 0 && lines[k - 1].starts_with("# ");
+            assert!(
+                commented,
+                "an option without a comment in src/config.rs: {line}"
+            );
+        }
     }
 
     #[test]

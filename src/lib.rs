@@ -30,12 +30,15 @@
 //! | [`simulate`] | the test rig in software | |
 //! | [`stages`] | one file or folder a stage, pure | |
 //! | [`report`] | tables, figures, pages | a table or figure: one file, one line in its folder's `mod.rs` |
+//! | [`predict`] | the force of a muscle that somebody describes, with its interval | |
+//! | [`golden`] | fresh tables against blessed ones | a table: one entry in `tests/golden/golden.toml` |
 //! | [`run`] | drives the stages through the cache | |
 //! | [`config`] | `pipeline.toml` | |
 //! | [`cli`] | arguments, and all printing | |
 //!
 //! # Invariants
-//! - **Directions**: `main -> cli -> run -> stages -> {formats, models, numerics, report, simulate} -> base`, and `run -> cache -> base`.
+//! - **Directions**: `main -> cli -> run -> stages -> {formats, models, numerics, report, simulate} -> base`, and `run -> cache -> base`;
+//!   beside `run`, `cli -> predict -> {stages::fit, models, numerics}`, drawn by `report`, and `cli -> golden -> base`.
 //!   `cache` knows no stage; stages know no cache and no command line; `models` and `numerics` do no I/O and see no data frame; only
 //!   `report` knows plotters and Typst, and it computes no statistic: every number comes from a stage, every
 //!   curve, band and running median from `models` and `numerics`.
@@ -54,8 +57,10 @@ pub mod cache;
 pub mod cli;
 pub mod config;
 pub mod formats;
+pub mod golden;
 pub mod models;
 pub mod numerics;
+pub mod predict;
 pub mod report;
 pub mod run;
 pub mod simulate;

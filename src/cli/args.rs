@@ -1,5 +1,7 @@
 //! The arguments, with their help.
 
+use crate::cli::check::CheckArgs;
+use crate::cli::predict::PredictArgs;
 use clap::{ArgAction, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -32,7 +34,17 @@ pub enum Command {
     Run(RunArgs),
     /// Say what would run and why; exit code 1 if anything would
     #[command(after_help = "Example:\n  pipeline status --raw ../rig")]
-    Status(RunArgs),
+    Status(Places),
+    /// Bring the results up to date and compare the tables with the golden ones; exit code 1 on a difference
+    #[command(
+        after_help = "Examples:\n  pipeline check\n  pipeline check --bless --reason \"the zero of clipped logs is now the slack force\"\n\nExit codes: 0 equal; 1 a difference; 2 usage, or no golden tables; 4 internal."
+    )]
+    Check(CheckArgs),
+    /// Predict the force of a muscle, with the interval for one that was not measured
+    #[command(
+        after_help = "Examples:\n  pipeline predict --diameter 10 --rest-length 182mm --contracted-length 152mm --pressure 300kPa --contraction 5%\n  pipeline predict --diameter 20 --rest-length 12in --contraction-620 0.24 --pressure 4bar --sweep contraction --plot force.svg\n  pipeline predict --diameter 10 --rest-length 250mm --contraction-620 16.5% --table --csv force.csv\n\nUnits: m, cm, mm, in; kPa, Pa, MPa, bar, psi; contractions as 5% or 0.05. Pressures are gauge pressures."
+    )]
+    Predict(PredictArgs),
     /// Write a simulated campaign of raw sessions from a truth file
     #[command(
         after_help = "Example:\n  pipeline simulate truths/simulated-10mm.toml --out /tmp/campaign --truth-out /tmp/truth.json\n\nThe sessions say in their notes that they are simulated. What was drawn (specimen strengths, zeros) goes to the file named with --truth-out, outside of the campaign's folder."
@@ -43,9 +55,9 @@ pub enum Command {
     Config,
 }
 
-/// Arguments of `run` and `status`.
+/// What is read, and where results are: arguments of every command that runs stages or looks at what they left.
 #[derive(Debug, clap::Args)]
-pub struct RunArgs {
+pub struct Places {
     /// Raw directory, read-only; may be given several times
     #[arg(long, value_name = "DIR", default_value = "raw")]
     pub raw: Vec<PathBuf>,
@@ -61,6 +73,20 @@ pub struct RunArgs {
     /// Threads; 0 for as many as there are cores
     #[arg(long, short, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=MOST_JOBS))]
     pub jobs: u64,
+    /// Print the outcome as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Print every message about the inputs, notes included
+    #[arg(long, short, action = ArgAction::SetTrue)]
+    pub verbose: bool,
+}
+
+/// Arguments of `run`.
+#[derive(Debug, clap::Args)]
+pub struct RunArgs {
+    /// Where things are
+    #[command(flatten)]
+    pub places: Places,
     /// Do this stage again whatever the cache holds
     #[arg(long, value_name = "STAGE")]
     pub force: Option<String>,
@@ -73,12 +99,6 @@ pub struct RunArgs {
     /// Say what would run, and do nothing
     #[arg(long)]
     pub dry_run: bool,
-    /// Print the outcome as JSON
-    #[arg(long)]
-    pub json: bool,
-    /// Print every message about the inputs, notes included
-    #[arg(long, short, action = ArgAction::SetTrue)]
-    pub verbose: bool,
 }
 
 /// Arguments of `simulate`.

@@ -1,17 +1,22 @@
 //! The command line: arguments, and all printing.
 //!
-//! Results go to standard output; progress, warnings and errors to standard error. Exit codes: 0 done; 1 `status` found work to do;
-//! 2 usage, configuration or no usable input; 3 done, but sessions were rejected and `--strict` was given; 4 internal.
+//! Results go to standard output; progress, warnings and errors to standard error. Exit codes: 0 done; 1 `status` found work to
+//! do or `check` a difference; 2 usage, configuration or no usable input; 3 done, but sessions were rejected and `--strict` was given; 4 internal.
 
 mod args;
+mod check;
+mod columns;
+mod predict;
+mod predict_print;
 mod print;
 mod progress;
+mod values;
 
 use crate::base::error::{Error, Result};
 use crate::config::Config;
 use crate::run::{self, Outcome, RunOptions};
 use crate::simulate;
-use args::{Args, Command, RunArgs, SimulateArgs};
+use args::{Args, Command, Places, RunArgs, SimulateArgs};
 use clap::Parser;
 use std::ffi::OsString;
 
@@ -32,8 +37,10 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let done = match &args.command {
         Command::Run(run) => run_command(run),
         Command::Status(run) => status_command(run),
+        Command::Check(args) => check::command(args),
+        Command::Predict(args) => predict::command(args),
         Command::Simulate(simulate) => simulate_command(simulate),
-        Command::Config => Config::default().to_toml().map(|text| {
+        Command::Config => Config::default().to_commented_toml().map(|text| {
             print::config(&text);
             DONE
         }),
@@ -44,8 +51,8 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     })
 }
 
-fn options(args: &RunArgs, dry_run: bool) -> Result<RunOptions> {
-    let force = match args.force.as_deref() {
+fn options(places: &Places, force: Option<&str>, dry_run: bool) -> Result<RunOptions> {
+    let force = match force {
         Some(stage) if !run::STAGES.contains(&stage) => {
             return Err(Error::Usage(format!(
                 "no stage is called \"{stage}\"; the stages are {}",
@@ -55,11 +62,11 @@ fn options(args: &RunArgs, dry_run: bool) -> Result<RunOptions> {
         force => force.map(ToOwned::to_owned),
     };
     Ok(RunOptions {
-        raw: args.raw.clone(),
-        derived: args.derived.clone(),
-        reports: args.reports.clone(),
-        config: Config::load(args.config.as_deref())?,
-        jobs: args.jobs as usize,
+        raw: places.raw.clone(),
+        derived: places.derived.clone(),
+        reports: places.reports.clone(),
+        config: Config::load(places.config.as_deref())?,
+        jobs: places.jobs as usize,
         force,
         dry_run,
     })
@@ -67,16 +74,17 @@ fn options(args: &RunArgs, dry_run: bool) -> Result<RunOptions> {
 
 fn run_command(args: &RunArgs) -> Result<u8> {
     let started = std::time::Instant::now();
-    let options = options(args, args.dry_run)?;
-    let progress = progress::Shown::new(args.json);
+    let places = &args.places;
+    let options = options(places, args.force.as_deref(), args.dry_run)?;
+    let progress = progress::Shown::new(places.json);
     let outcome = run::run(&options, &progress)?;
     progress.finish();
-    print::diagnostics(&outcome.diagnostics, args.verbose);
+    print::diagnostics(&outcome.diagnostics, places.verbose);
     if args.dry_run {
-        print::status(&outcome, args.json)?;
+        print::status(&outcome, places.json)?;
         return Ok(DONE);
     }
-    print::run(&outcome, started.elapsed(), args.explain, args.json)?;
+    print::run(&outcome, started.elapsed(), args.explain, places.json)?;
     nothing_usable(&outcome)?;
     let strict = args.strict && !outcome.rejected.is_empty();
     Ok(if strict { REJECTED } else { DONE })
@@ -92,8 +100,8 @@ fn nothing_usable(outcome: &Outcome) -> Result<()> {
     Ok(())
 }
 
-fn status_command(args: &RunArgs) -> Result<u8> {
-    let outcome = run::run(&options(args, true)?, &progress::Shown::new(true))?;
+fn status_command(args: &Places) -> Result<u8> {
+    let outcome = run::run(&options(args, None, true)?, &progress::Shown::new(true))?;
     print::diagnostics(&outcome.diagnostics, args.verbose);
     print::status(&outcome, args.json)?;
     Ok(if outcome.work.is_empty() && outcome.written.is_empty() {

@@ -14,7 +14,7 @@ use std::time::Duration;
 const SHOWN: usize = 20;
 
 /// Prints to standard output; a closed pipe (`pipeline run | head`) ends the printing, not the program.
-fn line(text: impl std::fmt::Display) {
+pub(super) fn line(text: impl std::fmt::Display) {
     let _ = writeln!(std::io::stdout(), "{text}");
 }
 
@@ -80,7 +80,7 @@ fn work_json(outcome: &Outcome) -> Vec<serde_json::Value> {
     outcome.work.iter().map(entry).collect()
 }
 
-fn print_json(value: &serde_json::Value) -> Result<()> {
+pub(super) fn print_json(value: &serde_json::Value) -> Result<()> {
     line(serde_json::to_string_pretty(value).map_err(Error::internal)?);
     Ok(())
 }

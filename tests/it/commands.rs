@@ -9,6 +9,8 @@ fn every_command_has_help_with_an_example() {
         &["--help"][..],
         &["run", "--help"],
         &["status", "--help"],
+        &["check", "--help"],
+        &["predict", "--help"],
         &["simulate", "--help"],
         &["config", "--help"],
     ] {

@@ -33,7 +33,7 @@ fn truth() -> Truth {
 }
 
 /// The campaign as rows: the steady readings, normalised as the stages do it.
-fn rows(truth: &Truth) -> Vec<Row> {
+pub fn rows(truth: &Truth) -> Vec<Row> {
     let (drawn, readings) = simulate::rows(truth);
     readings
         .iter()

@@ -11,6 +11,7 @@ mod model_curves;
 mod models_at_lengths;
 mod plateaus;
 mod predicted;
+pub mod prediction;
 mod readings;
 mod residuals;
 mod rest;

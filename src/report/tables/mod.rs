@@ -8,6 +8,7 @@ mod intervals;
 mod model_comparison;
 mod paper;
 mod plateaus;
+pub mod prediction;
 mod provenance;
 mod rejects;
 mod sessions;

@@ -20,6 +20,7 @@ pub mod engine;
 pub mod equations;
 pub mod intervals;
 pub mod maxima;
+pub mod scatter;
 pub mod split;
 
 use crate::base::row::Row;
@@ -27,6 +28,7 @@ use crate::base::session::{Kind, Role};
 use crate::config::FitOptions;
 use engine::EquationFit;
 use maxima::Maximum;
+use scatter::Scatter;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -97,6 +99,10 @@ pub struct GroupFit {
     pub specimens: Vec<SpecimenSummary>,
     /// The equations, in the order of the force paper.
     pub equations: Vec<EquationFit>,
+    /// Length at which the end caps touch, m: what the equations were fitted with.
+    pub cap_length_m: f64,
+    /// How the specimens scatter about the joint fit; none where they are too few.
+    pub scatter: Option<Scatter>,
     /// What could not be fitted, and why.
     pub notes: Vec<String>,
 }
@@ -166,7 +172,13 @@ pub fn fit_group(group: &Group, rows: &[Row], options: &FitOptions) -> GroupFit 
     let mut equations =
         equations::fit_all(group.diameter_mm, &fitted, &maxima, options, &mut notes);
     equations::judge_by_rows(group.diameter_mm, &mut equations, &usable, options);
+    let scatter = equations
+        .iter()
+        .find(|e| e.id == equations::JOINT)
+        .and_then(|joint| scatter::scatter(joint, group.diameter_mm, &fitted, options));
     GroupFit {
+        cap_length_m: equations::cap_length_m(group.diameter_mm, options),
+        scatter,
         group: group.clone(),
         rows: fitted.len(),
         rows_kept_out: usable.len() - fitted.len(),

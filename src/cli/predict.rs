@@ -1,0 +1,288 @@
+//! `pipeline predict`.
+
+use crate::base::error::{Error, Result};
+use crate::base::units::Quantity;
+use crate::cli::{DONE, predict_print, values};
+use crate::predict::law::choose;
+use crate::predict::sweep::{self, Around, Axis, Steps};
+use crate::predict::{Contraction, FreeLength, Muscle, Predictor};
+use crate::report::figures::{Named, files, prediction as drawing};
+use crate::report::render::Renderer;
+use crate::report::render::csv::Csv;
+use crate::report::table::Table;
+use crate::report::tables::prediction as tables;
+use crate::stages::fit::GroupFit;
+use std::path::{Path, PathBuf};
+
+/// Resolution of a PNG plot, dots per inch.
+const PNG_DPI: f64 = 200.0;
+
+/// What is varied.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Swept {
+    /// Gauge pressure
+    Pressure,
+    /// Contraction
+    Contraction,
+    /// Resting length, at the same contraction and contraction at 620 kPa
+    RestLength,
+}
+
+/// Arguments of `predict`.
+#[derive(Debug, clap::Args)]
+#[command(group(clap::ArgGroup::new("state").args(["contraction", "length", "relative_contraction"])))]
+pub struct PredictArgs {
+    /// Nominal diameter, mm: 10, 20 or 40
+    #[arg(long, value_name = "MM", allow_hyphen_values = true)]
+    pub diameter: String,
+    /// Resting length, clamp to clamp, without pressure
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub rest_length: String,
+    /// Free length at 620 kPa
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        allow_hyphen_values = true,
+        conflicts_with = "contraction_620"
+    )]
+    pub contracted_length: Option<String>,
+    /// Contraction of the free muscle at 620 kPa [default: the mean of the fitted specimens]
+    #[arg(long, value_name = "FRACTION", allow_hyphen_values = true)]
+    pub contraction_620: Option<String>,
+    /// Gauge pressure
+    #[arg(long, value_name = "PRESSURE", allow_hyphen_values = true)]
+    pub pressure: Option<String>,
+    /// Contraction, as a fraction of the resting length
+    #[arg(long, value_name = "FRACTION", allow_hyphen_values = true)]
+    pub contraction: Option<String>,
+    /// Present length, instead of a contraction
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub length: Option<String>,
+    /// Contraction as a fraction of that at 620 kPa, instead of a contraction
+    #[arg(long, value_name = "FRACTION", allow_hyphen_values = true)]
+    pub relative_contraction: Option<String>,
+    /// "new" (fitted by an earlier run) or the id of a published model
+    #[arg(long, value_name = "ID", default_value = "new")]
+    pub model: String,
+    /// The fit of which campaign [default: the pooled one of this diameter, else the one with most specimens]
+    #[arg(long, value_name = "ID")]
+    pub campaign: Option<String>,
+    /// Where an earlier run left fits.json
+    #[arg(long, value_name = "DIR", default_value = "derived")]
+    pub derived: PathBuf,
+    /// Vary one quantity
+    #[arg(long, value_name = "QUANTITY", conflicts_with = "table")]
+    pub sweep: Option<Swept>,
+    /// First value of the sweep, with its unit
+    #[arg(
+        long,
+        value_name = "VALUE",
+        requires = "sweep",
+        allow_hyphen_values = true
+    )]
+    pub from: Option<String>,
+    /// Last value of the sweep
+    #[arg(
+        long,
+        value_name = "VALUE",
+        requires = "sweep",
+        allow_hyphen_values = true
+    )]
+    pub to: Option<String>,
+    /// Step of the sweep
+    #[arg(
+        long,
+        value_name = "VALUE",
+        requires = "sweep",
+        allow_hyphen_values = true
+    )]
+    pub step: Option<String>,
+    /// A table of contraction by pressure
+    #[arg(long)]
+    pub table: bool,
+    /// Write the sweep or table as CSV
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Draw the sweep or table (.svg, .pdf or .png)
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Print everything as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Predicts, and prints or writes what was asked for.
+pub fn command(args: &PredictArgs) -> Result<u8> {
+    let muscle = muscle(args)?;
+    let fits = fits(&args.derived)?;
+    let choice = choose(
+        &fits,
+        &args.model,
+        args.campaign.as_deref(),
+        muscle.diameter_mm,
+    )?;
+    let predictor = Predictor::new(choice, muscle)?;
+    let around = around(args)?;
+    match (args.sweep, args.table) {
+        (Some(swept), _) => sweep_command(args, predictor, axis(swept), around)?,
+        (None, true) => table_command(args, &predictor)?,
+        (None, false) => single(args, &predictor, around)?,
+    }
+    Ok(DONE)
+}
+
+fn single(args: &PredictArgs, predictor: &Predictor, around: Around) -> Result<()> {
+    if let Some(file) = args.csv.as_ref().or(args.plot.as_ref()) {
+        return Err(Error::Usage(format!(
+            "one state is no table and no curve for {}: add --sweep or --table",
+            file.display()
+        )));
+    }
+    let contraction = around.contraction.ok_or_else(|| {
+        missing("a contraction: give --contraction, --length or --relative-contraction, or --sweep contraction")
+    })?;
+    let pressure = around
+        .pressure_kpa
+        .ok_or_else(|| missing("a pressure: give --pressure, or --sweep pressure"))?;
+    let answer = predictor.at(contraction, pressure)?;
+    predict_print::single(predictor, &answer, args.json)
+}
+
+fn sweep_command(
+    args: &PredictArgs,
+    predictor: Predictor,
+    axis: Axis,
+    around: Around,
+) -> Result<()> {
+    if axis == Axis::RestLength && matches!(around.contraction, Some(Contraction::Length(_))) {
+        return Err(Error::Usage(
+            "a length is another contraction at every resting length: give --contraction or --relative-contraction with --sweep rest-length"
+                .to_owned(),
+        ));
+    }
+    let steps = steps(args, axis, &predictor)?;
+    let answers = sweep::sweep(&predictor, axis, &steps.values()?, around)?;
+    write_csv(args, &tables::table(&answers))?;
+    if let Some(file) = &args.plot {
+        let fine = sweep::sweep(&predictor, axis, &steps.fine(), around)?;
+        draw(file, drawing::sweep(&predictor, axis, &fine))?;
+    }
+    predict_print::sweep(&predictor, axis, &answers, args.json)
+}
+
+fn table_command(args: &PredictArgs, predictor: &Predictor) -> Result<()> {
+    let contractions = sweep::table_contractions(predictor)?;
+    let rows = sweep::table(predictor, &contractions)?;
+    write_csv(args, &tables::table(rows.iter().flatten()))?;
+    if let Some(file) = &args.plot {
+        let fine = Steps::usual(Axis::Contraction, predictor).fine();
+        let fine = sweep::table(predictor, &fine)?;
+        draw(file, drawing::isobars(predictor, &fine))?;
+    }
+    predict_print::table(predictor, &rows, args.json)
+}
+
+fn muscle(args: &PredictArgs) -> Result<Muscle> {
+    let length = |option, text: &str| values::quantity(option, text, Quantity::Length);
+    let free = match (&args.contracted_length, &args.contraction_620) {
+        (Some(text), _) => FreeLength::Length(length("--contracted-length", text)?),
+        (None, Some(text)) => FreeLength::Contraction(values::fraction("--contraction-620", text)?),
+        (None, None) => FreeLength::Unknown,
+    };
+    let rest_length = length("--rest-length", &args.rest_length)?;
+    Muscle::new(values::diameter_mm(&args.diameter)?, rest_length, free)
+}
+
+fn around(args: &PredictArgs) -> Result<Around> {
+    let given = (&args.contraction, &args.length, &args.relative_contraction);
+    let contraction = match given {
+        (Some(text), _, _) => Some(Contraction::Fraction(values::fraction(
+            "--contraction",
+            text,
+        )?)),
+        (_, Some(text), _) => {
+            let length = values::quantity("--length", text, Quantity::Length)?;
+            Some(Contraction::Length(length))
+        }
+        (_, _, Some(text)) => {
+            let relative = values::fraction("--relative-contraction", text)?;
+            Some(Contraction::Relative(relative))
+        }
+        _ => None,
+    };
+    let pressure = args.pressure.as_deref();
+    let pressure = pressure.map(|text| values::quantity("--pressure", text, Quantity::Pressure));
+    Ok(Around {
+        contraction,
+        pressure_kpa: pressure.transpose()?,
+    })
+}
+
+fn axis(swept: Swept) -> Axis {
+    match swept {
+        Swept::Pressure => Axis::Pressure,
+        Swept::Contraction => Axis::Contraction,
+        Swept::RestLength => Axis::RestLength,
+    }
+}
+
+fn steps(args: &PredictArgs, axis: Axis, predictor: &Predictor) -> Result<Steps> {
+    let read = |option: &str, text: &Option<String>, usual: f64| match (text, axis) {
+        (None, _) => Ok(usual),
+        (Some(text), Axis::Pressure) => values::quantity(option, text, Quantity::Pressure),
+        (Some(text), Axis::Contraction) => values::fraction(option, text),
+        (Some(text), Axis::RestLength) => values::quantity(option, text, Quantity::Length),
+    };
+    let usual = Steps::usual(axis, predictor);
+    Ok(Steps {
+        from: read("--from", &args.from, usual.from)?,
+        to: read("--to", &args.to, usual.to)?,
+        step: read("--step", &args.step, usual.step)?,
+    })
+}
+
+/// The fits of an earlier run; none where there was no run.
+fn fits(derived: &Path) -> Result<Vec<GroupFit>> {
+    let path = derived.join("fits.json");
+    let text = match std::fs::read(&path) {
+        Ok(text) => text,
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(e) => return Err(Error::io("read", &path)(e)),
+    };
+    serde_json::from_slice(&text).map_err(|e| {
+        Error::Usage(format!(
+            "{} cannot be understood ({e}): it was written by another version; `pipeline run` writes it anew",
+            path.display()
+        ))
+    })
+}
+
+fn write_csv(args: &PredictArgs, table: &Table) -> Result<()> {
+    match &args.csv {
+        Some(file) => std::fs::write(file, Csv.render(table)).map_err(Error::io("write", file)),
+        None => Ok(()),
+    }
+}
+
+fn draw(file: &Path, figure: Named) -> Result<()> {
+    let extension = file
+        .extension()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_lowercase();
+    let all = files(&figure.draw()?, PNG_DPI)?;
+    let wanted = all
+        .into_iter()
+        .find(|(name, _)| name.ends_with(&format!(".{extension}")));
+    match wanted {
+        Some((_, bytes)) => std::fs::write(file, bytes).map_err(Error::io("write", file)),
+        None => Err(Error::Usage(format!(
+            "--plot {}: the name must end with .svg, .pdf or .png",
+            file.display()
+        ))),
+    }
+}
+
+fn missing(what: &str) -> Error {
+    Error::Usage(format!("there has to be {what}"))
+}

@@ -1,0 +1,315 @@
+//! What `predict` prints.
+
+use crate::base::error::Result;
+use crate::cli::columns::{Align, aligned};
+use crate::cli::print::{line, print_json};
+use crate::models::festo_tool::TOLERANCE;
+use crate::predict::answer::{FreeContraction, Measured, Other};
+use crate::predict::interval::CONFIDENCE;
+use crate::predict::muscle::mm;
+use crate::predict::sweep::{Axis, TABLE_KPA};
+use crate::predict::{Answer, Law, Predictor};
+use serde_json::{Value, json};
+
+const LEFT: Align = Align::Left;
+const RIGHT: Align = Align::Right;
+
+/// The answer at one state.
+pub fn single(predictor: &Predictor, answer: &Answer, as_json: bool) -> Result<()> {
+    if as_json {
+        return print_json(&with_head(predictor, "answer", json!(answer)));
+    }
+    head(predictor);
+    let relative = answer
+        .contraction_rel
+        .map_or_else(String::new, |r| format!(", relative contraction {r:.3}"));
+    line(format!(
+        "state    {:.1} kPa, length {:.1} mm: contraction {:.2}%{relative}",
+        answer.pressure_kpa,
+        1e3 * answer.length_m,
+        100.0 * answer.contraction
+    ));
+    line("");
+    line(format!("force    {}", force(answer)));
+    if let Some(why) = no_interval(predictor) {
+        line(format!("         {why}"));
+    }
+    warnings(&answer.warnings);
+    measured(&answer.measured);
+    others(&answer.others);
+    Ok(())
+}
+
+/// The answers along one quantity.
+pub fn sweep(predictor: &Predictor, axis: Axis, answers: &[Answer], as_json: bool) -> Result<()> {
+    if as_json {
+        return print_json(&with_head(
+            predictor,
+            "sweep",
+            json!({ "along": axis, "answers": answers }),
+        ));
+    }
+    head(predictor);
+    if let Some(first) = answers.first() {
+        line(format!("along    {}", fixed(axis, first)));
+    }
+    line("");
+    let (name, value): (&str, fn(&Answer) -> String) = match axis {
+        Axis::Pressure => ("P (kPa)", |a| format!("{:.1}", a.pressure_kpa)),
+        Axis::Contraction => ("contraction (%)", |a| {
+            format!("{:.2}", 100.0 * a.contraction)
+        }),
+        Axis::RestLength => ("l_rest (mm)", |a| {
+            format!("{:.1}", 1e3 * a.muscle.rest_length_m)
+        }),
+    };
+    let end = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.1}"));
+    let mut rows = vec![
+        [name, "force (N)", "from", "to", ""]
+            .map(str::to_owned)
+            .to_vec(),
+    ];
+    rows.extend(answers.iter().map(|a| {
+        vec![
+            value(a),
+            a.force_n
+                .map_or_else(|| "none".to_owned(), |f| format!("{f:.1}")),
+            end(a.interval.map(|i| i.low_n)),
+            end(a.interval.map(|i| i.high_n)),
+            star(a).to_owned(),
+        ]
+    }));
+    for text in aligned(&rows, &[RIGHT, RIGHT, RIGHT, RIGHT, LEFT]) {
+        line(text);
+    }
+    footnotes(predictor, answers, true);
+    Ok(())
+}
+
+/// The designer's table.
+pub fn table(predictor: &Predictor, rows: &[Vec<Answer>], as_json: bool) -> Result<()> {
+    if as_json {
+        return print_json(&with_head(
+            predictor,
+            "table",
+            json!({ "pressures_kpa": TABLE_KPA, "rows": rows }),
+        ));
+    }
+    head(predictor);
+    line("");
+    line("force in N, by contraction and gauge pressure");
+    let heading = ["contraction".to_owned(), "length (mm)".to_owned()];
+    let pressures = TABLE_KPA.iter().map(|p| format!("{p:.0} kPa "));
+    let mut lines: Vec<Vec<String>> = vec![heading.into_iter().chain(pressures).collect()];
+    for row in rows {
+        let first = row.first().map_or_else(Vec::new, |a| {
+            vec![
+                format!("{:.1}%", 100.0 * a.contraction),
+                format!("{:.1}", 1e3 * a.length_m),
+            ]
+        });
+        let cells = row.iter().map(|a| {
+            let force = a
+                .force_n
+                .map_or_else(|| "none".to_owned(), |f| format!("{f:.1}"));
+            format!("{force}{:1}", star(a))
+        });
+        lines.push(first.into_iter().chain(cells).collect());
+    }
+    for text in aligned(&lines, &[RIGHT; 2 + TABLE_KPA.len()]) {
+        line(text);
+    }
+    let all: Vec<Answer> = rows.iter().flatten().cloned().collect();
+    footnotes(predictor, &all, false);
+    Ok(())
+}
+
+fn star(answer: &Answer) -> &'static str {
+    if answer.is_outside() { "*" } else { "" }
+}
+
+/// The muscle and the law, and how both were chosen.
+fn head(predictor: &Predictor) {
+    let muscle = &predictor.muscle;
+    let free = match (muscle.contraction_620, predictor.free) {
+        (Some(e), FreeContraction::MeanOfSpecimens { specimens, .. }) => format!(
+            ", contraction at 620 kPa not given: {:.1}%, the mean of {specimens} specimens",
+            100.0 * e
+        ),
+        (Some(e), _) => format!(
+            ", contraction at 620 kPa {:.1}% (to {})",
+            100.0 * e,
+            mm(muscle.rest_length_m * (1.0 - e))
+        ),
+        (None, _) => ", contraction at 620 kPa unknown".to_owned(),
+    };
+    line(format!(
+        "muscle   {} mm, resting length {}{free}",
+        muscle.diameter_mm,
+        mm(muscle.rest_length_m)
+    ));
+    let law = predictor.choice.law;
+    match law {
+        Law::Fitted(fit, joint) => {
+            let (n, rows) = (fit.specimens.len(), joint.n);
+            let plural = if n == 1 { "" } else { "s" };
+            line(format!(
+                "model    {}: {n} specimen{plural}, {rows} readings",
+                law.title()
+            ));
+        }
+        Law::Published(model) => line(format!(
+            "model    {} ({}): {}",
+            law.title(),
+            model.id(),
+            model.domain()
+        )),
+    }
+    if !predictor.choice.why.is_empty() {
+        line(format!("         {}", predictor.choice.why));
+    }
+}
+
+fn force(answer: &Answer) -> String {
+    match (answer.force_n, &answer.interval) {
+        (None, _) => "none: the model gives nothing here".to_owned(),
+        (Some(force), None) => format!("{force:.1} N"),
+        (Some(force), Some(i)) => format!(
+            "{force:.1} N, {:.0}% interval {:.1} to {:.1} N for a muscle that was not measured",
+            100.0 * CONFIDENCE,
+            i.low_n,
+            i.high_n
+        ),
+    }
+}
+
+/// Why there is no interval.
+fn no_interval(predictor: &Predictor) -> Option<String> {
+    match predictor.choice.law {
+        Law::Published(_) => Some(format!(
+            "no interval: the scatter of specimens is not published (Festo states {:.0}% of the force)",
+            100.0 * TOLERANCE
+        )),
+        Law::Fitted(fit, _) if fit.scatter.is_none() => Some(format!(
+            "no interval: too few specimens ({}) to tell how far others differ (Festo states {:.0}% of the force)",
+            fit.specimens.len(),
+            100.0 * TOLERANCE
+        )),
+        Law::Fitted(..) => None,
+    }
+}
+
+fn warnings(all: &[String]) {
+    for warning in all {
+        line(format!("warning: {warning}"));
+    }
+}
+
+fn measured(all: &[Measured]) {
+    if all.is_empty() {
+        return;
+    }
+    line("");
+    let mut rows = vec![
+        ["quantity", "here", "measured from", "to", "unit"]
+            .map(str::to_owned)
+            .to_vec(),
+    ];
+    rows.extend(all.iter().map(|m| {
+        let digits = if m.unit.is_empty() { 3 } else { 1 };
+        let number = |x: f64| format!("{x:.digits$}");
+        vec![
+            m.quantity.to_owned(),
+            number(m.value),
+            number(m.low),
+            number(m.high),
+            m.unit.to_owned(),
+        ]
+    }));
+    for text in aligned(&rows, &[LEFT, RIGHT, RIGHT, RIGHT, LEFT]) {
+        line(text);
+    }
+}
+
+fn others(all: &[Other]) {
+    line("");
+    let mut rows = vec![["other model", "force (N)", ""].map(str::to_owned).to_vec()];
+    rows.extend(all.iter().map(|o| {
+        let force = o
+            .force_n
+            .map_or_else(|| "none".to_owned(), |f| format!("{f:.1}"));
+        vec![
+            o.model.to_owned(),
+            force,
+            o.outside.clone().unwrap_or_default(),
+        ]
+    }));
+    for text in aligned(&rows, &[LEFT, RIGHT, LEFT]) {
+        line(text);
+    }
+}
+
+/// What is held along a sweep.
+fn fixed(axis: Axis, first: &Answer) -> String {
+    let contraction = format!("contraction {:.2}%", 100.0 * first.contraction);
+    let pressure = format!("{:.1} kPa", first.pressure_kpa);
+    match axis {
+        Axis::Pressure => format!("gauge pressure, at {contraction}"),
+        Axis::Contraction => format!("contraction, at {pressure}"),
+        Axis::RestLength => format!("resting length, at {pressure} and {contraction}"),
+    }
+}
+
+fn footnotes(predictor: &Predictor, answers: &[Answer], with_intervals: bool) {
+    line("");
+    match no_interval(predictor) {
+        Some(why) => line(why),
+        None if !with_intervals => line("the intervals are in --json and --csv FILE"),
+        None => line(format!(
+            "from, to: {:.0}% interval for a muscle that was not measured",
+            100.0 * CONFIDENCE
+        )),
+    }
+    let starred: Vec<&Answer> = answers.iter().filter(|a| a.is_outside()).collect();
+    if let (Some(first), Some(last)) = (starred.first(), starred.last()) {
+        line(format!(
+            "* {} of {} states lie outside of what was measured or is allowed:",
+            starred.len(),
+            answers.len()
+        ));
+        let mut said = first.warnings.clone();
+        said.extend(
+            last.warnings
+                .iter()
+                .filter(|w| !first.warnings.contains(w))
+                .cloned(),
+        );
+        warnings(&said);
+    }
+}
+
+/// One object with the muscle and the law first.
+fn with_head(predictor: &Predictor, key: &str, value: Value) -> Value {
+    let law = predictor.choice.law;
+    let mut object = json!({
+        "model": law.id(),
+        "model_title": law.title(),
+        "chosen_because": predictor.choice.why,
+        "muscle": predictor.muscle,
+        "contraction_620_from": predictor.free,
+        "confidence": CONFIDENCE,
+        "no_interval_because": no_interval(predictor),
+    });
+    if let Law::Fitted(fit, _) = law {
+        object["fit"] = json!({
+            "campaign": fit.group.campaign,
+            "simulated": fit.group.simulated,
+            "specimens": fit.specimens.len(),
+            "readings": fit.rows,
+            "ranges": fit.ranges,
+            "scatter": fit.scatter,
+        });
+    }
+    object[key] = value;
+    object
+}
