@@ -22,9 +22,10 @@
 //!     + s_e^2                                  where eps_620 was not given
 //! interval: f^(x) -/+ t(0.975; G - q) s, cut off at zero
 //! ```
-//! with q the coefficients of the law of length that were fitted (b1 and b2, or b1 alone): G - q are the degrees of freedom of tau^2, which
-//! is the largest part wherever the muscle pulls. s_e is half the change of the force when eps_620 moves from one standard deviation
-//! below the mean of the specimens to one above, times sqrt(1 + 1/G): a muscle whose eps_620 nobody measured has one of that
+//! with q the coefficients of the law of length that were fitted (b1 and b2, or b1 alone): G - q are the degrees of freedom of tau^2, the
+//! largest part in the middle of the measured lengths; at their ends the fit's part can be larger, and at forces of a few newtons sigma^2.
+//! s_e is half the change of the force when eps_620 moves from one standard deviation below the mean of the specimens to one above, times
+//! sqrt(1 + 1/G): a muscle whose eps_620 nobody measured has one of that
 //! distribution. Given a relative contraction, the force does not depend on it.
 //!
 //! Assumptions, in the order in which they would hurt: the specimens measured are a sample of those that will be built; they differ by a
@@ -33,7 +34,9 @@
 //! wide side. Between G - q = 1 and 2 degrees of freedom the interval is very wide (t = 12.7 and 4.3): two or three muscles say little
 //! about the next one. Without G > q there is no interval, and none for published models, which print no scatter of specimens.
 //!
-//! The coverage is measured on simulated campaigns in `tests/it/predict_coverage.rs`.
+//! The coverage is measured on simulated campaigns in `tests/it/predict_coverage.rs`, with eps_620 given and inside the measured lengths:
+//! the simulator makes just what the first three assumptions say, so it tests the arithmetic and the degrees of freedom, not whether real
+//! muscles keep to them. The part s_e has not been measured.
 
 pub mod answer;
 pub mod interval;
