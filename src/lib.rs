@@ -29,13 +29,14 @@
 //! | [`numerics`] | least squares, robust losses, statistics, plateaus: slices in, vectors out | |
 //! | [`simulate`] | the test rig in software | |
 //! | [`stages`] | one file or folder a stage, pure | |
+//! | [`audit`] | the papers' numeric claims, recomputed | a claim: a few lines of TOML |
 //! | [`report`] | tables, figures, pages | a table or figure: one file, one line in its folder's `mod.rs` |
 //! | [`run`] | drives the stages through the cache | |
 //! | [`config`] | `pipeline.toml` | |
 //! | [`cli`] | arguments, and all printing | |
 //!
 //! # Invariants
-//! - **Directions**: `main -> cli -> run -> stages -> {formats, models, numerics, report, simulate} -> base`, and `run -> cache -> base`.
+//! - **Directions**: `main -> cli -> run -> stages -> {formats, models, numerics, report, audit, simulate} -> base`, and `run -> cache -> base`.
 //!   `cache` knows no stage; stages know no cache and no command line; `models` and `numerics` do no I/O and see no data frame; only
 //!   `report` knows plotters and Typst, and it computes no statistic: every number comes from a stage.
 //! - **Nothing below `raw/` is ever written**, and nothing is left out without a line in `rejects.csv`.
@@ -48,6 +49,7 @@
 //! - **One unit a quantity inside** ([`base::units`]): N, kPa, m, rad, s, N.m, degrees Celsius; and one home of column names
 //!   ([`base::columns`]).
 
+pub mod audit;
 pub mod base;
 pub mod cache;
 pub mod cli;

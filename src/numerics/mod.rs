@@ -22,7 +22,7 @@ pub mod fit;
 mod fit_report;
 pub mod interpolate;
 pub mod lar;
-mod lar_scale;
+pub(crate) mod lar_scale;
 pub mod levenberg_marquardt;
 pub mod loss;
 pub mod matrix;

@@ -127,7 +127,7 @@ fn with_table(document: Document, table: &Table) -> Document {
 }
 
 /// Year, month and day of an ISO 8601 date; none where it is empty.
-fn date(text: &str) -> Option<(i32, u8, u8)> {
+pub(super) fn date(text: &str) -> Option<(i32, u8, u8)> {
     let mut parts = text.splitn(3, '-');
     let year = parts.next()?.parse().ok()?;
     let month = parts.next()?.parse().ok()?;

@@ -1,5 +1,6 @@
 //! The tables, one file each. A new table is one new file and one line in [`ALL`].
 
+mod audit;
 mod coefficients;
 mod comparison_by_length;
 mod fits;
@@ -28,6 +29,7 @@ pub const ALL: &[fn(&ReportInput) -> Table] = &[
     comparison_by_length::table,
 ];
 
+pub use audit::table as audit;
 pub use coefficients::of_group as coefficients_of;
 pub use comparison_by_length::of_group as comparison_by_length_of;
 pub use fits::of_group as fits_of;
