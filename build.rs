@@ -27,7 +27,14 @@ const STAGES: &[(&str, &[&str])] = &[
     ),
     (
         "REPORT",
-        &["base", "models", "numerics", "report", "stages/report.rs"],
+        &[
+            "audit",
+            "base",
+            "models",
+            "numerics",
+            "report",
+            "stages/report.rs",
+        ],
     ),
 ];
 

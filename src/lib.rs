@@ -29,6 +29,7 @@
 //! | [`numerics`] | least squares, robust losses, statistics, plateaus: slices in, vectors out | |
 //! | [`simulate`] | the test rig in software | |
 //! | [`stages`] | one file or folder a stage, pure | |
+//! | [`audit`] | the papers' numeric claims, recomputed | a claim: a few lines of TOML |
 //! | [`report`] | tables, figures, pages | a table or figure: one file, one line in its folder's `mod.rs` |
 //! | [`predict`] | the force of a muscle that somebody describes, with its interval | |
 //! | [`golden`] | fresh tables against blessed ones | a table: one entry in `tests/golden/golden.toml` |
@@ -37,7 +38,7 @@
 //! | [`cli`] | arguments, and all printing | |
 //!
 //! # Invariants
-//! - **Directions**: `main -> cli -> run -> stages -> {formats, models, numerics, report, simulate} -> base`, and `run -> cache -> base`;
+//! - **Directions**: `main -> cli -> run -> stages -> {formats, models, numerics, report, audit, simulate} -> base`, and `run -> cache -> base`;
 //!   beside `run`, `cli -> predict -> {stages::fit, models, numerics}`, drawn by `report`, and `cli -> golden -> base`.
 //!   `cache` knows no stage; stages know no cache and no command line; `models` and `numerics` do no I/O and see no data frame; only
 //!   `report` knows plotters and Typst, and it computes no statistic: every number comes from a stage, every
@@ -52,6 +53,7 @@
 //! - **One unit a quantity inside** ([`base::units`]): N, kPa, m, rad, s, N.m, degrees Celsius; and one home of column names
 //!   ([`base::columns`]).
 
+pub mod audit;
 pub mod base;
 pub mod cache;
 pub mod cli;

@@ -24,7 +24,7 @@ mod fit_report;
 pub mod interpolate;
 pub mod jackknife;
 pub mod lar;
-mod lar_scale;
+pub(crate) mod lar_scale;
 pub mod levenberg_marquardt;
 pub mod loss;
 pub mod matrix;

@@ -1,5 +1,6 @@
 //! Report: tables, figures, pages and the summary, from what the other stages left.
 
+use crate::audit::audit;
 use crate::base::error::{Error, Result};
 use crate::base::reject::Extent;
 use crate::base::row::{self, Row, role_name};
@@ -7,11 +8,13 @@ use crate::base::session::{Phase, Sampling};
 use crate::cache::Digest;
 use crate::cache::store::Outputs;
 use crate::config::Config;
+use crate::report::audit::audit_pdf;
 use crate::report::figures::{self, Drawn, Named};
-use crate::report::force::{Figures, force_pdf};
+use crate::report::force::{Figures, date_of, force_pdf};
 use crate::report::render::{self, Renderer};
 use crate::report::table::{Cell, Column, Table};
 use crate::report::tables;
+use crate::stages::compare::GroupComparison;
 use crate::stages::fit::{GroupFit, is_usable, split};
 use rayon::prelude::*;
 use serde_json::json;
@@ -39,23 +42,34 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
     };
     let split = split_csv(input, config);
     let split_digest = Digest::of(&split).to_string();
-    let (pdf, files) = rayon::join(
-        || force_pdf(input, &shown, config, &split_digest),
+    let fits: Vec<&GroupFit> = input.groups.iter().map(|g| &g.fit).collect();
+    let comparisons: Vec<&GroupComparison> = input.groups.iter().map(|g| &g.comparison).collect();
+    let audit = audit(&fits, &comparisons);
+    let date = date_of(input, &config.report);
+    let (pages, files) = rayon::join(
+        || {
+            rayon::join(
+                || force_pdf(input, &shown, config, &split_digest),
+                || audit_pdf(&audit, &input.input_digest, date),
+            )
+        },
         || figure_files(&traces, &groups, config.report.png_dpi),
     );
+    let (force_pages, audit_pages) = (pages.0?, pages.1?);
     let mut outputs = Outputs::from([
-        ("reports/force.pdf".to_owned(), pdf?.bytes),
+        ("reports/force.pdf".to_owned(), force_pages.bytes),
+        ("reports/audit.pdf".to_owned(), audit_pages.bytes),
         (
             "derived/rows.parquet".to_owned(),
             row::to_frame(&input.rows).to_parquet()?,
         ),
     ]);
-    outputs.insert("derived/fits.json".to_owned(), fits(input)?);
+    outputs.insert("derived/fits.json".to_owned(), fits_json(&fits)?);
     outputs.insert("derived/split.csv".to_owned(), split);
     outputs.extend(files?);
     let mut names = Vec::new();
-    for make in tables::ALL {
-        let table = make(input);
+    let made = tables::ALL.iter().map(|make| make(input));
+    for table in made.chain([tables::audit(&audit)]) {
         for renderer in render::ALL {
             let name = format!("reports/tables/{}.{}", table.id, renderer.extension());
             outputs.insert(name, renderer.render(&table).into_bytes());
@@ -67,9 +81,8 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
 }
 
 /// `derived/fits.json`: every fit with its refits, for `pipeline predict` and for other programs.
-fn fits(input: &ReportInput) -> Result<Vec<u8>> {
-    let fits: Vec<&GroupFit> = input.groups.iter().map(|g| &g.fit).collect();
-    let mut bytes = serde_json::to_vec_pretty(&fits).map_err(Error::internal)?;
+fn fits_json(fits: &[&GroupFit]) -> Result<Vec<u8>> {
+    let mut bytes = serde_json::to_vec_pretty(fits).map_err(Error::internal)?;
     bytes.push(b'\n');
     Ok(bytes)
 }

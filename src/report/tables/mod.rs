@@ -1,5 +1,6 @@
 //! The tables, one file each. A new table is one new file and one line in [`ALL`].
 
+mod audit;
 mod baselines;
 mod coefficients;
 mod comparison_by_length;
@@ -40,6 +41,7 @@ pub const ALL: &[fn(&ReportInput) -> Table] = &[
     provenance::table,
 ];
 
+pub use audit::table as audit;
 pub use baselines::table as baselines;
 pub use coefficients::of_group as coefficients_of;
 pub use comparison_by_length::of_group as comparison_by_length_of;
