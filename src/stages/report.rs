@@ -70,6 +70,7 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
     let mut names = Vec::new();
     let made = tables::ALL.iter().map(|make| make(input));
     for table in made.chain([tables::audit(&audit)]) {
+        let table = tables::naming_groups(table);
         for renderer in render::ALL {
             let name = format!("reports/tables/{}.{}", table.id, renderer.extension());
             outputs.insert(name, renderer.render(&table).into_bytes());

@@ -20,7 +20,7 @@ mod table2;
 mod zeros;
 
 use crate::report::input::ReportInput;
-use crate::report::table::Table;
+use crate::report::table::{Audience, Table};
 
 /// Every table, in the order in which the summary lists them.
 pub const ALL: &[fn(&ReportInput) -> Table] = &[
@@ -56,3 +56,19 @@ pub use statistics::of_group as statistics_of;
 pub use table1::of_group as table1_of;
 pub use table2::of_group as table2_of;
 pub use zeros::table as zeros;
+
+/// The columns that tell groups of rows apart, in tables of all groups.
+const GROUPS: [&str; 3] = ["campaign", "group", "diameter_mm"];
+
+/// The same table with the columns for people that tell its groups apart, where it has more than one.
+pub fn naming_groups(mut table: Table) -> Table {
+    for k in 0..table.columns.len() {
+        let varies = table.rows.iter().any(|row| row[k] != table.rows[0][k]);
+        let column = &mut table.columns[k];
+        if varies && GROUPS.contains(&column.key.as_str()) && column.audience == Audience::Machines
+        {
+            column.audience = Audience::Everyone;
+        }
+    }
+    table
+}

@@ -1,6 +1,8 @@
 //! The layout that Tables 1 and 2 of the force paper share: a block an equation, in it three sets of statistics, in each a row a
 //! coefficient. The honest set comes first, the LAR-compatible and the published ones stand below it.
 
+use crate::audit;
+use crate::audit::claims::{Kind, Split};
 use crate::report::figures::slug;
 use crate::report::input::GroupInput;
 use crate::report::symbols;
@@ -43,6 +45,8 @@ pub struct Block<'a> {
     pub lar: Option<&'a Compatible>,
     /// Right half.
     pub compared: Option<Side>,
+    /// What the paper prints in its right half.
+    pub compared_as: Split,
     /// Largest errors are shares of F_620, in percent.
     pub percent: bool,
 }
@@ -113,7 +117,26 @@ pub fn push(table: &mut Table, block: &Block) {
         .filter_map(|c| Some((c.published?, c.published_interval)))
         .collect();
     if published.len() == fit.coefficients.len() {
-        set(table, block, "published", published, Side::default(), None);
+        let (model, compared) = (
+            printed(block, Split::Model),
+            printed(block, block.compared_as),
+        );
+        set(table, block, "published", published, model, Some(compared));
+    }
+}
+
+/// What the force paper prints for the equation.
+fn printed(block: &Block, split: Split) -> Side {
+    let diameter = block.group.fit.group.diameter_mm;
+    let of = |kind| {
+        audit::published(&block.equation.id, diameter, split, kind, None)
+            .map(|claim| claim.printed.value)
+    };
+    let unit = if block.percent { 0.01 } else { 1.0 };
+    Side {
+        adjusted_r2: of(Kind::AdjR2),
+        rmse: of(Kind::Rmse),
+        max_abs_error: of(Kind::MaxError).map(|x| unit * x),
     }
 }
 
@@ -132,7 +155,17 @@ fn set(
     for (k, (coefficient, (value, ends))) in coefficients.zip(estimates).enumerate() {
         let first = k == 0;
         let once = |cell: Cell| if first { cell } else { Cell::Empty };
+        // What a paper printed keeps its digits.
+        let as_printed = Rounding::Digits(4);
         let [value, interval] = match ends {
+            Some((low, high)) if name == "published" => [
+                Cell::number(value, as_printed),
+                Cell::Interval {
+                    low,
+                    high,
+                    rounding: as_printed,
+                },
+            ],
             Some((low, high)) => Cell::with_interval(value, low, high),
             None => [Cell::number(value, Rounding::Digits(4)), Cell::Empty],
         };

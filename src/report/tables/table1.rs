@@ -2,6 +2,7 @@
 //!
 //! Eq. 7 is compared with the measured maxima at 620 kPa, Eqs. 5 and 6 with what the Festo tool says of the same maxima.
 
+use crate::audit::claims::Split;
 use crate::report::input::{GroupInput, ReportInput};
 use crate::report::table::{Column, Table};
 use crate::report::tables::paper::{self, Block, Side};
@@ -51,6 +52,7 @@ fn build(groups: Vec<&GroupInput>) -> Table {
                     model,
                     lar: equation.compatible.as_ref(),
                     compared: compared.map(|g| Side::of(&g)),
+                    compared_as: Split::Comparison,
                     percent: false,
                 };
                 paper::push(&mut table, &block);

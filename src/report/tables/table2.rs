@@ -1,6 +1,7 @@
 //! `table2`: the force paper's Table 2, the surface F*(eps*, P*): coefficients with intervals and goodness of fit on training and
 //! validation rows.
 
+use crate::audit::claims::Split;
 use crate::report::input::{GroupInput, ReportInput};
 use crate::report::table::{Column, Table};
 use crate::report::tables::paper::{self, Block, Side};
@@ -44,6 +45,7 @@ fn build(groups: Vec<&GroupInput>) -> Table {
             model: split.map_or_else(|| paper::all_rows(equation), |s| Side::of(&s.train)),
             lar: split.and_then(|s| s.compatible.as_ref()),
             compared: split.map(|s| Side::of(&s.validation)),
+            compared_as: Split::Validation,
             percent: true,
         };
         paper::push(&mut table, &block);
