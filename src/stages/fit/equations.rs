@@ -263,6 +263,16 @@ fn surface_start(diameter_mm: u32) -> [f64; 3] {
     ]
 }
 
+/// c0 and c1 trade against each other where little was measured near rest, so that a descent may end in either of two valleys.
+fn surface_starts(diameter_mm: u32) -> Vec<[f64; 3]> {
+    let [c0, c1, c2] = surface_start(diameter_mm);
+    vec![
+        [c0, c1, c2],
+        [0.5 * c0, 3.0 * c1, c2],
+        [2.0 * c0, 0.3 * c1, 0.3 * c2],
+    ]
+}
+
 /// Eq. 8: forces divided by the fitted F_620 of their resting length, or by the specimen's own maximum where no law of length could be
 /// fitted; what is fitted is not a number for rows that have neither.
 fn with_surface<R>(
@@ -285,7 +295,7 @@ fn with_surface<R>(
         title: "relative force against relative contraction and relative pressure",
         unit: "1",
         symbols: surface_symbols(diameter_mm),
-        starts: vec![surface_start(diameter_mm)],
+        starts: surface_starts(diameter_mm),
         held: &|_| [None; 3],
         observed: &|r| r.force_n / scale(r),
         model: &|r, c| {
@@ -345,6 +355,11 @@ fn with_joint<R>(
         starts: [1.0, 0.3, 3.0]
             .iter()
             .map(|k| [b1, k * b2, c0, c1, c2])
+            .chain(
+                surface_starts(diameter_mm)[1..]
+                    .iter()
+                    .map(|[c0, c1, c2]| [b1, b2, *c0, *c1, *c2]),
+            )
             .collect(),
         held: &|rows| {
             [
