@@ -285,12 +285,7 @@ mod tests {
     #[test]
     fn the_pages_compile_without_a_warning() {
         let audit = crate::audit::audit(&[], &[]);
-        let pdf = audit_pdf(
-            &audit,
-            "sha256:0123456789abcdef0123",
-            &ReportOptions::default(),
-        )
-        .unwrap();
+        let pdf = audit_pdf(&audit, "sha256:0123456789abcdef0123", None).unwrap();
         assert_eq!(pdf.warnings, Vec::<String>::new());
         assert!(pdf.pages > 4);
     }

@@ -15,6 +15,8 @@ const TRIPLE: [Kind; 3] = [Kind::AdjR2, Kind::Rmse, Kind::MaxError];
 /// The triple of one fit on one set of rows.
 struct Row<'a> {
     name: String,
+    /// The fit and its rows: a fit that is printed in two places is one.
+    of: (&'a str, Split),
     claims: [&'a Claim; 3],
 }
 
@@ -26,6 +28,7 @@ fn cases(list: &ClaimList) -> Vec<Case> {
             if let [Some(a), Some(b), Some(c)] = found {
                 rows.push(Row {
                     name: format!("{} ({})", fit.title, split.name()),
+                    of: (fit.validated_as.as_deref().unwrap_or(&fit.id), split),
                     claims: [a, b, c],
                 });
             }
@@ -35,7 +38,10 @@ fn cases(list: &ClaimList) -> Vec<Case> {
         .iter()
         .enumerate()
         .flat_map(|(k, a)| rows[k + 1..].iter().map(move |b| (a, b)));
-    pairs.map(|(a, b)| case(a, b)).collect()
+    pairs
+        .filter(|(a, b)| a.of != b.of)
+        .map(|(a, b)| case(a, b))
+        .collect()
 }
 
 fn case(a: &Row, b: &Row) -> Case {
