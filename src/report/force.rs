@@ -317,9 +317,10 @@ fn domain(input: &GroupInput) -> Vec<String> {
                 "answers beyond its data for"
             };
             format!(
-                "{}: {what} {} readings ({})",
+                "{}: {what} {} reading{} ({})",
                 title(&note.model),
                 note.count,
+                if note.count == 1 { "" } else { "s" },
                 note.reason
             )
         })

@@ -183,7 +183,7 @@ fn no_sessions(options: &RunOptions, discovery: &Discovery) -> String {
         .map(|r| r.display().to_string())
         .collect();
     let mut message = format!(
-        "no session.toml below {}; a session is a folder with a session.toml and its logs (see README.md, Raw sessions)",
+        "no session.toml below {}; a session is a folder with a session.toml and its logs (see README.md, With your own sessions)",
         roots.join(", ")
     );
     for diagnostic in &discovery.diagnostics {

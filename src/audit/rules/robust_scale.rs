@@ -13,7 +13,7 @@ use crate::numerics::lar_scale::printed_scale;
 pub(super) const RULE: Rule = Rule {
     id: "robust_scale",
     title: "What the printed RMSE of a robust fit stands for (the inside-out effect)",
-    idea: "A fit with least-absolute-residual weights prints not the RMSE of its residuals but s_ols p/√(p² + n), with p coefficients and n rows. Where the printed training RMSE contradicts the validation RMSE and the s_ols that it stands for does not, the printed one is such a number. Where the printed one agrees with the validation as it stands, it is not.",
+    idea: "A fit with least-absolute-residual weights prints not the RMSE of its residuals but a mixed scale that can be as small as s_ols p/√(p² + n), with p coefficients and n rows. Where the printed training RMSE contradicts the validation RMSE and the s_ols that it stands for does not, the printed one is such a number. Where the printed one agrees with the validation as it stands, it is not.",
     cases,
 };
 
@@ -33,7 +33,7 @@ fn case(fit: &Fit, test: &Test) -> Case {
     let chance = either_direction(ratio * ratio, m, n - p as f64);
     let explains = chance >= UNLIKELY;
     let what = format!(
-        "With p = {p} and n = {n} a printed {} would stand for residuals of {}, which against the validation RMSE {} is a probability of {}.",
+        "With p = {p} and n = {n} a printed {} can stand for residuals of up to {}, which against the validation RMSE {} is a probability of {}.",
         show(test.train, 4),
         show(stands_for, 3),
         show(test.validation, 4),

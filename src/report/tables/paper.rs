@@ -82,6 +82,7 @@ pub fn columns(largest: &[Column; 2]) -> Vec<Column> {
         Column::number("compared_adj_r2", "Adj. R^2", ""),
         Column::number("compared_rmse", "RMSE", ""),
         compared,
+        Column::text("state", "Remark"),
     ]
 }
 
@@ -188,6 +189,11 @@ fn set(
         ];
         row.extend(side(Some(model), block.percent).map(once));
         row.extend(side(compared, block.percent).map(once));
+        row.push(if name == "honest" && coefficient.state != "ok" {
+            Cell::text(&coefficient.state)
+        } else {
+            Cell::Empty
+        });
         table.push(row);
     }
 }

@@ -42,7 +42,7 @@ fn build(groups: Vec<&GroupInput>) -> Table {
     .span("Honest", "adj_r2", "max_abs_error")
     .span("LAR-compatible", "lar_adj_r2", "lar_max_abs_error")
     .note(
-        "The right-hand set stands beside the papers and is used nowhere else: its RMSE is a mixed scale, about \\v{s} \\v{p}/√(\\v{p}^2 + \\v{n}) \
+        "The right-hand set stands beside the papers and is used nowhere else: its RMSE is a mixed scale, at least \\v{s} \\v{p}/√(\\v{p}^2 + \\v{n}) \
          of the ordinary fit's \\v{s}, and no root of mean squares. Validation rows are the fifth of each session's rows that the split by \
          row kept out of the fit.",
     );

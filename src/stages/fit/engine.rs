@@ -331,10 +331,11 @@ impl<const N: usize> Equation<'_, N> {
         })
     }
 
-    /// Only the coefficients, without intervals.
+    /// Only the coefficients, without intervals; `None` where the rows do not determine them or one ran to a bound.
     pub fn values(&self, rows: &[&Row], options: &FitOptions) -> Option<[f64; N]> {
         let solution = self.solve(rows, &self.starts, self.loss(options))?;
-        Some(solution.values)
+        let sound = (0..N).all(|k| solution.place(k).is_none() || solution.determines(k));
+        sound.then_some(solution.values)
     }
 
     /// Honest statistics of coefficients on rows; `parameters` is how many of them were fitted to these rows.

@@ -80,7 +80,15 @@ pub fn fit_all(
     notes: &mut Vec<String>,
 ) -> Vec<EquationFit> {
     let by_length = maximum_force(diameter_mm, maxima, options);
-    let f620 = by_length.as_ref().map(|fit| fit.values());
+    // A law that ran to a bound is none: it would scale every force by a constant.
+    let f620 = by_length
+        .as_ref()
+        .filter(|fit| {
+            !fit.coefficients
+                .iter()
+                .any(|c| c.state.starts_with("at its"))
+        })
+        .map(|fit| fit.values());
     let cap = cap_length_m(diameter_mm, options);
     let printed = force_at_rest_offset_m(diameter_mm, options);
     let other = (printed != cap).then_some(cap);

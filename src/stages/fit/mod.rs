@@ -171,6 +171,7 @@ pub fn fit_group(group: &Group, rows: &[Row], options: &FitOptions) -> GroupFit 
     let mut notes = Vec::new();
     let mut equations =
         equations::fit_all(group.diameter_mm, &fitted, &maxima, options, &mut notes);
+    notes.extend(held_in_folds(&equations));
     equations::judge_by_rows(group.diameter_mm, &mut equations, &usable, options);
     let scatter = equations
         .iter()
@@ -188,6 +189,25 @@ pub fn fit_group(group: &Group, rows: &[Row], options: &FitOptions) -> GroupFit 
         equations,
         notes,
     }
+}
+
+/// Which coefficients of the joint fit the other specimens do not determine: leave-one-specimen-out then borrows them.
+fn held_in_folds(equations: &[EquationFit]) -> Option<String> {
+    let joint = equations.iter().find(|e| e.id == equations::JOINT)?;
+    let held: BTreeSet<&str> = joint
+        .folds
+        .iter()
+        .flat_map(|f| f.held.iter().map(String::as_str))
+        .collect();
+    if held.is_empty() {
+        return None;
+    }
+    let names: Vec<&str> = held.into_iter().collect();
+    Some(format!(
+        "Without one of its specimens the others do not determine {}, which is held at its published value there, so that the error on \
+         specimens that were not seen (loso) is not of this campaign alone",
+        names.join(", ")
+    ))
 }
 
 fn ranges(rows: &[&Row]) -> Ranges {
