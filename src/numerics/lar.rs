@@ -26,8 +26,6 @@ const LARGEST_LEVERAGE: f64 = 0.9999;
 const SCALE_FLOOR: f64 = 1e-6;
 /// Relative move of every coefficient below which the passes end.
 const PASS_TOLERANCE: f64 = 1e-6;
-/// Relative move of a coefficient below which passes are polished.
-const POLISHED_BELOW: f64 = 1e-4;
 const LIMITS: Limits = Limits {
     max_iterations: 2000,
     tolerance: f64::EPSILON,
@@ -151,7 +149,7 @@ pub fn fit_lar<P: LeastSquaresProblem + ?Sized>(
         bounds: Bounds::new(options.bounds.as_deref(), parameters),
         scale_floor: SCALE_FLOOR * standard_deviation(observed),
     };
-    let ordinary = fitter.refit(start, &vec![1.0; rows], true);
+    let ordinary = fitter.refit(start, &vec![1.0; rows]);
     if ordinary.outcome != Outcome::Converged {
         return Err(LarError::OrdinaryFit(ordinary.outcome));
     }
@@ -176,10 +174,9 @@ struct Passes {
 }
 
 impl<P: LeastSquaresProblem + ?Sized> LarFitter<'_, P> {
-    fn refit(&self, start: &[f64], weights: &[f64], polish: bool) -> Minimum {
+    fn refit(&self, start: &[f64], weights: &[f64]) -> Minimum {
         let row_factors: Vec<f64> = weights.iter().map(|w| w.sqrt()).collect();
-        let limits = Limits { polish, ..LIMITS };
-        minimise(self.problem, start, &row_factors, &self.bounds, limits)
+        minimise(self.problem, start, &row_factors, &self.bounds, LIMITS)
     }
 
     fn residuals(&self, parameters: &[f64]) -> Vec<f64> {
@@ -221,18 +218,12 @@ impl<P: LeastSquaresProblem + ?Sized> LarFitter<'_, P> {
             count: 0,
             converged: false,
         };
-        let mut moved = f64::INFINITY;
         while passes.count < self.options.max_passes && !passes.converged {
             let scale = TUNING * self.sigma(&adjusted);
             let weight = |r: &f64| self.options.weighting.weight(r / scale);
             passes.weights = adjusted.iter().map(weight).collect();
-            // Far from the end a pass need not be polished; close to it, where the passes stop depends on it.
-            let polish = moved < POLISHED_BELOW;
-            let next = self
-                .refit(&passes.parameters, &passes.weights, polish)
-                .parameters;
-            moved = largest_relative_move(&passes.parameters, &next);
-            passes.converged = polish && moved < PASS_TOLERANCE;
+            let next = self.refit(&passes.parameters, &passes.weights).parameters;
+            passes.converged = largest_relative_move(&passes.parameters, &next) < PASS_TOLERANCE;
             adjusted = self.residuals(&next);
             passes.parameters = next;
             passes.count += 1;
