@@ -83,6 +83,7 @@ struct Group {
     rmse_train: Option<f64>,
     rmse_loso: Option<f64>,
     best_published: Option<(String, f64)>,
+    borrowed: bool,
     notes: Vec<String>,
     domain: Vec<String>,
     figures: Vec<Picture>,
@@ -291,6 +292,9 @@ fn group(input: &GroupInput, figures: &[Drawn]) -> Group {
         rmse_train: rmse(NEW, "train"),
         rmse_loso: rmse(NEW, "loso"),
         best_published: best,
+        borrowed: fit
+            .equation(JOINT)
+            .is_some_and(|e| e.folds.iter().any(|f| !f.held.is_empty())),
         notes: fit.notes.clone(),
         domain: domain(input),
         figures: figures
