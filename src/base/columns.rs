@@ -126,6 +126,7 @@ pub fn is_reserved(name: &str) -> bool {
             CONTRACTION_REL,
             PRESSURE_REL,
             "role",
+            "date",
             "kind",
             "exclude",
         ]

@@ -18,6 +18,8 @@ pub struct Row {
     pub specimen: String,
     /// What was measured.
     pub kind: Kind,
+    /// Date of the session as declared, ISO 8601: a day or a month.
+    pub date: Option<String>,
     /// Set by the owner of the data.
     pub role: Option<Role>,
     /// Kept out of every fit.
@@ -136,6 +138,11 @@ const TEXTS: &[TextField] = &[
         },
     ),
     (
+        "date",
+        |r| r.date.clone(),
+        |r, t| r.date = Some(t.to_owned()),
+    ),
+    (
         "role",
         |r| r.role.map(|x| role_name(x).to_owned()),
         |r, t| r.role = role_named(t),
@@ -218,6 +225,7 @@ impl Row {
             campaign: String::new(),
             specimen: String::new(),
             kind: Kind::Isometric,
+            date: None,
             role: None,
             excluded: false,
             simulated: false,
@@ -315,6 +323,7 @@ mod tests {
         let mut row = Row::blank();
         row.session = "s".into();
         row.role = Some(Role::Holdout);
+        row.date = Some("2022-11".into());
         row.kind = Kind::KneeTorque;
         row.excluded = true;
         row.run = Some(8);

@@ -74,6 +74,7 @@ fn row(session: &Session, reading: &Reading) -> Row {
         campaign: session.campaign.clone(),
         specimen: specimen.id.clone(),
         kind: session.kind,
+        date: session.date.clone(),
         role: session.role,
         excluded: session.exclude.is_some(),
         simulated: session.is_simulated(),
