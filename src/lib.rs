@@ -58,6 +58,7 @@ pub mod base;
 pub mod cache;
 pub mod cli;
 pub mod config;
+pub mod effects;
 pub mod formats;
 pub mod golden;
 pub mod models;

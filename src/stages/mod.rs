@@ -5,6 +5,7 @@
 
 pub mod clean;
 pub mod compare;
+pub mod diagnose;
 pub mod fit;
 pub mod ingest;
 pub mod normalize;

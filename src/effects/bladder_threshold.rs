@@ -1,0 +1,46 @@
+//! The bladder must be stretched to the braid before any pressure pulls.
+//!
+//! Above the threshold this is a zero error of the pressure sensor; only readings below it tell the two apart.
+
+use super::{Conditions, Effect, Form, Link, Parameter, Place};
+use crate::numerics::real::Real;
+
+/// P -> max(0, P - P_th).
+pub struct BladderThreshold;
+
+const FORMS: &[Form] = &[Form {
+    name: "sharp",
+    place: Place::Input,
+    equation: "P = max(0, P_meas - P_th)",
+    amplitude: Parameter {
+        name: "P_th",
+        unit: "kPa",
+        absent: 0.0,
+        bounds: (0.0, 200.0),
+    },
+    shape: None,
+    needs: &[],
+}];
+
+impl Effect for BladderThreshold {
+    fn id(&self) -> &'static str {
+        "bladder_threshold"
+    }
+    fn title(&self) -> &'static str {
+        "threshold pressure of the bladder"
+    }
+    fn forms(&self) -> &'static [Form] {
+        FORMS
+    }
+    fn measurement(&self) -> &'static str {
+        "raise the pressure in steps of 5 kPa from 0 to 80 kPa at resting length and see where force begins"
+    }
+    fn source(&self) -> &'static str {
+        "Chou and Hannaford, IEEE Trans. Robot. Autom. 12 (1996) 90 (threshold pressure of the bladder)"
+    }
+}
+
+/// The operator.
+pub fn apply<R: Real>(_form: usize, [threshold, _]: [R; 2], _at: &Conditions, link: &mut Link<R>) {
+    link.pressure = (link.pressure - threshold).positive_part();
+}

@@ -1,0 +1,108 @@
+//! The force differs between filling and venting: friction in the braid.
+//!
+//! Every amplitude is half of the loop, positive where the force is higher while venting, as friction makes it at a held length.
+
+use super::{Conditions, Effect, Form, Link, Need, Parameter, Place};
+use crate::models::P_620_KPA;
+use crate::numerics::real::Real;
+
+/// Half of the loop, with the sign of the direction.
+pub struct Hysteresis;
+
+const fn form(
+    name: &'static str,
+    place: Place,
+    equation: &'static str,
+    symbol: &'static str,
+    unit: &'static str,
+    most: f64,
+) -> Form {
+    Form {
+        name,
+        place,
+        equation,
+        amplitude: Parameter {
+            name: symbol,
+            unit,
+            absent: 0.0,
+            bounds: (-most, most),
+        },
+        shape: None,
+        needs: &[Need::Direction],
+    }
+}
+
+const FORMS: &[Form] = &[
+    form(
+        "constant",
+        Place::Sensor,
+        "F -> F - h s where it pulls (s = +1 filling, -1 venting)",
+        "h",
+        "N",
+        300.0,
+    ),
+    form(
+        "constant, slack too",
+        Place::Sensor,
+        "F -> F - h s (s = +1 filling, -1 venting)",
+        "h",
+        "N",
+        300.0,
+    ),
+    form(
+        "proportional to force",
+        Place::Sensor,
+        "F -> F (1 - h s)",
+        "h",
+        "1",
+        0.5,
+    ),
+    form(
+        "proportional to pressure",
+        Place::Sensor,
+        "F -> F - h s P/620 kPa where it pulls",
+        "h",
+        "N",
+        300.0,
+    ),
+    form(
+        "play in pressure",
+        Place::Input,
+        "P -> P - w s",
+        "w",
+        "kPa",
+        60.0,
+    ),
+];
+
+impl Effect for Hysteresis {
+    fn id(&self) -> &'static str {
+        "hysteresis"
+    }
+    fn title(&self) -> &'static str {
+        "hysteresis between filling and venting"
+    }
+    fn forms(&self) -> &'static [Form] {
+        FORMS
+    }
+    fn measurement(&self) -> &'static str {
+        "approach one pressure from below and from above at one length, ten times each"
+    }
+    fn source(&self) -> &'static str {
+        "Chou and Hannaford 1996 (Coulomb friction of the braid); Vo-Minh et al., IEEE/ASME Trans. Mechatron. 16 (2011) 177"
+    }
+}
+
+/// The operator.
+pub fn apply<R: Real>(form: usize, [h, _]: [R; 2], at: &Conditions, link: &mut Link<R>) {
+    let s = at.direction;
+    let pulls = link.force.value() > 0.0;
+    match form {
+        0 if pulls => link.force = link.force - h * s,
+        1 => link.force = link.force - h * s,
+        2 => link.force = link.force * (h * -s + 1.0),
+        3 if pulls => link.force = link.force - h * (s * at.pressure_kpa / P_620_KPA),
+        4 => link.pressure = link.pressure - h * s,
+        _ => {}
+    }
+}

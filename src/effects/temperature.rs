@@ -1,0 +1,44 @@
+//! The force, or the load cell, depends on temperature.
+
+use super::{Conditions, Effect, Form, Link, Need, Parameter, Place};
+use crate::numerics::real::Real;
+
+/// F_meas = F (1 + k (T - T_ref)), with T_ref the campaign's mean.
+pub struct Temperature;
+
+const FORMS: &[Form] = &[Form {
+    name: "linear",
+    place: Place::Sensor,
+    equation: "F_meas = F (1 + k (T - T_mean))",
+    amplitude: Parameter {
+        name: "k",
+        unit: "1/K",
+        absent: 0.0,
+        bounds: (-0.1, 0.1),
+    },
+    shape: None,
+    needs: &[Need::Temperature],
+}];
+
+impl Effect for Temperature {
+    fn id(&self) -> &'static str {
+        "temperature"
+    }
+    fn title(&self) -> &'static str {
+        "temperature"
+    }
+    fn forms(&self) -> &'static [Form] {
+        FORMS
+    }
+    fn measurement(&self) -> &'static str {
+        "repeat one session at two temperatures at least 10 K apart, with a dead weight on the load cell at both"
+    }
+    fn source(&self) -> &'static str {
+        "JCGM 200:2012, 2.52 (influence quantity)"
+    }
+}
+
+/// The operator.
+pub fn apply<R: Real>(_form: usize, [k, _]: [R; 2], at: &Conditions, link: &mut Link<R>) {
+    link.force = link.force * (k * at.temperature_c + 1.0);
+}

@@ -1,0 +1,168 @@
+//! The base model: what the effects are added to.
+
+use crate::config::FitOptions;
+use crate::effects::{Actuator, Conditions};
+use crate::models::{Direction, ForceModel, P_620_KPA, State, new, published};
+use crate::numerics::real::Real;
+use crate::stages::fit::equations;
+
+/// A coefficient of a base model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BaseCoefficient {
+    /// Symbol.
+    pub name: String,
+    /// Unit.
+    pub unit: String,
+    /// Where the fit starts.
+    pub start: f64,
+    /// Where it may go.
+    pub bounds: (f64, f64),
+    /// Whether it is fitted.
+    pub free: bool,
+}
+
+enum Equation {
+    /// Eq. 9 of the force paper: b1, 1/b2, c0, c1, c2. The reciprocal is 0 where the force does not depend on the resting length, and the
+    /// fit can end there.
+    New {
+        /// l_0, m.
+        cap_length_m: f64,
+    },
+    /// A published model times a scale.
+    Published(&'static dyn ForceModel),
+}
+
+/// The base model of a diagnosis.
+pub struct Base {
+    /// Id in findings: "new" where it is refitted, else that of the published model.
+    pub id: String,
+    /// Coefficients, in the order of the equation.
+    pub coefficients: Vec<BaseCoefficient>,
+    equation: Equation,
+}
+
+/// 1/b2 of a force that does not depend on the resting length, m.
+const NO_LENGTH_LAW: f64 = 1e-4;
+
+/// The published coefficient, or a neutral value.
+fn published_or(diameter_mm: u32, symbol: &str, otherwise: f64) -> f64 {
+    let model = &new::NewPublished;
+    model
+        .coefficients(diameter_mm)
+        .iter()
+        .find(|c| c.symbol == symbol)
+        .map_or(otherwise, |c| c.value)
+}
+
+impl Base {
+    /// The new model, refitted or with its published coefficients.
+    pub fn new(diameter_mm: u32, refit: bool, lengths: usize, options: &FitOptions) -> Self {
+        let value = |symbol: &str, otherwise: f64| published_or(diameter_mm, symbol, otherwise);
+        let constant = value("F_620", 1000.0) / std::f64::consts::FRAC_PI_2;
+        let list = [
+            ("b1", "N", value("b1", constant), (1e-3, 1e5), true),
+            ("1/b2", "m", 1.0 / value("b2", 1.0 / NO_LENGTH_LAW), (NO_LENGTH_LAW, 10.0), lengths > 1 && value("b2", -1.0) > 0.0),
+            ("c0", "1", value("c0", 0.4), (0.0, 5.0), true),
+            ("c1", "1", value("c1", 5.0), (1e-3, 100.0), true),
+            ("c2", "1", value("c2", 1.0), (-2.0, 50.0), true),
+        ];
+        let coefficients = list
+            .into_iter()
+            .map(|(name, unit, start, bounds, free)| BaseCoefficient {
+                name: name.to_owned(),
+                unit: unit.to_owned(),
+                start,
+                bounds,
+                free: free && refit,
+            })
+            .collect();
+        Self {
+            id: if refit { "new" } else { "new_published" }.to_owned(),
+            coefficients,
+            equation: Equation::New {
+                cap_length_m: equations::cap_length_m(diameter_mm, options),
+            },
+        }
+    }
+
+    /// A published model; refitted means one factor on its force.
+    pub fn published(id: &str, refit: bool) -> Option<Self> {
+        let model = published().into_iter().find(|m| m.id() == id)?;
+        Some(Self {
+            id: id.to_owned(),
+            coefficients: vec![BaseCoefficient {
+                name: "scale".to_owned(),
+                unit: "1".to_owned(),
+                start: 1.0,
+                bounds: (0.05, 20.0),
+                free: refit,
+            }],
+            equation: Equation::Published(model),
+        })
+    }
+
+    /// Starting values of all coefficients.
+    pub fn starts(&self) -> Vec<f64> {
+        self.coefficients.iter().map(|c| c.start).collect()
+    }
+
+    /// The same model without its dependence on the resting length, if it has one that is fitted.
+    pub fn without_length_law(&self) -> Option<Self> {
+        let Equation::New { cap_length_m } = self.equation else {
+            return None;
+        };
+        let mut coefficients = self.coefficients.clone();
+        if !coefficients[1].free {
+            return None;
+        }
+        coefficients[1].free = false;
+        coefficients[1].start = NO_LENGTH_LAW;
+        Some(Self {
+            id: self.id.clone(),
+            coefficients,
+            equation: Equation::New { cap_length_m },
+        })
+    }
+}
+
+impl Actuator for Base {
+    fn force<R: Real>(&self, coefficients: &[R], pressure: R, length: R, at: &Conditions) -> R {
+        match self.equation {
+            Equation::New { cap_length_m } => {
+                let rest = at.rest_length_m;
+                let eps_620 = (rest - at.contracted_length_m) / rest;
+                let contraction = (-length + rest) / (rest * eps_620);
+                let c = coefficients;
+                let f620 = new::f620(c[0], R::constant(1.0) / c[1], R::constant(cap_length_m), R::constant(rest));
+                new::force([c[2], c[3], c[4]], f620, contraction, pressure / P_620_KPA)
+            }
+            Equation::Published(model) => tangent(model, pressure, length, at) * coefficients[0],
+        }
+    }
+}
+
+/// Steps of the differences by which a published model gets its derivatives: kPa, m.
+const STEPS: (f64, f64) = (1.0, 1e-4);
+
+/// A published model with derivatives by central differences: what effects on pressure and length need of it.
+fn tangent<R: Real>(model: &dyn ForceModel, pressure: R, length: R, at: &Conditions) -> R {
+    let force = |p: f64, l: f64| {
+        let state = State {
+            diameter_mm: at.diameter_mm,
+            rest_length_m: at.rest_length_m,
+            contracted_length_m: at.contracted_length_m,
+            length_m: l,
+            pressure_kpa: p.max(0.0),
+            direction: Direction::Isometric,
+        };
+        model.predict(&state).force_n().unwrap_or(f64::NAN)
+    };
+    let (p, l) = (pressure.value(), length.value());
+    let slope = |up: f64, down: f64, step: f64| {
+        let slope = (up - down) / (2.0 * step);
+        if slope.is_finite() { slope } else { 0.0 }
+    };
+    let by_pressure = slope(force(p + STEPS.0, l), force(p - STEPS.0, l), STEPS.0);
+    let by_length = slope(force(p, l + STEPS.1), force(p, l - STEPS.1), STEPS.1);
+    (pressure - p) * by_pressure + (length - l) * by_length + force(p, l)
+}

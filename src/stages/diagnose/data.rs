@@ -1,0 +1,315 @@
+//! The readings of one campaign as the search sees them: numbers, groups, and what is known of each reading.
+
+use crate::base::columns::TEMPERATURE;
+use crate::base::row::Row;
+use crate::base::session::Phase;
+use crate::effects::{Conditions, Need};
+use crate::numerics::statistics::mean;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A change of pressure that is a step, kPa.
+const STEP_KPA: f64 = 5.0;
+/// A change of length that is a step, m.
+const STEP_M: f64 = 2e-4;
+/// Names under which laboratories log the time since the last step, the rate of the pressure, and the cycles done. Only the beginning
+/// of a column's name counts.
+const SINCE_STEP: &[&str] = &["time_since_step", "since_step", "dwell", "hold"];
+const RATE: &[&str] = &["pressure_rate", "rate", "dp_dt", "dpdt", "ramp"];
+const CYCLES: &[&str] = &["cycle", "n_cycle", "cycles", "ncycles", "cycle_count"];
+
+/// An extra column that no effect of the library has a name for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Extra {
+    /// Name, as the session's author gave it.
+    pub name: String,
+    /// One value a reading, less the mean and divided by the standard deviation.
+    pub values: Vec<f64>,
+    /// Mean and standard deviation before that.
+    pub scale: (f64, f64),
+    /// Few whole numbers, constant within a session: it names a group (a load cell, a bench), it does not measure.
+    pub names_groups: bool,
+}
+
+/// The readings of a campaign.
+#[derive(Clone, Debug, Default)]
+pub struct Data {
+    /// What is known of each reading.
+    pub conditions: Vec<Conditions>,
+    /// Measured force, N.
+    pub force: Vec<f64>,
+    /// Place of the reading's session in `sessions`.
+    pub session: Vec<usize>,
+    /// Place of the reading's specimen in `specimens`.
+    pub specimen: Vec<usize>,
+    /// A number for the log, unique over the campaign.
+    pub log: Vec<usize>,
+    /// Session ids, in the order of time (date, then id).
+    pub sessions: Vec<String>,
+    /// Specimen ids, by name.
+    pub specimens: Vec<String>,
+    /// Extra columns.
+    pub extras: Vec<Extra>,
+    /// Why a quantity is not known.
+    pub missing: BTreeMap<Need, String>,
+}
+
+impl Data {
+    /// The readings of rows that are usable (the caller sees to that).
+    pub fn new(rows: &[&Row]) -> Self {
+        let mut by_time: Vec<(&str, &str)> = rows
+            .iter()
+            .map(|r| (r.date.as_deref().unwrap_or(""), r.session.as_str()))
+            .collect();
+        by_time.sort_unstable();
+        by_time.dedup();
+        let sessions: Vec<String> = by_time.iter().map(|(_, id)| (*id).to_owned()).collect();
+        let dates: BTreeSet<&str> = by_time.iter().map(|(date, _)| *date).collect();
+        let specimens: BTreeSet<&str> = rows.iter().map(|r| r.specimen.as_str()).collect();
+        let specimens: Vec<String> = specimens.into_iter().map(str::to_owned).collect();
+        let place = |list: &[String], id: &str| list.iter().position(|x| x == id).unwrap_or(0);
+        let logs: BTreeSet<(usize, &str)> = rows
+            .iter()
+            .map(|r| (place(&sessions, &r.session), r.log.as_str()))
+            .collect();
+        let logs: BTreeMap<(usize, &str), usize> =
+            logs.into_iter().enumerate().map(|(k, log)| (log, k)).collect();
+        let mut data = Data {
+            force: rows.iter().map(|r| r.force_n).collect(),
+            session: rows.iter().map(|r| place(&sessions, &r.session)).collect(),
+            specimen: rows.iter().map(|r| place(&specimens, &r.specimen)).collect(),
+            sessions,
+            specimens,
+            ..Data::default()
+        };
+        data.log = rows
+            .iter()
+            .zip(&data.session)
+            .map(|(r, s)| logs[&(*s, r.log.as_str())])
+            .collect();
+        data.conditions = conditions(rows, &data, dates.len() > 1);
+        data.extras = extras(rows, &data);
+        data.note_what_is_missing(dates.len() > 1);
+        data
+    }
+
+    /// Number of readings.
+    pub fn len(&self) -> usize {
+        self.force.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.force.is_empty()
+    }
+
+    /// The readings at these places; sessions, specimens and logs keep their numbers.
+    pub fn select(&self, places: &[usize]) -> Data {
+        let pick = |v: &[usize]| places.iter().map(|&i| v[i]).collect();
+        Data {
+            conditions: places.iter().map(|&i| self.conditions[i]).collect(),
+            force: places.iter().map(|&i| self.force[i]).collect(),
+            session: pick(&self.session),
+            specimen: pick(&self.specimen),
+            log: pick(&self.log),
+            sessions: self.sessions.clone(),
+            specimens: self.specimens.clone(),
+            extras: self
+                .extras
+                .iter()
+                .map(|e| Extra {
+                    values: places.iter().map(|&i| e.values[i]).collect(),
+                    ..e.clone()
+                })
+                .collect(),
+            missing: self.missing.clone(),
+        }
+    }
+
+    /// The specimen of each session.
+    pub fn specimen_of_session(&self) -> Vec<usize> {
+        let mut of = vec![0; self.sessions.len()];
+        for (s, k) in self.session.iter().zip(&self.specimen) {
+            of[*s] = *k;
+        }
+        of
+    }
+
+    /// For each session the number of the level of an extra column that names groups (none for the first level), and how many.
+    pub fn levels(&self, column: usize) -> (Vec<Option<usize>>, usize) {
+        let values = &self.extras[column].values;
+        let mut of_session: Vec<Option<u64>> = vec![None; self.sessions.len()];
+        for (x, s) in values.iter().zip(&self.session) {
+            of_session[*s] = Some(x.to_bits());
+        }
+        let levels: BTreeSet<u64> = of_session.iter().flatten().copied().collect();
+        let levels: Vec<u64> = levels.into_iter().collect();
+        let number = |bits: Option<u64>| {
+            let place = levels.iter().position(|l| Some(*l) == bits)?;
+            place.checked_sub(1)
+        };
+        (of_session.into_iter().map(number).collect(), levels.len() - 1)
+    }
+
+    fn note_what_is_missing(&mut self, dated: bool) {
+        let varies = |f: fn(&Conditions) -> f64, least: f64| {
+            let values: Vec<f64> = self.conditions.iter().map(f).collect();
+            let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            high - low > least
+        };
+        let known = [
+            (Need::Direction, varies(|c| c.direction, 1.5)),
+            (Need::LogTime, varies(|c| c.log_time_s, 1e-6)),
+            (Need::CampaignTime, dated),
+            (Need::SinceStep, varies(|c| libm::log1p(c.since_step_s), 0.2)),
+            (Need::Rate, varies(|c| c.rate_kpa_per_s, 1e-6)),
+            (Need::Temperature, varies(|c| c.temperature_c, 1e-6)),
+            (Need::Cycles, varies(|c| c.cycles, 0.5)),
+            (Need::RestLengths, varies(|c| c.rest_length_m, 1e-6)),
+        ];
+        self.missing = known
+            .into_iter()
+            .filter(|(_, known)| !known)
+            .map(|(need, _)| (need, format!("the campaign lacks {}", need.words())))
+            .collect();
+    }
+}
+
+fn named(row: &Row, names: &[&str]) -> Option<f64> {
+    let lower = |n: &str| n.to_ascii_lowercase();
+    row.extras
+        .iter()
+        .find(|(name, _)| names.iter().any(|n| lower(name).starts_with(n)))
+        .map(|(_, value)| *value)
+}
+
+fn conditions(rows: &[&Row], data: &Data, dated: bool) -> Vec<Conditions> {
+    let finite = |values: Vec<f64>| -> Vec<f64> { values.into_iter().filter(|x| x.is_finite()).collect() };
+    let lengths: BTreeSet<u64> = rows.iter().map(|r| r.rest_length_m.to_bits()).collect();
+    let lengths: Vec<f64> = lengths.into_iter().map(f64::from_bits).collect();
+    let middle = 0.5 * (lengths.iter().copied().fold(f64::INFINITY, f64::min) + lengths.iter().copied().fold(0.0, f64::max));
+    let temperature = |r: &Row| r.extras.get(TEMPERATURE).copied().unwrap_or(f64::NAN);
+    let temperatures = finite(rows.iter().map(|r| temperature(r)).collect());
+    let times = finite(rows.iter().map(|r| r.time_s).collect());
+    let (mean_temperature, mean_time) = (mean(&temperatures), mean(&times));
+    let cycles_before = cycles_before(data, dated);
+    let last = (data.sessions.len() - 1).max(1) as f64;
+    let zero_if_nan = |x: f64| if x.is_finite() { x } else { 0.0 };
+    let mut conditions: Vec<Conditions> = rows
+        .iter()
+        .enumerate()
+        .map(|(i, r)| Conditions {
+            pressure_kpa: r.pressure_kpa,
+            length_m: r.length_m,
+            rest_length_m: r.rest_length_m,
+            contracted_length_m: r.contracted_length_m,
+            diameter_mm: r.diameter_mm,
+            middle_rest_length_m: middle,
+            direction: match r.phase {
+                Some(Phase::Pressurizing) => 1.0,
+                Some(Phase::Depressurizing) => -1.0,
+                None => 0.0,
+            },
+            log_time_s: zero_if_nan(r.time_s - mean_time),
+            campaign_time: if dated { data.session[i] as f64 / last - 0.5 } else { 0.0 },
+            since_step_s: 0.0,
+            rate_kpa_per_s: 0.0,
+            temperature_c: zero_if_nan(temperature(r) - mean_temperature),
+            cycles: named(r, CYCLES).unwrap_or(cycles_before[data.log[i]]),
+        })
+        .collect();
+    histories(rows, data, &mut conditions);
+    conditions
+}
+
+/// Logs that a specimen has done before each log: its cycles, where nobody counted them and the sessions have an order in time.
+fn cycles_before(data: &Data, dated: bool) -> Vec<f64> {
+    let logs = data.log.iter().copied().max().map_or(0, |k| k + 1);
+    let mut before = vec![0.0; logs];
+    if !dated {
+        return before;
+    }
+    let mut specimen = vec![0; logs];
+    for (log, k) in data.log.iter().zip(&data.specimen) {
+        specimen[*log] = *k;
+    }
+    let mut done = vec![0.0; data.specimens.len()];
+    for log in 0..logs {
+        before[log] = done[specimen[log]];
+        done[specimen[log]] += 1.0;
+    }
+    before
+}
+
+/// Time since the last step and rate of the pressure, from the sequence of readings in each log, where no column says them.
+fn histories(rows: &[&Row], data: &Data, conditions: &mut [Conditions]) {
+    let mut by_log: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (i, log) in data.log.iter().enumerate() {
+        by_log.entry(*log).or_default().push(i);
+    }
+    for mut places in by_log.into_values() {
+        places.sort_by(|a, b| rows[*a].time_s.total_cmp(&rows[*b].time_s).then(a.cmp(b)));
+        let timed = places.iter().all(|&i| rows[i].time_s.is_finite());
+        let mut level_began = f64::NAN;
+        for (k, &i) in places.iter().enumerate() {
+            let row = rows[i];
+            let before = k.checked_sub(1).map(|k| rows[places[k]]);
+            if let (Some(b), true) = (before, timed) {
+                let step = (row.pressure_kpa - b.pressure_kpa).abs() > STEP_KPA || (row.length_m - b.length_m).abs() > STEP_M;
+                if step {
+                    level_began = b.time_s;
+                }
+            }
+            let since = row.time_s - level_began;
+            conditions[i].since_step_s = named(row, SINCE_STEP).unwrap_or(if since.is_finite() { since } else { 0.0 });
+            conditions[i].rate_kpa_per_s = named(row, RATE).unwrap_or_else(|| if timed { rate(rows, &places, k) } else { 0.0 });
+        }
+    }
+}
+
+/// Mean rate of the pressure from the reading before to the one after, within one direction.
+fn rate(rows: &[&Row], places: &[usize], k: usize) -> f64 {
+    let same = |j: usize| rows[places[j]].phase == rows[places[k]].phase && rows[places[j]].length_m == rows[places[k]].length_m;
+    let from = k.checked_sub(1).filter(|j| same(*j)).unwrap_or(k);
+    let to = Some(k + 1).filter(|j| *j < places.len() && same(*j)).unwrap_or(k);
+    let (a, b) = (rows[places[from]], rows[places[to]]);
+    let seconds = b.time_s - a.time_s;
+    if seconds > 0.0 { (b.pressure_kpa - a.pressure_kpa) / seconds } else { 0.0 }
+}
+
+/// The columns that the user added and no effect claims, if they vary.
+fn extras(rows: &[&Row], data: &Data) -> Vec<Extra> {
+    let names: BTreeSet<&String> = rows.iter().flat_map(|r| r.extras.keys()).collect();
+    let claimed = |name: &str| {
+        let lower = name.to_ascii_lowercase();
+        name == TEMPERATURE || [SINCE_STEP, RATE, CYCLES].concat().iter().any(|n| lower.starts_with(n))
+    };
+    names.into_iter().filter(|n| !claimed(n)).filter_map(|n| extra(rows, data, n)).collect()
+}
+
+fn extra(rows: &[&Row], data: &Data, name: &str) -> Option<Extra> {
+    let raw: Vec<f64> = rows.iter().map(|r| r.extras.get(name).copied().unwrap_or(f64::NAN)).collect();
+    let known: Vec<f64> = raw.iter().copied().filter(|x| x.is_finite()).collect();
+    if known.len() < rows.len() / 2 {
+        return None;
+    }
+    let middle = mean(&known);
+    let sd = (known.iter().map(|x| (x - middle) * (x - middle)).sum::<f64>() / known.len() as f64).sqrt();
+    if sd <= 1e-9 * (1.0 + middle.abs()) {
+        return None;
+    }
+    let distinct: BTreeSet<i64> = known.iter().map(|x| x.round() as i64).collect();
+    let whole = known.iter().all(|x| x.fract() == 0.0);
+    let mut of_session: Vec<Option<f64>> = vec![None; data.sessions.len()];
+    let mut constant = true;
+    for (x, s) in raw.iter().zip(&data.session) {
+        constant &= of_session[*s].is_none_or(|y| y == *x);
+        of_session[*s] = Some(*x);
+    }
+    Some(Extra {
+        name: name.to_owned(),
+        values: raw.iter().map(|x| if x.is_finite() { (x - middle) / sd } else { 0.0 }).collect(),
+        scale: (middle, sd),
+        names_groups: whole && constant && distinct.len() <= 4 && 3 * distinct.len() <= data.sessions.len(),
+    })
+}

@@ -1,0 +1,456 @@
+//! The model near a fit, reduced to sums over sessions: how much each addition would explain.
+//!
+//! At a fitted point every addition leaves a trace d = dF/d(amplitude), a number for each reading. What matters of it is what is left
+//! after base coefficients, strengths and the effects already in the model have been refitted: its projection d~. Its share |d~|/|d| is
+//! *visible*, the cosine between two projections tells whether two additions can be told apart, and (d~.r)^2/(d~.d~) is how much the
+//! sum of squares would fall.
+//!
+//! Everything needed for that are sums of products over the readings of each session, so they are summed once. A subset of the sessions
+//! (leave-one-out, resampling, a part of the campaign on which something acts) is then a sum over few small matrices.
+
+use super::model::{Fitted, Model, Place};
+use super::term::{Term, What};
+use crate::effects::{self, Applied};
+use crate::numerics::matrix::Matrix;
+use crate::numerics::real::{Dual, Real};
+
+/// Directions that one pass differentiates by.
+const WIDTH: usize = 2;
+type D = Dual<WIDTH>;
+
+/// A column of the linearised model: a direction, on some of the sessions.
+#[derive(Clone, Debug)]
+struct Column {
+    direction: usize,
+    sessions: Vec<bool>,
+}
+
+/// Sums of products over the readings of each session.
+pub struct Linear {
+    /// One matrix a session: products of all directions, the residual last.
+    moments: Vec<Matrix>,
+    width: usize,
+    /// Base, effects of the model, strengths: what is refitted.
+    fixed: Vec<Column>,
+    /// Penalty of each of them.
+    penalty: Vec<f64>,
+    /// Half the slope of the penalty at the point.
+    pull: Vec<f64>,
+    /// For each candidate its columns.
+    added: Vec<Vec<Column>>,
+    /// Readings a session.
+    pub readings: Vec<usize>,
+}
+
+/// A model with some candidates added, on weighted sessions, ready to be asked about others.
+pub struct Stand<'a> {
+    linear: &'a Linear,
+    weights: Vec<f64>,
+    columns: Vec<Column>,
+    factor: Cholesky,
+    /// L^-1 X'r
+    reduced: Vec<f64>,
+    /// Sum of squares that is left.
+    pub left: f64,
+}
+
+/// What a candidate would do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gain {
+    /// Fall of the sum of squares, N^2.
+    pub fall: f64,
+    /// Share of the trace that the refit does not swallow.
+    pub visible: f64,
+    /// First amplitude.
+    pub amplitude: f64,
+    /// Amplitudes that are determined.
+    pub parameters: usize,
+}
+
+impl Linear {
+    /// The sums at a fitted point.
+    pub fn new(model: &Model, fitted: &Fitted, candidates: &[Term]) -> Self {
+        let data = model.data;
+        let n = data.len();
+        let mut directions: Vec<Vec<f64>> = Vec::new();
+        let (fixed, penalty, pull) = fixed_columns(model, fitted, &mut directions);
+        let added = added_columns(model, fitted, candidates, &mut directions);
+        directions.push(fitted.residuals.clone());
+        let width = directions.len();
+        let mut readings = vec![0; data.sessions.len()];
+        let mut places: Vec<Vec<usize>> = vec![Vec::new(); data.sessions.len()];
+        for i in 0..n {
+            readings[data.session[i]] += 1;
+            places[data.session[i]].push(i);
+        }
+        let moments = places
+            .iter()
+            .map(|places| {
+                let picked: Vec<Vec<f64>> = directions.iter().map(|d| places.iter().map(|&i| d[i]).collect()).collect();
+                let mut m = Matrix::zeros(width, width);
+                for a in 0..width {
+                    for b in 0..=a {
+                        let product = crate::numerics::matrix::dot(&picked[a], &picked[b]);
+                        m[(a, b)] = product;
+                        m[(b, a)] = product;
+                    }
+                }
+                m
+            })
+            .collect();
+        Self {
+            moments,
+            width,
+            fixed,
+            penalty,
+            pull,
+            added,
+            readings,
+        }
+    }
+
+    fn product(&self, weights: &[f64], a: &Column, b: &Column) -> f64 {
+        let acting = (0..weights.len()).filter(|s| weights[*s] != 0.0 && a.sessions[*s] && b.sessions[*s]);
+        acting.map(|s| weights[s] * self.moments[s][(a.direction, b.direction)]).sum()
+    }
+
+    fn with_residual(&self, weights: &[f64], a: &Column) -> f64 {
+        let acting = (0..weights.len()).filter(|s| weights[*s] != 0.0 && a.sessions[*s]);
+        acting.map(|s| weights[s] * self.moments[s][(a.direction, self.width - 1)]).sum()
+    }
+
+    /// The model with the candidates `chosen`, every session with a weight.
+    pub fn stand(&self, weights: &[f64], chosen: &[usize]) -> Stand<'_> {
+        let mut columns: Vec<Column> = self.fixed.clone();
+        for c in chosen {
+            columns.extend(self.added[*c].iter().cloned());
+        }
+        let p = columns.len();
+        let mut gram = Matrix::zeros(p, p);
+        for a in 0..p {
+            for b in 0..=a {
+                gram[(a, b)] = self.product(weights, &columns[a], &columns[b]);
+                gram[(b, a)] = gram[(a, b)];
+            }
+        }
+        let mut right: Vec<f64> = columns.iter().map(|c| self.with_residual(weights, c)).collect();
+        for k in 0..self.fixed.len() {
+            gram[(k, k)] += self.penalty[k];
+            right[k] -= self.pull[k];
+        }
+        let factor = Cholesky::new(&gram);
+        let reduced = factor.forward(&right);
+        let last = self.width - 1;
+        let all: f64 = (0..weights.len()).map(|s| weights[s] * self.moments[s][(last, last)]).sum();
+        let left = all - reduced.iter().map(|x| x * x).sum::<f64>();
+        Stand {
+            linear: self,
+            weights: weights.to_vec(),
+            columns,
+            factor,
+            reduced,
+            left,
+        }
+    }
+
+    /// Every session once.
+    pub fn all_sessions(&self) -> Vec<f64> {
+        vec![1.0; self.moments.len()]
+    }
+}
+
+/// The columns of what is refitted anyway: as in the fit, with the disjoint columns of strengths and amplitudes sharing directions.
+fn fixed_columns(model: &Model, fitted: &Fitted, directions: &mut Vec<Vec<f64>>) -> (Vec<Column>, Vec<f64>, Vec<f64>) {
+    let data = model.data;
+    let of_session = data.specimen_of_session();
+    let sessions = data.sessions.len();
+    let mut fixed = Vec::new();
+    let mut shared: Vec<(Shared, usize)> = Vec::new();
+    let mut pull = Vec::new();
+    for (k, place) in model.layout().into_iter().enumerate() {
+        let column = fitted.jacobian.column(k);
+        let (key, acting): (Shared, Vec<bool>) = match place {
+            Place::Base(j) => (Shared::Base(j), vec![true; sessions]),
+            Place::Amplitude(t, g) => (
+                Shared::Amplitude(t),
+                (0..sessions).map(|s| model.terms[t].acts_on[s] == Some(g)).collect(),
+            ),
+            Place::Shape(t) => (Shared::Shape(t), vec![true; sessions]),
+            Place::Strength(j) => (Shared::Strength, (0..sessions).map(|s| of_session[s] == j).collect()),
+        };
+        let known = shared.iter().find(|(other, _)| *other == key).map(|(_, d)| *d);
+        let direction = known.unwrap_or_else(|| {
+            directions.push(vec![0.0; data.len()]);
+            shared.push((key, directions.len() - 1));
+            directions.len() - 1
+        });
+        for (i, x) in column.iter().enumerate().filter(|(_, x)| **x != 0.0) {
+            directions[direction][i] += x;
+        }
+        fixed.push(Column {
+            direction,
+            sessions: acting,
+        });
+        pull.push(match place {
+            Place::Strength(j) => fitted.penalty[k] * fitted.strengths[j],
+            _ => 0.0,
+        });
+    }
+    (fixed, fitted.penalty.clone(), pull)
+}
+
+#[derive(PartialEq)]
+enum Shared {
+    Base(usize),
+    Amplitude(usize),
+    Shape(usize),
+    Strength,
+}
+
+/// The columns of the candidates; those of one effect share a direction whatever they act on.
+fn added_columns(model: &Model, fitted: &Fitted, candidates: &[Term], directions: &mut Vec<Vec<f64>>) -> Vec<Vec<Column>> {
+    let sessions = model.data.sessions.len();
+    let mut traces: Vec<(What, Vec<usize>)> = Vec::new();
+    for candidate in candidates {
+        if !traces.iter().any(|(w, _)| same(w, &candidate.what)) {
+            traces.push((candidate.what, Vec::new()));
+        }
+    }
+    for (what, places) in &mut traces {
+        for trace in trace(model, fitted, *what) {
+            places.push(directions.len());
+            directions.push(trace);
+        }
+    }
+    candidates
+        .iter()
+        .map(|candidate| {
+            let places = traces.iter().find(|(w, _)| same(w, &candidate.what)).map_or(&[][..], |(_, p)| p);
+            let groups = 0..candidate.amplitudes;
+            groups
+                .flat_map(|g| {
+                    let acting: Vec<bool> = (0..sessions).map(|s| candidate.acts_on[s] == Some(g)).collect();
+                    places.iter().map(move |d| Column {
+                        direction: *d,
+                        sessions: acting.clone(),
+                    })
+                })
+                .collect()
+        })
+        .collect()
+}
+
+/// Equality that holds for shapes that are no numbers.
+fn same(a: &What, b: &What) -> bool {
+    match (a, b) {
+        (
+            What::Effect { effect, form, shape },
+            What::Effect {
+                effect: e,
+                form: f,
+                shape: s,
+            },
+        ) => effect == e && form == f && shape.to_bits() == s.to_bits(),
+        _ => a == b,
+    }
+}
+
+/// What an amplitude of one adds to the force of every reading, to first order: one column, or two for a polynomial.
+fn trace(model: &Model, fitted: &Fitted, what: What) -> Vec<Vec<f64>> {
+    let data = model.data;
+    let base: Vec<D> = fitted.base.iter().map(|c| D::constant(*c)).collect();
+    let columns = if matches!(what, What::Effect { .. }) { 1 } else { 2 };
+    let mut out = vec![Vec::with_capacity(data.len()); columns];
+    for i in 0..data.len() {
+        let session = data.session[i];
+        let strength = D::constant(1.0 + fitted.strengths[data.specimen[i]]);
+        let mut applied: Vec<Applied<D>> = Vec::new();
+        let mut empirical = Vec::new();
+        for (term, (amplitudes, second)) in model.terms.iter().zip(&fitted.terms) {
+            let Some(g) = term.acts_on[session] else {
+                continue;
+            };
+            let parameters = [D::constant(amplitudes[g]), D::constant(*second)];
+            match term.what {
+                What::Empirical(e) => empirical.push((e, parameters)),
+                What::Effect { .. } => applied.extend(term.applied(parameters)),
+            }
+        }
+        match what {
+            What::Effect { effect, form, shape } => applied.push(Applied {
+                effect,
+                form,
+                parameters: [D::variable(effects::all()[effect].near(), 0), D::constant(shape)],
+            }),
+            What::Empirical(e) => empirical.push((e, [D::variable(0.0, 0), D::variable(0.0, 1)])),
+        }
+        let pulled = effects::force(model.base, &base, strength, &applied, &data.conditions[i]);
+        let shown = empirical.iter().fold(pulled, |f, (e, p)| e.apply(f, *p, data, i));
+        for (k, column) in out.iter_mut().enumerate() {
+            column.push(shown.gradient[k]);
+        }
+    }
+    out
+}
+
+impl Stand<'_> {
+    /// L^-1 X'c of a column, and its own square.
+    fn against(&self, column: &Column) -> (Vec<f64>, f64) {
+        let right: Vec<f64> = self.columns.iter().map(|c| self.linear.product(&self.weights, c, column)).collect();
+        (self.factor.forward(&right), self.linear.product(&self.weights, column, column))
+    }
+
+    /// What a candidate would do to the sum of squares.
+    pub fn gain(&self, candidate: usize) -> Gain {
+        let columns = &self.linear.added[candidate];
+        let reduced: Vec<(Vec<f64>, f64)> = columns.iter().map(|c| self.against(c)).collect();
+        let m = columns.len();
+        let mut gram = Matrix::zeros(m, m);
+        let mut right = vec![0.0; m];
+        let (mut visible, mut parameters) = (0.0_f64, 0);
+        for a in 0..m {
+            let own = dot(&reduced[a].0, &reduced[a].0);
+            let left = (reduced[a].1 - own).max(0.0);
+            let share = if reduced[a].1 > 0.0 { (left / reduced[a].1).sqrt() } else { 0.0 };
+            visible = visible.max(share);
+            if share < BLIND {
+                gram[(a, a)] = 1.0;
+                continue;
+            }
+            parameters += 1;
+            right[a] = self.linear.with_residual(&self.weights, &columns[a]) - dot(&reduced[a].0, &self.reduced);
+            gram[(a, a)] = left;
+            for b in 0..a {
+                if gram[(b, b)] != 1.0 || right[b] != 0.0 {
+                    let cross = self.linear.product(&self.weights, &columns[a], &columns[b]) - dot(&reduced[a].0, &reduced[b].0);
+                    gram[(a, b)] = cross;
+                    gram[(b, a)] = cross;
+                }
+            }
+        }
+        let factor = Cholesky::new(&gram);
+        let z = factor.forward(&right);
+        let solution = factor.backward(&z);
+        Gain {
+            fall: z.iter().map(|x| x * x).sum(),
+            visible,
+            amplitude: solution.first().copied().unwrap_or(0.0),
+            parameters,
+        }
+    }
+
+    /// Cosine between what is left of two candidates after the refit: of their first columns.
+    pub fn cosine(&self, a: usize, b: usize) -> f64 {
+        let (Some(ca), Some(cb)) = (self.linear.added[a].first(), self.linear.added[b].first()) else {
+            return 0.0;
+        };
+        let (ra, aa) = self.against(ca);
+        let (rb, bb) = self.against(cb);
+        let left = |own: f64, r: &[f64]| (own - dot(r, r)).max(0.0);
+        let cross = self.linear.product(&self.weights, ca, cb) - dot(&ra, &rb);
+        let norm = (left(aa, &ra) * left(bb, &rb)).sqrt();
+        if norm > 0.0 { cross / norm } else { 0.0 }
+    }
+
+    /// What each session says of a candidate's first amplitude: information d~.d~ and d~.r, strengths and coefficients as refitted.
+    pub fn by_session(&self, candidate: usize) -> Vec<(f64, f64)> {
+        let Some(column) = self.linear.added[candidate].first() else {
+            return Vec::new();
+        };
+        let (reduced, _) = self.against(column);
+        let gamma = self.factor.backward(&reduced);
+        let beta = self.factor.backward(&self.reduced);
+        let last = self.linear.width - 1;
+        (0..self.weights.len())
+            .map(|s| {
+                let m = &self.linear.moments[s];
+                // The projection of the candidate and the residual after the refit, as combinations of directions.
+                let mut d: Vec<(usize, f64)> = self.columns.iter().zip(&gamma).filter(|(c, _)| c.sessions[s]).map(|(c, g)| (c.direction, -g)).collect();
+                if column.sessions[s] {
+                    d.push((column.direction, 1.0));
+                }
+                let mut r: Vec<(usize, f64)> = self.columns.iter().zip(&beta).filter(|(c, _)| c.sessions[s]).map(|(c, b)| (c.direction, -b)).collect();
+                r.push((last, 1.0));
+                let product = |x: &[(usize, f64)], y: &[(usize, f64)]| -> f64 {
+                    x.iter().flat_map(|(i, a)| y.iter().map(move |(j, b)| a * b * m[(*i, *j)])).sum()
+                };
+                (product(&d, &d), product(&d, &r))
+            })
+            .collect()
+    }
+}
+
+/// A trace of which less than this is visible is none.
+pub const BLIND: f64 = 0.05;
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    crate::numerics::matrix::dot(a, b)
+}
+
+/// A Cholesky factor that passes over directions that the others already span.
+struct Cholesky {
+    lower: Matrix,
+}
+
+/// A pivot smaller than this part of its diagonal entry is none.
+const NO_PIVOT: f64 = 1e-11;
+
+impl Cholesky {
+    fn new(gram: &Matrix) -> Self {
+        let n = gram.rows();
+        let mut lower = Matrix::zeros(n, n);
+        for j in 0..n {
+            let mut pivot = gram[(j, j)];
+            for k in 0..j {
+                pivot -= lower[(j, k)] * lower[(j, k)];
+            }
+            if pivot <= NO_PIVOT * gram[(j, j)] || pivot <= 0.0 {
+                continue;
+            }
+            let root = pivot.sqrt();
+            lower[(j, j)] = root;
+            for i in j + 1..n {
+                let mut x = gram[(i, j)];
+                for k in 0..j {
+                    x -= lower[(i, k)] * lower[(j, k)];
+                }
+                lower[(i, j)] = x / root;
+            }
+        }
+        Self { lower }
+    }
+
+    /// L^-1 b; 0 where there is no pivot.
+    fn forward(&self, b: &[f64]) -> Vec<f64> {
+        let n = b.len();
+        let mut x = vec![0.0; n];
+        for i in 0..n {
+            if self.lower[(i, i)] == 0.0 {
+                continue;
+            }
+            let mut sum = b[i];
+            for k in 0..i {
+                sum -= self.lower[(i, k)] * x[k];
+            }
+            x[i] = sum / self.lower[(i, i)];
+        }
+        x
+    }
+
+    /// L^-T b; 0 where there is no pivot.
+    fn backward(&self, b: &[f64]) -> Vec<f64> {
+        let n = b.len();
+        let mut x = vec![0.0; n];
+        for i in (0..n).rev() {
+            if self.lower[(i, i)] == 0.0 {
+                continue;
+            }
+            let mut sum = b[i];
+            for k in i + 1..n {
+                sum -= self.lower[(k, i)] * x[k];
+            }
+            x[i] = sum / self.lower[(i, i)];
+        }
+        x
+    }
+}

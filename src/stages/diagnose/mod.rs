@@ -1,0 +1,8 @@
+//! Diagnose.
+pub mod base;
+pub mod data;
+pub mod model;
+pub mod term;
+pub mod candidates;
+pub mod linear;
+pub mod search;

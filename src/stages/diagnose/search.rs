@@ -1,0 +1,287 @@
+//! Which additions explain the residual: forward by a beam, backward by removal, each step refitted in full.
+//!
+//! At every step the linearised model ([`super::linear`]) ranks all candidates, the best few are fitted together with everything else,
+//! and the criterion of the fitted models decides: minus twice the log-likelihood of the mixed model (Laplace's approximation), with the
+//! *effective* number of readings, plus the Bayesian price of every parameter (Schwarz 1978) and of every place that a part of the
+//! campaign was chosen from (extended criterion: Chen and Chen, Biometrika 95 (2008) 759).
+
+use super::base::Base;
+use super::candidates::choices;
+use super::data::Data;
+use super::linear::{BLIND, Linear};
+use super::model::{Fitted, MOST_TERMS, Model, USUAL_SCATTER};
+use super::term::{Empirical, Scope, Term, What};
+use crate::numerics::statistics::mean;
+
+/// States that go on to the next size.
+const BEAM: usize = 3;
+/// Candidates that are fitted in full from each state.
+const TRIED: usize = 6;
+/// Least relative fall of the sum of squares for which an addition is looked at: less has no consequence for any use of the model.
+const LEAST_FALL: f64 = 0.02;
+/// A physical effect is preferred to an empirical dependence that explains up to this much more: of a sensor's or the surface's shape,
+/// of an extra column.
+const PREFERENCE: (f64, f64) = (0.85, 0.97);
+
+/// A model in the beam.
+#[derive(Clone)]
+pub struct State {
+    /// Places in the list of candidates, in the order in which they came in.
+    pub chosen: Vec<usize>,
+    /// The fit.
+    pub fitted: Fitted,
+    /// The criterion: smaller is better.
+    pub criterion: f64,
+    /// Effective number of readings.
+    pub effective: f64,
+}
+
+/// A search on some readings.
+pub struct Search<'a> {
+    /// Base model.
+    pub base: &'a Base,
+    /// Readings.
+    pub data: &'a Data,
+    /// What may be added.
+    pub candidates: &'a [Term],
+    /// Most additions.
+    pub most: usize,
+}
+
+impl<'a> Search<'a> {
+    /// The model with these candidates.
+    pub fn model(&self, chosen: &[usize]) -> Model<'a> {
+        Model {
+            base: self.base,
+            data: self.data,
+            terms: chosen.iter().map(|c| self.candidates[*c].clone()).collect(),
+        }
+    }
+
+    /// A fitted model as a state.
+    pub fn state(&self, chosen: Vec<usize>, from: Option<&Fitted>) -> State {
+        let model = self.model(&chosen);
+        let fitted = model.fit(from, 2);
+        let effective = effective_readings(self.data, &fitted.residuals);
+        let criterion = self.criterion(&model, &fitted, effective);
+        State {
+            chosen,
+            fitted,
+            criterion,
+            effective,
+        }
+    }
+
+    fn criterion(&self, model: &Model, fitted: &Fitted, effective: f64) -> f64 {
+        let n = self.data.len() as f64;
+        let rss: f64 = fitted.residuals.iter().map(|r| r * r).sum();
+        let parameters: usize = model.terms.iter().map(Term::parameters).sum();
+        let places: f64 = model.terms.iter().map(|t| libm::log(choices(&t.scope, self.data))).sum();
+        effective * libm::log(rss / n) + strengths(model, fitted) + parameters as f64 * libm::log(effective) + 2.0 * places
+    }
+
+    /// The best model from the base upwards.
+    pub fn run(&self) -> State {
+        let null = self.state(Vec::new(), None);
+        let mut best = null.clone();
+        let mut beam = vec![null];
+        for _ in 0..self.most.min(MOST_TERMS) {
+            let mut next: Vec<State> = Vec::new();
+            for state in &beam {
+                next.extend(self.expand(state));
+            }
+            next.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+            next.dedup_by(|a, b| sorted(&a.chosen) == sorted(&b.chosen));
+            self.prefer_physics(&mut next, &beam[0]);
+            next.truncate(BEAM);
+            let Some(first) = next.first() else {
+                break;
+            };
+            let improved = self.worth(&best, first);
+            if improved {
+                best = first.clone();
+            }
+            beam = next;
+            if !improved && best.chosen.len() + 1 < beam[0].chosen.len() {
+                break;
+            }
+        }
+        self.prune(best)
+    }
+
+    /// Whether a larger model is worth its price: by the criterion at its own effective number of readings, and by a fall that matters.
+    fn worth(&self, small: &State, large: &State) -> bool {
+        let model = self.model(&small.chosen);
+        let at_large = self.criterion(&model, &small.fitted, large.effective);
+        let fall = relative_fall(small, large);
+        let between = strengths(&model, &small.fitted) - strengths(&self.model(&large.chosen), &large.fitted);
+        large.criterion < at_large && (fall > LEAST_FALL || between > 6.0)
+    }
+
+    /// A model with an empirical dependence gives way to a purely physical one of the same size that explains nearly as much.
+    fn prefer_physics(&self, next: &mut Vec<State>, parent: &State) {
+        let Some(first) = next.first() else {
+            return;
+        };
+        let shapes = |s: &State| -> Option<f64> {
+            let factor = |c: &usize| match self.candidates[*c].what {
+                What::Empirical(Empirical::Force | Empirical::Pressure) => Some(PREFERENCE.0),
+                What::Empirical(_) => Some(PREFERENCE.1),
+                What::Effect { .. } => None,
+            };
+            s.chosen.iter().filter_map(factor).reduce(f64::max)
+        };
+        let Some(share) = shapes(first) else {
+            return;
+        };
+        let fall = |s: &State| rss(parent) - rss(s);
+        let needed = share * fall(first);
+        let physical = next.iter().position(|s| shapes(s).is_none() && fall(s) >= needed);
+        if let Some(place) = physical {
+            let state = next.remove(place);
+            next.insert(0, state);
+        }
+    }
+
+    /// The best additions to a state, each fitted.
+    fn expand(&self, state: &State) -> Vec<State> {
+        let model = self.model(&state.chosen);
+        let ranked = self.rank(&model, state);
+        ranked
+            .into_iter()
+            .map(|c| {
+                let mut chosen = state.chosen.clone();
+                chosen.push(c);
+                self.state(chosen, Some(&state.fitted))
+            })
+            .collect()
+    }
+
+    /// The candidates that would explain most, by the linearised model, with strengths that scatter as fitted and as is usual.
+    fn rank(&self, model: &Model, state: &State) -> Vec<usize> {
+        let mut picked: Vec<usize> = Vec::new();
+        for scatter in [state.fitted.scatter, USUAL_SCATTER] {
+            let mut fitted = state.fitted.clone();
+            let factor = (state.fitted.scatter / scatter) * (state.fitted.scatter / scatter);
+            for p in &mut fitted.penalty {
+                *p *= factor;
+            }
+            let linear = Linear::new(model, &fitted, self.candidates);
+            let stand = linear.stand(&linear.all_sessions(), &[]);
+            let mut gains: Vec<(f64, usize)> = (0..self.candidates.len())
+                .filter(|c| !state.chosen.contains(c))
+                .filter_map(|c| {
+                    let gain = stand.gain(c);
+                    let term = &self.candidates[c];
+                    let fall = 1.0 - gain.fall / stand.left.max(f64::MIN_POSITIVE);
+                    let price = term.parameters() as f64 * libm::log(state.effective) + 2.0 * libm::log(choices(&term.scope, self.data));
+                    let better = -(state.effective * libm::log(fall.max(1e-12))) - price;
+                    let inside = self.sign_is_possible(c, gain.amplitude);
+                    (gain.visible >= BLIND && better > 0.0 && inside).then_some((better, c))
+                })
+                .collect();
+            gains.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+            self.pick_different(&gains, &mut picked);
+        }
+        picked
+    }
+
+    /// The best ones, but not all of one kind: at most two of one effect, and the best empirical one always.
+    fn pick_different(&self, gains: &[(f64, usize)], picked: &mut Vec<usize>) {
+        let start = picked.len();
+        for (_, c) in gains {
+            let kind = |c: usize| self.candidates[c].id();
+            let alike = picked[start..].iter().filter(|p| kind(**p) == kind(*c)).count();
+            if picked.len() - start < TRIED && alike < 2 && !picked.contains(c) {
+                picked.push(*c);
+            }
+        }
+        let empirical = gains.iter().find(|(_, c)| self.candidates[*c].id().is_none());
+        if let Some((_, c)) = empirical {
+            if !picked.contains(c) {
+                picked.push(*c);
+            }
+        }
+    }
+
+    /// Whether a one-sided effect would have the sign that it can have.
+    fn sign_is_possible(&self, candidate: usize, amplitude: f64) -> bool {
+        let term = &self.candidates[candidate];
+        let (low, high) = term.amplitude_bounds();
+        let near = term.start().0;
+        near + amplitude > low - 1e-12 && (high > 0.0 || amplitude < 0.0) && (amplitude > 0.0 || low < 0.0 || near > 0.0)
+    }
+
+    /// Drops what a later addition made superfluous.
+    fn prune(&self, mut best: State) -> State {
+        loop {
+            let smaller = (0..best.chosen.len()).map(|k| {
+                let mut chosen = best.chosen.clone();
+                chosen.remove(k);
+                self.state(chosen, None)
+            });
+            let superfluous = smaller
+                .filter(|s| !self.worth(s, &best))
+                .min_by(|a, b| a.criterion.total_cmp(&b.criterion));
+            match superfluous {
+                Some(state) => best = state,
+                None => return best,
+            }
+        }
+    }
+}
+
+fn sorted(chosen: &[usize]) -> Vec<usize> {
+    let mut sorted = chosen.to_vec();
+    sorted.sort_unstable();
+    sorted
+}
+
+/// Sum of squared residuals, N^2.
+pub fn rss(state: &State) -> f64 {
+    state.fitted.residuals.iter().map(|r| r * r).sum()
+}
+
+/// By how much the sum of squares falls, relative.
+pub fn relative_fall(small: &State, large: &State) -> f64 {
+    1.0 - rss(large) / rss(small).max(f64::MIN_POSITIVE)
+}
+
+/// What the strengths add to minus twice the log-likelihood.
+fn strengths(model: &Model, fitted: &Fitted) -> f64 {
+    let seen: std::collections::BTreeSet<usize> = model.data.specimen.iter().copied().collect();
+    let variance = fitted.scatter * fitted.scatter;
+    let layout = model.layout();
+    seen.iter()
+        .map(|k| {
+            let place = layout.iter().position(|p| *p == super::model::Place::Strength(*k)).unwrap_or(0);
+            let information: f64 = fitted.jacobian.column(place).iter().map(|x| x * x).sum::<f64>() / (fitted.sigma * fitted.sigma);
+            libm::log1p(information * variance) + fitted.strengths[*k] * fitted.strengths[*k] / variance
+        })
+        .sum()
+}
+
+/// Readings that are independent: n (1 - r)/(1 + r), with r the correlation of neighbours in a log (Bayley and Hammersley 1946), and not
+/// more than n.
+pub fn effective_readings(data: &Data, residuals: &[f64]) -> f64 {
+    let centre = mean(residuals);
+    let (mut products, mut squares, mut pairs) = (0.0, 0.0, 0.0);
+    for i in 1..residuals.len() {
+        if data.log[i] == data.log[i - 1] {
+            products += (residuals[i] - centre) * (residuals[i - 1] - centre);
+            pairs += 1.0;
+        }
+    }
+    for r in residuals {
+        squares += (r - centre) * (r - centre);
+    }
+    let n = residuals.len() as f64;
+    let correlation = if pairs > 0.0 && squares > 0.0 { (products / pairs) / (squares / n) } else { 0.0 };
+    let r = correlation.clamp(0.0, 0.98);
+    (n * (1.0 - r) / (1.0 + r)).max(2.0)
+}
+
+/// Whether a scope has one value for the whole campaign.
+pub fn is_whole(term: &Term) -> bool {
+    term.scope == Scope::Whole
+}
