@@ -7,6 +7,7 @@ pub mod diagnostics;
 pub mod error;
 pub mod frame;
 pub mod names;
+pub mod normalized;
 pub mod random;
 pub mod reading;
 pub mod reject;

@@ -4,8 +4,7 @@
 //! contraction (Eq. 2), contraction of the free actuator at 620 kPa (Eq. 3), relative contraction (Eq. 4), relative pressure
 //! (text before Eq. 8).
 
-/// Gauge pressure that the models normalise by, kPa (90 psi, the supply of the force paper's rig).
-pub const P_620_KPA: f64 = 620.0;
+pub use crate::base::normalized::P_620_KPA;
 
 /// Direction of the last movement before the force was read: braided actuators show hysteresis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -2,13 +2,17 @@
 //!
 //! 1. The length held and the true pressure in the actuator (see [`super::staircase`]).
 //! 2. The force of the new model at these, times the specimen's strength: F = u F_620 F*(eps*, P*) (force paper, Eqs. 5 to 9).
-//! 3. The sensor: zero, noise, steps of the converter, its two ends ([`Channel`]).
+//! 3. What the force sensor receives.
+//! 4. The sensor: zero, noise, steps of the converter, its two ends ([`Channel`]).
 //!
-//! All three ways of measuring (logs over time, steady readings, [`super::steady`]) go through [`Actuator::force`] and nothing else
-//! computes a force. An effect is an operator between two links of this chain: on the length or the pressure before
-//! [`Actuator::force`], on its result, or on what the sensor receives. A list of such operators, applied in the order of the truth
-//! file, belongs in this file.
+//! All three ways of measuring (logs over time, steady readings, [`super::steady`]) go through [`Chain::force`] and nothing else
+//! computes a force. An effect is an operator at one [`Link`]: on the length or the pressure before [`Actuator::force`], on its
+//! result, or on what a sensor receives; those of one link work in the order of the truth file. A frame that yields makes force and
+//! length depend on each other: F is solved from F = f(l(F)).
 
+use super::effects::{Form, Given, Link, MOST_PARAMETERS};
+use super::logged_columns::LogColumns;
+use super::moment::Moment;
 use crate::base::random::Stream;
 use crate::models::new;
 use crate::models::{Direction, State};
@@ -42,6 +46,117 @@ impl Actuator {
         let (contraction, pressure) = (state.contraction_rel(), state.pressure_rel());
         new::force(self.surface, self.f620_n, contraction, pressure)
     }
+}
+
+/// An effect that acts during a log.
+#[derive(Clone, Copy, Debug)]
+pub struct Acting {
+    /// The operator.
+    pub form: &'static Form,
+    /// Its numbers, the size as drawn.
+    pub p: [f64; MOST_PARAMETERS],
+    /// Place of the column that it follows.
+    pub column: Option<usize>,
+}
+
+/// An actuator and the effects between it and the sensors.
+#[derive(Clone, Debug)]
+pub struct Chain {
+    actuator: Actuator,
+    acting: Vec<Acting>,
+    yields: bool,
+}
+
+/// Forces are solved to this, N.
+const SOLVED_N: f64 = 1e-9;
+/// Most steps of the solution; Illinois steps need about eight.
+const MOST_STEPS: usize = 100;
+
+impl Chain {
+    /// A chain with the effects that act.
+    pub fn new(actuator: Actuator, acting: Vec<Acting>) -> Self {
+        let yields = acting.iter().any(|a| a.form.link == Link::Frame);
+        Self {
+            actuator,
+            acting,
+            yields,
+        }
+    }
+
+    /// The force that the sensor receives, N, at a nominal length in m.
+    pub fn force(&self, length_m: f64, at: &Moment, columns: &LogColumns) -> f64 {
+        let pressure = self.through(Link::Pressure, at.at.pressure_kpa, at, columns);
+        let length = self.through(Link::Length, length_m, at, columns);
+        let pull = |length: f64| self.pull(length, pressure, at, columns);
+        let free = pull(length);
+        let axial = if self.yields && free > 0.0 {
+            let yielding = |axial_force_n: f64| Moment {
+                axial_force_n,
+                ..*at
+            };
+            balance(free, |f| {
+                pull(self.through(Link::Frame, length, &yielding(f), columns))
+            })
+        } else {
+            free
+        };
+        self.through(Link::ForceSensor, axial, at, columns)
+    }
+
+    /// What the pressure sensor makes of a pressure in kPa.
+    pub fn sensed_pressure(&self, pressure_kpa: f64, at: &Moment, columns: &LogColumns) -> f64 {
+        self.through(Link::PressureSensor, pressure_kpa, at, columns)
+    }
+
+    /// Force of the actuator, N: an actuator that is slack stays slack, and none pushes.
+    fn pull(&self, length_m: f64, pressure: f64, at: &Moment, columns: &LogColumns) -> f64 {
+        let force = self.actuator.force(length_m, pressure);
+        if force > 0.0 {
+            self.through(Link::Actuator, force, at, columns).max(0.0)
+        } else {
+            force
+        }
+    }
+
+    fn through(&self, link: Link, x: f64, at: &Moment, columns: &LogColumns) -> f64 {
+        let acting = self.acting.iter().filter(|a| a.form.link == link);
+        acting.fold(x, |x, effect| {
+            let value = |k| columns.value(k, at.at.share);
+            let given = Given {
+                p: effect.p,
+                column: effect.column.map_or(0.0, value),
+            };
+            (effect.form.act)(&given, at, x)
+        })
+    }
+}
+
+/// The force F in [0, `free`] with F = f(F), where f falls from f(0) = `free`: regula falsi with the Illinois step
+/// (M. Dowell and P. Jarratt, BIT 11 (1971) 168).
+fn balance(free: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (0.0, free);
+    let (mut over, mut under) = (free, f(free) - free);
+    let mut same = 0;
+    for _ in 0..MOST_STEPS {
+        if under >= 0.0 {
+            return high;
+        }
+        let force = (low * under - high * over) / (under - over);
+        let rest = f(force) - force;
+        if rest.abs() < SOLVED_N || (high - low).abs() < SOLVED_N {
+            return force;
+        }
+        let side = if rest > 0.0 { 1 } else { -1 };
+        if rest > 0.0 {
+            (low, over) = (force, rest);
+            under *= if same == side { 0.5 } else { 1.0 };
+        } else {
+            (high, under) = (force, rest);
+            over *= if same == side { 0.5 } else { 1.0 };
+        }
+        same = side;
+    }
+    0.5 * (low + high)
 }
 
 /// A sensor with its amplifier and converter.

@@ -1,6 +1,7 @@
 //! What a campaign draws before anything is measured: the specimens' strengths, and each session's zeros and pressures.
 
 use super::chain::{Actuator, Channel};
+use super::effect_draws::{DrawnEffect, effects};
 use super::staircase::Air;
 use super::truth::{Run, SpecimenTruth, Truth};
 use super::truth_lists::contraction_label;
@@ -18,6 +19,14 @@ pub struct DrawnSession {
     pub id: String,
     /// Folder below the campaign's, with a forward slash.
     pub folder: String,
+    /// Place in [`DrawnTruth::sessions`].
+    pub number: usize,
+    /// Place in time: the sessions of the campaign that were measured before.
+    pub place: usize,
+    /// The sessions of the same specimen that were measured before.
+    pub own_place: usize,
+    /// Date in `session.toml`.
+    pub date: Option<String>,
     /// The specimen's place in the truth file, counted from 0.
     pub specimen: usize,
     /// eps*, as the truth file has it; the length held is rounded to 0.01 mm.
@@ -45,13 +54,15 @@ pub struct DrawnTruth {
     pub truth: Truth,
     /// The sessions in the order in which they are written.
     pub sessions: Vec<DrawnSession>,
+    /// The effects of the truth file, in its order, with their sizes as drawn.
+    pub effects: Vec<DrawnEffect>,
 }
 
 impl DrawnTruth {
     /// Draws the sessions of a truth file: specimens in its order, and their contractions in its order.
     pub fn new(truth: &Truth) -> Self {
         let specimens = 0..truth.specimens.len();
-        let sessions = specimens
+        let mut sessions: Vec<DrawnSession> = specimens
             .flat_map(|k| {
                 truth
                     .contractions
@@ -59,10 +70,13 @@ impl DrawnTruth {
                     .map(move |c| session(truth, k, *c))
             })
             .collect();
+        place_in_time(truth, &mut sessions);
+        let effects = effects(truth, &sessions);
         Self {
             schema: SCHEMA,
             truth: truth.clone(),
             sessions,
+            effects,
         }
     }
 
@@ -117,6 +131,24 @@ impl DrawnSession {
     }
 }
 
+fn place_in_time(truth: &Truth, sessions: &mut [DrawnSession]) {
+    let places = truth.calendar.places(truth.seed, sessions.len());
+    let before = |k: usize, specimen_of: &[usize]| {
+        let earlier = |j: &usize| specimen_of[*j] == specimen_of[k] && places[*j] < places[k];
+        (0..places.len()).filter(earlier).count()
+    };
+    let specimen_of: Vec<usize> = sessions.iter().map(|s| s.specimen).collect();
+    for (number, session) in sessions.iter_mut().enumerate() {
+        session.number = number;
+        session.place = places[number];
+        session.own_place = before(number, &specimen_of);
+        session.date = truth
+            .date
+            .clone()
+            .or_else(|| truth.calendar.date(session.place));
+    }
+}
+
 fn session(truth: &Truth, k: usize, contraction: f64) -> DrawnSession {
     let specimen = &truth.specimens[k];
     let label = contraction_label(contraction);
@@ -133,6 +165,10 @@ fn session(truth: &Truth, k: usize, contraction: f64) -> DrawnSession {
     DrawnSession {
         folder: format!("{}/{label}", specimen.id),
         id,
+        number: 0,
+        place: 0,
+        own_place: 0,
+        date: None,
         specimen: k,
         contraction_rel: contraction,
         length_mm: (100.0 * length).round() / 100.0,

@@ -5,12 +5,14 @@
 //! millisecond counter advances by overflows of 1.024 ms, so that some milliseconds are missing. Stamps can repeat in the first
 //! rows.
 
-use super::chain::{Actuator, Channel};
+use super::chain::Channel;
 use super::draw::{DrawnSession, DrawnTruth};
+use super::logged_columns::{self, LogColumns};
+use super::moment::Instant;
 use super::number::{five_digits, fixed};
 use super::rig_settings::LogUnit;
+use super::setting::{Setting, Whose};
 use super::staircase::Staircase;
-use super::truth::Run;
 use crate::base::random::Stream;
 use crate::base::session::Phase;
 use std::fmt::Write;
@@ -54,53 +56,99 @@ struct Bench<'a> {
     force: Channel,
     pressure: Channel,
     noise: Stream,
+    columns: &'a LogColumns,
+    column_noise: Stream,
 }
 
-/// The log of one run: filling, venting, waiting.
-pub fn run_log(drawn: &DrawnTruth, session: &DrawnSession, run: Run) -> Vec<u8> {
-    let number = run.number.to_string();
-    let seed = drawn.truth.seed;
-    let valve = Stream::new(seed, &["valve", &session.id, &number]);
-    let mut staircase = Staircase::new(&drawn.truth.rig, session.air(run), valve);
-    let actuator: Actuator = drawn.actuator(session);
-    let length_m = session.length_mm * 1e-3;
-    Bench::new(drawn, session, &number).record(drawn.truth.rig.rows, |time_s, phase| {
+/// The log of one run: filling, venting, waiting. `run` is its place in the truth file.
+pub fn run_log(drawn: &DrawnTruth, session: &DrawnSession, run: usize) -> Vec<u8> {
+    let setting = Setting::new(drawn, session, run, Whose::Own);
+    let number = drawn.truth.runs[run].number.to_string();
+    let rig = &drawn.truth.rig;
+    let valve = Stream::new(drawn.truth.seed, &["valve", &session.id, &number]);
+    let mut staircase = Staircase::new(rig, session.air(drawn.truth.runs[run]), valve);
+    let rows = rig.rows;
+    let bench = Bench::new(drawn, session, &number, &setting.columns);
+    bench.record(rows, |time_s, share, phase| {
         staircase.advance(time_s, phase);
-        let force = actuator.force(length_m, staircase.actuator(time_s));
-        (force, staircase.sensor(time_s))
+        let pressure = staircase.actuator(time_s);
+        let at = staircase.instant(time_s, phase, pressure, share);
+        let sensed = setting.sensed_pressure(at, staircase.sensor(time_s));
+        (setting.force(at), sensed)
     })
 }
 
-/// The log without pressure, which declares the zero of the force channel.
+/// The log without pressure, which declares the zero of the force channel. It was taken before anything happened to that channel, or
+/// its zero would take the effect off again; the pressure channel is as in the runs.
 pub fn zero_log(drawn: &DrawnTruth, session: &DrawnSession) -> Vec<u8> {
-    Bench::new(drawn, session, "zero").record(drawn.truth.rig.zero_rows, |_, _| (0.0, 0.0))
+    let setting = Setting::new(drawn, session, 0, Whose::Own);
+    let sensed = setting.sensed_pressure(Instant::START, 0.0);
+    let rows = drawn.truth.rig.zero_rows;
+    let bench = Bench::new(drawn, session, "zero", &setting.columns);
+    bench.record(rows, |_, _, _| (0.0, sensed))
 }
 
-/// Steady readings, one row a pressure: a header, then gauge pressure in kPa and force in N as the display shows them.
-pub fn points_log(drawn: &DrawnTruth, session: &DrawnSession, run: Run) -> Vec<u8> {
-    let mut bench = Bench::new(drawn, session, &run.number.to_string());
-    let actuator = drawn.actuator(session);
-    let mut text = String::from("pressure_kpa,force_n\n");
-    for pressure in &drawn.truth.pressures_kpa {
-        let force = actuator.force(session.length_mm * 1e-3, *pressure);
-        let [force, pressure] = bench.display(force, *pressure).map(five_digits);
-        text.push_str(&format!("{pressure},{force}\n"));
+/// Steady readings, one row a reading: a header, then gauge pressure in kPa and force in N as the display shows them, and what the
+/// schedule and the truth file add.
+pub fn points_log(drawn: &DrawnTruth, session: &DrawnSession, run: usize) -> Vec<u8> {
+    let truth = &drawn.truth;
+    let setting = Setting::new(drawn, session, run, Whose::Own);
+    let number = truth.runs[run].number.to_string();
+    let mut bench = Bench::new(drawn, session, &number, &setting.columns);
+    let mut text = points_header(drawn);
+    for at in truth.schedule.instants(run) {
+        let sensed = setting.sensed_pressure(at, at.pressure_kpa);
+        let [force, pressure] = bench.display(setting.force(at), sensed).map(five_digits);
+        let _infallible = write!(text, "{pressure},{force}");
+        if truth.schedule.has_clock() {
+            let _infallible = write!(text, ",{}", fixed(at.time_s, 3));
+        }
+        if truth.schedule.both_directions {
+            let _infallible = write!(text, ",{}", at.phase.code());
+        }
+        if let Some(value) = truth.schedule.own_value(&at) {
+            let _infallible = write!(text, ",{}", five_digits(value));
+        }
+        bench.write_columns(&mut text, at.share);
+        text.push('\n');
     }
     text.into_bytes()
 }
 
+fn points_header(drawn: &DrawnTruth) -> String {
+    let schedule = &drawn.truth.schedule;
+    let mut names = vec!["pressure_kpa", "force_n"];
+    names.extend(schedule.has_clock().then_some("time_s"));
+    names.extend(schedule.both_directions.then_some("phase"));
+    names.extend(schedule.own_column());
+    names.extend(drawn.truth.columns.iter().map(|c| c.name.as_str()));
+    names.join(",") + "\n"
+}
+
 impl<'a> Bench<'a> {
-    fn new(drawn: &'a DrawnTruth, session: &DrawnSession, log: &str) -> Self {
+    fn new(
+        drawn: &'a DrawnTruth,
+        session: &DrawnSession,
+        log: &str,
+        columns: &'a LogColumns,
+    ) -> Self {
         Self {
             drawn,
             force: drawn.force_channel(session),
             pressure: drawn.pressure_channel(),
             noise: Stream::new(drawn.truth.seed, &["noise", &session.id, log]),
+            columns,
+            column_noise: logged_columns::noise(drawn, session, log),
         }
     }
 
-    /// `rows` rows of force, pressure, time and phase; `state` gives force in N and pressure in kPa at a time in s.
-    fn record(mut self, rows: usize, mut state: impl FnMut(f64, Phase) -> (f64, f64)) -> Vec<u8> {
+    /// `rows` rows of force, pressure, time, phase and the columns; `state` gives force in N and pressure in kPa at a time in s, of
+    /// which the rows so far are a share.
+    fn record(
+        mut self,
+        rows: usize,
+        mut state: impl FnMut(f64, f64, Phase) -> (f64, f64),
+    ) -> Vec<u8> {
         let rig = &self.drawn.truth.rig;
         let venting_from = (rows as f64 * rig.filling) as usize;
         let mut clock = Clock::default();
@@ -111,7 +159,8 @@ impl<'a> Bench<'a> {
             } else {
                 Phase::Depressurizing
             };
-            let (force, pressure) = state(clock.now_ms * 1e-3, phase);
+            let share = row as f64 / (rows - 1) as f64;
+            let (force, pressure) = state(clock.now_ms * 1e-3, share, phase);
             let counts = [
                 self.force.sample(force, &mut self.noise),
                 self.pressure.sample(pressure, &mut self.noise),
@@ -119,11 +168,21 @@ impl<'a> Bench<'a> {
             let stamp_ms = clock.stamp_ms();
             let [f, p] = self.cells(counts, rig.log_unit);
             let time = fixed(stamp_ms * 1e-3, 3);
-            let _infallible = writeln!(text, "{f},{p},{time},{}", phase.code());
+            let _infallible = write!(text, "{f},{p},{time},{}", phase.code());
+            self.write_columns(&mut text, share);
+            text.push('\n');
             let sent = counts.into_iter().chain([stamp_ms]);
             clock.send(sent.map(digits).sum(), rig.interval_ms);
         }
         text.into_bytes()
+    }
+
+    /// The columns of a row, each after a comma.
+    fn write_columns(&mut self, text: &mut String, share: f64) {
+        let noise = &mut self.column_noise;
+        for value in self.columns.shown(self.drawn, share, 1.0, noise) {
+            let _infallible = write!(text, ",{}", five_digits(value));
+        }
     }
 
     fn cells(&self, [force, pressure]: [f64; 2], unit: LogUnit) -> [String; 2] {

@@ -1,29 +1,40 @@
 //! The test rig in software: a truth file in, a campaign of raw sessions out.
 //!
 //! [`read_truth`] checks the truth file, [`simulate`] measures it in memory, [`write()`](fn@write) puts it below a folder and the
-//! truth that was drawn into a file outside of it; [`rows`] skips the logs and gives their steady readings, for tests with many
-//! seeds.
+//! truth that was drawn into a file outside of it; [`rows`] skips the logs and gives their steady readings, [`campaign_rows()`] the
+//! same as normalised rows, for tests and benchmarks with many seeds.
 //!
 //! | file | idea |
 //! |---|---|
 //! | [`truth`], `truth_lists`, [`coefficients`], [`rig_settings`] | the truth file, strictly read |
-//! | [`draw`] | strengths, zeros and pressures of the sessions |
+//! | [`calendar`], [`schedule`], [`logged_columns`], [`effect_tables`] | its optional parts: dates, points, columns, effects |
+//! | [`draw`], [`effect_draws`] | strengths, zeros, pressures and sizes of effects, session by session |
 //! | [`staircase`] | pressure over time |
-//! | [`chain`] | length, pressure, force, sensor: where effects belong |
+//! | [`effects`] | one file an effect: operators on the chain |
+//! | [`moment`], [`setting`], [`chain`] | length, pressure, force, sensor: where effects work |
 //! | `log`, `session_file`, `number` | the bytes of the files |
-//! | [`steady`] | steady readings without logs |
+//! | [`steady`], [`campaign_rows`](mod@campaign_rows) | steady readings without logs, and their rows |
 //! | [`write`](mod@write) | folders |
 //!
 //! Architecture invariant: everything but [`write`](mod@write) is a pure function of the truth file. Transcendental functions come
 //! from `libm` and random numbers from ChaCha8 ([`crate::base::random`]), so that equal truth files give equal bytes on every machine.
 
+pub mod calendar;
+pub mod campaign_rows;
 pub mod chain;
 pub mod coefficients;
 pub mod draw;
+pub mod effect_draws;
+pub mod effect_tables;
+pub mod effects;
 mod log;
+pub mod logged_columns;
+pub mod moment;
 mod number;
 pub mod rig_settings;
+pub mod schedule;
 mod session_file;
+pub mod setting;
 pub mod staircase;
 pub mod steady;
 pub mod truth;
@@ -33,6 +44,7 @@ pub mod write;
 #[cfg(test)]
 mod tests;
 
+pub use campaign_rows::{CampaignRows, campaign_rows};
 pub use draw::{DrawnSession, DrawnTruth};
 pub use steady::{SteadyRow, rows};
 pub use truth::{Truth, read_truth};
@@ -73,10 +85,10 @@ fn files(drawn: &DrawnTruth, session: &DrawnSession) -> SessionFiles {
         let zero = log::zero_log(drawn, session);
         files.push((session_file::ZERO_LOG.to_owned(), zero));
     }
-    for run in &drawn.truth.runs {
+    for (k, run) in drawn.truth.runs.iter().enumerate() {
         let bytes = match sampling {
-            Sampling::Timeseries => log::run_log(drawn, session, *run),
-            Sampling::Points => log::points_log(drawn, session, *run),
+            Sampling::Timeseries => log::run_log(drawn, session, k),
+            Sampling::Points => log::points_log(drawn, session, k),
         };
         files.push((session_file::log_name(sampling, run.number), bytes));
     }

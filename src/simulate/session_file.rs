@@ -2,13 +2,19 @@
 
 use super::chain::TOP_COUNT;
 use super::draw::{DrawnSession, DrawnTruth};
+use super::logged_columns::ColumnTruth;
 use super::number::{five_digits, fixed};
 use super::rig_settings::LogUnit;
+use super::truth::Truth;
+use crate::base::columns;
 use crate::base::session::{Role, Sampling};
 use std::fmt::Write;
 
 /// How the notes of every simulated session begin.
 pub const NOTES: &str = "simulated by pipeline simulate";
+
+/// What stands for the phase in every log.
+const PHASES: &str = "{ \"1\" = \"pressurizing\", \"2\" = \"depressurizing\" }";
 
 /// Name of the zero log.
 pub const ZERO_LOG: &str = "offset.csv";
@@ -36,10 +42,10 @@ pub fn text(drawn: &DrawnTruth, session: &DrawnSession) -> String {
         format!("sampling = \"{sampling}\""),
         format!("campaign = \"{}\"", truth.campaign),
     ];
-    lines.extend(truth.date.iter().map(|d| format!("date = \"{d}\"")));
+    lines.extend(session.date.iter().map(|d| format!("date = \"{d}\"")));
     let role = specimen.role.map(role_name);
     lines.extend(role.map(|r| format!("role = \"{r}\"")));
-    lines.push(format!("notes = {}", quoted(&notes(drawn))));
+    lines.push(format!("notes = {}", quoted(&notes(truth))));
     let mut text = lines.join("\n");
     let _infallible = write!(
         text,
@@ -56,8 +62,8 @@ pub fn text(drawn: &DrawnTruth, session: &DrawnSession) -> String {
     text
 }
 
-fn notes(drawn: &DrawnTruth) -> String {
-    let truth = &drawn.truth;
+/// The notes of a campaign's sessions: simulated, by what; of effects they say nothing.
+pub fn notes(truth: &Truth) -> String {
     let mut notes = format!("{NOTES}, campaign {}, seed {}", truth.campaign, truth.seed);
     if let Some(own) = &truth.notes {
         let _infallible = write!(notes, "; {own}");
@@ -80,9 +86,7 @@ fn quoted(text: &str) -> String {
 
 fn columns(drawn: &DrawnTruth, session: &DrawnSession) -> String {
     if drawn.truth.sampling == Sampling::Points {
-        return "pressure = { name = \"pressure_kpa\", unit = \"kPa\" }\n\
-                force = { name = \"force_n\", unit = \"N\" }\n"
-            .to_owned();
+        return points_columns(&drawn.truth);
     }
     let (force, pressure) = (drawn.force_channel(session), drawn.pressure_channel());
     let converter = |quantum: f64, clip: f64| match drawn.truth.rig.log_unit {
@@ -99,10 +103,44 @@ fn columns(drawn: &DrawnTruth, session: &DrawnSession) -> String {
         "force = {{ index = 0, unit = \"N\"{}, saturation_low = {low}, saturation_high = {high} }}\n\
          pressure = {{ index = 1, unit = \"kPa\"{} }}\n\
          time = {{ index = 2, unit = \"s\" }}\n\
-         phase = {{ index = 3, values = {{ \"1\" = \"pressurizing\", \"2\" = \"depressurizing\" }} }}\n",
+         phase = {{ index = 3, values = {PHASES} }}\n{}",
         converter(force.quantum, force.clip),
         converter(pressure.quantum, pressure.clip),
+        extra_columns(&drawn.truth, |k, _| format!("index = {}", 4 + k)),
     )
+}
+
+fn points_columns(truth: &Truth) -> String {
+    let mut text = String::from(
+        "pressure = { name = \"pressure_kpa\", unit = \"kPa\" }\n\
+         force = { name = \"force_n\", unit = \"N\" }\n",
+    );
+    if truth.schedule.has_clock() {
+        text.push_str("time = { name = \"time_s\", unit = \"s\" }\n");
+    }
+    if truth.schedule.both_directions {
+        let _infallible = writeln!(text, "phase = {{ name = \"phase\", values = {PHASES} }}");
+    }
+    if let Some(name) = truth.schedule.own_column() {
+        let _infallible = writeln!(text, "{name} = {{ name = \"{name}\" }}");
+    }
+    text + &extra_columns(truth, |_, name| format!("name = \"{name}\""))
+}
+
+/// The columns that the truth file adds; `place` says where the k-th of that name stands.
+fn extra_columns(truth: &Truth, place: impl Fn(usize, &str) -> String) -> String {
+    let line = |(k, c): (usize, &ColumnTruth)| {
+        let place = place(k, &c.name);
+        if c.name == columns::TEMPERATURE {
+            return format!("temperature = {{ {place}, unit = \"C\" }}\n");
+        }
+        let unit = match c.unit.as_str() {
+            "" => String::new(),
+            unit => format!(", unit = {}", quoted(unit)),
+        };
+        format!("{} = {{ {place}{unit} }}\n", c.name)
+    };
+    truth.columns.iter().enumerate().map(line).collect()
 }
 
 fn logs(drawn: &DrawnTruth) -> String {

@@ -19,6 +19,7 @@
 //! The wave decays within T_d = 50 ms sqrt(P/500 kPa), P the pressure at the end of the step, at least 10 ms: thin air rings less.
 //! Before the next step it is down to 1e-3 of its height.
 
+use super::moment::Instant;
 use super::rig_settings::Rig;
 use crate::base::random::Stream;
 use crate::base::session::Phase;
@@ -44,6 +45,11 @@ const LEAST_DECAY_S: f64 = 0.01;
 const FILL_CURVATURE: f64 = 1.7;
 /// Largest share of the distance that one opening covers.
 const LARGEST_SHARE: f64 = 0.95;
+
+/// Openings that move the pressure by less are no steps: near the supply and the floor the valves still open, kPa.
+const LEAST_STEP_KPA: f64 = 1.0;
+/// Half the time over which a rate is taken, s.
+const RATE_S: f64 = 0.005;
 
 /// What differs between the valve that fills and the one that vents.
 struct Valve {
@@ -81,6 +87,10 @@ struct Step {
     decay_s: f64,
     flow_s: f64,
     relaxation: f64,
+    /// When the pressure was last moved, s.
+    moved_s: f64,
+    /// Highest level of the history up to the end of this step, kPa.
+    peak_kpa: f64,
 }
 
 /// The pressures between which one session's air moves.
@@ -135,6 +145,10 @@ impl<'a> Staircase<'a> {
         let jitter = 1.0 + valve.jitter * rig.valve_jitter * self.valve.normal();
         let height_kpa = (share * jitter.clamp(0.3, 2.0)).min(LARGEST_SHARE) * room;
         let strength = 1.0 - libm::exp(-height_kpa.abs() / valve.wave_height_kpa);
+        let moved = height_kpa.abs() >= LEAST_STEP_KPA;
+        let before = self.steps.last();
+        let moved_s = before.filter(|_| !moved).map_or(start_s, |s| s.moved_s);
+        let peak = before.map_or(0.0, |s| s.peak_kpa);
         let density = ((from_kpa + height_kpa) / WAVE_LEVEL_KPA).max(0.0);
         Step {
             start_s,
@@ -144,12 +158,30 @@ impl<'a> Staircase<'a> {
             decay_s: (WAVE_DECAY_S * density.sqrt()).max(LEAST_DECAY_S),
             flow_s: valve.flow_s,
             relaxation: valve.relaxation * rig.relaxation,
+            moved_s,
+            peak_kpa: peak.max(from_kpa).max(from_kpa + height_kpa),
         }
     }
 
     fn step_at(&self, time_s: f64) -> Option<&Step> {
         let after = self.steps.partition_point(|s| s.start_s <= time_s);
         self.steps.get(after.saturating_sub(1))
+    }
+
+    /// What an effect may know at a time up to which the history has been advanced; `pressure_kpa` is the actuator's pressure then,
+    /// `share` the part of the log that is over.
+    pub fn instant(&self, time_s: f64, phase: Phase, pressure_kpa: f64, share: f64) -> Instant {
+        let step = self.step_at(time_s);
+        let rise = self.bulk(time_s + RATE_S) - self.bulk((time_s - RATE_S).max(0.0));
+        Instant {
+            time_s,
+            share,
+            since_step_s: step.map_or(0.0, |s| (time_s - s.moved_s - LATENCY_S).max(0.0)),
+            rate_kpa_per_s: rise / (2.0 * RATE_S),
+            phase,
+            pressure_kpa,
+            peak_kpa: step.map_or(0.0, |s| s.peak_kpa),
+        }
     }
 
     /// Pressure without waves, kPa, at a time up to which the history has been advanced.

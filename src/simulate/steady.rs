@@ -8,6 +8,9 @@
 //! (the switch to venting may fall into the neighbouring step); the clipping bias of a zero that lies near the clipping level.
 
 use super::draw::{DrawnSession, DrawnTruth};
+use super::logged_columns;
+use super::moment::Instant;
+use super::setting::{Setting, Whose};
 use super::staircase::{STEP_S, Staircase};
 use super::truth::{Run, Truth};
 use crate::base::random::Stream;
@@ -19,49 +22,57 @@ const WINDOW_S: (f64, f64) = (0.25, STEP_S);
 const DISTINCT_KPA: f64 = 5.0;
 
 /// One steady reading.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SteadyRow {
     /// Place of the session in [`DrawnTruth::sessions`].
     pub session: usize,
-    /// Number of the run.
-    pub run: i64,
-    /// Middle of the window, s; 0 for steady readings taken by hand.
-    pub time_s: f64,
-    /// Whether the rig was filling or venting.
-    pub phase: Phase,
+    /// Place of the run in the truth file.
+    pub run: usize,
+    /// Place of the reading among those of the run, the clipped ones counted too.
+    pub number: usize,
+    /// The true state of the air, and when: the middle of the window.
+    pub at: Instant,
     /// As the sensor shows it, kPa.
     pub pressure_kpa: f64,
     /// As the sensor shows it, less the declared zero, N.
     pub force_n: f64,
+    /// The same without noise and without the zero log's error: everything that the generating model knows, what was drawn included, N.
+    pub true_force_n: f64,
+    /// What the generating model expects of a specimen and session that it has not seen, at the pressure as read: mean strength, every
+    /// drawn size at its mean, N. The error of this is what no model can beat.
+    pub expected_force_n: f64,
+    /// The declared columns as they are shown, in the order of the truth file.
+    pub columns: Vec<f64>,
 }
 
 /// The steady readings of a campaign: sessions and runs in the order of the truth file, then time.
 pub fn rows(truth: &Truth) -> (DrawnTruth, Vec<SteadyRow>) {
     let drawn = DrawnTruth::new(truth);
     let mut rows = Vec::new();
-    for (k, session) in drawn.sessions.iter().enumerate() {
+    for session in &drawn.sessions {
         let zero_error = zero_error(&drawn, session);
-        for run in &truth.runs {
-            let mut reader = Reader::new(&drawn, k, *run, zero_error);
-            let levels = match truth.sampling {
-                Sampling::Timeseries => levels(&drawn, session, *run),
-                Sampling::Points => points(truth),
+        for run in 0..truth.runs.len() {
+            let mut reader = Reader::new(&drawn, session, run, zero_error);
+            let instants = match truth.sampling {
+                Sampling::Timeseries => levels(&drawn, session, truth.runs[run]),
+                Sampling::Points => truth.schedule.instants(run),
             };
-            rows.extend(levels.into_iter().filter_map(|level| reader.read(level)));
+            let readings = instants.into_iter().enumerate();
+            rows.extend(readings.filter_map(|(number, at)| reader.read(number, at)));
         }
     }
     (drawn, rows)
 }
 
-/// Time in s, phase and true pressure in kPa of a steady reading.
-type Level = (f64, Phase, f64);
-
-fn points(truth: &Truth) -> Vec<Level> {
-    let level = |p: &f64| (0.0, Phase::Pressurizing, *p);
-    truth.pressures_kpa.iter().map(level).collect()
+/// Samples that make a reading.
+pub fn samples(truth: &Truth) -> f64 {
+    match truth.sampling {
+        Sampling::Timeseries => (WINDOW_S.1 - WINDOW_S.0) * 1e3 / truth.rig.interval_ms,
+        Sampling::Points => 1.0,
+    }
 }
 
-fn levels(drawn: &DrawnTruth, session: &DrawnSession, run: Run) -> Vec<Level> {
+fn levels(drawn: &DrawnTruth, session: &DrawnSession, run: Run) -> Vec<Instant> {
     let rig = &drawn.truth.rig;
     let valve = Stream::new(
         drawn.truth.seed,
@@ -69,7 +80,7 @@ fn levels(drawn: &DrawnTruth, session: &DrawnSession, run: Run) -> Vec<Level> {
     );
     let mut staircase = Staircase::new(rig, session.air(run), valve);
     let end_s = rig.rows as f64 * rig.interval_ms * 1e-3;
-    let mut levels: Vec<Level> = Vec::new();
+    let mut levels: Vec<Instant> = Vec::new();
     for step in 0..(end_s / STEP_S) as usize {
         let start_s = step as f64 * STEP_S;
         let phase = if start_s < rig.filling * end_s {
@@ -82,9 +93,9 @@ fn levels(drawn: &DrawnTruth, session: &DrawnSession, run: Run) -> Vec<Level> {
         let pressure = staircase.bulk(middle_s);
         if levels
             .last()
-            .is_none_or(|l| (l.2 - pressure).abs() >= DISTINCT_KPA)
+            .is_none_or(|l| (l.pressure_kpa - pressure).abs() >= DISTINCT_KPA)
         {
-            levels.push((middle_s, phase, pressure));
+            levels.push(staircase.instant(middle_s, phase, pressure, middle_s / end_s));
         }
     }
     levels
@@ -101,60 +112,68 @@ fn zero_error(drawn: &DrawnTruth, session: &DrawnSession) -> f64 {
 }
 
 /// Standard deviation of one sample, rounding included.
-fn sample_sd(noise: f64, quantum: f64) -> f64 {
+pub fn sample_sd(noise: f64, quantum: f64) -> f64 {
     (noise * noise + quantum * quantum / 12.0).sqrt()
 }
 
 struct Reader<'a> {
     drawn: &'a DrawnTruth,
-    k: usize,
-    run: i64,
+    session: &'a DrawnSession,
+    run: usize,
+    own: Setting,
+    expected: Setting,
     zero_error: f64,
     samples: f64,
     noise: Stream,
+    column_noise: Stream,
 }
 
 impl<'a> Reader<'a> {
-    fn new(drawn: &'a DrawnTruth, k: usize, run: Run, zero_error: f64) -> Self {
-        let truth = &drawn.truth;
-        let path = ["steady", &drawn.sessions[k].id, &run.number.to_string()];
-        let samples = match truth.sampling {
-            Sampling::Timeseries => (WINDOW_S.1 - WINDOW_S.0) * 1e3 / truth.rig.interval_ms,
-            Sampling::Points => 1.0,
-        };
+    fn new(drawn: &'a DrawnTruth, session: &'a DrawnSession, run: usize, zero_error: f64) -> Self {
+        let number = drawn.truth.runs[run].number.to_string();
+        let path = ["steady", &session.id, &number];
         Self {
             drawn,
-            k,
-            run: run.number,
+            session,
+            run,
+            own: Setting::new(drawn, session, run, Whose::Own),
+            expected: Setting::new(drawn, session, run, Whose::Expected),
             zero_error,
-            samples,
-            noise: Stream::new(truth.seed, &path),
+            samples: samples(&drawn.truth),
+            noise: Stream::new(drawn.truth.seed, &path),
+            column_noise: logged_columns::noise(drawn, session, &format!("steady {number}")),
         }
     }
 
-    /// The reading at a level, unless the force lies where samples clip.
-    fn read(&mut self, (time_s, phase, pressure): Level) -> Option<SteadyRow> {
-        let session = &self.drawn.sessions[self.k];
-        let actuator = self.drawn.actuator(session);
-        let (force_channel, pressure_channel) = (
-            self.drawn.force_channel(session),
-            self.drawn.pressure_channel(),
-        );
+    /// The reading at an instant, unless the force lies where samples clip.
+    fn read(&mut self, number: usize, at: Instant) -> Option<SteadyRow> {
+        let force_channel = self.drawn.force_channel(self.session);
+        let pressure_channel = self.drawn.pressure_channel();
         let mut error = |noise: f64, quantum: f64| {
             sample_sd(noise, quantum) / self.samples.sqrt() * self.noise.normal()
         };
         let force_error = error(force_channel.noise_sd, force_channel.quantum);
         let pressure_error = error(pressure_channel.noise_sd, pressure_channel.quantum);
-        let force = actuator.force(session.length_mm * 1e-3, pressure);
-        let shown = force + session.force_zero_n;
+        let force = self.own.force(at);
+        let as_read = Instant {
+            pressure_kpa: at.pressure_kpa + pressure_error,
+            ..at
+        };
+        let shown = force + self.session.force_zero_n;
         let clipped = shown - 2.0 * force_channel.noise_sd < force_channel.clip;
+        let columns = &mut self.column_noise;
+        let columns = (self.own.columns).shown(self.drawn, at.share, self.samples, columns);
+        let sensed = self.own.sensed_pressure(at, at.pressure_kpa);
         (!clipped).then_some(SteadyRow {
-            session: self.k,
+            session: self.session.number,
             run: self.run,
-            time_s,
-            phase,
-            pressure_kpa: pressure + pressure_channel.zero + pressure_error,
+            number,
+            at,
+            pressure_kpa: sensed + pressure_channel.zero + pressure_error,
             force_n: force + force_error - self.zero_error,
+            true_force_n: force,
+            expected_force_n: self.expected.force(as_read),
+            columns,
         })
     }
 }

@@ -21,12 +21,28 @@
 //!
 //! [rig]                                 # optional: see `Rig`
 //! rows = 15000
+//!
+//! [[column]]                            # optional: what is logged beside force and pressure, see `logged_columns`
+//! name = "temperature_c"
+//! mean = 21
+//! sd_session = 2
+//!
+//! [[effect]]                            # optional: what the base model lacks, see `effect_tables` and `effects`
+//! id = "series_compliance"
+//! c_um_per_n = 6.0
 //! ```
+//!
+//! Optional keys at the top: `order`, `first_date`, `days_between` (see `calendar`) and, for points, `directions`, `reading_every_s`,
+//! `dwell_s`, `ramp_kpa_per_s` (see `schedule`). `truths/closed-loop-10mm.toml` is a whole example.
 //!
 //! The file is read strictly: an unknown key is a mistake, and all mistakes are reported at once.
 
+use super::calendar::Calendar;
 use super::coefficients::{Coefficients, read_coefficients};
+use super::effect_tables::{self, EffectTruth, Named};
+use super::logged_columns::{self, ColumnTruth};
 use super::rig_settings::Rig;
+use super::schedule::Schedule;
 use super::truth_lists;
 use crate::base::diagnostics::Diagnostic;
 use crate::base::session::{Role, Sampling};
@@ -79,12 +95,18 @@ pub struct Truth {
     pub runs: Vec<Run>,
     /// Logs over time, or steady readings.
     pub sampling: Sampling,
-    /// Pressures of the steady readings, kPa; empty for logs over time.
-    pub pressures_kpa: Vec<f64>,
+    /// The schedule of steady readings.
+    pub schedule: Schedule,
+    /// Order and dates of the sessions.
+    pub calendar: Calendar,
     /// The actuators.
     pub specimens: Vec<SpecimenTruth>,
     /// The rig.
     pub rig: Rig,
+    /// What is logged beside force and pressure.
+    pub columns: Vec<ColumnTruth>,
+    /// What the base model lacks.
+    pub effects: Vec<EffectTruth>,
 }
 
 impl SpecimenTruth {
@@ -147,6 +169,18 @@ fn truth(root: &Section) -> Option<Truth> {
     let rig_table = root.get("rig").and_then(|e| e.table());
     let mm = diameter.unwrap_or(10);
     let rig = rig_table.map_or_else(|| Rig::for_diameter(mm), |t| Rig::read(&t, mm));
+    let calendar = Calendar::read(root, date.is_some());
+    let timing = sampling.zip(pressures).zip(runs.as_deref());
+    let schedule = timing
+        .and_then(|((sampling, pressures), runs)| Schedule::read(root, pressures, sampling, runs));
+    let columns = logged_columns::columns(root);
+    let named = Named {
+        campaign: campaign.as_deref().unwrap_or_default(),
+        specimens: specimens.as_deref(),
+        contractions: contractions.as_deref(),
+        columns: columns.as_deref(),
+    };
+    let effects = effect_tables::effects(root, &named);
     root.close();
     let truth = Truth {
         campaign: campaign?,
@@ -158,9 +192,12 @@ fn truth(root: &Section) -> Option<Truth> {
         contractions: contractions?,
         runs: runs?,
         sampling: sampling?,
-        pressures_kpa: pressures?,
+        schedule: schedule?,
+        calendar: calendar?,
         specimens: specimens?,
         rig,
+        columns: columns?,
+        effects: effects?,
     };
     truth_lists::check_rig(root, &truth);
     Some(truth)

@@ -1,5 +1,6 @@
 //! Tests of whole campaigns; the parts are tested in their own files.
 
+mod effects;
 mod files;
 mod logs;
 mod truth_files;

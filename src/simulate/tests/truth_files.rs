@@ -33,7 +33,7 @@ fn every_mistake_of_a_truth_file_is_reported_with_line_and_hint() {
         has(&["[rig.suply_kpa]", "did you mean `supply_kpa`?"]),
         "{lines:#?}"
     );
-    assert!(has(&["[effect]", "an unknown key"]), "{lines:#?}");
+    assert!(has(&["[effect[0].k]", "found nothing"]), "{lines:#?}");
 }
 
 #[test]
