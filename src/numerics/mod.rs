@@ -16,6 +16,7 @@
 //! Sums run in slice order and transcendental functions come from `libm`, so equal inputs give equal bits on every platform.
 
 pub mod bounds;
+pub mod cholesky;
 pub mod covariance;
 pub mod distributions;
 pub mod dual_problem;

@@ -11,7 +11,8 @@
 use super::model::{Fitted, Model, Place};
 use super::term::{Term, What};
 use crate::effects::{self, Applied};
-use crate::numerics::matrix::Matrix;
+use crate::numerics::cholesky::Cholesky;
+use crate::numerics::matrix::{Matrix, dot};
 use crate::numerics::real::{Dual, Real};
 
 /// Directions that one pass differentiates by.
@@ -68,12 +69,12 @@ pub struct Gain {
 }
 
 impl Linear {
-    /// The sums at a fitted point.
-    pub fn new(model: &Model, fitted: &Fitted, candidates: &[Term]) -> Self {
+    /// The sums at a fitted point, for strengths that scatter by `scatter`.
+    pub fn new(model: &Model, fitted: &Fitted, scatter: f64, candidates: &[Term]) -> Self {
         let data = model.data;
         let n = data.len();
         let mut directions: Vec<Vec<f64>> = Vec::new();
-        let (fixed, penalty, pull) = fixed_columns(model, fitted, &mut directions);
+        let (fixed, penalty, pull) = fixed_columns(model, fitted, scatter, &mut directions);
         let added = added_columns(model, fitted, candidates, &mut directions);
         directions.push(fitted.residuals.clone());
         let width = directions.len();
@@ -90,7 +91,7 @@ impl Linear {
                 let mut m = Matrix::zeros(width, width);
                 for a in 0..width {
                     for b in 0..=a {
-                        let product = crate::numerics::matrix::dot(&picked[a], &picked[b]);
+                        let product = dot(&picked[a], &picked[b]);
                         m[(a, b)] = product;
                         m[(b, a)] = product;
                     }
@@ -159,52 +160,35 @@ impl Linear {
     }
 }
 
-/// The columns of what is refitted anyway: as in the fit, with the disjoint columns of strengths and amplitudes sharing directions.
-fn fixed_columns(model: &Model, fitted: &Fitted, directions: &mut Vec<Vec<f64>>) -> (Vec<Column>, Vec<f64>, Vec<f64>) {
-    let data = model.data;
-    let of_session = data.specimen_of_session();
-    let sessions = data.sessions.len();
-    let mut fixed = Vec::new();
-    let mut shared: Vec<(Shared, usize)> = Vec::new();
-    let mut pull = Vec::new();
-    for (k, place) in model.layout().into_iter().enumerate() {
-        let column = fitted.jacobian.column(k);
-        let (key, acting): (Shared, Vec<bool>) = match place {
-            Place::Base(j) => (Shared::Base(j), vec![true; sessions]),
-            Place::Amplitude(t, g) => (
-                Shared::Amplitude(t),
-                (0..sessions).map(|s| model.terms[t].acts_on[s] == Some(g)).collect(),
-            ),
-            Place::Shape(t) => (Shared::Shape(t), vec![true; sessions]),
-            Place::Strength(j) => (Shared::Strength, (0..sessions).map(|s| of_session[s] == j).collect()),
+/// The columns of what is refitted anyway, with their penalties and half the slopes of these; disjoint columns (strengths, amplitudes)
+/// share a direction.
+fn fixed_columns(model: &Model, fitted: &Fitted, scatter: f64, directions: &mut Vec<Vec<f64>>) -> (Vec<Column>, Vec<f64>, Vec<f64>) {
+    let of_session = model.data.specimen_of_session();
+    let sessions = model.data.sessions.len();
+    let ratio = (fitted.sigma / scatter) * (fitted.sigma / scatter);
+    let mut place_of_slot: Vec<Option<usize>> = vec![None; fitted.traces.len()];
+    let (mut fixed, mut penalty, mut pull) = (Vec::new(), Vec::new(), Vec::new());
+    for place in model.layout() {
+        let slots: Vec<Option<usize>> = (0..sessions).map(|s| model.slot(place, s, of_session[s])).collect();
+        let Some(slot) = slots.iter().flatten().next().copied() else {
+            continue;
         };
-        let known = shared.iter().find(|(other, _)| *other == key).map(|(_, d)| *d);
-        let direction = known.unwrap_or_else(|| {
-            directions.push(vec![0.0; data.len()]);
-            shared.push((key, directions.len() - 1));
+        let direction = *place_of_slot[slot].get_or_insert_with(|| {
+            directions.push(fitted.traces[slot].clone());
             directions.len() - 1
         });
-        for (i, x) in column.iter().enumerate().filter(|(_, x)| **x != 0.0) {
-            directions[direction][i] += x;
-        }
         fixed.push(Column {
             direction,
-            sessions: acting,
+            sessions: slots.iter().map(Option::is_some).collect(),
         });
-        pull.push(match place {
-            Place::Strength(j) => fitted.penalty[k] * fitted.strengths[j],
-            _ => 0.0,
-        });
+        let strength = match place {
+            Place::Strength(k) => Some(fitted.strengths[k]),
+            _ => None,
+        };
+        penalty.push(strength.map_or(0.0, |_| ratio));
+        pull.push(strength.map_or(0.0, |u| ratio * u));
     }
-    (fixed, fitted.penalty.clone(), pull)
-}
-
-#[derive(PartialEq)]
-enum Shared {
-    Base(usize),
-    Amplitude(usize),
-    Shape(usize),
-    Strength,
+    (fixed, penalty, pull)
 }
 
 /// The columns of the candidates; those of one effect share a direction whatever they act on.
@@ -383,74 +367,3 @@ impl Stand<'_> {
 /// A trace of which less than this is visible is none.
 pub const BLIND: f64 = 0.05;
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    crate::numerics::matrix::dot(a, b)
-}
-
-/// A Cholesky factor that passes over directions that the others already span.
-struct Cholesky {
-    lower: Matrix,
-}
-
-/// A pivot smaller than this part of its diagonal entry is none.
-const NO_PIVOT: f64 = 1e-11;
-
-impl Cholesky {
-    fn new(gram: &Matrix) -> Self {
-        let n = gram.rows();
-        let mut lower = Matrix::zeros(n, n);
-        for j in 0..n {
-            let mut pivot = gram[(j, j)];
-            for k in 0..j {
-                pivot -= lower[(j, k)] * lower[(j, k)];
-            }
-            if pivot <= NO_PIVOT * gram[(j, j)] || pivot <= 0.0 {
-                continue;
-            }
-            let root = pivot.sqrt();
-            lower[(j, j)] = root;
-            for i in j + 1..n {
-                let mut x = gram[(i, j)];
-                for k in 0..j {
-                    x -= lower[(i, k)] * lower[(j, k)];
-                }
-                lower[(i, j)] = x / root;
-            }
-        }
-        Self { lower }
-    }
-
-    /// L^-1 b; 0 where there is no pivot.
-    fn forward(&self, b: &[f64]) -> Vec<f64> {
-        let n = b.len();
-        let mut x = vec![0.0; n];
-        for i in 0..n {
-            if self.lower[(i, i)] == 0.0 {
-                continue;
-            }
-            let mut sum = b[i];
-            for k in 0..i {
-                sum -= self.lower[(i, k)] * x[k];
-            }
-            x[i] = sum / self.lower[(i, i)];
-        }
-        x
-    }
-
-    /// L^-T b; 0 where there is no pivot.
-    fn backward(&self, b: &[f64]) -> Vec<f64> {
-        let n = b.len();
-        let mut x = vec![0.0; n];
-        for i in (0..n).rev() {
-            if self.lower[(i, i)] == 0.0 {
-                continue;
-            }
-            let mut sum = b[i];
-            for k in i + 1..n {
-                sum -= self.lower[(k, i)] * x[k];
-            }
-            x[i] = sum / self.lower[(i, i)];
-        }
-        x
-    }
-}

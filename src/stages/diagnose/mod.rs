@@ -6,3 +6,4 @@ pub mod term;
 pub mod candidates;
 pub mod linear;
 pub mod search;
+pub mod findings;

@@ -12,18 +12,17 @@ use super::base::Base;
 use super::data::Data;
 use super::term::{Term, What};
 use crate::effects::{self, Applied};
-use crate::numerics::levenberg_marquardt::{LeastSquaresProblem, Limits, minimise};
-use crate::numerics::bounds::Bounds;
+use crate::numerics::cholesky::Cholesky;
 use crate::numerics::matrix::Matrix;
 
 use crate::numerics::real::{Dual, Real};
-use std::cell::RefCell;
 
 /// Derivatives that one evaluation carries: five coefficients, the strength, and two for each of five effects.
 const SLOTS: usize = 16;
 /// Most effects in one model.
 pub const MOST_TERMS: usize = 5;
-const STRENGTH: usize = 5;
+/// The slot of the strength.
+pub const STRENGTH: usize = 5;
 type D = Dual<SLOTS>;
 
 /// Usual relative scatter of the strengths of one make: what the null model expects.
@@ -46,10 +45,8 @@ pub struct Fitted {
     pub sigma: f64,
     /// Measured less fitted, strengths included, N.
     pub residuals: Vec<f64>,
-    /// Derivatives by the free parameters (see [`Model::layout`]), readings x parameters.
-    pub jacobian: Matrix,
-    /// Penalty on the square of each parameter, in units of the residuals' variance.
-    pub penalty: Vec<f64>,
+    /// Derivatives by the slots of [`Model::slot`], N by unit of the parameter, one list a slot.
+    pub traces: Vec<Vec<f64>>,
 }
 
 /// Base and effects on the readings of a campaign.
@@ -90,27 +87,41 @@ impl<'a> Model<'a> {
         layout
     }
 
-    /// Fits from where another fit ended (`None`: from the base's starting values).
+    /// Fits from where another fit ended (`None`: from the base's starting values), and `passes` times again with the variances that
+    /// the fit before it showed.
     pub fn fit(&self, from: Option<&Fitted>, passes: usize) -> Fitted {
+        let layout = self.layout();
         let mut point = self.start(from);
-        let (mut sigma, mut scatter) = from.map_or((f64::NAN, USUAL_SCATTER), |f| (f.sigma, f.scatter));
-        if !sigma.is_finite() {
-            sigma = self.first_guess_of_sigma(&point);
+        let mut scatter = from.map_or(USUAL_SCATTER, |f| f.scatter);
+        let mut sums = Sums::new(self, &layout, &point);
+        let n = self.data.len() as f64;
+        let mut sigma = from.map_or((sums.rss / n).sqrt(), |f| f.sigma);
+        for _ in 0..=passes {
+            let ratio = (sigma.max(1e-6) / scatter) * (sigma.max(1e-6) / scatter);
+            let is_strength = |p: &Place| matches!(p, Place::Strength(_));
+            let penalty: Vec<f64> = layout.iter().map(|p| if is_strength(p) { ratio } else { 0.0 }).collect();
+            descend(self, &layout, &mut point, &mut sums, &penalty);
+            sigma = (sums.rss / (n - layout.len() as f64).max(1.0)).sqrt().max(1e-9);
+            scatter = self.scatter(&layout, &point, &sums, sigma, scatter);
         }
-        let mut fitted = self.fit_once(&mut point, sigma, scatter);
-        for _ in 0..passes {
-            (sigma, scatter) = (fitted.sigma, fitted.scatter);
-            fitted = self.fit_once(&mut point, sigma, scatter);
+        let mut fitted = Fitted {
+            base: self.base.starts(),
+            terms: self.terms.iter().map(|t| (vec![0.0; t.amplitudes], t.start().1)).collect(),
+            strengths: vec![0.0; self.data.specimens.len()],
+            scatter,
+            sigma,
+            residuals: sums.residuals,
+            traces: sums.traces,
+        };
+        for (place, value) in layout.iter().zip(&point) {
+            match place {
+                Place::Base(k) => fitted.base[*k] = *value,
+                Place::Amplitude(t, g) => fitted.terms[*t].0[*g] = *value,
+                Place::Shape(t) => fitted.terms[*t].1 = *value,
+                Place::Strength(k) => fitted.strengths[*k] = *value,
+            }
         }
         fitted
-    }
-
-    fn first_guess_of_sigma(&self, point: &[f64]) -> f64 {
-        let problem = Problem::new(self, vec![0.0; point.len()]);
-        let mut r = vec![0.0; problem.observations()];
-        problem.residuals(point, &mut r);
-        let n = self.data.len();
-        (r[..n].iter().map(|x| x * x).sum::<f64>() / n as f64).sqrt().max(1e-6)
     }
 
     fn start(&self, from: Option<&Fitted>) -> Vec<f64> {
@@ -131,94 +142,53 @@ impl<'a> Model<'a> {
             .collect()
     }
 
-    fn bounds(&self) -> Bounds {
-        let bounds: Vec<(f64, f64)> = self
-            .layout()
-            .into_iter()
-            .map(|place| match place {
-                Place::Base(k) => self.base.coefficients[k].bounds,
-                Place::Amplitude(t, _) => self.terms[t].amplitude_bounds(),
-                Place::Shape(t) => self.terms[t].second().map_or((0.0, 1.0), |p| p.bounds),
-                Place::Strength(_) => (-0.8, 4.0),
-            })
-            .collect();
-        Bounds::new(Some(&bounds), bounds.len())
+    /// Bounds of a parameter.
+    pub fn bounds(&self, place: Place) -> (f64, f64) {
+        match place {
+            Place::Base(k) => self.base.coefficients[k].bounds,
+            Place::Amplitude(t, _) => self.terms[t].amplitude_bounds(),
+            Place::Shape(t) => self.terms[t].second().map_or((0.0, 1.0), |p| p.bounds),
+            Place::Strength(_) => (-0.8, 4.0),
+        }
     }
 
-    fn fit_once(&self, point: &mut Vec<f64>, sigma: f64, scatter: f64) -> Fitted {
-        let layout = self.layout();
-        let penalty: Vec<f64> = layout
-            .iter()
-            .map(|place| match place {
-                Place::Strength(_) => (sigma / scatter) * (sigma / scatter),
-                _ => 0.0,
-            })
-            .collect();
-        let problem = Problem::new(self, penalty.clone());
-        let factors = vec![1.0; problem.observations()];
-        let limits = Limits {
-            max_iterations: 60,
-            tolerance: 1e-10,
-            polish: false,
-        };
-        let minimum = minimise(&problem, point, &factors, &self.bounds(), limits);
-        *point = minimum.parameters;
-        let mut residuals = vec![0.0; problem.observations()];
-        problem.residuals(point, &mut residuals);
-        let mut jacobian = Matrix::zeros(problem.observations(), point.len());
-        problem.jacobian(point, &mut jacobian);
-        let n = self.data.len();
-        residuals.truncate(n);
-        self.fitted(&layout, point, residuals, &jacobian, penalty, scatter)
-    }
-
-    fn fitted(&self, layout: &[Place], point: &[f64], residuals: Vec<f64>, jacobian: &Matrix, penalty: Vec<f64>, scatter: f64) -> Fitted {
-        let n = self.data.len();
-        let mut readings = Matrix::zeros(n, layout.len());
-        for k in 0..layout.len() {
-            readings.column_mut(k).copy_from_slice(&jacobian.column(k)[..n]);
+    /// The derivative that a reading of this session and specimen has by a parameter, if any.
+    pub fn slot(&self, place: Place, session: usize, specimen: usize) -> Option<usize> {
+        match place {
+            Place::Base(k) => Some(k),
+            Place::Amplitude(t, g) => (self.terms[t].acts_on[session] == Some(g)).then_some(STRENGTH + 1 + 2 * t),
+            Place::Shape(t) => self.terms[t].acts_on[session].map(|_| STRENGTH + 2 + 2 * t),
+            Place::Strength(k) => (specimen == k).then_some(STRENGTH),
         }
-        let mut fitted = Fitted {
-            base: self.base.starts(),
-            terms: self.terms.iter().map(|t| (vec![0.0; t.amplitudes], t.start().1)).collect(),
-            strengths: vec![0.0; self.data.specimens.len()],
-            scatter,
-            sigma: 0.0,
-            residuals,
-            jacobian: readings,
-            penalty,
-        };
-        for (place, value) in layout.iter().zip(point) {
-            match place {
-                Place::Base(k) => fitted.base[*k] = *value,
-                Place::Amplitude(t, g) => fitted.terms[*t].0[*g] = *value,
-                Place::Shape(t) => fitted.terms[*t].1 = *value,
-                Place::Strength(k) => fitted.strengths[*k] = *value,
-            }
-        }
-        let rss: f64 = fitted.residuals.iter().map(|r| r * r).sum();
-        fitted.sigma = (rss / (n.saturating_sub(layout.len()).max(1)) as f64).sqrt().max(1e-9);
-        fitted.scatter = self.scatter(&fitted, layout, scatter);
-        fitted
     }
 
     /// One EM step for the scatter of the strengths: mean of u^2 and of its variance.
-    fn scatter(&self, fitted: &Fitted, layout: &[Place], scatter: f64) -> f64 {
-        let seen = self.data.specimen.iter().copied().collect::<std::collections::BTreeSet<usize>>();
+    fn scatter(&self, layout: &[Place], point: &[f64], sums: &Sums, sigma: f64, scatter: f64) -> f64 {
+        let information = self.strength_information(&sums.traces);
+        let seen: Vec<usize> = (0..information.len()).filter(|k| information[*k] > 0.0).collect();
         if seen.len() < 3 {
             return USUAL_SCATTER;
         }
-        let mut sum = 0.0;
-        for k in &seen {
-            let place = layout.iter().position(|p| *p == Place::Strength(*k)).unwrap_or(0);
-            let column = fitted.jacobian.column(place);
-            let information = column.iter().map(|x| x * x).sum::<f64>() / (fitted.sigma * fitted.sigma);
-            let variance = 1.0 / (information + 1.0 / (scatter * scatter));
-            sum += fitted.strengths[*k] * fitted.strengths[*k] + variance;
-        }
+        let strength = |k: usize| layout.iter().position(|p| *p == Place::Strength(k)).map_or(0.0, |i| point[i]);
+        let sum: f64 = seen
+            .iter()
+            .map(|k| {
+                let variance = 1.0 / (information[*k] / (sigma * sigma) + 1.0 / (scatter * scatter));
+                strength(*k) * strength(*k) + variance
+            })
+            .sum();
         let lost = self.base.coefficients.iter().take(2).filter(|c| c.free).count();
         let freedom = seen.len().saturating_sub(lost).max(1) as f64;
         (sum / freedom).sqrt().clamp(SCATTER_RANGE.0, SCATTER_RANGE.1)
+    }
+
+    /// Sum of the squared derivatives by each specimen's strength, N^2; 0 for a specimen without readings.
+    pub fn strength_information(&self, traces: &[Vec<f64>]) -> Vec<f64> {
+        let mut information = vec![0.0; self.data.specimens.len()];
+        for (k, d) in self.data.specimen.iter().zip(&traces[STRENGTH]) {
+            information[*k] += d * d;
+        }
+        information
     }
 
     /// The force of each reading, N, with the strengths of the specimens or of mean ones.
@@ -249,77 +219,121 @@ fn force<R: Real>(model: &Model, base: &[R], strength: R, acting: impl Fn(usize)
     })
 }
 
-/// The penalised least-squares problem: readings first, then one row a parameter that is penalised.
-struct Problem<'a> {
-    model: &'a Model<'a>,
-    layout: Vec<Place>,
-    roots: Vec<f64>,
-    last: RefCell<Option<(Vec<f64>, Vec<f64>, Matrix)>>,
+/// Residuals and derivatives at a point, and their products summed by session.
+#[derive(Clone)]
+struct Sums {
+    residuals: Vec<f64>,
+    /// Derivatives by slot, then reading.
+    traces: Vec<Vec<f64>>,
+    /// Products of the derivatives and, last, of the residual, a matrix a session.
+    moments: Vec<[[f64; SLOTS + 1]; SLOTS + 1]>,
+    /// Sum of squared residuals, N^2.
+    rss: f64,
 }
 
-impl<'a> Problem<'a> {
-    fn new(model: &'a Model<'a>, penalty: Vec<f64>) -> Self {
-        Self {
-            layout: model.layout(),
-            model,
-            roots: penalty.iter().map(|p| p.sqrt()).collect(),
-            last: RefCell::new(None),
+impl Sums {
+    fn new(model: &Model, layout: &[Place], point: &[f64]) -> Self {
+        let data = model.data;
+        let mut at = Point::new(model);
+        for (place, value) in layout.iter().zip(point) {
+            at.set(*place, *value);
         }
-    }
-
-    fn penalised(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
-        self.roots.iter().copied().enumerate().filter(|(_, root)| *root > 0.0)
-    }
-
-    fn evaluate(&self, p: &[f64]) -> (Vec<f64>, Matrix) {
-        let (model, data) = (self.model, self.model.data);
-        let mut point = Point::new(model);
-        for (place, value) in self.layout.iter().zip(p) {
-            point.set(*place, *value);
-        }
-        let columns = point.columns(&self.layout);
-        let mut residuals = vec![0.0; self.observations()];
-        let mut jacobian = Matrix::zeros(residuals.len(), p.len());
+        let used = STRENGTH + 1 + 2 * model.terms.len();
+        let mut sums = Self {
+            residuals: Vec::with_capacity(data.len()),
+            traces: vec![vec![0.0; data.len()]; SLOTS],
+            moments: vec![[[0.0; SLOTS + 1]; SLOTS + 1]; data.sessions.len()],
+            rss: 0.0,
+        };
         for i in 0..data.len() {
-            let (session, specimen) = (data.session[i], data.specimen[i]);
-            let force = point.force(i);
-            residuals[i] = data.force[i] - force.value;
-            for (slot, column) in columns.at(model, session, specimen) {
-                jacobian[(i, column)] = force.gradient[slot];
+            let force = at.force(i);
+            let residual = data.force[i] - force.value;
+            let d = &force.gradient;
+            let moments = &mut sums.moments[data.session[i]];
+            for a in 0..used {
+                sums.traces[a][i] = d[a];
+                for b in 0..=a {
+                    moments[a][b] += d[a] * d[b];
+                }
+                moments[SLOTS][a] += d[a] * residual;
+            }
+            sums.residuals.push(residual);
+            sums.rss += residual * residual;
+        }
+        sums
+    }
+}
+
+const MOST_STEPS: usize = 60;
+/// Relative fall of the penalised sum of squares at which a descent ends.
+const STANDS: f64 = 1e-9;
+
+/// Levenberg and Marquardt's descent on the normal equations, which are sums over sessions: a value for each session or specimen then
+/// costs no more than one for all. Columns are scaled by their norms; parameters at a bound that the gradient pushes outwards are
+/// held. Accurate to some 1e-6 of a standard error, which is enough here; published coefficients come from
+/// [`crate::numerics::fit`].
+fn descend(model: &Model, layout: &[Place], point: &mut Vec<f64>, sums: &mut Sums, penalty: &[f64]) {
+    let bounds: Vec<(f64, f64)> = layout.iter().map(|p| model.bounds(*p)).collect();
+    let price = |p: &[f64]| -> f64 { p.iter().zip(penalty).map(|(x, w)| w * x * x).sum() };
+    let mut damping = 1e-4;
+    let mut settled = 0;
+    for _ in 0..MOST_STEPS {
+        let (gram, right) = normal_equations(model, layout, sums);
+        let now = sums.rss + price(point);
+        let slope: Vec<f64> = (0..point.len()).map(|k| right[k] - penalty[k] * point[k]).collect();
+        let held = |k: usize| (point[k] <= bounds[k].0 && slope[k] < 0.0) || (point[k] >= bounds[k].1 && slope[k] > 0.0);
+        let free: Vec<usize> = (0..point.len()).filter(|k| !held(*k) && gram[(*k, *k)] + penalty[*k] > 0.0).collect();
+        let mut reduced = Matrix::zeros(free.len(), free.len());
+        for (a, i) in free.iter().enumerate() {
+            for (b, j) in free.iter().enumerate() {
+                reduced[(a, b)] = gram[(*i, *j)];
+            }
+            reduced[(a, a)] = (gram[(*i, *i)] + penalty[*i]) * (1.0 + damping);
+        }
+        let target: Vec<f64> = free.iter().map(|k| slope[*k]).collect();
+        let step = Cholesky::new(&reduced).solve(&target);
+        let mut trial = point.clone();
+        for (k, d) in free.iter().zip(&step) {
+            trial[*k] = (point[*k] + d).clamp(bounds[*k].0, bounds[*k].1);
+        }
+        let there = Sums::new(model, layout, &trial);
+        let then = there.rss + price(&trial);
+        if then <= now {
+            *point = trial;
+            *sums = there;
+            damping = (damping * 0.1).max(1e-12);
+            settled = if now - then <= STANDS * now { settled + 1 } else { 0 };
+            if settled == 2 {
+                return;
+            }
+        } else {
+            damping *= 20.0;
+            if damping > 1e8 {
+                return;
             }
         }
-        for (row, (k, root)) in self.penalised().enumerate() {
-            residuals[data.len() + row] = -root * p[k];
-            jacobian[(data.len() + row, k)] = root;
-        }
-        (residuals, jacobian)
     }
 }
 
-impl LeastSquaresProblem for Problem<'_> {
-    fn parameters(&self) -> usize {
-        self.layout.len()
-    }
-
-    fn observations(&self) -> usize {
-        self.model.data.len() + self.penalised().count()
-    }
-
-    fn residuals(&self, p: &[f64], r: &mut [f64]) {
-        let (residuals, jacobian) = self.evaluate(p);
-        r.copy_from_slice(&residuals);
-        *self.last.borrow_mut() = Some((p.to_vec(), residuals, jacobian));
-    }
-
-    fn jacobian(&self, p: &[f64], j: &mut Matrix) {
-        let known = self.last.borrow().as_ref().is_some_and(|(at, _, _)| at.as_slice() == p);
-        if !known {
-            self.residuals(p, &mut vec![0.0; self.observations()]);
-        }
-        if let Some((_, _, jacobian)) = self.last.borrow().as_ref() {
-            j.clone_from(jacobian);
+fn normal_equations(model: &Model, layout: &[Place], sums: &Sums) -> (Matrix, Vec<f64>) {
+    let p = layout.len();
+    let specimens = model.data.specimen_of_session();
+    let mut gram = Matrix::zeros(p, p);
+    let mut right = vec![0.0; p];
+    for (s, moments) in sums.moments.iter().enumerate() {
+        let slots: Vec<(usize, usize)> = layout
+            .iter()
+            .enumerate()
+            .filter_map(|(k, place)| Some((k, model.slot(*place, s, specimens[s])?)))
+            .collect();
+        for (i, a) in &slots {
+            right[*i] += moments[SLOTS][*a];
+            for (j, b) in &slots {
+                gram[(*i, *j)] += if a >= b { moments[*a][*b] } else { moments[*b][*a] };
+            }
         }
     }
+    (gram, right)
 }
 
 /// All parameters of a model as dual numbers.
@@ -365,42 +379,5 @@ impl<'a> Point<'a> {
         };
         let strength = D::variable(1.0 + self.strengths[data.specimen[i]], STRENGTH);
         force(self.model, &self.base, strength, acting, i)
-    }
-
-    fn columns(&self, layout: &[Place]) -> Columns {
-        let position = |place: Place| layout.iter().position(|p| *p == place);
-        Columns {
-            base: (0..self.base.len()).map(|k| position(Place::Base(k))).collect(),
-            amplitudes: self
-                .amplitudes
-                .iter()
-                .enumerate()
-                .map(|(t, a)| (0..a.len()).map(|g| position(Place::Amplitude(t, g))).collect())
-                .collect(),
-            shapes: (0..self.shapes.len()).map(|t| position(Place::Shape(t))).collect(),
-            strengths: (0..self.strengths.len()).map(|k| position(Place::Strength(k))).collect(),
-        }
-    }
-}
-
-/// In which column of the Jacobian a derivative stands.
-struct Columns {
-    base: Vec<Option<usize>>,
-    amplitudes: Vec<Vec<Option<usize>>>,
-    shapes: Vec<Option<usize>>,
-    strengths: Vec<Option<usize>>,
-}
-
-impl Columns {
-    /// Pairs of slot and column for a reading of this session and specimen.
-    fn at<'b>(&'b self, model: &'b Model, session: usize, specimen: usize) -> impl Iterator<Item = (usize, usize)> + 'b {
-        let base = self.base.iter().enumerate().filter_map(|(k, c)| Some((k, (*c)?)));
-        let amplitudes = self.amplitudes.iter().enumerate().filter_map(move |(t, list)| {
-            let g = model.terms[t].acts_on[session]?;
-            Some((STRENGTH + 1 + 2 * t, list[g]?))
-        });
-        let shapes = self.shapes.iter().enumerate().filter_map(|(t, c)| Some((STRENGTH + 2 + 2 * t, (*c)?)));
-        let strength = self.strengths[specimen].map(|c| (STRENGTH, c));
-        base.chain(amplitudes).chain(shapes).chain(strength)
     }
 }

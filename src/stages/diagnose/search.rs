@@ -14,9 +14,9 @@ use super::term::{Empirical, Scope, Term, What};
 use crate::numerics::statistics::mean;
 
 /// States that go on to the next size.
-const BEAM: usize = 3;
+const BEAM: usize = 2;
 /// Candidates that are fitted in full from each state.
-const TRIED: usize = 6;
+const TRIED: usize = 5;
 /// Least relative fall of the sum of squares for which an addition is looked at: less has no consequence for any use of the model.
 const LEAST_FALL: f64 = 0.02;
 /// A physical effect is preferred to an empirical dependence that explains up to this much more: of a sensor's or the surface's shape,
@@ -61,7 +61,7 @@ impl<'a> Search<'a> {
     /// A fitted model as a state.
     pub fn state(&self, chosen: Vec<usize>, from: Option<&Fitted>) -> State {
         let model = self.model(&chosen);
-        let fitted = model.fit(from, 2);
+        let fitted = model.fit(from, 1);
         let effective = effective_readings(self.data, &fitted.residuals);
         let criterion = self.criterion(&model, &fitted, effective);
         State {
@@ -161,12 +161,7 @@ impl<'a> Search<'a> {
     fn rank(&self, model: &Model, state: &State) -> Vec<usize> {
         let mut picked: Vec<usize> = Vec::new();
         for scatter in [state.fitted.scatter, USUAL_SCATTER] {
-            let mut fitted = state.fitted.clone();
-            let factor = (state.fitted.scatter / scatter) * (state.fitted.scatter / scatter);
-            for p in &mut fitted.penalty {
-                *p *= factor;
-            }
-            let linear = Linear::new(model, &fitted, self.candidates);
+            let linear = Linear::new(model, &state.fitted, scatter, self.candidates);
             let stand = linear.stand(&linear.all_sessions(), &[]);
             let mut gains: Vec<(f64, usize)> = (0..self.candidates.len())
                 .filter(|c| !state.chosen.contains(c))
@@ -249,16 +244,10 @@ pub fn relative_fall(small: &State, large: &State) -> f64 {
 
 /// What the strengths add to minus twice the log-likelihood.
 fn strengths(model: &Model, fitted: &Fitted) -> f64 {
-    let seen: std::collections::BTreeSet<usize> = model.data.specimen.iter().copied().collect();
     let variance = fitted.scatter * fitted.scatter;
-    let layout = model.layout();
-    seen.iter()
-        .map(|k| {
-            let place = layout.iter().position(|p| *p == super::model::Place::Strength(*k)).unwrap_or(0);
-            let information: f64 = fitted.jacobian.column(place).iter().map(|x| x * x).sum::<f64>() / (fitted.sigma * fitted.sigma);
-            libm::log1p(information * variance) + fitted.strengths[*k] * fitted.strengths[*k] / variance
-        })
-        .sum()
+    let information = model.strength_information(&fitted.traces);
+    let seen = information.iter().zip(&fitted.strengths).filter(|(i, _)| **i > 0.0);
+    seen.map(|(i, u)| libm::log1p(i / (fitted.sigma * fitted.sigma) * variance) + u * u / variance).sum()
 }
 
 /// Readings that are independent: n (1 - r)/(1 + r), with r the correlation of neighbours in a log (Bayley and Hammersley 1946), and not
