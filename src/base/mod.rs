@@ -1,4 +1,5 @@
-//! What everything else stands on: units, column names, tables, diagnostics, errors and seeded random numbers.
+//! What everything else stands on: units, column names, tables, readings and rows, diagnostics, errors and seeded
+//! random numbers.
 //!
 //! Architecture invariant: nothing in here knows a stage, a model, the cache or the command line.
 

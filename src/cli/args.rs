@@ -2,6 +2,7 @@
 
 use crate::cli::check::CheckArgs;
 use crate::cli::predict::PredictArgs;
+use crate::simulate::effects::EFFECTS;
 use clap::{ArgAction, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -46,13 +47,23 @@ pub enum Command {
     )]
     Predict(PredictArgs),
     /// Write a simulated campaign of raw sessions from a truth file
-    #[command(
-        after_help = "Example:\n  pipeline simulate truths/simulated-10mm.toml --out /tmp/campaign --truth-out /tmp/truth.json\n\nThe sessions say in their notes that they are simulated. What was drawn (specimen strengths, zeros) goes to the file named with --truth-out, outside of the campaign's folder."
-    )]
+    #[command(after_help = simulate_help())]
     Simulate(SimulateArgs),
     /// Print all options with their defaults, as a pipeline.toml
     #[command(after_help = "Example:\n  pipeline config > pipeline.toml")]
     Config,
+}
+
+fn simulate_help() -> String {
+    let ids: Vec<&str> = EFFECTS.iter().map(|e| e.id).collect();
+    format!(
+        "Example:\n  pipeline simulate truths/closed-loop-10mm.toml --out /tmp/campaign --truth-out /tmp/truth.json\n\n\
+         The truth file says what is measured (specimens, contractions, points or logs over time), on which rig, and what the models \
+         lack:\n\n  [[effect]]\n  id = \"series_compliance\"\n  c_um_per_n = 6.0\n\nEffects: {}.\n\n\
+         The sessions say in their notes that they are simulated, and nothing of an effect. What was drawn (strengths of specimens, \
+         zeros, sizes of effects) goes to the file named with --truth-out, outside of the campaign's folder.",
+        ids.join(", ")
+    )
 }
 
 /// What is read, and where results are: arguments of every command that runs stages or looks at what they left.
@@ -104,7 +115,7 @@ pub struct RunArgs {
 /// Arguments of `simulate`.
 #[derive(Debug, clap::Args)]
 pub struct SimulateArgs {
-    /// What is true: coefficients, specimens, rig (TOML, schema bpa-truth/1)
+    /// What is true: coefficients, specimens, rig, effects (TOML, schema bpa-truth/1)
     pub truth: PathBuf,
     /// Where the campaign goes
     #[arg(long, value_name = "DIR")]

@@ -1,7 +1,8 @@
 //! The sizes of a campaign's effects: where each acts, and what was drawn.
 
 use super::draw::DrawnSession;
-use super::effect_tables::{EffectTruth, Place, Scatter};
+use super::effect_places::Place;
+use super::effect_tables::{EffectTruth, Scatter};
 use super::effects::Per;
 use super::truth::{Run, Truth};
 use crate::base::random::Stream;

@@ -142,7 +142,7 @@ fn name(entry: &Entry) -> Option<String> {
 #[derive(Debug, Default)]
 pub struct LogColumns {
     /// Value at the beginning and change to the end.
-    lines: Vec<(f64, f64)>,
+    pub(in crate::simulate) lines: Vec<(f64, f64)>,
 }
 
 impl LogColumns {

@@ -7,7 +7,7 @@
 //! | file | idea |
 //! |---|---|
 //! | [`truth`], `truth_lists`, [`coefficients`], [`rig_settings`] | the truth file, strictly read |
-//! | [`calendar`], [`schedule`], [`logged_columns`], [`effect_tables`] | its optional parts: dates, points, columns, effects |
+//! | [`calendar`], [`schedule`], [`logged_columns`], [`effect_tables`], [`effect_places`] | its optional parts: dates, points, columns, effects |
 //! | [`draw`], [`effect_draws`] | strengths, zeros, pressures and sizes of effects, session by session |
 //! | [`staircase`] | pressure over time |
 //! | [`effects`] | one file an effect: operators on the chain |
@@ -25,6 +25,7 @@ pub mod chain;
 pub mod coefficients;
 pub mod draw;
 pub mod effect_draws;
+pub mod effect_places;
 pub mod effect_tables;
 pub mod effects;
 mod log;

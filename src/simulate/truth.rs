@@ -39,7 +39,8 @@
 
 use super::calendar::Calendar;
 use super::coefficients::{Coefficients, read_coefficients};
-use super::effect_tables::{self, EffectTruth, Named};
+use super::effect_places::Named;
+use super::effect_tables::{self, EffectTruth};
 use super::logged_columns::{self, ColumnTruth};
 use super::rig_settings::Rig;
 use super::schedule::Schedule;

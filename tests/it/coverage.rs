@@ -1,8 +1,6 @@
 //! Do the intervals keep their word? A hundred simulated campaigns, every coefficient against the truth.
 
-use pipeline::base::row::Row;
 use pipeline::config::FitOptions;
-use pipeline::models::P_620_KPA;
 use pipeline::simulate::{self, Truth};
 use pipeline::stages::fit::equations::joint;
 use std::collections::BTreeMap;
@@ -32,34 +30,6 @@ fn truth() -> Truth {
     simulate::read_truth("coverage.toml", &text).unwrap_or_else(|d| panic!("{d:?}"))
 }
 
-/// The campaign as rows: the steady readings, normalised as the stages do it.
-pub fn rows(truth: &Truth) -> Vec<Row> {
-    let (drawn, readings) = simulate::rows(truth);
-    readings
-        .iter()
-        .map(|reading| {
-            let session = &drawn.sessions[reading.session];
-            let specimen = drawn.specimen(session);
-            let mut row = Row::blank();
-            row.session = session.id.clone();
-            row.campaign = truth.campaign.clone();
-            row.specimen = specimen.id.clone();
-            row.simulated = true;
-            row.diameter_mm = 10.0;
-            row.rest_length_m = 1e-3 * specimen.rest_length_mm;
-            row.contracted_length_m = 1e-3 * specimen.contracted_length_mm;
-            row.length_m = 1e-3 * session.length_mm;
-            row.pressure_kpa = reading.pressure_kpa;
-            row.force_n = reading.force_n;
-            row.contraction = (row.rest_length_m - row.length_m) / row.rest_length_m;
-            row.contraction_rel =
-                row.contraction * row.rest_length_m / (row.rest_length_m - row.contracted_length_m);
-            row.pressure_rel = row.pressure_kpa / P_620_KPA;
-            row
-        })
-        .collect()
-}
-
 /// Issue: "gives back every coefficient inside its 95% interval in at least 90 of 100 seeds".
 #[test]
 fn every_coefficient_is_inside_its_interval_in_at_least_90_of_100_campaigns() {
@@ -71,8 +41,8 @@ fn every_coefficient_is_inside_its_interval_in_at_least_90_of_100_campaigns() {
     let mut inside: BTreeMap<String, usize> = BTreeMap::new();
     for seed in 0..100 {
         truth.seed = seed;
-        let rows = rows(&truth);
-        let rows: Vec<&Row> = rows.iter().collect();
+        let campaign = simulate::campaign_rows(&truth);
+        let rows: Vec<_> = campaign.rows.iter().collect();
         let joint = joint(10, &rows, &options).unwrap();
         assert_eq!(joint.ci_method, "jackknife by specimen");
         for c in &joint.coefficients {

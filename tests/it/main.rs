@@ -12,4 +12,5 @@ mod predict;
 mod predict_coverage;
 mod rig;
 mod shipped;
+mod simulated;
 mod support;

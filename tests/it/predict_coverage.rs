@@ -1,6 +1,5 @@
 //! Does the interval of a prediction keep its word? Simulated campaigns, and readings of specimens that were not in them.
 
-use crate::coverage::rows;
 use pipeline::base::row::Row;
 use pipeline::config::FitOptions;
 use pipeline::predict::law::choose;
@@ -76,8 +75,8 @@ fn coverage(lengths_mm: &[f64], unseen_mm: &[f64], campaigns: u64) -> (f64, f64)
     let (mut all, mut pulling) = ([0_usize; 2], [0_usize; 2]);
     for seed in 0..campaigns {
         (seen.seed, unseen.seed) = (seed, seed);
-        let fits = [fitted(&rows(&seen))];
-        for row in rows(&unseen) {
+        let fits = [fitted(&simulate::campaign_rows(&seen).rows)];
+        for row in simulate::campaign_rows(&unseen).rows {
             let eps_620 = (row.rest_length_m - row.contracted_length_m) / row.rest_length_m;
             let free = FreeLength::Contraction(eps_620);
             let muscle = Muscle::new(10.0, row.rest_length_m, free).unwrap();

@@ -71,3 +71,16 @@ session = "small-a-c50"
             .all(|s| !toml(s).contains("offset_mm"))
     );
 }
+
+#[test]
+fn a_campaign_of_24_sessions_takes_milliseconds() {
+    let truth = truth(EXAMPLE);
+    let start = std::time::Instant::now();
+    for _ in 0..20 {
+        std::hint::black_box(campaign_rows(&truth));
+    }
+    let mean = start.elapsed() / 20;
+    println!("{mean:?} a campaign");
+    // Wide enough for a loaded machine: it takes 3 ms.
+    assert!(mean.as_millis() < 100, "{mean:?}");
+}

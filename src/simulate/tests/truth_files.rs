@@ -71,3 +71,67 @@ fn what_the_rig_cannot_measure_is_refused() {
         mistake(&text)
     );
 }
+
+#[test]
+fn effects_columns_dates_and_schedules_are_read_as_strictly() {
+    let points = "\"points\"\npressures_kpa = [620, 300]\ndirections = \"up-down\"\n\
+                  ramp_kpa_per_s = [2]\nfirst_date = \"2026-02-30\"\norder = \"shuffeld\"";
+    let tables = r#"
+[[column]]
+name = "force_n"
+[[column]]
+name = "humidity"
+sd_sesion = 3
+[[effect]]
+id = "series_complience"
+[[effect]]
+id = "series_compliance"
+form = "stifening"
+[[effect]]
+id = "series_compliance"
+c_um_per_n = 5000
+specimen = "z"
+[[effect]]
+id = "force_gain"
+gain = 1.1
+per = "log"
+[[effect]]
+id = "specimen_variation"
+form = "two_batch"
+u = 0.1
+[[effect]]
+id = "length_offset"
+offset_mm = 1
+from_session = 5
+growth_per_m = 1
+[[effect]]
+id = "unknown_column"
+k_per_unit = 0.1
+"#;
+    let text = SMALL.replace("\"timeseries\"", points) + tables;
+    let mistakes = read_truth("truth.toml", &text).expect_err("many mistakes");
+    let lines: Vec<String> = mistakes.iter().map(ToString::to_string).collect();
+    for parts in [
+        ["[directions]", "rising"],
+        ["[ramp_kpa_per_s]", "2 numbers, one a run"],
+        ["[first_date]", "a day, ISO 8601"],
+        ["[order]", "did you mean \"shuffled\"?"],
+        ["[column[0].name]", "not taken"],
+        ["[column[1].sd_sesion]", "did you mean `sd_session`?"],
+        ["[effect[0].id]", "did you mean \"series_compliance\"?"],
+        ["[effect[1].form]", "did you mean \"stiffening\"?"],
+        ["[effect[2].c_um_per_n]", "found 5000"],
+        ["[effect[2].specimen]", "a specimen of this file"],
+        ["[effect[3].per]", "`sd` beside it"],
+        ["[effect[4].sd]", "found nothing"],
+        ["[effect[5].from_session]", "found 5"],
+        ["[effect[5].growth_per_m]", "an unknown key"],
+        ["[effect[6].column]", "found nothing"],
+    ] {
+        let found = lines.iter().any(|l| parts.iter().all(|p| l.contains(p)));
+        assert!(found, "{parts:?}: {lines:#?}");
+    }
+    let needs = SMALL.to_owned() + "[[effect]]\nid = \"temperature\"\nk_per_c = -0.003\n";
+    let mistakes = read_truth("truth.toml", &needs).expect_err("no such column");
+    assert!(mistakes[0].to_string().contains("temperature_c"));
+}
