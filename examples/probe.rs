@@ -13,7 +13,7 @@ fn main() {
         groups.entry((r.campaign.clone(), r.diameter_mm as u32)).or_default().push(r);
     }
     for ((campaign, d), rows) in groups {
-        let data = Data::new(&rows);
+        let data = Data::new(&rows).thinned(1500);
         let lengths: std::collections::BTreeSet<u64> = rows.iter().map(|r| r.rest_length_m.to_bits()).collect();
         let base = Base::new(d, true, lengths.len(), &FitOptions::default());
         let candidates = candidates::candidates(&data);

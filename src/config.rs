@@ -36,6 +36,8 @@ pub struct Config {
     pub fit: FitOptions,
     /// Which models are compared.
     pub compare: CompareOptions,
+    /// The residual search.
+    pub diagnose: DiagnoseOptions,
     /// The reports.
     pub report: ReportOptions,
 }
@@ -229,6 +231,39 @@ pub struct CompareOptions {
 }
 
 documented! {
+/// Options of the residual search.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct DiagnoseOptions {
+    /// The model whose residual is searched: "new", "new_published", or the id of another published model.
+    pub base_model: String,
+    /// Whether its coefficients are fitted anew with every effect (of a published model other than the new one: a factor on its force).
+    pub refit: bool,
+    /// Most effects in one answer, at most 5.
+    pub most_effects: usize,
+    /// The search looks at so many readings of a campaign, an equal share of each session.
+    pub most_readings: usize,
+    /// Permutations of each question.
+    pub permutations: usize,
+    /// Seed of permutations and resamples.
+    pub seed: u64,
+}
+}
+
+impl Default for DiagnoseOptions {
+    fn default() -> Self {
+        Self {
+            base_model: "new".to_owned(),
+            refit: true,
+            most_effects: 4,
+            most_readings: 1500,
+            permutations: 1999,
+            seed: 1,
+        }
+    }
+}
+
+documented! {
 /// Options of the report stage.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -291,6 +326,7 @@ impl Config {
             "clean" => CleanOptions::COMMENTS,
             "fit" => FitOptions::COMMENTS,
             "compare" => CompareOptions::COMMENTS,
+            "diagnose" => DiagnoseOptions::COMMENTS,
             "report" => ReportOptions::COMMENTS,
             _ => &[],
         }
@@ -408,6 +444,22 @@ impl Config {
                 id,
                 &format!("ids among {}", ids.join(", ")),
             ));
+        }
+        let d = &self.diagnose;
+        if d.base_model != "new" && !ids.contains(&d.base_model.as_str()) {
+            let expected = format!("new, or one of {}", ids.join(", "));
+            mistakes.push(mistake(file, "diagnose.base_model", &d.base_model, &expected));
+        }
+        let counts = [
+            ("diagnose.most_effects", d.most_effects, 1, crate::stages::diagnose::model::MOST_TERMS),
+            ("diagnose.most_readings", d.most_readings, 100, 100_000),
+            ("diagnose.permutations", d.permutations, 99, 100_000),
+        ];
+        for (key, x, low, high) in counts {
+            if !(low..=high).contains(&x) {
+                let expected = format!("a whole number from {low} to {high}");
+                mistakes.push(mistake(file, key, &x.to_string(), &expected));
+            }
         }
         mistakes
     }

@@ -54,9 +54,9 @@ pub struct Conditions {
     pub middle_rest_length_m: f64,
     /// +1 filling, -1 venting, 0 unknown.
     pub direction: f64,
-    /// Time in the log, counted from the middle of the campaign's, s.
+    /// Time in the log, s.
     pub log_time_s: f64,
-    /// Time in the campaign, from -1/2 for its first session to +1/2 for its last.
+    /// Place of the session in time, from 0 for the campaign's first to 1 for its last.
     pub campaign_time: f64,
     /// Time since the last step of pressure or length, s.
     pub since_step_s: f64,

@@ -23,7 +23,7 @@ const FORMS: &[Form] = &[
     Form {
         name: "along the campaign",
         place: Place::Sensor,
-        equation: "F_meas = F + D (t - 1/2), t from 0 for the first session to 1 for the last",
+        equation: "F_meas = F + D t, t from 0 for the first session to 1 for the last",
         amplitude: Parameter {
             name: "D",
             unit: "N",

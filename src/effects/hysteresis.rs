@@ -98,10 +98,13 @@ pub fn apply<R: Real>(form: usize, [h, _]: [R; 2], at: &Conditions, link: &mut L
     let s = at.direction;
     let pulls = link.force.value() > 0.0;
     match form {
-        0 if pulls => link.force = link.force - h * s,
+        0 if pulls => link.force = (link.force - h * s).positive_part(),
         1 => link.force = link.force - h * s,
         2 => link.force = link.force * (h * -s + 1.0),
-        3 if pulls => link.force = link.force - h * (s * at.pressure_kpa / P_620_KPA),
+        3 if pulls => {
+            let friction = h * (s * at.pressure_kpa / P_620_KPA);
+            link.force = (link.force - friction).positive_part();
+        }
         4 => link.pressure = link.pressure - h * s,
         _ => {}
     }

@@ -85,7 +85,7 @@ pub const OTHER_FORMS: &[Case] = &[
     case("force_drift", "saturating", Staircase, "id = \"force_drift\"\nform = \"saturating\"\nn_per_s = {}", [0.3, 0.8]),
     case("pressure_zero_offset", "gained", Staircase, "id = \"pressure_zero_offset\"\nform = \"gained\"\nzero_kpa = {}", [8.0, 20.0]),
     case("pressure_gain", "curved", Staircase, "id = \"pressure_gain\"\nform = \"curved\"\ngain = {}\nfrom_session = 12", [1.04, 1.1]),
-    case("temperature", "curved", Staircase, "id = \"temperature\"\nform = \"{form}\"\nk_per_c = {}", [-0.005, -0.012]),
+    case("temperature", "quadratic", Staircase, "id = \"temperature\"\nform = \"quadratic\"\nk_per_c = {}", [-0.005, -0.012]),
     case("length_offset", "growing", Staircase, "id = \"length_offset\"\nform = \"growing\"\noffset_mm = {}", [1.0, 3.0]),
     case("series_compliance", "stiffening", Staircase, "id = \"series_compliance\"\nform = \"stiffening\"\nc_um_per_n = {}", [6.0, 12.0]),
     case("misalignment", "turning", Staircase, "id = \"misalignment\"\nform = \"turning\"\nangle_deg = {}\nfrom_session = 12", [15.0, 25.0]),
@@ -118,7 +118,7 @@ impl Case {
             return String::new();
         }
         let number = self.sizes[size as usize];
-        format!("[[effect]]\n{}\n", self.effect.replace("{}", &number.to_string()).replace("{form}", "arrhenius"))
+        format!("[[effect]]\n{}\n", self.effect.replace("{}", &number.to_string()))
     }
 
     /// The number at a size.

@@ -55,9 +55,7 @@ fn parts(what: What, data: &Data) -> Vec<Scope> {
         if !data.missing.contains_key(&effects::Need::CampaignTime) {
             parts.extend((FEWEST_ON_A_SIDE..=sessions - FEWEST_ON_A_SIDE).map(Scope::From));
         }
-        if sessions > specimens {
-            parts.push(Scope::EachSession);
-        }
+        parts.push(Scope::EachSession);
         let groups = data.extras.iter().enumerate().filter(|(_, e)| e.names_groups);
         parts.extend(groups.map(|(k, _)| Scope::Levels(k)));
     }

@@ -125,6 +125,25 @@ impl Data {
         }
     }
 
+    /// At most so many readings: of every session an equal share, evenly spread.
+    pub fn thinned(&self, most: usize) -> Data {
+        let mut of_session: Vec<Vec<usize>> = vec![Vec::new(); self.sessions.len()];
+        for (i, s) in self.session.iter().enumerate() {
+            of_session[*s].push(i);
+        }
+        let share = (most / self.sessions.len().max(1)).max(8);
+        let mut places: Vec<usize> = of_session
+            .into_iter()
+            .flat_map(|list| {
+                let step = (list.len() as f64 / share as f64).max(1.0);
+                let kept = (list.len() as f64 / step).floor() as usize;
+                (0..kept).map(move |k| list[(k as f64 * step) as usize]).collect::<Vec<usize>>()
+            })
+            .collect();
+        places.sort_unstable();
+        self.select(&places)
+    }
+
     /// The specimen of each session.
     pub fn specimen_of_session(&self) -> Vec<usize> {
         let mut of = vec![0; self.sessions.len()];
@@ -190,8 +209,7 @@ fn conditions(rows: &[&Row], data: &Data, dated: bool) -> Vec<Conditions> {
     let middle = 0.5 * (lengths.iter().copied().fold(f64::INFINITY, f64::min) + lengths.iter().copied().fold(0.0, f64::max));
     let temperature = |r: &Row| r.extras.get(TEMPERATURE).copied().unwrap_or(f64::NAN);
     let temperatures = finite(rows.iter().map(|r| temperature(r)).collect());
-    let times = finite(rows.iter().map(|r| r.time_s).collect());
-    let (mean_temperature, mean_time) = (mean(&temperatures), mean(&times));
+    let mean_temperature = mean(&temperatures);
     let cycles_before = cycles_before(data, dated);
     let last = (data.sessions.len() - 1).max(1) as f64;
     let zero_if_nan = |x: f64| if x.is_finite() { x } else { 0.0 };
@@ -210,8 +228,8 @@ fn conditions(rows: &[&Row], data: &Data, dated: bool) -> Vec<Conditions> {
                 Some(Phase::Depressurizing) => -1.0,
                 None => 0.0,
             },
-            log_time_s: zero_if_nan(r.time_s - mean_time),
-            campaign_time: if dated { data.session[i] as f64 / last - 0.5 } else { 0.0 },
+            log_time_s: zero_if_nan(r.time_s),
+            campaign_time: if dated { data.session[i] as f64 / last } else { 0.0 },
             since_step_s: 0.0,
             rate_kpa_per_s: 0.0,
             temperature_c: zero_if_nan(temperature(r) - mean_temperature),

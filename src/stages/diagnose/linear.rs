@@ -68,6 +68,15 @@ pub struct Gain {
     pub parameters: usize,
 }
 
+/// What the readings say of an amplitude.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Information {
+    /// Share of the trace that the refit does not swallow.
+    pub visible: f64,
+    /// Square of what is left of the trace, N^2 by unit of the amplitude squared.
+    pub left: f64,
+}
+
 impl Linear {
     /// The sums at a fitted point, for strengths that scatter by `scatter`.
     pub fn new(model: &Model, fitted: &Fitted, scatter: f64, candidates: &[Term]) -> Self {
@@ -320,6 +329,19 @@ impl Stand<'_> {
             visible,
             amplitude: solution.first().copied().unwrap_or(0.0),
             parameters,
+        }
+    }
+
+    /// What the readings say of a candidate's first amplitude.
+    pub fn information(&self, candidate: usize) -> Information {
+        let Some(column) = self.linear.added[candidate].first() else {
+            return Information { visible: 0.0, left: 0.0 };
+        };
+        let (reduced, own) = self.against(column);
+        let left = (own - dot(&reduced, &reduced)).max(0.0);
+        Information {
+            visible: if own > 0.0 { (left / own).sqrt() } else { 0.0 },
+            left,
         }
     }
 

@@ -8,20 +8,26 @@
 use super::base::Base;
 use super::candidates::choices;
 use super::data::Data;
-use super::linear::{BLIND, Linear};
+use super::linear::{BLIND, Linear, Stand};
 use super::model::{Fitted, MOST_TERMS, Model, USUAL_SCATTER};
 use super::term::{Empirical, Scope, Term, What};
-use crate::numerics::statistics::mean;
+use crate::numerics::statistics::{mean, median};
 
 /// States that go on to the next size.
 const BEAM: usize = 2;
 /// Candidates that are fitted in full from each state.
 const TRIED: usize = 5;
 /// Least relative fall of the sum of squares for which an addition is looked at: less has no consequence for any use of the model.
-const LEAST_FALL: f64 = 0.02;
+pub const LEAST_FALL: f64 = 0.02;
+/// The same relative to the base model: what is left after a strong effect of another shape than the library's is no second effect.
+const LEAST_OF_ALL: f64 = 0.01;
+/// The same for a value of every session: what these explain is in part the misfit of a shape.
+const LEAST_OF_ALL_EACH: f64 = 0.1;
+/// One session (specimen) is looked at by itself if its value stands out so many times above the median of the others'.
+const STANDS_OUT: f64 = 6.0;
 /// A physical effect is preferred to an empirical dependence that explains up to this much more: of a sensor's or the surface's shape,
 /// of an extra column.
-const PREFERENCE: (f64, f64) = (0.85, 0.97);
+pub const PREFERENCE: (f64, f64) = (0.85, 0.97);
 
 /// A model in the beam.
 #[derive(Clone)]
@@ -83,39 +89,73 @@ impl<'a> Search<'a> {
     /// The best model from the base upwards.
     pub fn run(&self) -> State {
         let null = self.state(Vec::new(), None);
-        let mut best = null.clone();
-        let mut beam = vec![null];
-        for _ in 0..self.most.min(MOST_TERMS) {
-            let mut next: Vec<State> = Vec::new();
-            for state in &beam {
-                next.extend(self.expand(state));
-            }
+        let all = rss(&null);
+        let each = |c: &Term| c.scope == Scope::EachSession;
+        // What has a value for every session explains much and predicts nothing, so it comes last.
+        let shared: Vec<usize> = (0..self.candidates.len()).filter(|c| !each(&self.candidates[*c])).collect();
+        let single: Vec<usize> = (0..self.candidates.len()).filter(|c| each(&self.candidates[*c])).collect();
+        let best = self.grow(null, &shared, all, BEAM);
+        let best = self.with_better_forms(self.prune(best, all));
+        self.grow(best, &single, all, 1)
+    }
+
+    /// The best model from a state upwards, with additions from a list.
+    fn grow(&self, from: State, list: &[usize], all: f64, width: usize) -> State {
+        let mut best = from.clone();
+        let mut beam = vec![from];
+        for size in best.chosen.len()..self.most.min(MOST_TERMS) {
+            let mut next: Vec<State> = beam.iter().flat_map(|state| self.expand(state, list)).collect();
             next.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
             next.dedup_by(|a, b| sorted(&a.chosen) == sorted(&b.chosen));
             self.prefer_physics(&mut next, &beam[0]);
-            next.truncate(BEAM);
+            next.truncate(width);
             let Some(first) = next.first() else {
                 break;
             };
-            let improved = self.worth(&best, first);
-            if improved {
+            if self.worth(&best, first, all) {
                 best = first.clone();
-            }
-            beam = next;
-            if !improved && best.chosen.len() + 1 < beam[0].chosen.len() {
+            } else if best.chosen.len() < size {
                 break;
             }
+            beam = next;
         }
-        self.prune(best)
+        best
+    }
+
+    /// The same effects in whichever of their forms explains most: a form that came in early may not be the best beside the others.
+    fn with_better_forms(&self, mut best: State) -> State {
+        for k in 0..best.chosen.len() {
+            let now = &self.candidates[best.chosen[k]];
+            let others: Vec<usize> = (0..self.candidates.len())
+                .filter(|c| now.id().is_some() && self.candidates[*c].id() == now.id() && self.candidates[*c].scope == now.scope)
+                .filter(|c| *c != best.chosen[k])
+                .collect();
+            for c in others {
+                let mut chosen = best.chosen.clone();
+                chosen[k] = c;
+                let state = self.state(chosen, None);
+                if state.criterion < best.criterion {
+                    best = state;
+                }
+            }
+        }
+        best
+    }
+
+    /// By how much a larger model betters the criterion, at its own effective number of readings.
+    pub fn criterion_gain(&self, small: &State, large: &State) -> f64 {
+        self.criterion(&self.model(&small.chosen), &small.fitted, large.effective) - large.criterion
     }
 
     /// Whether a larger model is worth its price: by the criterion at its own effective number of readings, and by a fall that matters.
-    fn worth(&self, small: &State, large: &State) -> bool {
+    fn worth(&self, small: &State, large: &State, all: f64) -> bool {
         let model = self.model(&small.chosen);
-        let at_large = self.criterion(&model, &small.fitted, large.effective);
         let fall = relative_fall(small, large);
+        let of_all = (rss(small) - rss(large)) / all.max(f64::MIN_POSITIVE);
+        let each = large.chosen.iter().filter(|c| !small.chosen.contains(c)).any(|c| self.candidates[*c].scope == Scope::EachSession);
+        let least = if each { LEAST_OF_ALL_EACH } else { LEAST_OF_ALL };
         let between = strengths(&model, &small.fitted) - strengths(&self.model(&large.chosen), &large.fitted);
-        large.criterion < at_large && (fall > LEAST_FALL || between > 6.0)
+        self.criterion_gain(small, large) > 0.0 && ((fall > LEAST_FALL && of_all > least) || between > 6.0)
     }
 
     /// A model with an empirical dependence gives way to a purely physical one of the same size that explains nearly as much.
@@ -144,9 +184,9 @@ impl<'a> Search<'a> {
     }
 
     /// The best additions to a state, each fitted.
-    fn expand(&self, state: &State) -> Vec<State> {
+    fn expand(&self, state: &State, list: &[usize]) -> Vec<State> {
         let model = self.model(&state.chosen);
-        let ranked = self.rank(&model, state);
+        let ranked = self.rank(&model, state, list);
         ranked
             .into_iter()
             .map(|c| {
@@ -158,12 +198,14 @@ impl<'a> Search<'a> {
     }
 
     /// The candidates that would explain most, by the linearised model, with strengths that scatter as fitted and as is usual.
-    fn rank(&self, model: &Model, state: &State) -> Vec<usize> {
+    fn rank(&self, model: &Model, state: &State, list: &[usize]) -> Vec<usize> {
         let mut picked: Vec<usize> = Vec::new();
         for scatter in [state.fitted.scatter, USUAL_SCATTER] {
             let linear = Linear::new(model, &state.fitted, scatter, self.candidates);
             let stand = linear.stand(&linear.all_sessions(), &[]);
-            let mut gains: Vec<(f64, usize)> = (0..self.candidates.len())
+            let mut gains: Vec<(f64, usize)> = list
+                .iter()
+                .copied()
                 .filter(|c| !state.chosen.contains(c))
                 .filter_map(|c| {
                     let gain = stand.gain(c);
@@ -174,11 +216,32 @@ impl<'a> Search<'a> {
                     let inside = self.sign_is_possible(c, gain.amplitude);
                     (gain.visible >= BLIND && better > 0.0 && inside).then_some((better, c))
                 })
+                .filter(|(_, c)| self.stands_out(&stand, *c, list))
                 .collect();
             gains.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
             self.pick_different(&gains, &mut picked);
         }
         picked
+    }
+
+    /// Whether a session or specimen that would get a value of its own differs from all others, and not only from the mean.
+    fn stands_out(&self, stand: &Stand, candidate: usize, list: &[usize]) -> bool {
+        let term = &self.candidates[candidate];
+        let alike = |other: &Scope| match (&term.scope, other) {
+            (Scope::Session(a), Scope::Session(b)) | (Scope::Specimen(a), Scope::Specimen(b)) => a != b,
+            _ => false,
+        };
+        if !matches!(term.scope, Scope::Session(_) | Scope::Specimen(_)) {
+            return true;
+        }
+        let size = |c: usize| stand.gain(c).amplitude.abs();
+        let others: Vec<f64> = list
+            .iter()
+            .copied()
+            .filter(|c| self.candidates[*c].what_is(term) && alike(&self.candidates[*c].scope))
+            .map(size)
+            .collect();
+        size(candidate) > STANDS_OUT * median(&others)
     }
 
     /// The best ones, but not all of one kind: at most two of one effect, and the best empirical one always.
@@ -208,7 +271,7 @@ impl<'a> Search<'a> {
     }
 
     /// Drops what a later addition made superfluous.
-    fn prune(&self, mut best: State) -> State {
+    fn prune(&self, mut best: State, all: f64) -> State {
         loop {
             let smaller = (0..best.chosen.len()).map(|k| {
                 let mut chosen = best.chosen.clone();
@@ -216,7 +279,7 @@ impl<'a> Search<'a> {
                 self.state(chosen, None)
             });
             let superfluous = smaller
-                .filter(|s| !self.worth(s, &best))
+                .filter(|s| !self.worth(s, &best, all))
                 .min_by(|a, b| a.criterion.total_cmp(&b.criterion));
             match superfluous {
                 Some(state) => best = state,

@@ -22,12 +22,12 @@ pub enum What {
     Empirical(Empirical),
 }
 
-/// A dependence without a physical name, each a polynomial of second degree without its constant.
+/// A dependence without a physical name, with two coefficients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Empirical {
     /// F (1 + a x + b x^2), x an extra column by its place in the data.
     Gain(usize),
-    /// F + a x + b x^2.
+    /// F + a x + b: where the column has its zero is not known.
     Offset(usize),
     /// F (1 + a F/S + b F^2/S^2): the force channel is not straight.
     Force,
@@ -107,6 +107,14 @@ impl Term {
         }
     }
 
+    /// Whether both are the same form of one effect.
+    pub fn what_is(&self, other: &Term) -> bool {
+        match (self.what, other.what) {
+            (What::Effect { effect, form, .. }, What::Effect { effect: e, form: f, .. }) => effect == e && form == f,
+            (a, b) => a == b,
+        }
+    }
+
     /// Bounds of the amplitudes.
     pub fn amplitude_bounds(&self) -> (f64, f64) {
         self.form().map_or((-5e3, 5e3), |f| f.amplitude.bounds)
@@ -161,7 +169,7 @@ impl Empirical {
             }
             Empirical::Offset(column) => {
                 let x = data.extras[column].values[i];
-                force + (b * x + a) * x
+                force + a * x + b
             }
             Empirical::Force => {
                 let x = force / FORCE_SCALE_N;
@@ -170,6 +178,35 @@ impl Empirical {
             Empirical::Pressure => {
                 let x = data.conditions[i].pressure_kpa / P_620_KPA;
                 force * ((b * x + a) * x + 1.0)
+            }
+        }
+    }
+
+    /// How the force depends on the column with these coefficients: "gain" (relative) or "offset" (N), and its curve over the range
+    /// of the column.
+    pub fn curve(self, data: &Data, [a, b]: [f64; 2]) -> (&'static str, Vec<(f64, f64)>) {
+        let spread = |values: &mut dyn Iterator<Item = f64>| {
+            let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            (0..=20).map(|k| low + f64::from(k) / 20.0 * (high - low)).collect::<Vec<f64>>()
+        };
+        match self {
+            Empirical::Gain(k) | Empirical::Offset(k) => {
+                let extra = &data.extras[k];
+                let gain = matches!(self, Empirical::Gain(_));
+                let at = |x: f64| if gain { (b * x + a) * x } else { a * x + b };
+                let points = spread(&mut extra.values.iter().copied());
+                let curve = points.into_iter().map(|x| (extra.scale.0 + extra.scale.1 * x, at(x))).collect();
+                (if gain { "gain" } else { "offset" }, curve)
+            }
+            Empirical::Force => {
+                let points = spread(&mut data.force.iter().copied());
+                let at = |f: f64| (b * f / FORCE_SCALE_N + a) * f / FORCE_SCALE_N;
+                ("gain", points.into_iter().map(|f| (f, at(f))).collect())
+            }
+            Empirical::Pressure => {
+                let points = spread(&mut data.conditions.iter().map(|c| c.pressure_kpa));
+                let at = |p: f64| (b * p / P_620_KPA + a) * p / P_620_KPA;
+                ("gain", points.into_iter().map(|p| (p, at(p))).collect())
             }
         }
     }

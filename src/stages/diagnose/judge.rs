@@ -1,0 +1,309 @@
+//! Which of the chosen additions may be believed, and what is said of each.
+//!
+//! An addition stays only if its t is significant after correction for all candidates, if the criterion still wants it, if its size lies
+//! inside its physical bounds, if it lowers the error on readings that took no part by more than that improvement's standard error
+//! in most folds, and if it is chosen again in nine of ten resamples of the specimens.
+
+use super::data::Data;
+use super::findings::Rejected;
+use super::folds::{Fold, Tally};
+use super::linear::Linear;
+use super::model::{Fitted, Model, Place};
+use super::search::{Search, State, relative_fall};
+use super::term::{Empirical, Scope, Term, What};
+use super::uncertainty::{Uncertainty, uncertainties};
+use crate::base::random::Stream;
+use crate::numerics::distributions::f_upper_tail;
+use std::collections::BTreeSet;
+
+/// Largest corrected p of an addition.
+pub const SIGNIFICANT: f64 = 0.01;
+/// Least part of the resamples in which it is chosen again.
+pub const CHOSEN_AGAIN: f64 = 0.9;
+/// Least part of the folds in which it helps.
+pub const HELPS: f64 = 0.5;
+const RESAMPLES: usize = 40;
+/// Two traces with a larger cosine are one class.
+pub const ALIKE: f64 = 0.9;
+
+/// What is known of one chosen addition.
+#[derive(Clone, Debug)]
+pub struct Judgement {
+    /// Place in the list of candidates.
+    pub candidate: usize,
+    /// Its p, times the number of candidates.
+    pub p_adjusted: f64,
+    /// Gain in the criterion.
+    pub criterion_gain: f64,
+    /// Share of the sum of squares that only it explains.
+    pub share: f64,
+    /// Part of the resamples that choose it or one of its class.
+    pub chosen_again: f64,
+    /// Part of the folds in which it lowers the held-out error by more than a standard error.
+    pub helps: f64,
+    /// Held-out error without it and with it, own strengths, N.
+    pub held_out: (f64, f64),
+    /// RMSE of training without it and with it, strengths included, N.
+    pub train: (f64, f64),
+    /// Candidates that it cannot be told from.
+    pub class: Vec<usize>,
+    /// Why it goes, if it does.
+    pub fails: Option<String>,
+}
+
+/// Removes what fails, worst first, until all that is left passes.
+pub fn judged(search: &Search, mut state: State, folds: &[Fold], seed: u64) -> (State, Vec<Judgement>, Vec<Rejected>) {
+    let mut rejected = Vec::new();
+    loop {
+        let judgements: Vec<Judgement> = (0..state.chosen.len()).map(|k| judge(search, &state, k, folds, seed)).collect();
+        let worst = judgements
+            .iter()
+            .enumerate()
+            .filter(|(_, j)| j.fails.is_some())
+            .min_by(|a, b| a.1.share.total_cmp(&b.1.share))
+            .map(|(k, _)| k);
+        let Some(k) = worst else {
+            return (state, judgements, rejected);
+        };
+        let term = &search.candidates[state.chosen[k]];
+        rejected.push(Rejected {
+            id: name(term, search.data),
+            acts_on: acts_on(term, search.data),
+            share: judgements[k].share,
+            why: judgements[k].fails.clone().unwrap_or_default(),
+        });
+        let mut chosen = state.chosen.clone();
+        chosen.remove(k);
+        state = search.state(chosen, None);
+    }
+}
+
+fn judge(search: &Search, state: &State, k: usize, folds: &[Fold], seed: u64) -> Judgement {
+    let candidate = state.chosen[k];
+    let term = &search.candidates[candidate];
+    let mut others = state.chosen.clone();
+    others.remove(k);
+    let without = search.state(others, None);
+    let model = search.model(&state.chosen);
+    let p = probability(search, state, &without, &model, k);
+    let class = class(search, &without, candidate);
+    let chosen_again = chosen_again(search, &without, candidate, &class, seed);
+    let by_log;
+    let used = if matches!(term.scope, Scope::Whole | Scope::From(_) | Scope::Levels(_)) {
+        folds
+    } else {
+        by_log = log_folds(search.data);
+        &by_log
+    };
+    let (helps, held_out) = helps(search, state, &without, used);
+    let mut judgement = Judgement {
+        candidate,
+        p_adjusted: (p * search.candidates.len() as f64).min(1.0),
+        criterion_gain: search.criterion_gain(&without, state),
+        share: relative_fall(&without, state),
+        chosen_again,
+        helps,
+        held_out,
+        train: (without.fitted.sigma, state.fitted.sigma),
+        class,
+        fails: None,
+    };
+    judgement.fails = failure(&judgement, term, &state.fitted.terms[k].0);
+    judgement
+}
+
+fn failure(j: &Judgement, term: &Term, amplitudes: &[f64]) -> Option<String> {
+    let (low, high) = term.amplitude_bounds();
+    let at_bound = amplitudes.iter().any(|a| (*a <= low && low != 0.0) || *a >= high);
+    if j.p_adjusted.is_nan() || j.p_adjusted > SIGNIFICANT {
+        Some(format!("not significant: p = {:.2} after correction", j.p_adjusted))
+    } else if j.criterion_gain <= 0.0 {
+        Some("does not pay for its parameters".to_owned())
+    } else if at_bound {
+        Some("its size runs to a physical bound".to_owned())
+    } else if j.helps < HELPS {
+        Some(format!("lowers the held-out error in {:.0}% of the folds only", 100.0 * j.helps))
+    } else if j.chosen_again < CHOSEN_AGAIN {
+        Some(format!("chosen again in {:.0}% of the resamples of the specimens only", 100.0 * j.chosen_again))
+    } else {
+        None
+    }
+}
+
+/// Probability of the estimate by chance: of the t of one amplitude, or of the F of many.
+fn probability(search: &Search, state: &State, without: &State, model: &Model, k: usize) -> f64 {
+    let (amplitudes, second) = &state.fitted.terms[k];
+    let layout = model.layout();
+    if amplitudes.len() > 1 {
+        let m = amplitudes.len() as f64;
+        let freedom = (state.effective - layout.len() as f64).max(2.0);
+        let (large, small) = (super::search::rss(state), super::search::rss(without));
+        return f_upper_tail(((small - large) / m).max(0.0) / (large / freedom), m, freedom);
+    }
+    let all: Vec<Uncertainty> = uncertainties(model, &state.fitted, state.effective);
+    let p_of = |place: Place, value: f64| layout.iter().position(|p| *p == place).map_or(1.0, |i| all[i].p(value));
+    let first = p_of(Place::Amplitude(k, 0), amplitudes[0]);
+    let empirical = matches!(search.candidates[state.chosen[k]].what, What::Empirical(_));
+    if empirical { (2.0 * first.min(p_of(Place::Shape(k), *second))).min(1.0) } else { first }
+}
+
+/// The candidates that leave the same trace on the same readings.
+fn class(search: &Search, without: &State, candidate: usize) -> Vec<usize> {
+    let model = search.model(&without.chosen);
+    let linear = Linear::new(&model, &without.fitted, without.fitted.scatter, search.candidates);
+    let stand = linear.stand(&linear.all_sessions(), &[]);
+    let term = &search.candidates[candidate];
+    let same_place = |c: &usize| {
+        let other = &search.candidates[*c];
+        *c != candidate && other.acts_on == term.acts_on && other.id().is_some() && other.id() != term.id()
+    };
+    (0..search.candidates.len()).filter(same_place).filter(|c| stand.cosine(candidate, *c).abs() > ALIKE).collect()
+}
+
+/// In which part of the resamples of the specimens the candidate, or one of its class, explains most of what is left without it.
+fn chosen_again(search: &Search, without: &State, candidate: usize, class: &[usize], seed: u64) -> f64 {
+    let data = search.data;
+    let model = search.model(&without.chosen);
+    let linear = Linear::new(&model, &without.fitted, without.fitted.scatter, search.candidates);
+    let term = &search.candidates[candidate];
+    let specimens: Vec<usize> = data.specimen.iter().copied().collect::<BTreeSet<usize>>().into_iter().collect();
+    let of = data.specimen_of_session();
+    let mut stream = Stream::new(seed, &["resamples of specimens"]);
+    let whole = |c: &usize| {
+        let other = &search.candidates[*c];
+        other.scope == Scope::Whole && !without.chosen.contains(c)
+    };
+    let rivals: Vec<usize> = (0..search.candidates.len())
+        .filter(whole)
+        .filter(|c| *c != candidate && !class.contains(c) && search.candidates[*c].id() != term.id())
+        .collect();
+    let mut again = 0;
+    for _ in 0..RESAMPLES {
+        let mut count = vec![0.0; data.specimens.len()];
+        for _ in 0..specimens.len() {
+            count[specimens[stream.below(specimens.len())]] += 1.0;
+        }
+        if let Scope::Specimen(k) = term.scope {
+            count[k] = f64::max(count[k], 1.0);
+        }
+        let weights: Vec<f64> = of.iter().map(|k| count[*k]).collect();
+        let stand = linear.stand(&weights, &[]);
+        let own = stand.gain(candidate).fall;
+        let needs = |c: &usize| {
+            let share = match search.candidates[*c].what {
+                What::Empirical(Empirical::Force | Empirical::Pressure) => super::search::PREFERENCE.0,
+                _ => super::search::PREFERENCE.1,
+            };
+            share * stand.gain(*c).fall
+        };
+        again += usize::from(own > 0.0 && rivals.iter().all(|c| needs(c) <= own));
+    }
+    again as f64 / RESAMPLES as f64
+}
+
+/// Folds that leave every session in: a third of its logs (of its readings, where it has fewer than three) at a time.
+fn log_folds(data: &Data) -> Vec<Fold> {
+    let mut logs: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); data.sessions.len()];
+    for i in 0..data.len() {
+        logs[data.session[i]].insert(data.log[i]);
+    }
+    let many = logs.iter().filter(|l| !l.is_empty()).all(|l| l.len() >= 3);
+    let part = |i: usize| {
+        if many {
+            logs[data.session[i]].iter().position(|l| *l == data.log[i]).unwrap_or(0) % 3
+        } else {
+            i % 3
+        }
+    };
+    (0..3)
+        .map(|k| Fold {
+            unit: format!("third {}", k + 1),
+            train: (0..data.len()).filter(|i| part(*i) != k).collect(),
+            held_out: (0..data.len()).filter(|i| part(*i) == k).collect(),
+        })
+        .collect()
+}
+
+/// In which part of the folds the held-out error falls by more than a standard error, and the errors.
+fn helps(search: &Search, with: &State, without: &State, folds: &[Fold]) -> (f64, (f64, f64)) {
+    let (mut helped, mut counted) = (0, 0);
+    let (mut before, mut after) = (Tally::default(), Tally::default());
+    for fold in folds {
+        let train = search.data.select(&fold.train);
+        let held = search.data.select(&fold.held_out);
+        if held.is_empty() || train.is_empty() {
+            continue;
+        }
+        let b = squared_errors(search, without, &train, &held);
+        let a = squared_errors(search, with, &train, &held);
+        before = before.plus(b.0);
+        after = after.plus(a.0);
+        let gains: Vec<f64> = b.1.iter().zip(&a.1).map(|(x, y)| x - y).collect();
+        counted += 1;
+        helped += usize::from(more_than_its_error(&gains, &held));
+    }
+    let part = if counted > 0 { f64::from(helped as u32) / f64::from(counted as u32) } else { 0.0 };
+    (part, (before.rmse_own_strength(), after.rmse_own_strength()))
+}
+
+/// The tally and the squared error of each held-out reading, each specimen's own factor taken off.
+fn squared_errors(search: &Search, state: &State, train: &Data, held: &Data) -> (Tally, Vec<f64>) {
+    let terms: Vec<Term> = state.chosen.iter().map(|c| search.candidates[*c].clone()).collect();
+    let fitted = refit(search, terms.clone(), &state.fitted, train);
+    let there = Model {
+        base: search.base,
+        data: held,
+        terms,
+    };
+    let predicted = there.predict(&fitted, true);
+    let product: f64 = held.force.iter().zip(&predicted).map(|(y, f)| y * f).sum();
+    let square: f64 = predicted.iter().map(|f| f * f).sum();
+    let factor = if square > 0.0 { product / square } else { 1.0 };
+    let squares = held.force.iter().zip(&predicted).map(|(y, f)| (y - factor * f) * (y - factor * f)).collect();
+    (Tally::of(&held.force, &predicted), squares)
+}
+
+/// The same terms fitted to other readings; specimens that are not among them have the mean strength.
+pub fn refit(search: &Search, terms: Vec<Term>, from: &Fitted, train: &Data) -> Fitted {
+    let model = Model {
+        base: search.base,
+        data: train,
+        terms,
+    };
+    model.fit(Some(from), 0)
+}
+
+/// Whether the mean gain over sessions (over logs, where there are fewer than three sessions) exceeds its standard error.
+fn more_than_its_error(gains: &[f64], held: &Data) -> bool {
+    let sessions: BTreeSet<usize> = held.session.iter().copied().collect();
+    let group = if sessions.len() >= 3 { &held.session } else { &held.log };
+    let groups: BTreeSet<usize> = group.iter().copied().collect();
+    let sums: Vec<f64> = groups.iter().map(|g| gains.iter().zip(group).filter(|(_, h)| *h == g).map(|(x, _)| x).sum()).collect();
+    let n = sums.len() as f64;
+    let mean = sums.iter().sum::<f64>() / n;
+    if sums.len() < 2 {
+        return mean > 0.0;
+    }
+    let variance = sums.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (n - 1.0);
+    mean > (variance / n).sqrt()
+}
+
+/// Id of an effect, or the column of an empirical dependence.
+pub fn name(term: &Term, data: &Data) -> String {
+    match term.what {
+        What::Empirical(e) => e.column(data),
+        What::Effect { .. } => term.id().unwrap_or_default().to_owned(),
+    }
+}
+
+/// Where a term acts, in words.
+pub fn acts_on(term: &Term, data: &Data) -> String {
+    match term.scope {
+        Scope::Whole => "all readings".to_owned(),
+        Scope::Session(s) => format!("session {}", data.sessions[s]),
+        Scope::From(s) => format!("session {} and all after it", data.sessions[s]),
+        Scope::Specimen(k) => format!("specimen {}", data.specimens[k]),
+        Scope::EachSession => "every session, each with its own value".to_owned(),
+        Scope::Levels(k) => format!("the levels of {}, each with its own value", data.extras[k].name),
+    }
+}
