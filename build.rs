@@ -26,13 +26,26 @@ const STAGES: &[(&str, &[&str])] = &[
         &["base", "models", "numerics", "stages/fit", "stages/compare"],
     ),
     (
+        "DIAGNOSE",
+        &[
+            "base",
+            "effects",
+            "models",
+            "numerics",
+            "stages/fit",
+            "stages/diagnose",
+        ],
+    ),
+    (
         "REPORT",
         &[
             "audit",
             "base",
+            "effects",
             "models",
             "numerics",
             "report",
+            "stages/diagnose/findings.rs",
             "stages/report.rs",
         ],
     ),

@@ -7,6 +7,7 @@ pub mod columns;
 pub mod diagnostics;
 pub mod error;
 pub mod frame;
+pub mod json;
 pub mod names;
 pub mod normalized;
 pub mod random;

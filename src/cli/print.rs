@@ -3,8 +3,9 @@
 use crate::base::diagnostics::{Diagnostic, Severity};
 use crate::base::error::{Error, Result};
 use crate::cache::reason::one_line;
-use crate::run::{Outcome, STAGES};
+use crate::run::{Answer, Outcome, STAGES};
 use crate::simulate::Campaign;
+use crate::stages::diagnose::findings::Verdict;
 use serde_json::json;
 use std::io::Write;
 use std::path::Path;
@@ -101,7 +102,8 @@ pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> R
         return print_json(&json!({
             "sessions": outcome.sessions, "computed": work_json(outcome), "up_to_date": outcome.fresh,
             "rejected_sessions": rejected, "rejected_logs": logs, "files_written": paths(&outcome.written),
-            "reports": paths(&outcome.pdfs),
+            "reports": paths(&outcome.pdfs), "findings": outcome.findings_file.as_ref().map(|f| f.display().to_string()),
+            "new_answers": outcome.answers,
         }));
     }
     if explain {
@@ -129,10 +131,33 @@ pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> R
             outcome.written.len()
         ));
     }
+    for answer in &outcome.answers {
+        let Answer {
+            campaign,
+            diameter_mm,
+            summary,
+            ..
+        } = answer;
+        let verdict = verdict(answer.verdict);
+        line(format!(
+            "{campaign}, {diameter_mm} mm: {verdict}. {summary}"
+        ));
+    }
+    if let Some(file) = &outcome.findings_file {
+        line(format!("findings: {}", file.display()));
+    }
     for pdf in &outcome.pdfs {
         line(format!("report: {}", pdf.display()));
     }
     Ok(())
+}
+
+fn verdict(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::EffectFound => "effect found",
+        Verdict::None => "none",
+        Verdict::Unexplained => "unexplained",
+    }
 }
 
 /// What would run.

@@ -6,6 +6,8 @@ use crate::base::reject::Reject;
 use crate::base::row::Row;
 use crate::stages::clean::CleanHeader;
 use crate::stages::compare::{GroupComparison, Predictions};
+use crate::stages::diagnose::Diagnosis;
+use crate::stages::diagnose::findings::CampaignFindings;
 use crate::stages::fit::GroupFit;
 use crate::stages::ingest::IngestHeader;
 
@@ -42,6 +44,8 @@ pub struct GroupInput {
     pub comparison: GroupComparison,
     /// The rows with every model's prediction.
     pub predictions: Predictions,
+    /// What the base model lacks; none for groups that were not asked.
+    pub diagnosis: Option<Diagnosis>,
 }
 
 /// The samples of one log, to be drawn.
@@ -94,6 +98,12 @@ pub struct ReportInput {
 }
 
 impl ReportInput {
+    /// What was found, campaign by campaign.
+    pub fn findings(&self) -> impl Iterator<Item = &CampaignFindings> {
+        let diagnoses = self.groups.iter().filter_map(|g| g.diagnosis.as_ref());
+        diagnoses.map(|d| &d.findings)
+    }
+
     /// Whether a session's data are simulated, by its id.
     pub fn is_simulated(&self, session: &str) -> bool {
         self.sessions

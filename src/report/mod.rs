@@ -8,12 +8,14 @@
 //! | [`tables`] | one file a table |
 //! | [`plot`] | journal figures on plotters: axes, layers, legends |
 //! | [`figures`] | one file a figure |
+//! | [`answers`] | the words of a diagnosis |
 //! | [`force`] | the pages of `force.pdf` |
 //! | [`audit`] | the pages of `audit.pdf` |
 //! | [`typeset`], [`raster`], [`fonts`] | pages through Typst, figures as PNG, the bundled fonts |
 //!
 //! Architecture invariant: only this folder knows plotters and Typst, and it computes no statistic: every number comes from a stage.
 
+pub mod answers;
 pub mod audit;
 pub mod figures;
 pub mod fonts;

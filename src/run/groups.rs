@@ -1,4 +1,4 @@
-//! The stages of one group of rows: fit and compare.
+//! The stages of one group of rows: fit, compare and diagnose.
 
 use crate::base::error::{Error, Result};
 use crate::base::frame::{Frame, Values};
@@ -8,9 +8,11 @@ use crate::cache::Digest;
 use crate::cache::store::Outputs;
 use crate::config::{Config, FitOptions, flatten};
 use crate::formats::discover::Discovery;
+use crate::run::diagnosis;
 use crate::run::engine::{self, Engine, Stage, Step};
 use crate::run::sessions::{ROWS, SessionResult};
 use crate::stages::compare::{self, GroupComparison, Predictions};
+use crate::stages::diagnose::Diagnosis;
 use crate::stages::fit::{self, Group, GroupFit};
 use std::collections::BTreeMap;
 
@@ -39,6 +41,8 @@ pub struct GroupResult {
     pub fit: Step,
     /// Compare.
     pub compare: Step,
+    /// Diagnose; none for a group of several campaigns.
+    pub diagnose: Option<Step>,
 }
 
 /// The groups among the isometric sessions found.
@@ -72,39 +76,72 @@ pub fn process(
     config: &Config,
 ) -> Result<GroupResult> {
     let members = members(group, discovery, sessions);
-    let unit = format!("{} {} mm", group.campaign, group.diameter_mm);
+    let unit = unit(group);
     let mut inputs = BTreeMap::from([("group".to_owned(), Digest::of(&json(group)?))]);
     for member in &members {
         match member.normalize.entry().and_then(|e| e.outputs.get(ROWS)) {
             Some(object) => inputs.insert(member.id.clone(), object.digest.clone()),
-            None => {
-                return Ok(GroupResult {
-                    group: group.clone(),
-                    fit: engine.waits(FIT, &unit, &format!("normalize of {}", member.id))?,
-                    compare: engine.waits(COMPARE, &unit, "fit")?,
-                });
-            }
+            None => return all_wait(engine, group, &format!("normalize of {}", member.id)),
         };
     }
-    let options = flatten("fit", &config.fit)?;
-    let fit = engine.step(FIT, &unit, options.clone(), inputs.clone(), || {
-        let fit = fit::fit_group(group, &rows(engine, &members)?, &config.fit);
-        Ok(Outputs::from([(FIT_JSON.to_owned(), json(&fit)?)]))
-    })?;
+    let fit = engine.step(
+        FIT,
+        &unit,
+        flatten("fit", &config.fit)?,
+        inputs.clone(),
+        || {
+            let fit = fit::fit_group(group, &rows(engine, &members)?, &config.fit);
+            Ok(Outputs::from([(FIT_JSON.to_owned(), json(&fit)?)]))
+        },
+    )?;
+    let compare = compare_step(engine, &unit, &fit, inputs.clone(), &members, config)?;
+    let diagnose = diagnosis::is_asked(group).then(|| {
+        let rows = || rows(engine, &members);
+        diagnosis::step(engine, group, &unit, inputs, rows, config)
+    });
+    Ok(GroupResult {
+        group: group.clone(),
+        fit,
+        compare,
+        diagnose: diagnose.transpose()?,
+    })
+}
+
+/// A group as its units are named.
+fn unit(group: &Group) -> String {
+    format!("{} {} mm", group.campaign, group.diameter_mm)
+}
+
+/// A dry run in which a session of the group is still to be read.
+fn all_wait(engine: &Engine, group: &Group, on: &str) -> Result<GroupResult> {
+    let unit = unit(group);
+    let diagnose = diagnosis::is_asked(group).then_some(diagnosis::DIAGNOSE);
+    Ok(GroupResult {
+        group: group.clone(),
+        fit: engine.waits(FIT, &unit, on)?,
+        compare: engine.waits(COMPARE, &unit, "fit")?,
+        diagnose: diagnose.map(|s| engine.waits(s, &unit, on)).transpose()?,
+    })
+}
+
+fn compare_step(
+    engine: &Engine,
+    unit: &str,
+    fit: &Step,
+    mut inputs: BTreeMap<String, Digest>,
+    members: &[&SessionResult],
+    config: &Config,
+) -> Result<Step> {
     let Some(object) = fit.entry().and_then(|e| e.outputs.get(FIT_JSON)) else {
-        return Ok(GroupResult {
-            group: group.clone(),
-            fit,
-            compare: engine.waits(COMPARE, &unit, "fit")?,
-        });
+        return engine.waits(COMPARE, unit, "fit");
     };
     inputs.insert(FIT_JSON.to_owned(), object.digest.clone());
-    let mut options = options;
+    let mut options = flatten("fit", &config.fit)?;
     options.extend(flatten("compare", &config.compare)?);
-    let compare = engine.step(COMPARE, &unit, options, inputs, || {
+    engine.step(COMPARE, unit, options, inputs, || {
         let fitted: GroupFit =
-            serde_json::from_slice(&engine.read(&fit, FIT_JSON)?).map_err(Error::internal)?;
-        let rows = rows(engine, &members)?;
+            serde_json::from_slice(&engine.read(fit, FIT_JSON)?).map_err(Error::internal)?;
+        let rows = rows(engine, members)?;
         let (comparison, predictions) =
             compare::compare(&fitted, &rows, &config.compare, &config.fit);
         Ok(Outputs::from([
@@ -114,11 +151,6 @@ pub fn process(
                 predictions_frame(&predictions).to_parquet()?,
             ),
         ]))
-    })?;
-    Ok(GroupResult {
-        group: group.clone(),
-        fit,
-        compare,
     })
 }
 
@@ -181,6 +213,17 @@ impl GroupResult {
     pub fn compared(&self, engine: &Engine) -> Result<GroupComparison> {
         serde_json::from_slice(&engine.read(&self.compare, COMPARISON_JSON)?)
             .map_err(Error::internal)
+    }
+
+    /// The diagnosis; none for a group of several campaigns, or of too few readings.
+    ///
+    /// # Errors
+    /// A damaged entry.
+    pub fn diagnosed(&self, engine: &Engine) -> Result<Option<Diagnosis>> {
+        match &self.diagnose {
+            Some(step) => diagnosis::diagnosis(engine, step),
+            None => Ok(None),
+        }
     }
 
     /// The predictions of every model on the group's rows.

@@ -20,10 +20,13 @@ pub struct Written {
     pub changed: Vec<PathBuf>,
     /// The reports.
     pub pdfs: Vec<PathBuf>,
+    /// The findings.
+    pub findings: Option<PathBuf>,
 }
 
 const DERIVED: &str = "derived/";
 const REPORTS: &str = "reports/";
+const FINDINGS: &str = "reports/findings.json";
 const LIST: &str = "materialized.json";
 const PROVENANCE: &str = "provenance.json";
 
@@ -57,6 +60,8 @@ pub fn materialize(
             .is_some_and(|n| n.ends_with(".pdf") && !n.contains('/'));
         if is_report {
             written.pdfs.push(path);
+        } else if name == FINDINGS {
+            written.findings = Some(path);
         }
         present.insert(name.clone(), object.digest.clone());
     }

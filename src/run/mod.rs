@@ -3,11 +3,13 @@
 //! ```text
 //! raw/…/session.toml + logs ── ingest ── clean ── normalize ──┐   one unit a session, in parallel
 //!                                                             ├── fit ── compare ──┐   one unit a group
+//!                                                             ├── diagnose ────────┤   one unit a campaign and diameter
 //!                                                             └────────────────────┴── report   one unit
 //! ```
 //! Everything that a stage reads comes through [`engine::Engine::step`], which derives its key; a stage function itself is pure: values
 //! in, values out. The result is independent of the number of jobs, because units meet only in sorted collections.
 
+pub mod diagnosis;
 pub mod engine;
 pub mod groups;
 pub mod materialize;
@@ -19,13 +21,23 @@ use crate::base::error::{Error, Result};
 use crate::base::reject::Extent;
 use crate::config::Config;
 use crate::formats::discover::{Discovery, discover};
-use engine::{Engine, Work};
+use crate::stages::diagnose::findings::Verdict;
+use engine::{Engine, Step, Work};
 use rayon::prelude::*;
+use serde::Serialize;
 use sessions::SessionResult;
 use std::path::{Path, PathBuf};
 
 /// The stages, in order, as users name them.
-pub const STAGES: &[&str] = &["ingest", "clean", "normalize", "fit", "compare", "report"];
+pub const STAGES: &[&str] = &[
+    "ingest",
+    "clean",
+    "normalize",
+    "fit",
+    "compare",
+    "diagnose",
+    "report",
+];
 
 /// What a run is to do.
 #[derive(Clone, Debug)]
@@ -67,6 +79,23 @@ pub struct Outcome {
     pub written: Vec<PathBuf>,
     /// Reports that exist now.
     pub pdfs: Vec<PathBuf>,
+    /// Where the findings are, of everything that was diagnosed.
+    pub findings_file: Option<PathBuf>,
+    /// The answers that are new.
+    pub answers: Vec<Answer>,
+}
+
+/// The answer for one campaign and diameter, in short.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Answer {
+    /// Campaign id.
+    pub campaign: String,
+    /// Uninflated inner diameter, mm.
+    pub diameter_mm: u32,
+    /// What was found.
+    pub verdict: Verdict,
+    /// One sentence for it.
+    pub summary: String,
 }
 
 /// Hears how far a run is.
@@ -146,7 +175,27 @@ fn drive(
     let mut outcome = summary(engine, discovery, &results)?;
     outcome.pdfs = written.pdfs;
     outcome.written = written.changed;
+    outcome.findings_file = written.findings;
+    outcome.answers = answers(engine, &group_results)?;
     Ok(outcome)
+}
+
+/// The answers that this run has computed.
+fn answers(engine: &Engine, groups: &[groups::GroupResult]) -> Result<Vec<Answer>> {
+    let mut answers = Vec::new();
+    for step in groups.iter().filter_map(|g| g.diagnose.as_ref()) {
+        if let Step::Done(..) = step
+            && let Some(found) = diagnosis::findings(engine, step)?
+        {
+            answers.push(Answer {
+                campaign: found.campaign,
+                diameter_mm: found.diameter_mm,
+                verdict: found.verdict,
+                summary: found.summary,
+            });
+        }
+    }
+    Ok(answers)
 }
 
 fn check_raw(raw: &Path) -> Result<()> {

@@ -55,6 +55,13 @@ pub fn process(
         let name = format!("{} {} mm", result.group.campaign, result.group.diameter_mm);
         inputs.insert(format!("{name} fit"), digest_of(f));
         inputs.insert(format!("{name} compare"), digest_of(c));
+        if let Some(diagnose) = &result.diagnose {
+            let Some(d) = diagnose.entry() else {
+                engine.waits(REPORT, UNIT, &format!("diagnose of {name}"))?;
+                return Ok(Written::default());
+            };
+            inputs.insert(format!("{name} diagnose"), digest_of(d));
+        }
     }
     let mut keyed = flatten("report", &options.config.report)?;
     keyed.extend(flatten("fit", &options.config.fit)?);
@@ -150,6 +157,7 @@ fn gather(
                 fit: g.fitted(engine)?,
                 comparison: g.compared(engine)?,
                 predictions: g.predictions(engine)?,
+                diagnosis: g.diagnosed(engine)?,
             })
         })
         .collect::<Result<_>>()?;

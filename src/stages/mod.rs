@@ -1,4 +1,4 @@
-//! The stages, in the order in which they run: ingest, clean, normalize, fit, compare, report.
+//! The stages, in the order in which they run: ingest, clean, normalize, fit, compare, diagnose, report.
 //!
 //! A stage is a pure function from values to values, errors among them. It knows neither the cache nor the command line; what it
 //! reads and writes, and under which key, is [`crate::run`]'s business.

@@ -15,6 +15,7 @@ use crate::report::render::{self, Renderer};
 use crate::report::table::{Cell, Column, Table};
 use crate::report::tables;
 use crate::stages::compare::GroupComparison;
+use crate::stages::diagnose::findings::{Findings, SCHEMA};
 use crate::stages::fit::{GroupFit, is_usable, split};
 use rayon::prelude::*;
 use serde_json::json;
@@ -77,8 +78,20 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
         }
         names.push(format!("tables/{}.csv", table.id));
     }
+    outputs.insert("reports/findings.json".to_owned(), findings_json(input)?);
     outputs.insert("reports/summary.json".to_owned(), summary(input, &names)?);
     Ok(outputs)
+}
+
+/// `reports/findings.json`: what was found in every campaign. A number that is not finite is null.
+fn findings_json(input: &ReportInput) -> Result<Vec<u8>> {
+    let findings = Findings {
+        schema: SCHEMA.to_owned(),
+        campaigns: input.findings().cloned().collect(),
+    };
+    let mut bytes = serde_json::to_vec_pretty(&findings).map_err(Error::internal)?;
+    bytes.push(b'\n');
+    Ok(bytes)
 }
 
 /// `derived/fits.json`: every fit with its refits, for `pipeline predict` and for other programs.
@@ -126,7 +139,7 @@ fn figure_files(
     Ok(files.into_iter().flatten().map(below).collect())
 }
 
-/// `summary.json`: versions, digest of the inputs, sessions used and rejected with reasons, paths of the tables.
+/// `summary.json`: versions, digest of the inputs, sessions used and rejected with reasons, verdicts, paths of the tables.
 fn summary(input: &ReportInput, tables: &[String]) -> Result<Vec<u8>> {
     let mut rejected: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for (name, diagnostics) in &input.unusable {
@@ -157,6 +170,10 @@ fn summary(input: &ReportInput, tables: &[String]) -> Result<Vec<u8>> {
         .filter(|r| r.extent == Extent::Log)
         .map(|r| json!({ "session": r.session, "log": r.log, "reason": r.reason }))
         .collect();
+    let verdicts: Vec<_> = input
+        .findings()
+        .map(|f| json!({ "campaign": f.campaign, "diameter_mm": f.diameter_mm, "verdict": f.verdict, "summary": f.summary }))
+        .collect();
     let summary = json!({
         "schema": "bpa-summary/1",
         "version": env!("CARGO_PKG_VERSION"),
@@ -165,6 +182,8 @@ fn summary(input: &ReportInput, tables: &[String]) -> Result<Vec<u8>> {
         "sessions_rejected": rejected.iter().map(|(id, why)| json!({ "session": id, "reasons": why })).collect::<Vec<_>>(),
         "logs_rejected": logs,
         "readings": input.rows.len(),
+        "findings": "findings.json",
+        "verdicts": verdicts,
         "tables": tables,
     });
     let mut bytes = serde_json::to_vec_pretty(&summary).map_err(Error::internal)?;

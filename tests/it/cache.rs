@@ -22,17 +22,22 @@ fn set(items: &[&str]) -> BTreeSet<String> {
     items.iter().map(ToString::to_string).collect()
 }
 
-const DOWNSTREAM: [&str; 3] = ["fit small 10 mm", "compare small 10 mm", "report reports"];
+const DOWNSTREAM: [&str; 4] = [
+    "fit small 10 mm",
+    "compare small 10 mm",
+    "diagnose small 10 mm",
+    "report reports",
+];
 
 #[test]
 fn a_second_run_does_nothing_and_says_so() {
     let bench = Bench::small();
-    assert_eq!(computed(&bench, &[]).len(), 6 * 3 + 3);
+    assert_eq!(computed(&bench, &[]).len(), 6 * 3 + 4);
     let before = bench.snapshot("reports");
     let said = bench.run(&["run"]);
     assert!(
         said.out
-            .starts_with("nothing to do: 6 sessions, all 21 results are up to date"),
+            .starts_with("nothing to do: 6 sessions, all 22 results are up to date"),
         "{}",
         said.out
     );
@@ -93,6 +98,10 @@ fn an_option_redoes_the_stages_that_read_it() {
     let config = bench.root().join("pipeline.toml");
     std::fs::write(&config, "[report]\ntitle = \"Another\"\n").unwrap();
     assert_eq!(computed(&bench, &[]), set(&["report reports"]));
+    let diagnose = "[report]\ntitle = \"Another\"\n[diagnose]\npermutations = 199\n";
+    std::fs::write(&config, diagnose).unwrap();
+    let again = ["diagnose small 10 mm", "report reports"];
+    assert_eq!(computed(&bench, &[]), set(&again));
     std::fs::write(
         &config,
         "[report]\ntitle = \"Another\"\n[fit]\nloss = \"least_squares\"\n",

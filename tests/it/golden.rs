@@ -4,7 +4,7 @@ use crate::support::Bench;
 use std::path::PathBuf;
 
 const SETTINGS: &str = r#"
-leave_out = ["audit", "baselines", "comparison_by_length", "fits", "intervals", "model_comparison", "plateaus", "provenance", "rejects", "specimens", "statistics", "table1", "table2", "zeros"]
+leave_out = ["audit", "baselines", "comparison_by_length", "detection_limits", "findings", "fits", "intervals", "model_comparison", "plateaus", "provenance", "questions", "rejects", "residual_errors", "specimens", "statistics", "table1", "table2", "zeros"]
 
 [tolerance]
 absolute = 1e-9

@@ -46,6 +46,7 @@ fn group(campaign: &str, diameter_mm: u32, lengths_m: &[f64], pressures: &[f64])
         fit,
         comparison,
         predictions,
+        diagnosis: None,
     }
 }
 

@@ -4,6 +4,8 @@ mod audit;
 mod baselines;
 mod coefficients;
 mod comparison_by_length;
+mod detection_limits;
+mod findings;
 mod fits;
 mod intervals;
 mod model_comparison;
@@ -11,7 +13,9 @@ mod paper;
 mod plateaus;
 pub mod prediction;
 mod provenance;
+mod questions;
 mod rejects;
+mod residual_errors;
 mod sessions;
 mod specimens;
 mod statistics;
@@ -38,6 +42,10 @@ pub const ALL: &[fn(&ReportInput) -> Table] = &[
     baselines::table,
     model_comparison::table,
     comparison_by_length::table,
+    findings::table,
+    questions::table,
+    detection_limits::table,
+    residual_errors::table,
     provenance::table,
 ];
 
