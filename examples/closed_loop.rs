@@ -40,7 +40,7 @@ fn main() {
     let only = value("--only").cloned().unwrap_or_default();
     let list = arguments.iter().any(|a| a == "--list");
     let trials = all(seeds);
-    let trials: Vec<Trial> = trials.into_iter().filter(|t| only.is_empty() || t.part.contains(&only) || t.cases.iter().any(|c| c.id.contains(&only))).collect();
+    let trials: Vec<Trial> = trials.into_iter().filter(|t| only.is_empty() || t.part.contains(&only) || t.cases.iter().any(|c| format!("{} {}", c.id, c.form).contains(&only))).collect();
     let outcomes: Vec<Outcome> = trials
         .par_iter()
         .map(|t| {

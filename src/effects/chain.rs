@@ -57,6 +57,17 @@ pub fn force<A: Actuator, R: Real>(
     link.force
 }
 
+/// The factor by which an effect on the actuator's force changes it.
+pub fn scale(effect: &Applied<f64>, at: &Conditions) -> f64 {
+    let mut link = Link {
+        pressure: at.pressure_kpa,
+        length: at.length_m,
+        force: 1.0,
+    };
+    at_place(Place::Actuator, std::slice::from_ref(effect), at, &mut link);
+    link.force
+}
+
 fn at_place<R: Real>(place: Place, effects: &[Applied<R>], at: &Conditions, link: &mut Link<R>) {
     for e in effects.iter().filter(|e| e.place() == place) {
         apply(e.effect, e.form, e.parameters, at, link);

@@ -6,27 +6,38 @@ use crate::numerics::real::Real;
 /// F (1 + k ln(1 + t/tau)), t since the last step.
 pub struct Creep;
 
-const FORMS: &[Form] = &[Form {
-    name: "logarithmic",
-    place: Place::Actuator,
-    equation: "F -> F (1 + k ln(1 + t/tau))",
-    amplitude: Parameter {
-        name: "k",
-        unit: "1",
-        absent: 0.0,
-        bounds: (-0.2, 0.2),
+const AMPLITUDE: Parameter = Parameter {
+    name: "k",
+    unit: "1",
+    absent: 0.0,
+    bounds: (-0.5, 0.5),
+};
+
+const TAU: Parameter = Parameter {
+    name: "tau",
+    unit: "s",
+    absent: 0.0,
+    bounds: (0.01, 1e4),
+};
+
+const FORMS: &[Form] = &[
+    Form {
+        name: "logarithmic",
+        place: Place::Actuator,
+        equation: "F -> F (1 + k ln(1 + t/tau))",
+        amplitude: AMPLITUDE,
+        shape: Some((TAU, &[0.1, 1.0, 10.0, 100.0])),
+        needs: &[Need::SinceStep],
     },
-    shape: Some((
-        Parameter {
-            name: "tau",
-            unit: "s",
-            absent: 0.0,
-            bounds: (0.01, 1e4),
-        },
-        &[0.1, 1.0, 10.0, 100.0],
-    )),
-    needs: &[Need::SinceStep],
-}];
+    Form {
+        name: "exponential",
+        place: Place::Actuator,
+        equation: "F -> F (1 + k (1 - exp(-t/tau)))",
+        amplitude: AMPLITUDE,
+        shape: Some((TAU, &[1.0, 10.0, 100.0])),
+        needs: &[Need::SinceStep],
+    },
+];
 
 impl Effect for Creep {
     fn id(&self) -> &'static str {
@@ -47,7 +58,12 @@ impl Effect for Creep {
 }
 
 /// The operator.
-pub fn apply<R: Real>(_form: usize, [k, tau]: [R; 2], at: &Conditions, link: &mut Link<R>) {
-    let log = (R::constant(at.since_step_s) / tau + 1.0).ln();
-    link.force = link.force * (k * log + 1.0);
+pub fn apply<R: Real>(form: usize, [k, tau]: [R; 2], at: &Conditions, link: &mut Link<R>) {
+    let t = R::constant(at.since_step_s) / tau;
+    let grown = if form == 0 {
+        (t + 1.0).ln()
+    } else {
+        -(-t).exp() + 1.0
+    };
+    link.force = link.force * (k * grown + 1.0);
 }

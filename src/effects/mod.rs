@@ -20,7 +20,7 @@
 mod chain;
 mod conditions;
 
-pub use chain::{Actuator, Applied, force};
+pub use chain::{Actuator, Applied, force, scale};
 pub use conditions::{Conditions, Need};
 
 use crate::numerics::real::Real;

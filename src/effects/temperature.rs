@@ -6,19 +6,38 @@ use crate::numerics::real::Real;
 /// F_meas = F (1 + k (T - T_ref)), with T_ref the campaign's mean.
 pub struct Temperature;
 
-const FORMS: &[Form] = &[Form {
-    name: "linear",
-    place: Place::Sensor,
-    equation: "F_meas = F (1 + k (T - T_mean))",
-    amplitude: Parameter {
-        name: "k",
-        unit: "1/K",
-        absent: 0.0,
-        bounds: (-0.1, 0.1),
+const SLOPE: Parameter = Parameter {
+    name: "k",
+    unit: "1/K",
+    absent: 0.0,
+    bounds: (-0.1, 0.1),
+};
+
+const BEND: Parameter = Parameter {
+    name: "q",
+    unit: "1/K",
+    absent: 0.0,
+    bounds: (-1.0, 1.0),
+};
+
+const FORMS: &[Form] = &[
+    Form {
+        name: "linear",
+        place: Place::Sensor,
+        equation: "F_meas = F (1 + k (T - T_mean))",
+        amplitude: SLOPE,
+        shape: None,
+        needs: &[Need::Temperature],
     },
-    shape: None,
-    needs: &[Need::Temperature],
-}];
+    Form {
+        name: "curved",
+        place: Place::Sensor,
+        equation: "F_meas = F (1 + k (dT + q dT^2)), dT = T - T_mean",
+        amplitude: SLOPE,
+        shape: Some((BEND, &[-0.05, 0.05])),
+        needs: &[Need::Temperature],
+    },
+];
 
 impl Effect for Temperature {
     fn id(&self) -> &'static str {
@@ -39,6 +58,8 @@ impl Effect for Temperature {
 }
 
 /// The operator.
-pub fn apply<R: Real>(_form: usize, [k, _]: [R; 2], at: &Conditions, link: &mut Link<R>) {
-    link.force = link.force * (k * at.temperature_c + 1.0);
+pub fn apply<R: Real>(form: usize, [k, q]: [R; 2], at: &Conditions, link: &mut Link<R>) {
+    let dt = at.temperature_c;
+    let lever = if form == 0 { R::constant(dt) } else { q * (dt * dt) + dt };
+    link.force = link.force * (k * lever + 1.0);
 }

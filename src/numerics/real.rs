@@ -24,6 +24,8 @@ pub trait Real:
     fn constant(value: f64) -> Self;
     /// The value without its derivatives.
     fn value(self) -> f64;
+    /// Whether all of its derivatives are zero.
+    fn is_constant(self) -> bool;
     /// `g(self)`, where the caller supplies `g` and `g'` at the value: the chain rule.
     fn chain(self, value: f64, slope: f64) -> Self;
 
@@ -84,6 +86,9 @@ impl Real for f64 {
     fn value(self) -> f64 {
         self
     }
+    fn is_constant(self) -> bool {
+        true
+    }
     fn chain(self, value: f64, _slope: f64) -> Self {
         value
     }
@@ -128,6 +133,9 @@ impl<const N: usize> Real for Dual<N> {
     }
     fn value(self) -> f64 {
         self.value
+    }
+    fn is_constant(self) -> bool {
+        self.gradient.iter().all(|d| *d == 0.0)
     }
     #[inline]
     fn chain(mut self, value: f64, slope: f64) -> Self {

@@ -41,7 +41,7 @@ pub(super) fn answer(work: &Work) -> Diagnosis {
     };
     let fitted = full.fit(Some(&work.best.fitted), 1);
     let effective = work.best.effective * (work.train.len() as f64 / thin.len() as f64).min(if work.best.effective < 0.9 * thin.len() as f64 { 1.0 } else { f64::INFINITY });
-    let uncertain = uncertainties(&full, &fitted, effective.min(work.train.len() as f64));
+    let uncertain = uncertainties(&full, &fitted, effective.min(work.train.len() as f64), &[]);
     let null_model = Model {
         base: work.base,
         data: work.train,

@@ -162,7 +162,14 @@ fn tangent<R: Real>(model: &dyn ForceModel, pressure: R, length: R, at: &Conditi
         let slope = (up - down) / (2.0 * step);
         if slope.is_finite() { slope } else { 0.0 }
     };
-    let by_pressure = slope(force(p + STEPS.0, l), force(p - STEPS.0, l), STEPS.0);
-    let by_length = slope(force(p, l + STEPS.1), force(p, l - STEPS.1), STEPS.1);
-    (pressure - p) * by_pressure + (length - l) * by_length + force(p, l)
+    let mut shown = R::constant(force(p, l));
+    if !pressure.is_constant() {
+        let by_pressure = slope(force(p + STEPS.0, l), force(p - STEPS.0, l), STEPS.0);
+        shown = shown + (pressure - p) * by_pressure;
+    }
+    if !length.is_constant() {
+        let by_length = slope(force(p, l + STEPS.1), force(p, l - STEPS.1), STEPS.1);
+        shown = shown + (length - l) * by_length;
+    }
+    shown
 }

@@ -4,6 +4,8 @@
 //! inside its physical bounds, if it lowers the error on readings that took no part by more than that improvement's standard error
 //! in most folds, and if it is chosen again in nine of ten resamples of the specimens.
 
+use super::between;
+use super::candidates::choices;
 use super::data::Data;
 use super::findings::Rejected;
 use super::folds::{Fold, Tally};
@@ -85,9 +87,19 @@ fn judge(search: &Search, state: &State, k: usize, folds: &[Fold], seed: u64) ->
     others.remove(k);
     let without = search.state(others, None);
     let model = search.model(&state.chosen);
-    let p = probability(search, state, &without, &model, k);
+    let between = between::is_between(term);
+    let everyone = vec![1.0; search.data.specimens.len()];
+    let p = if between {
+        between::regression(search, &without.fitted, candidate, &everyone).map_or(1.0, |r| r.p)
+    } else {
+        probability(search, state, &without, &model, k)
+    };
     let class = class(search, &without, candidate);
-    let chosen_again = chosen_again(search, &without, candidate, &class, seed);
+    let chosen_again = if between {
+        between::chosen_again(search, &without.fitted, candidate, &resamples(search.data, seed))
+    } else {
+        chosen_again(search, &without, candidate, &class, seed)
+    };
     let by_log;
     let used = if matches!(term.scope, Scope::Whole | Scope::From(_) | Scope::Levels(_)) {
         folds
@@ -95,10 +107,13 @@ fn judge(search: &Search, state: &State, k: usize, folds: &[Fold], seed: u64) ->
         by_log = log_folds(search.data);
         &by_log
     };
-    let (helps, held_out) = helps(search, state, &without, used);
+    let (mut helps, held_out) = helps(search, state, &without, used);
+    if between {
+        helps = between::helps(search, &without.fitted, candidate);
+    }
     let mut judgement = Judgement {
         candidate,
-        p_adjusted: (p * search.candidates.len() as f64).min(1.0),
+        p_adjusted: (p * if between { 2.0 } else { asked(search, term) }).min(1.0),
         criterion_gain: search.criterion_gain(&without, state),
         share: relative_fall(&without, state),
         chosen_again,
@@ -108,16 +123,16 @@ fn judge(search: &Search, state: &State, k: usize, folds: &[Fold], seed: u64) ->
         class,
         fails: None,
     };
-    judgement.fails = failure(&judgement, term, &state.fitted.terms[k].0);
+    judgement.fails = failure(&judgement, term, &state.fitted.terms[k].0, between);
     judgement
 }
 
-fn failure(j: &Judgement, term: &Term, amplitudes: &[f64]) -> Option<String> {
+fn failure(j: &Judgement, term: &Term, amplitudes: &[f64], between: bool) -> Option<String> {
     let (low, high) = term.amplitude_bounds();
     let at_bound = amplitudes.iter().any(|a| (*a <= low && low != 0.0) || *a >= high);
     if j.p_adjusted.is_nan() || j.p_adjusted > SIGNIFICANT {
         Some(format!("not significant: p = {:.2} after correction", j.p_adjusted))
-    } else if j.criterion_gain <= 0.0 {
+    } else if j.criterion_gain <= 0.0 && !between {
         Some("does not pay for its parameters".to_owned())
     } else if at_bound {
         Some("its size runs to a physical bound".to_owned())
@@ -140,11 +155,24 @@ fn probability(search: &Search, state: &State, without: &State, model: &Model, k
         let (large, small) = (super::search::rss(state), super::search::rss(without));
         return f_upper_tail(((small - large) / m).max(0.0) / (large / freedom), m, freedom);
     }
-    let all: Vec<Uncertainty> = uncertainties(model, &state.fitted, state.effective);
-    let p_of = |place: Place, value: f64| layout.iter().position(|p| *p == place).map_or(1.0, |i| all[i].p(value));
-    let first = p_of(Place::Amplitude(k, 0), amplitudes[0]);
-    let empirical = matches!(search.candidates[state.chosen[k]].what, What::Empirical(_));
-    if empirical { (2.0 * first.min(p_of(Place::Shape(k), *second))).min(1.0) } else { first }
+    // A shape means nothing without an amplitude, so the amplitude is tested with the shape as found, and the coefficients of a
+    // polynomial one at a time.
+    let p_of = |place: Place, value: f64, held: Place| {
+        let all: Vec<Uncertainty> = uncertainties(model, &state.fitted, state.effective, &[held]);
+        layout.iter().position(|p| *p == place).map_or(1.0, |i| all[i].p(value))
+    };
+    let first = p_of(Place::Amplitude(k, 0), amplitudes[0], Place::Shape(k));
+    if matches!(search.candidates[state.chosen[k]].what, What::Empirical(_)) {
+        (2.0 * first.min(p_of(Place::Shape(k), *second, Place::Amplitude(k, 0)))).min(1.0)
+    } else {
+        first
+    }
+}
+
+/// How many things could have been found in its place: effects and empirical dependences, times the places of its scope.
+fn asked(search: &Search, term: &Term) -> f64 {
+    let kinds: BTreeSet<String> = search.candidates.iter().map(|t| name(t, search.data)).collect();
+    kinds.len() as f64 * choices(&term.scope, search.data)
 }
 
 /// The candidates that leave the same trace on the same readings.
@@ -166,9 +194,7 @@ fn chosen_again(search: &Search, without: &State, candidate: usize, class: &[usi
     let model = search.model(&without.chosen);
     let linear = Linear::new(&model, &without.fitted, without.fitted.scatter, search.candidates);
     let term = &search.candidates[candidate];
-    let specimens: Vec<usize> = data.specimen.iter().copied().collect::<BTreeSet<usize>>().into_iter().collect();
     let of = data.specimen_of_session();
-    let mut stream = Stream::new(seed, &["resamples of specimens"]);
     let whole = |c: &usize| {
         let other = &search.candidates[*c];
         other.scope == Scope::Whole && !without.chosen.contains(c)
@@ -178,11 +204,7 @@ fn chosen_again(search: &Search, without: &State, candidate: usize, class: &[usi
         .filter(|c| *c != candidate && !class.contains(c) && search.candidates[*c].id() != term.id())
         .collect();
     let mut again = 0;
-    for _ in 0..RESAMPLES {
-        let mut count = vec![0.0; data.specimens.len()];
-        for _ in 0..specimens.len() {
-            count[specimens[stream.below(specimens.len())]] += 1.0;
-        }
+    for mut count in resamples(data, seed) {
         if let Scope::Specimen(k) = term.scope {
             count[k] = f64::max(count[k], 1.0);
         }
@@ -191,14 +213,29 @@ fn chosen_again(search: &Search, without: &State, candidate: usize, class: &[usi
         let own = stand.gain(candidate).fall;
         let needs = |c: &usize| {
             let share = match search.candidates[*c].what {
-                What::Empirical(Empirical::Force | Empirical::Pressure) => super::search::PREFERENCE.0,
-                _ => super::search::PREFERENCE.1,
+                What::Empirical(Empirical::Gain(_)) | What::Effect { .. } => super::search::PREFERENCE.1,
+                What::Empirical(_) => super::search::PREFERENCE.0,
             };
             share * stand.gain(*c).fall
         };
         again += usize::from(own > 0.0 && rivals.iter().all(|c| needs(c) <= own));
     }
     again as f64 / RESAMPLES as f64
+}
+
+/// Specimens drawn with replacement: how often each, one list a resample.
+fn resamples(data: &Data, seed: u64) -> Vec<Vec<f64>> {
+    let specimens: Vec<usize> = data.specimen.iter().copied().collect::<BTreeSet<usize>>().into_iter().collect();
+    let mut stream = Stream::new(seed, &["resamples of specimens"]);
+    (0..RESAMPLES)
+        .map(|_| {
+            let mut count = vec![0.0; data.specimens.len()];
+            for _ in 0..specimens.len() {
+                count[specimens[stream.below(specimens.len())]] += 1.0;
+            }
+            count
+        })
+        .collect()
 }
 
 /// Folds that leave every session in: a third of its logs (of its readings, where it has fewer than three) at a time.
@@ -238,16 +275,20 @@ fn helps(search: &Search, with: &State, without: &State, folds: &[Fold]) -> (f64
         let a = squared_errors(search, with, &train, &held);
         before = before.plus(b.0);
         after = after.plus(a.0);
-        let gains: Vec<f64> = b.1.iter().zip(&a.1).map(|(x, y)| x - y).collect();
+        let better = |x: &[f64], y: &[f64]| {
+            let gains: Vec<f64> = x.iter().zip(y).map(|(x, y)| x - y).collect();
+            more_than_its_error(&gains, &held)
+        };
         counted += 1;
-        helped += usize::from(more_than_its_error(&gains, &held));
+        helped += usize::from(better(&b.1, &a.1) || better(&b.2, &a.2));
     }
     let part = if counted > 0 { f64::from(helped as u32) / f64::from(counted as u32) } else { 0.0 };
     (part, (before.rmse_own_strength(), after.rmse_own_strength()))
 }
 
-/// The tally and the squared error of each held-out reading, each specimen's own factor taken off.
-fn squared_errors(search: &Search, state: &State, train: &Data, held: &Data) -> (Tally, Vec<f64>) {
+/// The tally and the squared error of each held-out reading: with the held-out specimen's own strength, and with the mean one. An effect
+/// that acts alike on all readings of a specimen (resting length) shows in the second only.
+fn squared_errors(search: &Search, state: &State, train: &Data, held: &Data) -> (Tally, Vec<f64>, Vec<f64>) {
     let terms: Vec<Term> = state.chosen.iter().map(|c| search.candidates[*c].clone()).collect();
     let fitted = refit(search, terms.clone(), &state.fitted, train);
     let there = Model {
@@ -259,8 +300,8 @@ fn squared_errors(search: &Search, state: &State, train: &Data, held: &Data) -> 
     let product: f64 = held.force.iter().zip(&predicted).map(|(y, f)| y * f).sum();
     let square: f64 = predicted.iter().map(|f| f * f).sum();
     let factor = if square > 0.0 { product / square } else { 1.0 };
-    let squares = held.force.iter().zip(&predicted).map(|(y, f)| (y - factor * f) * (y - factor * f)).collect();
-    (Tally::of(&held.force, &predicted), squares)
+    let squares = |factor: f64| held.force.iter().zip(&predicted).map(|(y, f)| (y - factor * f) * (y - factor * f)).collect();
+    (Tally::of(&held.force, &predicted), squares(factor), squares(1.0))
 }
 
 /// The same terms fitted to other readings; specimens that are not among them have the mean strength.

@@ -15,6 +15,7 @@
 
 pub mod answer;
 pub mod base;
+pub mod between;
 pub mod black_box;
 pub mod candidates;
 pub mod data;

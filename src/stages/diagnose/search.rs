@@ -6,8 +6,10 @@
 //! campaign was chosen from (extended criterion: Chen and Chen, Biometrika 95 (2008) 759).
 
 use super::base::Base;
+use super::between;
 use super::candidates::choices;
 use super::data::Data;
+use super::judge::SIGNIFICANT;
 use super::linear::{BLIND, Linear, Stand};
 use super::model::{Fitted, MOST_TERMS, Model, USUAL_SCATTER};
 use super::term::{Empirical, Scope, Term, What};
@@ -25,8 +27,8 @@ const LEAST_OF_ALL: f64 = 0.01;
 const LEAST_OF_ALL_EACH: f64 = 0.1;
 /// One session (specimen) is looked at by itself if its value stands out so many times above the median of the others'.
 const STANDS_OUT: f64 = 6.0;
-/// A physical effect is preferred to an empirical dependence that explains up to this much more: of a sensor's or the surface's shape,
-/// of an extra column.
+/// A physical effect is preferred to an empirical dependence if it explains this part of what that does: of the shape of a sensor or of
+/// an offset (a constant and a slope), of a gain with an extra column.
 pub const PREFERENCE: (f64, f64) = (0.85, 0.97);
 
 /// A model in the beam.
@@ -94,18 +96,30 @@ impl<'a> Search<'a> {
         // What has a value for every session explains much and predicts nothing, so it comes last.
         let shared: Vec<usize> = (0..self.candidates.len()).filter(|c| !each(&self.candidates[*c])).collect();
         let single: Vec<usize> = (0..self.candidates.len()).filter(|c| each(&self.candidates[*c])).collect();
-        let best = self.grow(null, &shared, all, BEAM);
-        let best = self.with_better_forms(self.prune(best, all));
-        self.grow(best, &single, all, 1)
+        // What the strengths ask for comes first: left out, its traces within the specimens would be credited to others.
+        let asked = between::asked_for(self, &null.fitted).filter(|(_, p)| *p < SIGNIFICANT);
+        let from = asked.map_or_else(|| null.clone(), |(c, _)| self.state(vec![c], Some(&null.fitted)));
+        let best = self.prune(self.grow(&null, from, &shared, BEAM), all);
+        let best = self.grow(&null, self.with_better_forms(&null, best), &single, 1);
+        // Several sessions that each stand out may be all of them.
+        let part = |c: &usize| matches!(self.candidates[*c].scope, Scope::Session(_) | Scope::From(_));
+        if best.chosen.iter().filter(|c| part(c)).count() < 2 {
+            return best;
+        }
+        let kept: Vec<usize> = best.chosen.iter().copied().filter(|c| !part(c)).collect();
+        let other = self.grow(&null, self.state(kept, None), &single, 1);
+        if self.criterion_gain(&null, &other) > self.criterion_gain(&null, &best) { other } else { best }
     }
 
     /// The best model from a state upwards, with additions from a list.
-    fn grow(&self, from: State, list: &[usize], all: f64, width: usize) -> State {
+    fn grow(&self, null: &State, from: State, list: &[usize], width: usize) -> State {
+        let all = rss(null);
         let mut best = from.clone();
         let mut beam = vec![from];
         for size in best.chosen.len()..self.most.min(MOST_TERMS) {
             let mut next: Vec<State> = beam.iter().flat_map(|state| self.expand(state, list)).collect();
-            next.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+            let evidence = |s: &State| self.criterion_gain(null, s);
+            next.sort_by(|a, b| evidence(b).total_cmp(&evidence(a)));
             next.dedup_by(|a, b| sorted(&a.chosen) == sorted(&b.chosen));
             self.prefer_physics(&mut next, &beam[0]);
             next.truncate(width);
@@ -123,7 +137,7 @@ impl<'a> Search<'a> {
     }
 
     /// The same effects in whichever of their forms explains most: a form that came in early may not be the best beside the others.
-    fn with_better_forms(&self, mut best: State) -> State {
+    fn with_better_forms(&self, null: &State, mut best: State) -> State {
         for k in 0..best.chosen.len() {
             let now = &self.candidates[best.chosen[k]];
             let others: Vec<usize> = (0..self.candidates.len())
@@ -134,7 +148,7 @@ impl<'a> Search<'a> {
                 let mut chosen = best.chosen.clone();
                 chosen[k] = c;
                 let state = self.state(chosen, None);
-                if state.criterion < best.criterion {
+                if self.criterion_gain(null, &state) > self.criterion_gain(null, &best) {
                     best = state;
                 }
             }
@@ -165,8 +179,8 @@ impl<'a> Search<'a> {
         };
         let shapes = |s: &State| -> Option<f64> {
             let factor = |c: &usize| match self.candidates[*c].what {
-                What::Empirical(Empirical::Force | Empirical::Pressure) => Some(PREFERENCE.0),
-                What::Empirical(_) => Some(PREFERENCE.1),
+                What::Empirical(Empirical::Gain(_)) => Some(PREFERENCE.1),
+                What::Empirical(_) => Some(PREFERENCE.0),
                 What::Effect { .. } => None,
             };
             s.chosen.iter().filter_map(factor).reduce(f64::max)
@@ -199,6 +213,7 @@ impl<'a> Search<'a> {
 
     /// The candidates that would explain most, by the linearised model, with strengths that scatter as fitted and as is usual.
     fn rank(&self, model: &Model, state: &State, list: &[usize]) -> Vec<usize> {
+        let n = self.data.len() as f64;
         let mut picked: Vec<usize> = Vec::new();
         for scatter in [state.fitted.scatter, USUAL_SCATTER] {
             let linear = Linear::new(model, &state.fitted, scatter, self.candidates);
@@ -206,13 +221,15 @@ impl<'a> Search<'a> {
             let mut gains: Vec<(f64, usize)> = list
                 .iter()
                 .copied()
-                .filter(|c| !state.chosen.contains(c))
+                .filter(|c| !state.chosen.contains(c) && !between::is_between(&self.candidates[*c]))
                 .filter_map(|c| {
                     let gain = stand.gain(c);
                     let term = &self.candidates[c];
                     let fall = 1.0 - gain.fall / stand.left.max(f64::MIN_POSITIVE);
-                    let price = term.parameters() as f64 * libm::log(state.effective) + 2.0 * libm::log(choices(&term.scope, self.data));
-                    let better = -(state.effective * libm::log(fall.max(1e-12))) - price;
+                    let price = term.parameters() as f64 * libm::log(n) + 2.0 * libm::log(choices(&term.scope, self.data));
+                    // The residual's own structure makes the effective number small as long as nothing explains it, so the ranking
+                    // counts all readings; whether the addition pays is asked after the fit.
+                    let better = -(n * libm::log(fall.max(1e-12))) - price;
                     let inside = self.sign_is_possible(c, gain.amplitude);
                     (gain.visible >= BLIND && better > 0.0 && inside).then_some((better, c))
                 })
@@ -273,14 +290,15 @@ impl<'a> Search<'a> {
     /// Drops what a later addition made superfluous.
     fn prune(&self, mut best: State, all: f64) -> State {
         loop {
-            let smaller = (0..best.chosen.len()).map(|k| {
+            let within = (0..best.chosen.len()).filter(|k| !between::is_between(&self.candidates[best.chosen[*k]]));
+            let smaller = within.map(|k| {
                 let mut chosen = best.chosen.clone();
                 chosen.remove(k);
                 self.state(chosen, None)
             });
             let superfluous = smaller
                 .filter(|s| !self.worth(s, &best, all))
-                .min_by(|a, b| a.criterion.total_cmp(&b.criterion));
+                .min_by(|a, b| rss(a).total_cmp(&rss(b)));
             match superfluous {
                 Some(state) => best = state,
                 None => return best,

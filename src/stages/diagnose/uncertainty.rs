@@ -44,19 +44,23 @@ const WITHIN: f64 = 0.5;
 /// Fewest clusters of a jackknife.
 const FEWEST: usize = 4;
 
-/// The uncertainty of every parameter of [`Model::layout`]. `effective` is the effective number of readings.
-pub fn uncertainties(model: &Model, fitted: &Fitted, effective: f64) -> Vec<Uncertainty> {
+/// What stands for a parameter that is held.
+const HELD: f64 = 1e30;
+
+/// The uncertainty of every parameter of [`Model::layout`], those in `held` taken as known. `effective` is the effective number of
+/// readings.
+pub fn uncertainties(model: &Model, fitted: &Fitted, effective: f64, held: &[Place]) -> Vec<Uncertainty> {
     let data = model.data;
     let layout = model.layout();
     let p = layout.len();
-    let penalty = penalties(&layout, fitted);
+    let penalty = penalties(&layout, fitted, held);
     let parts = parts(model, fitted, &layout);
     let mut total = Matrix::zeros(p, p);
     for part in &parts {
         add(&mut total, &part.gram, 1.0);
     }
     let inverse = inverse(&total, &penalty);
-    let weak: Vec<f64> = penalty.iter().map(|x| x * 1e-6).collect();
+    let weak: Vec<f64> = penalty.iter().map(|x| if *x < HELD { x * 1e-6 } else { *x }).collect();
     let free = self::inverse(&total, &weak);
     let inflation = (data.len() as f64 / effective).max(1.0);
     let sessions: Vec<Vec<usize>> = (0..parts.len()).filter(|s| parts[*s].gram.data().iter().any(|x| *x != 0.0)).map(|s| vec![s]).collect();
@@ -92,9 +96,14 @@ pub fn uncertainties(model: &Model, fitted: &Fitted, effective: f64) -> Vec<Unce
         .collect()
 }
 
-fn penalties(layout: &[Place], fitted: &Fitted) -> Vec<f64> {
+fn penalties(layout: &[Place], fitted: &Fitted, held: &[Place]) -> Vec<f64> {
     let ratio = (fitted.sigma / fitted.scatter) * (fitted.sigma / fitted.scatter);
-    layout.iter().map(|p| if matches!(p, Place::Strength(_)) { ratio } else { 0.0 }).collect()
+    let of = |p: &Place| match p {
+        p if held.contains(p) => HELD,
+        Place::Strength(_) => ratio,
+        _ => 0.0,
+    };
+    layout.iter().map(of).collect()
 }
 
 fn parts(model: &Model, fitted: &Fitted, layout: &[Place]) -> Vec<Part> {

@@ -1,0 +1,133 @@
+//! What acts alike on all readings of a specimen: found in the strengths of the specimens, one number each.
+//!
+//! A dependence of the force on the resting length that the base model lacks is taken up by the strengths, so no sum over readings shows
+//! it; and counting readings would be wrong, because there are as many facts as specimens. The strengths are regressed on the
+//! trace of each such effect, and Student's t has K - 2 degrees of freedom.
+
+use super::model::Fitted;
+use super::search::Search;
+use super::term::{Scope, Term, What};
+use crate::effects::{self, Applied, Need};
+use crate::numerics::distributions::student_t_two_sided;
+
+/// Fewest specimens of such a regression.
+const FEWEST: usize = 4;
+
+/// Whether an effect acts alike on all readings of a specimen.
+pub fn is_between(term: &Term) -> bool {
+    term.form().is_some_and(|f| f.needs.contains(&Need::RestLengths))
+}
+
+/// The strengths on a trace: slope, its p, and the share of the strengths' variance that it explains.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Regression {
+    /// Amplitude.
+    pub slope: f64,
+    /// Probability by chance.
+    pub p: f64,
+    /// Share of the variance.
+    pub share: f64,
+}
+
+/// The regression of the specimens' strengths on the trace of a candidate, each specimen with a weight.
+pub fn regression(search: &Search, fitted: &Fitted, candidate: usize, weights: &[f64]) -> Option<Regression> {
+    straight_line(&points(search, fitted, candidate, weights))
+}
+
+/// Trace, strength and weight of each specimen that has a weight.
+fn points(search: &Search, fitted: &Fitted, candidate: usize, weights: &[f64]) -> Vec<(f64, f64, f64)> {
+    let term = &search.candidates[candidate];
+    let What::Effect { effect, form, shape } = term.what else {
+        return Vec::new();
+    };
+    let data = search.data;
+    let mut at = vec![None; data.specimens.len()];
+    for i in 0..data.len() {
+        at[data.specimen[i]] = Some(data.conditions[i]);
+    }
+    at.iter()
+        .enumerate()
+        .filter_map(|(k, c)| Some((k, (*c)?)))
+        .filter(|(k, _)| weights[*k] > 0.0)
+        .map(|(k, c)| {
+            let applied = Applied {
+                effect,
+                form,
+                parameters: [1.0, shape],
+            };
+            let lever = effects::scale(&applied, &c) - 1.0;
+            (lever, fitted.strengths[k], weights[k])
+        })
+        .collect()
+}
+
+fn straight_line(points: &[(f64, f64, f64)]) -> Option<Regression> {
+    let n = points.len() as f64;
+    if points.len() < FEWEST - 1 {
+        return None;
+    }
+    let total: f64 = points.iter().map(|p| p.2).sum();
+    let mean = |f: &dyn Fn(&(f64, f64, f64)) -> f64| points.iter().map(|p| p.2 * f(p)).sum::<f64>() / total;
+    let (x0, y0) = (mean(&|p| p.0), mean(&|p| p.1));
+    let xx = mean(&|p| (p.0 - x0) * (p.0 - x0));
+    let xy = mean(&|p| (p.0 - x0) * (p.1 - y0));
+    let yy = mean(&|p| (p.1 - y0) * (p.1 - y0));
+    if xx <= 0.0 || yy <= 0.0 {
+        return None;
+    }
+    let share = xy * xy / (xx * yy);
+    let t = (share * (n - 2.0) / (1.0 - share).max(1e-12)).sqrt();
+    Some(Regression {
+        slope: xy / xx,
+        p: student_t_two_sided(t, n - 2.0),
+        share,
+    })
+}
+
+/// In which part of the specimens the strength is nearer to what the others' regression says of it than to the others' mean.
+pub fn helps(search: &Search, fitted: &Fitted, candidate: usize) -> f64 {
+    let points = points(search, fitted, candidate, &vec![1.0; search.data.specimens.len()]);
+    let nearer = (0..points.len()).filter(|k| {
+        let others: Vec<(f64, f64, f64)> = points.iter().enumerate().filter(|(j, _)| j != k).map(|(_, p)| *p).collect();
+        let mean = |f: fn(&(f64, f64, f64)) -> f64| others.iter().map(f).sum::<f64>() / others.len().max(1) as f64;
+        let (x0, y0) = (mean(|p| p.0), mean(|p| p.1));
+        let (x, y, _) = points[*k];
+        straight_line(&others).is_some_and(|r| (y - y0 - r.slope * (x - x0)).abs() < (y - y0).abs())
+    });
+    nearer.count() as f64 / points.len().max(1) as f64
+}
+
+/// The candidates of this kind, and how many ids they have.
+fn candidates(search: &Search) -> (Vec<usize>, f64) {
+    let list: Vec<usize> = (0..search.candidates.len()).filter(|c| search.candidates[*c].scope == Scope::Whole && is_between(&search.candidates[*c])).collect();
+    (list.clone(), list.len() as f64)
+}
+
+/// The candidate that the strengths ask for, with its p after correction; none where the base has a law of length of its own that is
+/// fitted.
+pub fn asked_for(search: &Search, fitted: &Fitted) -> Option<(usize, f64)> {
+    if search.base.without_length_law().is_some() {
+        return None;
+    }
+    let (list, many) = candidates(search);
+    let seen: std::collections::BTreeSet<usize> = search.data.specimen.iter().copied().collect();
+    if seen.len() < FEWEST {
+        return None;
+    }
+    let weights = vec![1.0; search.data.specimens.len()];
+    list.into_iter()
+        .filter_map(|c| Some((c, regression(search, fitted, c, &weights)?)))
+        .min_by(|a, b| a.1.p.total_cmp(&b.1.p))
+        .map(|(c, r)| (c, (r.p * many).min(1.0)))
+}
+
+/// In which part of the resamples, each a weight a specimen, the slope has its sign and explains most of the variance.
+pub fn chosen_again(search: &Search, fitted: &Fitted, candidate: usize, resamples: &[Vec<f64>]) -> f64 {
+    let whole = regression(search, fitted, candidate, &vec![1.0; search.data.specimens.len()]);
+    let Some(whole) = whole else {
+        return 0.0;
+    };
+    let usable: Vec<Regression> = resamples.iter().filter_map(|w| regression(search, fitted, candidate, w)).collect();
+    let again = usable.iter().filter(|r| r.slope * whole.slope > 0.0 && r.share > 0.5).count();
+    if usable.is_empty() { 0.0 } else { again as f64 / usable.len() as f64 }
+}
