@@ -13,11 +13,14 @@
 //!   fit        the new model, equation by equation and jointly,   stages::fit        models, numerics
 //!              with intervals from refits without each specimen
 //!   compare    every model on the same rows                       stages::compare    models
-//!   report     tables, figures, force.pdf, summary.json           stages::report     report
+//!   diagnose   what the residual of the base model depends on,    stages::diagnose   effects, models, numerics
+//!              the effects that explain it, the held-out error
+//!   report     tables, figures, force.pdf, residual.pdf,          stages::report     report
+//!              findings.json, summary.json
 //! derived/  the cache and the tidy data        reports/  for people
 //! ```
 //! The first three stages work on one session at a time, `fit` and `compare` on one group of rows (a campaign and diameter, or a
-//! diameter over all measured campaigns), `report` on everything.
+//! diameter over all measured campaigns), `diagnose` on one campaign and diameter, `report` on everything.
 //!
 //! # Where things are
 //! | folder | idea | to add to it |
@@ -26,6 +29,7 @@
 //! | [`cache`] | keys, objects by content, reasons for a rerun | |
 //! | [`formats`] | `session.toml`, logs, finding sessions | a log format: one file, one line in `formats/mod.rs` |
 //! | [`models`] | one file a force model: pure equations, published coefficients, domain | one file, one line in `models/mod.rs` |
+//! | [`effects`] | one file an effect: what a force model or a rig may lack, as an operator on the forward model | one file, one line in `effects/mod.rs` |
 //! | [`numerics`] | least squares, robust losses, statistics, plateaus: slices in, vectors out | |
 //! | [`simulate`] | the test rig in software | |
 //! | [`stages`] | one file or folder a stage, pure | |
@@ -38,9 +42,9 @@
 //! | [`cli`] | arguments, and all printing | |
 //!
 //! # Invariants
-//! - **Directions**: `main -> cli -> run -> stages -> {formats, models, numerics, report, audit, simulate} -> base`, and `run -> cache -> base`;
+//! - **Directions**: `main -> cli -> run -> stages -> {formats, effects, models, numerics, report, audit, simulate} -> base`, and `run -> cache -> base`;
 //!   beside `run`, `cli -> predict -> {stages::fit, models, numerics}`, drawn by `report`, and `cli -> golden -> base`.
-//!   `cache` knows no stage; stages know no cache and no command line; `models` and `numerics` do no I/O and see no data frame; only
+//!   `cache` knows no stage; stages know no cache and no command line; `effects`, `models` and `numerics` do no I/O and see no data frame; only
 //!   `report` knows plotters and Typst, and it computes no statistic: every number comes from a stage, every
 //!   curve, band and running median from `models` and `numerics`.
 //! - **Nothing below `raw/` is ever written**, and nothing is left out without a line in `rejects.csv`.

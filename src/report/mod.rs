@@ -11,6 +11,7 @@
 //! | [`answers`] | the words of a diagnosis |
 //! | [`force`] | the pages of `force.pdf` |
 //! | [`audit`] | the pages of `audit.pdf` |
+//! | [`residual`] | the pages of `residual.pdf` |
 //! | [`typeset`], [`raster`], [`fonts`] | pages through Typst, figures as PNG, the bundled fonts |
 //!
 //! Architecture invariant: only this folder knows plotters and Typst, and it computes no statistic: every number comes from a stage.
@@ -26,6 +27,7 @@ pub mod number;
 pub mod plot;
 pub mod raster;
 pub mod render;
+pub mod residual;
 pub mod symbols;
 pub mod table;
 pub mod tables;

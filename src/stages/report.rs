@@ -12,8 +12,10 @@ use crate::report::audit::audit_pdf;
 use crate::report::figures::{self, Drawn, Named};
 use crate::report::force::{Figures, date_of, force_pdf};
 use crate::report::render::{self, Renderer};
+use crate::report::residual::residual_pdf;
 use crate::report::table::{Cell, Column, Table};
 use crate::report::tables;
+use crate::report::typeset::Pdf;
 use crate::stages::compare::GroupComparison;
 use crate::stages::diagnose::findings::{Findings, SCHEMA};
 use crate::stages::fit::{GroupFit, is_usable, split};
@@ -37,6 +39,11 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
         .par_iter()
         .map(|g| draw(&figures::of_group(g, config)))
         .collect::<Result<_>>()?;
+    let diagnoses: Vec<Vec<Drawn>> = input
+        .groups
+        .par_iter()
+        .map(|g| draw(&figures::of_diagnosis(g, config)))
+        .collect::<Result<_>>()?;
     let shown = Figures {
         traces: &traces,
         groups: &groups,
@@ -51,12 +58,18 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
         || {
             rayon::join(
                 || force_pdf(input, &shown, config, &split_digest),
-                || audit_pdf(&audit, &input.input_digest, date),
+                || -> Result<(Pdf, Option<Pdf>)> {
+                    let audit = audit_pdf(&audit, &input.input_digest, date)?;
+                    Ok((audit, residual_pdf(input, &diagnoses, date)?))
+                },
             )
         },
-        || figure_files(&traces, &groups, config.report.png_dpi),
+        || {
+            let all = [&groups, &diagnoses].into_iter().flatten().flatten();
+            figure_files(traces.iter().chain(all), config.report.png_dpi)
+        },
     );
-    let (force_pages, audit_pages) = (pages.0?, pages.1?);
+    let (force_pages, (audit_pages, residual_pages)) = (pages.0?, pages.1?);
     let mut outputs = Outputs::from([
         ("reports/force.pdf".to_owned(), force_pages.bytes),
         ("reports/audit.pdf".to_owned(), audit_pages.bytes),
@@ -65,6 +78,9 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
             row::to_frame(&input.rows).to_parquet()?,
         ),
     ]);
+    if let Some(pages) = residual_pages {
+        outputs.insert("reports/residual.pdf".to_owned(), pages.bytes);
+    }
     outputs.insert("derived/fits.json".to_owned(), fits_json(&fits)?);
     outputs.insert("derived/split.csv".to_owned(), split);
     outputs.extend(files?);
@@ -125,12 +141,11 @@ fn draw(figures: &[Named]) -> Result<Vec<Drawn>> {
     figures.par_iter().map(Named::draw).collect()
 }
 
-fn figure_files(
-    traces: &[Drawn],
-    groups: &[Vec<Drawn>],
+fn figure_files<'a>(
+    figures: impl Iterator<Item = &'a Drawn>,
     png_dpi: f64,
 ) -> Result<Vec<(String, Vec<u8>)>> {
-    let all: Vec<&Drawn> = traces.iter().chain(groups.iter().flatten()).collect();
+    let all: Vec<&Drawn> = figures.collect();
     let files: Vec<Vec<(String, Vec<u8>)>> = all
         .par_iter()
         .map(|drawn| figures::files(drawn, png_dpi))

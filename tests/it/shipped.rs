@@ -2,6 +2,7 @@
 
 use crate::support::{Bench, files, read_table};
 use pipeline::simulate;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 fn root() -> &'static Path {
@@ -88,6 +89,7 @@ fn the_main_job_gives_tables_figures_and_a_report_and_recovers_the_truth() {
     let summary: serde_json::Value =
         serde_json::from_slice(&std::fs::read(reports.join("summary.json")).unwrap()).unwrap();
     assert_eq!(summary["sessions_used"].as_array().unwrap().len(), 42);
+    answers(&said.out, &reports, &summary);
     let coefficients = read_table(&reports.join("tables/coefficients.csv"));
     let joint: Vec<_> = coefficients
         .iter()
@@ -102,5 +104,35 @@ fn the_main_job_gives_tables_figures_and_a_report_and_recovers_the_truth() {
             number("ci_low") <= number("published") && number("published") <= number("ci_high"),
             "{row:?}"
         );
+    }
+}
+
+/// Every campaign has its answer: in the file for programs, in the summary, in the tables, on paper and on the screen.
+fn answers(out: &str, reports: &Path, summary: &serde_json::Value) {
+    let pdf = std::fs::read(reports.join("residual.pdf")).unwrap();
+    assert!(pdf.starts_with(b"%PDF") && pdf.len() > 50_000);
+    assert!(out.contains("findings: "), "{out}");
+    let findings = std::fs::read(reports.join("findings.json")).unwrap();
+    let findings: serde_json::Value = serde_json::from_slice(&findings).unwrap();
+    assert_eq!(findings["schema"], "bpa-findings/1");
+    let campaigns = findings["campaigns"].as_array().unwrap();
+    assert_eq!(
+        campaigns.len(),
+        4,
+        "one for each campaign and diameter, none for those pooled"
+    );
+    let table = read_table(&reports.join("tables/findings.csv"));
+    for (k, found) in campaigns.iter().enumerate() {
+        let name = found["campaign"].as_str().unwrap();
+        let verdict = found["verdict"].as_str().unwrap();
+        assert!(["effect_found", "none", "unexplained"].contains(&verdict));
+        assert_eq!(found["simulated"], name.starts_with("simulated"));
+        assert_eq!(summary["verdicts"][k]["verdict"], verdict);
+        let diameter = found["diameter_mm"].to_string();
+        let of = |r: &&BTreeMap<String, String>| {
+            r["campaign"] == name && r["diameter_mm"] == diameter && r["verdict"] == verdict
+        };
+        assert!(table.iter().any(|r| of(&r)), "{name}");
+        assert!(out.contains(&format!("{name}, {diameter} mm: ")), "{out}");
     }
 }

@@ -1,8 +1,12 @@
-//! The figures, one file each. A figure of a group is one new file and one line in [`OF_GROUP`].
+//! The figures, one file each. A figure of a group is one new file and one line in [`OF_GROUP`], or in
+//! [`OF_DIAGNOSIS`] if it shows what was found in the residual.
 
+mod asked;
 mod covariates;
+mod empirical;
 mod error_by_model;
 mod error_by_specimen;
+mod heldout;
 mod isobars;
 mod laws;
 mod looks;
@@ -15,6 +19,7 @@ pub mod prediction;
 mod readings;
 mod residuals;
 mod rest;
+mod trend;
 mod words;
 
 use crate::base::error::Result;
@@ -79,9 +84,26 @@ const OF_GROUP: &[OfGroup] = &[
     residuals::figure,
 ];
 
+/// Every figure of a diagnosis, in the order of the report.
+const OF_DIAGNOSIS: &[OfGroup] = &[
+    asked::before,
+    heldout::figure,
+    asked::after,
+    empirical::figure,
+];
+
 /// The figures of one group; those for which it has the data.
 pub fn of_group(group: &GroupInput, config: &Config) -> Vec<Named> {
-    OF_GROUP
+    named(OF_GROUP, group, config)
+}
+
+/// The figures of what was found in the residual of one group; none for groups that were not asked.
+pub fn of_diagnosis(group: &GroupInput, config: &Config) -> Vec<Named> {
+    named(OF_DIAGNOSIS, group, config)
+}
+
+fn named(figures: &[OfGroup], group: &GroupInput, config: &Config) -> Vec<Named> {
+    figures
         .iter()
         .filter_map(|make| make(group, config))
         .map(|(name, caption, figure)| Named {

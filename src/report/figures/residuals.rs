@@ -2,8 +2,9 @@
 
 use crate::base::row::Row;
 use crate::config::Config;
-use crate::numerics::running::{medians_by_cluster, normal_plot, running_median};
+use crate::numerics::running::normal_plot;
 use crate::report::figures::covariates::{Covariate, covariates};
+use crate::report::figures::trend::{columns, spread, trend};
 use crate::report::figures::words::listed;
 use crate::report::input::GroupInput;
 use crate::report::plot::{
@@ -14,11 +15,6 @@ use crate::stages::fit::is_fitted;
 
 /// Fewest readings for a figure.
 const FEWEST: usize = 12;
-/// Up to so many clusters of values get a median each, more values a running one.
-const FEW_CLUSTERS: usize = 12;
-/// Values that follow each other by less than this part of their range belong to a cluster.
-const GAP: f64 = 0.015;
-
 /// The figure: of leave-one-specimen-out predictions, or of the fit where no specimen can be left out.
 pub fn figure(group: &GroupInput, _config: &Config) -> Option<(&'static str, String, Figure)> {
     let by_model = &group.predictions.by_model;
@@ -51,15 +47,6 @@ pub fn figure(group: &GroupInput, _config: &Config) -> Option<(&'static str, Str
     figure.height_mm = 6.0 + 44.0 * panels.div_ceil(columns) as f64;
     let caption = sheet.caption(unseen.is_some(), panels);
     Some(("residuals", caption, figure))
-}
-
-/// How many panels stand in a row, so that few places stay empty.
-fn columns(panels: usize) -> usize {
-    match panels {
-        0..=4 => panels.max(1),
-        5 | 6 | 9 => 3,
-        _ => 4,
-    }
 }
 
 struct Sheet {
@@ -102,32 +89,7 @@ impl Sheet {
         Panel::new(against.axis(), self.y_axis())
             .with(Layer::zero())
             .with(Series::marks("reading", points, dot))
-            .with(self.trend(against))
-    }
-
-    /// Medians of clusters where the values cluster or stand for names, else running ones.
-    fn trend(&self, against: &Covariate) -> Series {
-        let gap = if against.spread {
-            0.5
-        } else {
-            GAP * against.extent()
-        };
-        let clusters = medians_by_cluster(&against.values, &self.residuals, gap);
-        match clusters.filter(|c| against.spread || c.len() <= FEW_CLUSTERS) {
-            Some(medians) => {
-                let mark = Mark::filled(Shape::Diamond, Ink::Vermilion).wide(1.6);
-                Series::marks("median at this value", medians, mark)
-            }
-            None => {
-                let window = (self.residuals.len() / 10).max(9);
-                let medians = running_median(&against.values, &self.residuals, window);
-                let stroke = Stroke {
-                    width_pt: 1.3,
-                    ..Stroke::new(Ink::Vermilion, Dash::Solid)
-                };
-                Series::line("running median", medians, stroke)
-            }
-        }
+            .with(trend(&against.values, &self.residuals, against.spread))
     }
 
     fn quantiles(&self) -> Option<Panel> {
@@ -181,15 +143,4 @@ impl Sheet {
             listed(&against)
         )
     }
-}
-
-/// The values, spread by up to a quarter to both sides: by the golden ratio, so that neighbours stand apart and every run is the same.
-fn spread(values: &[f64]) -> Vec<f64> {
-    const GOLDEN: f64 = 0.618_033_988_749_895;
-    let shift = |k: usize| 0.5 * ((k as f64 * GOLDEN).fract() - 0.5);
-    values
-        .iter()
-        .enumerate()
-        .map(|(k, v)| v + shift(k))
-        .collect()
 }

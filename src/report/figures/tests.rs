@@ -6,6 +6,8 @@ use crate::base::session::Phase;
 use crate::models::new;
 use crate::report::plot::units::pt;
 use crate::stages::compare::compare;
+use crate::stages::diagnose::diagnose;
+use crate::stages::diagnose::findings::Unexplained;
 use crate::stages::fit::{Group, fit_group};
 use std::collections::BTreeMap;
 
@@ -208,4 +210,52 @@ fn rows_that_are_held_out_stay_out_of_the_residuals() {
     assert_eq!(all, group.predictions.rows.len());
     group.predictions.rows[0].role = Some(crate::base::session::Role::Holdout);
     assert_eq!(count(&group), all - 1);
+}
+
+#[test]
+fn figures_of_a_diagnosis_are_fit_for_print_and_share_their_axes() {
+    let config = Config::default();
+    let mut group = groups().remove(0);
+    let of = group.fit.group.clone();
+    assert!(of_diagnosis(&group, &config).is_empty(), "not asked");
+    group.diagnosis = diagnose(&of, &group.predictions.rows, &config.fit, &config.diagnose);
+    let mut diagnosis = group.diagnosis.clone().unwrap();
+    let halves = diagnosis.residuals.before.iter().map(|r| 0.5 * r);
+    diagnosis.residuals.after = halves.collect();
+    diagnosis.findings.unexplained = vec![Unexplained {
+        column: "humidity_#1".to_owned(),
+        shape: "offset".to_owned(),
+        p_adjusted: 0.001,
+        share_of_residual: 0.4,
+        rmse_heldout_before: None,
+        rmse_heldout_after: None,
+        curve: vec![(30.0, 0.0), (60.0, 2.0)],
+    }];
+    group.diagnosis = Some(diagnosis);
+    let figures = of_diagnosis(&group, &config);
+    let names: Vec<&str> = figures.iter().map(|n| n.name.as_str()).collect();
+    let kinds = ["residual-before", "heldout", "residual-after", "empirical"];
+    assert_eq!(names, kinds.map(|k| format!("{k}-five-10mm")));
+    for named in &figures {
+        let svg = named.draw().unwrap().svg;
+        assert!(
+            !svg.contains("NaN") && !svg.contains("inf"),
+            "{}",
+            named.name
+        );
+        assert!(svg.len() < 400_000, "{}: {} bytes", named.name, svg.len());
+        assert!(named.caption.starts_with("Simulated. "));
+        let source = format!("#set page(width: 200mm)\n{}", named.caption);
+        let pdf = crate::report::typeset::Document::new(&source).compile();
+        assert!(pdf.is_ok(), "{}", named.caption);
+    }
+    let axes = |k: usize| -> Vec<_> {
+        let panels = figures[k].figure.panels.iter();
+        panels.map(|p| (p.x.clone(), p.y.clone())).collect()
+    };
+    assert_eq!(
+        axes(0),
+        axes(2),
+        "before and after are seen on the same axes"
+    );
 }

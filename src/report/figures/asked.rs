@@ -1,0 +1,261 @@
+//! The residual against every column that it was asked about, before and after the effects: two figures with the same axes.
+
+use crate::config::Config;
+use crate::report::answers::{SIGNIFICANT, p_words};
+use crate::report::figures::trend::{columns, spread, trend};
+use crate::report::figures::words::plain;
+use crate::report::input::GroupInput;
+use crate::report::plot::axis::{Span, Ticks};
+use crate::report::plot::{Axis, DOUBLE_MM, Figure, Ink, Layer, Mark, Panel, Series, Shape};
+use crate::stages::diagnose::Diagnosis;
+use crate::stages::diagnose::findings::Question;
+use std::collections::BTreeSet;
+
+/// Most readings drawn in a panel; the medians are those of all.
+const DRAWN: usize = 700;
+/// Panels beyond these are left out, the least explained first.
+const MOST_PANELS: usize = 12;
+/// Height of a row of panels, mm.
+const ROW_MM: f64 = 38.0;
+/// Width of a dot where there are many readings and where there are few, mm.
+const DOT_MM: [f64; 2] = [0.6, 1.0];
+/// Up to so many readings are few.
+const FEW: usize = 250;
+/// Up to so many specimens have a colour each.
+const COLOURS: [Ink; 6] = [
+    Ink::Blue,
+    Ink::Orange,
+    Ink::Green,
+    Ink::Purple,
+    Ink::Black,
+    Ink::Sky,
+];
+
+/// The residual of the base model.
+pub fn before(group: &GroupInput, _config: &Config) -> Option<(&'static str, String, Figure)> {
+    let diagnosis = group.diagnosis.as_ref()?;
+    let caption = caption(diagnosis, "the base model");
+    let title = format!("Residual before, {}", group.fit.group.campaign);
+    let figure = figure(diagnosis, &diagnosis.residuals.before, &title)?;
+    Some(("residual-before", caption, figure))
+}
+
+/// The residual of the model with the effects; none where nothing was added.
+pub fn after(group: &GroupInput, _config: &Config) -> Option<(&'static str, String, Figure)> {
+    let diagnosis = group.diagnosis.as_ref()?;
+    let residuals = &diagnosis.residuals;
+    if residuals.before == residuals.after {
+        return None;
+    }
+    let mut model = "the model with the effects".to_owned();
+    if diagnosis.findings.after_empirical.is_some() {
+        model.push_str(" and the empirical corrections");
+    }
+    let caption = format!(
+        "{} Axes, grey strips and colours are those of the residual before.",
+        caption(diagnosis, &model)
+    );
+    let title = format!("Residual after, {}", group.fit.group.campaign);
+    let figure = figure(diagnosis, &residuals.after, &title)?;
+    Some(("residual-after", caption, figure))
+}
+
+fn figure(diagnosis: &Diagnosis, residuals: &[f64], title: &str) -> Option<Figure> {
+    let asked = panels(diagnosis);
+    if asked.is_empty() {
+        return None;
+    }
+    let in_a_row = columns(asked.len());
+    let mut figure = Figure::new(title, DOUBLE_MM, 0.0)
+        .grid(in_a_row)
+        .shared_legend();
+    for (k, asked) in asked.iter().enumerate() {
+        let mut panel = panel(diagnosis, residuals, asked);
+        if k % in_a_row > 0 {
+            panel.y = panel.y.bare();
+        }
+        figure = figure.with(panel);
+    }
+    figure.height_mm = 12.0 + ROW_MM * asked.len().div_ceil(in_a_row) as f64;
+    Some(figure)
+}
+
+/// A column with the question about it; none where the strengths of the specimens answer for it.
+struct Asked<'a> {
+    name: &'a str,
+    values: &'a [f64],
+    question: Option<&'a Question>,
+}
+
+/// The columns to show: what is not asked about and names no specimen says little.
+fn panels(diagnosis: &Diagnosis) -> Vec<Asked<'_>> {
+    let questions = &diagnosis.findings.questions;
+    let columns = diagnosis.residuals.columns.iter();
+    let mut asked: Vec<Asked> = columns
+        .map(|(name, values)| Asked {
+            name,
+            values,
+            question: questions.iter().find(|q| q.column == *name),
+        })
+        .filter(|a| a.name != "log" || a.is_significant())
+        .collect();
+    while asked.len() > MOST_PANELS {
+        let share = |a: &Asked| a.question.map_or(0.0, |q| q.share);
+        let least = (0..asked.len()).min_by(|a, b| share(&asked[*a]).total_cmp(&share(&asked[*b])));
+        asked.remove(least.unwrap_or(0));
+    }
+    asked
+}
+
+impl Asked<'_> {
+    fn is_significant(&self) -> bool {
+        self.question.is_some_and(|q| q.p_adjusted < SIGNIFICANT)
+    }
+
+    /// Whether its values stand for names.
+    fn is_named(&self) -> bool {
+        ["direction", "session", "log"].contains(&self.name)
+    }
+
+    /// The values in the unit of the axis.
+    fn shown(&self) -> Vec<f64> {
+        let factor = factor(self.name);
+        // Sessions and logs are counted from 1.
+        let first = f64::from(u8::from(self.is_named() && self.name != "direction"));
+        self.values.iter().map(|v| first + factor * v).collect()
+    }
+
+    fn title(&self) -> String {
+        match self.question {
+            Some(q) => format!("\\v{{p}} {}", p_words(q.p_adjusted)),
+            None => "not asked".to_owned(),
+        }
+    }
+
+    fn axis(&self, (low, high): (f64, f64)) -> Axis {
+        let label = label(self.name);
+        match self.name {
+            "direction" => Axis {
+                span: Span::Fixed(-1.6, 1.6),
+                ticks: Ticks::Named(
+                    [(-1.0, "venting"), (1.0, "filling")]
+                        .map(|(at, name)| (at, name.to_owned()))
+                        .to_vec(),
+                ),
+                ..Axis::new(&label)
+            },
+            _ if self.is_named() => Axis::new(&label).fixed(low - 0.6, high + 0.6),
+            _ => {
+                let margin = 0.04 * (high - low);
+                Axis::new(&label).fixed(low - margin, high + margin)
+            }
+        }
+    }
+}
+
+/// From the unit of a column to that of its axis.
+pub fn factor(column: &str) -> f64 {
+    if column == "rest_length_m" { 1e3 } else { 1.0 }
+}
+
+/// What a column is called on an axis.
+pub fn label(column: &str) -> String {
+    let label = match column {
+        "pressure_kpa" => "Pressure (kPa)",
+        "contraction_rel" => "ε* (–)",
+        "force_n" => "Predicted force (N)",
+        "direction" => "Direction",
+        "time_s" => "Time in the log (s)",
+        "since_step_s" => "Time since the step (s)",
+        "pressure_rate" => "Rate (kPa/s)",
+        "temperature_c" => "Temperature (°C)",
+        "cycles" => "Cycles",
+        "session_order" => "Order of sessions",
+        "session" => "Session, by name",
+        "log" => "Log",
+        "rest_length_m" => "l_{rest} (mm)",
+        other => return plain(other),
+    };
+    label.to_owned()
+}
+
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values
+        .filter(|v| v.is_finite())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+            (low.min(v), high.max(v))
+        })
+}
+
+fn panel(diagnosis: &Diagnosis, residuals: &[f64], asked: &Asked) -> Panel {
+    let values = asked.shown();
+    let ends = range(values.iter().copied());
+    let both = &diagnosis.residuals;
+    let (low, high) = range(both.before.iter().chain(&both.after).copied());
+    let margin = 0.04 * (high - low);
+    let y = Axis::new("Residual (N)").fixed(low - margin, high + 3.0 * margin);
+    let mut panel = Panel::new(asked.axis(ends), y).title(&asked.title());
+    if asked.is_significant() {
+        let strip = |x: f64| (x, high + 1.5 * margin, high + 3.0 * margin);
+        let wide = ends.1 - ends.0 + 9.0;
+        let name = "the residual depends on this column";
+        let points = vec![strip(ends.0 - wide), strip(ends.1 + wide)];
+        panel = panel.with(Layer::band(name, points, Ink::Black));
+    }
+    panel = panel.with(Layer::zero());
+    let places = if asked.is_named() {
+        spread(&values)
+    } else {
+        values.clone()
+    };
+    let width = DOT_MM[usize::from(residuals.len() <= FEW)];
+    for ((ink, name), points) in by_specimen(&both.specimen, &places, residuals) {
+        let mark = Mark::filled(Shape::Dot, ink).wide(width);
+        panel = panel.with(Series::marks(&name, points, mark));
+    }
+    panel.with(trend(&values, residuals, asked.is_named()))
+}
+
+type Cloud = ((Ink, String), Vec<(f64, f64)>);
+
+/// The points of each specimen, thinned alike; beyond the colours one name for all.
+fn by_specimen(specimens: &[String], places: &[f64], residuals: &[f64]) -> Vec<Cloud> {
+    let ids: BTreeSet<&String> = specimens.iter().collect();
+    let every = residuals.len().div_ceil(DRAWN).max(1);
+    let mut clouds: Vec<Cloud> = ids
+        .iter()
+        .enumerate()
+        .map(|(k, id)| {
+            let look = if ids.len() > COLOURS.len() {
+                (Ink::Blue, "reading".to_owned())
+            } else {
+                (COLOURS[k], plain(id))
+            };
+            (look, Vec::new())
+        })
+        .collect();
+    for i in (0..residuals.len()).step_by(every) {
+        if let Some(k) = ids.iter().position(|id| **id == specimens[i]) {
+            clouds[k].1.push((places[i], residuals[i]));
+        }
+    }
+    clouds
+}
+
+fn caption(diagnosis: &Diagnosis, model: &str) -> String {
+    let readings = diagnosis.residuals.before.len();
+    let every = readings.div_ceil(DRAWN).max(1);
+    let drawn = match every {
+        1 => String::new(),
+        n => format!(" One reading in {n} is drawn, the medians are those of all."),
+    };
+    let unasked = if panels(diagnosis).iter().any(|a| a.question.is_none()) {
+        " What is constant within every specimen is not asked: the strengths of the specimens answer for it."
+    } else {
+        ""
+    };
+    format!(
+        "Residual (measured force minus that of {model}, no specimen with a strength of its own) of {readings} readings, against what it \
+         was asked about; _p_ is corrected for the number of questions.{unasked}{drawn}"
+    )
+}
