@@ -21,6 +21,8 @@ use std::collections::BTreeSet;
 const WORTH_SAYING: f64 = 0.05;
 /// Corrected p of a question above which a column says nothing.
 const SAYS_NOTHING: f64 = 0.01;
+/// A reading of the data whose held-out error is larger by less than this is as good.
+const AS_GOOD: f64 = 1.05;
 /// p below which the strengths scatter more than is usual.
 const MORE_THAN_USUAL: f64 = 0.005;
 
@@ -32,6 +34,7 @@ pub(super) fn answer(work: &Work) -> Diagnosis {
         data: &thin,
         candidates: work.candidates,
         most: work.options.most_effects,
+        significance: judge::SIGNIFICANT.0,
     };
     let all_terms: Vec<Term> = work.best.chosen.iter().map(|c| work.candidates[*c].clone()).collect();
     let full = Model {
@@ -61,6 +64,8 @@ pub(super) fn answer(work: &Work) -> Diagnosis {
     let before = super::errors(train_error(&null_model, &null), work.held.before);
     let (after_model, after_fit) = &physical;
     let after = super::errors(train_error(after_model, after_fit), work.held.after);
+    let found = &after_model.terms;
+    let after_as_chosen = (!found.is_empty()).then(|| reading(work, &search, work.base, "", found.clone()).errors);
     let after_empirical = work.held.empirical.map(|t: Tally| super::errors(train_error(&full, &fitted), t));
     let residuals = residuals(work, &null_model, &null, &full, &fitted);
     let readings_of_the_base = readings_of_the_base(work, &search);
@@ -75,7 +80,7 @@ pub(super) fn answer(work: &Work) -> Diagnosis {
         base_refitted: work.base.coefficients.iter().any(|c| c.free),
         unit: "N".to_owned(),
         verdict,
-        summary: summary(verdict, &effects, &unexplained, work),
+        summary: summary(verdict, &effects, &unexplained, work, after_as_chosen.map(|e| e.rmse_heldout)),
         readings: work.train.len(),
         sessions: work.train.session.iter().collect::<BTreeSet<_>>().len(),
         specimens: work.train.specimen.iter().collect::<BTreeSet<_>>().len(),
@@ -87,6 +92,7 @@ pub(super) fn answer(work: &Work) -> Diagnosis {
         unexplained,
         before,
         after,
+        after_as_chosen,
         after_empirical,
         by_specimen: work.held.by_unit.clone(),
         noise_floor: noise_floor(work.train, &fitted.residuals),
@@ -355,7 +361,7 @@ fn verdict(work: &Work, effects: &[super::findings::EffectFinding], unexplained:
     }
 }
 
-fn summary(verdict: Verdict, effects: &[EffectFinding], unexplained: &[Unexplained], work: &Work) -> String {
+fn summary(verdict: Verdict, effects: &[EffectFinding], unexplained: &[Unexplained], work: &Work, as_chosen: Option<f64>) -> String {
     let (before, after) = (work.held.before.rmse(), work.held.after.rmse());
     match verdict {
         Verdict::EffectFound => {
@@ -367,7 +373,8 @@ fn summary(verdict: Verdict, effects: &[EffectFinding], unexplained: &[Unexplain
                     format!("{} ({} = {:.3} {}{class})", e.title, p.name, p.value, p.unit)
                 })
                 .collect();
-            format!("Missing: {}. With it the held-out error goes from {before:.1} N to {after:.1} N.", names.join("; "))
+            let fixed = as_chosen.map_or_else(String::new, |e| format!(" (to {e:.1} N where only the sizes are found anew in each fold)"));
+            format!("Missing: {}. With the search inside each fold the held-out error goes from {before:.1} N to {after:.1} N{fixed}.", names.join("; "))
         }
         Verdict::None => "Nothing is missing that this campaign could show.".to_owned(),
         Verdict::Unexplained => {
@@ -428,23 +435,35 @@ fn coefficients(work: &Work, null: &Fitted, full: &Model, fitted: &Fitted, uncer
         .collect()
 }
 
-/// Base with and without its dependence on the resting length, each with and without the effects.
+/// Base with and without its dependence on the resting length, each without effects, with those found, and with the one effect beside
+/// which the dependence is needed least: neither is kept out of habit.
 fn readings_of_the_base(work: &Work, search: &Search) -> Vec<Reading> {
     let Some(reduced) = work.base.without_length_law() else {
         return Vec::new();
     };
-    let physical: Vec<Term> = work.best.chosen.iter().map(|c| work.candidates[*c].clone()).filter(|t| t.id().is_some()).collect();
-    if physical.is_empty() {
-        return Vec::new();
-    }
     let bases: [(&Base, &str); 2] = [(work.base, "F_620 depends on l_rest"), (&reduced, "F_620 constant")];
-    let mut list = Vec::new();
-    for (base, words) in bases {
-        for terms in [Vec::new(), physical.clone()] {
-            list.push(reading(work, search, base, words, terms));
-        }
+    let physical: Vec<Term> = work.best.chosen.iter().map(|c| work.candidates[*c].clone()).filter(|t| t.id().is_some()).collect();
+    let mut sets = vec![Vec::new()];
+    if !physical.is_empty() {
+        sets.push(physical.clone());
     }
-    list
+    if work.questions.iter().any(|q| q.p_adjusted < super::WORTH_ASKING) {
+        sets.extend(beside_no_law(work, search, &reduced, &physical));
+    }
+    let both = |terms: &Vec<Term>| bases.map(|(base, words)| reading(work, search, base, words, terms.clone()));
+    sets.iter().flat_map(both).collect()
+}
+
+/// The effects found and one more, beside which a constant F_620 has the smallest held-out error, if that is smaller than without it.
+fn beside_no_law(work: &Work, search: &Search, reduced: &Base, physical: &[Term]) -> Option<Vec<Term>> {
+    let whole = |t: &&Term| t.scope == Scope::Whole && t.id().is_some() && !super::between::is_between(t);
+    let found: BTreeSet<Option<&str>> = physical.iter().map(Term::id).collect();
+    let with = |more: Option<&Term>| -> Vec<Term> { physical.iter().chain(more).cloned().collect() };
+    let error = |terms: Vec<Term>| reading(work, search, reduced, "", terms).errors.rmse_heldout;
+    let mut seen = BTreeSet::new();
+    let candidates = work.candidates.iter().filter(whole).filter(|t| !found.contains(&t.id()) && seen.insert((t.id(), t.form().map(|f| f.name))));
+    let best = candidates.map(|t| (error(with(Some(t))), t)).min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (best.0 < error(with(None)) && physical.len() < super::model::MOST_TERMS).then(|| with(Some(best.1)))
 }
 
 fn reading(work: &Work, search: &Search, base: &Base, words: &str, terms: Vec<Term>) -> Reading {
@@ -476,8 +495,9 @@ fn reading(work: &Work, search: &Search, base: &Base, words: &str, terms: Vec<Te
         (a.len() == 1).then(|| format!("{} = {:.3} {}", form.amplitude.name, form.amplitude.absent + a[0], form.amplitude.unit))
     });
     let free = base.coefficients.iter().filter(|c| c.free).count();
+    let ids: Vec<&str> = terms.iter().filter_map(Term::id).collect();
     Reading {
-        model: if terms.is_empty() { format!("{words}, no effects") } else { format!("{words}, with the effects") },
+        model: if terms.is_empty() { format!("{words}, no effects") } else { format!("{words}, with {}", ids.join(" and ")) },
         parameters: free + terms.iter().map(Term::parameters).sum::<usize>(),
         errors: super::errors(train_error(&model, &fitted), tally),
         numbers: numbers.collect(),
@@ -549,13 +569,19 @@ fn next(effects: &[EffectFinding], limits: &Limits, readings: &[Reading]) -> Vec
         action: e.measurement.clone(),
         difference_n: None,
     }));
-    if let [with_law, with_both, _, constant] = readings {
-        let close = constant.errors.rmse_heldout < 1.05 * with_both.errors.rmse_heldout;
-        if close && constant.errors.rmse_heldout < with_law.errors.rmse_heldout {
+    let error = |r: &&Reading| r.errors.rmse_heldout;
+    let least = |constant: bool| {
+        let kind = readings.iter().filter(|r| r.model.starts_with("F_620 constant") == constant);
+        kind.min_by(|a, b| error(a).total_cmp(&error(b)))
+    };
+    if let (Some(law), Some(constant)) = (least(false), least(true)) {
+        if constant.errors.rmse_heldout < AS_GOOD * law.errors.rmse_heldout {
             list.push(NextMeasurement {
-                separates: vec!["F_620 depends on l_rest".to_owned(), "F_620 is constant, the effects explain the lengths".to_owned()],
-                action: "measure one actuator at two frame lengths, or on a stiffer frame; put a dial gauge on the crossmember; hang a dead weight".to_owned(),
-                difference_n: Some((with_both.errors.rmse_heldout - constant.errors.rmse_heldout).abs()),
+                separates: vec![law.model.clone(), constant.model.clone()],
+                action: "measure one actuator at two frame lengths, or on a stiffer frame; put a dial gauge on the crossmember; hang a dead weight in \
+                         place of the actuator"
+                    .to_owned(),
+                difference_n: None,
             });
         }
     }

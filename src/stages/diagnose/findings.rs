@@ -55,6 +55,9 @@ pub struct CampaignFindings {
     pub before: Errors,
     /// Error with the effects (and not with empirical corrections).
     pub after: Errors,
+    /// Error with the effects that were found on all readings, only their sizes and the coefficients found anew without each held-out unit;
+    /// none where nothing was found. Between this and `after` lies what the choice itself costs.
+    pub after_as_chosen: Option<Errors>,
     /// Error with the effects and the empirical corrections; none where there are none.
     pub after_empirical: Option<Errors>,
     /// The same by held-out specimen.

@@ -118,13 +118,12 @@ pub fn diagnose(group: &Group, rows: &[Row], fit: &FitOptions, options: &Diagnos
         data: &thin,
         candidates: &candidates,
         most: options.most_effects,
+        significance: judge::SIGNIFICANT.0,
     };
     let null = search.state(Vec::new(), None);
     let questions = ask(&search, &null, options);
     let something = questions.iter().any(|q| q.p_adjusted < WORTH_ASKING);
-    let found = if something { search.run() } else { null.clone() };
-    let (_, inner) = (0, inner_folds(&thin));
-    let (best, judgements, rejected) = judge::judged(&search, found, &inner, options.seed);
+    let (best, judgements, rejected) = if something { believed(&search, options.seed) } else { (null.clone(), Vec::new(), Vec::new()) };
     let held = held_out(&base, &all, &candidates, &folds, something && !best.chosen.is_empty(), options);
     let work = Work {
         group,
@@ -144,6 +143,15 @@ pub fn diagnose(group: &Group, rows: &[Row], fit: &FitOptions, options: &Diagnos
         passed_over,
     };
     Some(answer::answer(&work))
+}
+
+/// The additions that pass every guard.
+fn believed(search: &Search, seed: u64) -> (State, Vec<Judgement>, Vec<Rejected>) {
+    let inner = inner_folds(search.data);
+    let (state, judgements, mut rejected) = judge::judged(search, search.run(), &inner, seed);
+    let (state, judgements, each) = judge::with_each_session(search, state, judgements, &inner, seed);
+    rejected.extend(each);
+    (state, judgements, rejected)
 }
 
 /// Specimens left out one at a time (or sessions, logs): the folds in which a single addition is judged.
@@ -232,9 +240,10 @@ fn one_fold(base: &Base, all: &Data, candidates: &[Term], fold: &Fold, search: b
         data: &thin,
         candidates,
         most: options.most_effects,
+        significance: judge::SIGNIFICANT.1,
     };
     let null = here.state(Vec::new(), None);
-    let best = if search { here.run() } else { null.clone() };
+    let best = if search { believed(&here, options.seed).0 } else { null.clone() };
     let terms = |physical_only: bool| -> Vec<Term> {
         let kept = |t: &Term| !physical_only || matches!(t.what, What::Effect { .. });
         best.chosen.iter().map(|c| candidates[*c].clone()).filter(kept).collect()
@@ -251,7 +260,10 @@ fn one_fold(base: &Base, all: &Data, candidates: &[Term], fold: &Fold, search: b
     let empirical = (physical.len() < best.chosen.len()).then(|| predict(terms(false), &held, &best.fitted));
     let boxes = black_boxes(base, all, fold, &[], &null.fitted, options);
     let boxes_after = if physical.is_empty() { boxes.clone() } else { black_boxes(base, all, fold, &physical, &fitted, options) };
-    let names = |t: &Term| judge::name(t, &thin);
+    let names = |t: &Term| match t.scope {
+        term::Scope::Whole => judge::name(t, &thin),
+        _ => format!("{} ({})", judge::name(t, &thin), judge::acts_on(t, &thin)),
+    };
     FoldResult {
         unit: fold.unit.clone(),
         measured: held.force.clone(),

@@ -16,6 +16,7 @@ use crate::numerics::cholesky::Cholesky;
 use crate::numerics::matrix::Matrix;
 
 use crate::numerics::real::{Dual, Real};
+use std::collections::BTreeSet;
 
 /// Derivatives that one evaluation carries: five coefficients, the strength, and two for each of five effects.
 const SLOTS: usize = 16;
@@ -121,7 +122,33 @@ impl<'a> Model<'a> {
                 Place::Strength(k) => fitted.strengths[*k] = *value,
             }
         }
+        self.fill_unseen(&mut fitted);
         fitted
+    }
+
+    /// What was not seen has a mean value: a session its effect's mean over the others, a specimen the mean strength. Where a fit
+    /// started must not show.
+    fn fill_unseen(&self, fitted: &mut Fitted) {
+        let sessions: BTreeSet<usize> = self.data.session.iter().copied().collect();
+        for (term, (amplitudes, _)) in self.terms.iter().zip(&mut fitted.terms) {
+            let seen: BTreeSet<usize> = sessions.iter().filter_map(|s| term.acts_on[*s]).collect();
+            let mean = if term.amplitudes > 1 {
+                seen.iter().map(|g| amplitudes[*g]).sum::<f64>() / seen.len().max(1) as f64
+            } else {
+                0.0
+            };
+            for (g, amplitude) in amplitudes.iter_mut().enumerate() {
+                if !seen.contains(&g) {
+                    *amplitude = mean;
+                }
+            }
+        }
+        let specimens: BTreeSet<usize> = self.data.specimen.iter().copied().collect();
+        for (k, strength) in fitted.strengths.iter_mut().enumerate() {
+            if !specimens.contains(&k) {
+                *strength = 0.0;
+            }
+        }
     }
 
     fn start(&self, from: Option<&Fitted>) -> Vec<f64> {

@@ -9,7 +9,6 @@ use super::base::Base;
 use super::between;
 use super::candidates::choices;
 use super::data::Data;
-use super::judge::SIGNIFICANT;
 use super::linear::{BLIND, Linear, Stand};
 use super::model::{Fitted, MOST_TERMS, Model, USUAL_SCATTER};
 use super::term::{Empirical, Scope, Term, What};
@@ -54,6 +53,8 @@ pub struct Search<'a> {
     pub candidates: &'a [Term],
     /// Most additions.
     pub most: usize,
+    /// Largest corrected p of an addition.
+    pub significance: f64,
 }
 
 impl<'a> Search<'a> {
@@ -92,23 +93,27 @@ impl<'a> Search<'a> {
     pub fn run(&self) -> State {
         let null = self.state(Vec::new(), None);
         let all = rss(&null);
-        let each = |c: &Term| c.scope == Scope::EachSession;
-        // What has a value for every session explains much and predicts nothing, so it comes last.
-        let shared: Vec<usize> = (0..self.candidates.len()).filter(|c| !each(&self.candidates[*c])).collect();
-        let single: Vec<usize> = (0..self.candidates.len()).filter(|c| each(&self.candidates[*c])).collect();
+        // What has a value for every session explains much and predicts nothing: see `with_each_session`.
+        let shared: Vec<usize> = (0..self.candidates.len()).filter(|c| self.candidates[*c].scope != Scope::EachSession).collect();
         // What the strengths ask for comes first: left out, its traces within the specimens would be credited to others.
-        let asked = between::asked_for(self, &null.fitted).filter(|(_, p)| *p < SIGNIFICANT);
+        let asked = between::asked_for(self, &null.fitted).filter(|(_, p)| *p < self.significance);
         let from = asked.map_or_else(|| null.clone(), |(c, _)| self.state(vec![c], Some(&null.fitted)));
         let best = self.prune(self.grow(&null, from, &shared, BEAM), all);
-        let best = self.grow(&null, self.with_better_forms(&null, best), &single, 1);
-        // Several sessions that each stand out may be all of them.
+        self.with_better_forms(&null, best)
+    }
+
+    /// The best model with an effect that has a value for every session, on top of another; if that has several effects of single
+    /// sessions, which may be all of them, then in their place. None where it does not pay.
+    pub fn with_each_session(&self, best: &State) -> Option<State> {
+        let single: Vec<usize> = (0..self.candidates.len()).filter(|c| self.candidates[*c].scope == Scope::EachSession).collect();
+        let null = self.state(Vec::new(), None);
         let part = |c: &usize| matches!(self.candidates[*c].scope, Scope::Session(_) | Scope::From(_));
-        if best.chosen.iter().filter(|c| part(c)).count() < 2 {
-            return best;
-        }
-        let kept: Vec<usize> = best.chosen.iter().copied().filter(|c| !part(c)).collect();
-        let other = self.grow(&null, self.state(kept, None), &single, 1);
-        if self.criterion_gain(&null, &other) > self.criterion_gain(&null, &best) { other } else { best }
+        let several = best.chosen.iter().filter(|c| part(c)).count() > 1;
+        let kept: Vec<usize> = best.chosen.iter().copied().filter(|c| !several || !part(c)).collect();
+        let from = if several { self.state(kept, None) } else { best.clone() };
+        let grown = self.grow(&null, from.clone(), &single, 1);
+        let pays = self.criterion_gain(&null, &grown) > self.criterion_gain(&null, best);
+        (grown.chosen.len() > from.chosen.len() && pays).then_some(grown)
     }
 
     /// The best model from a state upwards, with additions from a list.
