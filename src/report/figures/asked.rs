@@ -16,7 +16,7 @@ const DRAWN: usize = 700;
 /// Panels beyond these are left out, the least explained first.
 const MOST_PANELS: usize = 12;
 /// Height of a row of panels, mm.
-const ROW_MM: f64 = 38.0;
+const ROW_MM: f64 = 35.0;
 /// Width of a dot where there are many readings and where there are few, mm.
 const DOT_MM: [f64; 2] = [0.6, 1.0];
 /// Up to so many readings are few.
