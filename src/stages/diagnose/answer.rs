@@ -29,13 +29,7 @@ const MORE_THAN_USUAL: f64 = 0.005;
 /// The answer.
 pub(super) fn answer(work: &Work) -> Diagnosis {
     let thin = work.train.thinned(work.options.most_readings);
-    let search = Search {
-        base: work.base,
-        data: &thin,
-        candidates: work.candidates,
-        most: work.options.most_effects,
-        significance: judge::SIGNIFICANT.0,
-    };
+    let search = Search::new(work.base, &thin, work.candidates, work.options.most_effects, judge::SIGNIFICANT.0);
     let all_terms: Vec<Term> = work.best.chosen.iter().map(|c| work.candidates[*c].clone()).collect();
     let full = Model {
         base: work.base,
@@ -57,7 +51,7 @@ pub(super) fn answer(work: &Work) -> Diagnosis {
     if let Some(finding) = strengths {
         effects.push(finding);
     }
-    let unexplained = unexplained(work, &fitted, &after_questions);
+    let unexplained = unexplained(work, &fitted, &after_questions, search.least_n);
     let verdict = verdict(work, &effects, &unexplained);
     let limits = limits(&search, &work.best);
     let physical = physical_only(work, &fitted);
@@ -307,7 +301,7 @@ fn questions_after(search: &Search, best: &State, work: &Work) -> Vec<Question> 
 }
 
 /// The empirical terms that were chosen; and where nothing was, the columns on which the residual depends.
-fn unexplained(work: &Work, fitted: &Fitted, after: &[Question]) -> Vec<Unexplained> {
+fn unexplained(work: &Work, fitted: &Fitted, after: &[Question], least_n: f64) -> Vec<Unexplained> {
     let mut list: Vec<Unexplained> = work
         .judgements
         .iter()
@@ -331,7 +325,8 @@ fn unexplained(work: &Work, fitted: &Fitted, after: &[Question]) -> Vec<Unexplai
         .collect();
     let rss = |f: &Fitted| f.residuals.iter().map(|r| r * r).sum::<f64>() / f.residuals.len() as f64;
     let left = rss(&work.best.fitted) / rss(&work.null.fitted).max(f64::MIN_POSITIVE);
-    let mut others: Vec<&Question> = after.iter().filter(|q| q.p_adjusted < SAYS_NOTHING && q.share * left > WORTH_SAYING).collect();
+    let matters = |q: &&Question| q.share * left > WORTH_SAYING && (q.share * rss(&work.best.fitted)).sqrt() > least_n;
+    let mut others: Vec<&Question> = after.iter().filter(|q| q.p_adjusted < SAYS_NOTHING).filter(matters).collect();
     others.sort_by(|a, b| b.share.total_cmp(&a.share).then(a.column.cmp(&b.column)));
     for question in others {
         if !list.iter().any(|u| u.column == question.column) {

@@ -55,7 +55,8 @@ pub fn limits(search: &Search, state: &State) -> Limits {
         shown.push(candidate);
         let inflation = (search.data.len() as f64 / state.effective).max(1.0).sqrt();
         let by_noise = SURE * state.fitted.sigma * inflation / information.left.sqrt();
-        let by_use = (LEAST_FALL * stand.left / information.left).sqrt();
+        let least = search.least_n * search.least_n * search.data.len() as f64;
+        let by_use = ((LEAST_FALL * stand.left).max(least) / information.left).sqrt();
         let What::Effect { form, .. } = search.candidates[candidate].what else {
             continue;
         };

@@ -113,13 +113,7 @@ pub fn diagnose(group: &Group, rows: &[Row], fit: &FitOptions, options: &Diagnos
     let train = all.select(&train);
     let candidates = candidates::candidates(&train);
     let thin = train.thinned(options.most_readings);
-    let search = Search {
-        base: &base,
-        data: &thin,
-        candidates: &candidates,
-        most: options.most_effects,
-        significance: judge::SIGNIFICANT.0,
-    };
+    let search = Search::new(&base, &thin, &candidates, options.most_effects, judge::SIGNIFICANT.0);
     let null = search.state(Vec::new(), None);
     let questions = ask(&search, &null, options);
     let something = questions.iter().any(|q| q.p_adjusted < WORTH_ASKING);
@@ -235,13 +229,7 @@ fn one_fold(base: &Base, all: &Data, candidates: &[Term], fold: &Fold, search: b
     let train = all.select(&fold.train);
     let thin = train.thinned(options.most_readings);
     let held = all.select(&fold.held_out);
-    let here = Search {
-        base,
-        data: &thin,
-        candidates,
-        most: options.most_effects,
-        significance: judge::SIGNIFICANT.1,
-    };
+    let here = Search::new(base, &thin, candidates, options.most_effects, judge::SIGNIFICANT.1);
     let null = here.state(Vec::new(), None);
     let best = if search { believed(&here, options.seed).0 } else { null.clone() };
     let terms = |physical_only: bool| -> Vec<Term> {

@@ -86,14 +86,19 @@ pub fn uncertainties(model: &Model, fitted: &Fitted, effective: f64, held: &[Pla
             if alone {
                 by_readings
             } else if within < WITHIN && specimens.len() >= FEWEST {
-                by_specimen[k]
+                wider(by_specimen[k], by_readings)
             } else if sessions.len() >= FEWEST {
-                by_session[k]
+                wider(by_session[k], by_readings)
             } else {
                 by_readings
             }
         })
         .collect()
+}
+
+/// The wider of two: a jackknife over few clusters is small by chance as often as it is large.
+fn wider(a: Uncertainty, b: Uncertainty) -> Uncertainty {
+    if a.half_width() >= b.half_width() { a } else { b }
 }
 
 fn penalties(layout: &[Place], fitted: &Fitted, held: &[Place]) -> Vec<f64> {
