@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod cache;
+mod closed_loop;
 mod commands;
 mod coverage;
 mod golden;
