@@ -322,7 +322,7 @@ fn reading(r: &Reading) -> [String; 5] {
         r.parameters.to_string(),
         newtons(r.errors.rmse_train),
         newtons(r.errors.rmse_heldout),
-        r.numbers.join("; "),
+        r.numbers.join("; ").replace("um", "µm"),
     ]
 }
 
