@@ -216,8 +216,26 @@ fn campaign(found: &CampaignFindings, figures: &[Drawn]) -> Campaign {
     }
 }
 
-fn effect(e: &EffectFinding) -> Effect {
+/// What speaks for an effect. Strengths are part of every model and were not searched, so that some of it says nothing of them.
+fn facts(e: &EffectFinding) -> Vec<(&'static str, String)> {
     let arrow = |a: f64, b: f64| format!("{} → {} N", newtons(a), newtons(b));
+    let p = p_words(e.p_adjusted);
+    let mut facts = vec![("p, corrected", p.trim_start_matches("= ").to_owned())];
+    if e.criterion_gain != 0.0 {
+        let gain = rounded(e.criterion_gain, Rounding::Decimals(1));
+        let again = format!("{} of the resamples", percent(e.selected_in_folds));
+        let helps = format!("in {} of the folds", percent(e.helps_in_folds));
+        facts.push(("gain in the criterion", gain));
+        facts.push(("chosen again", again));
+        facts.push(("helps", helps));
+    }
+    let held_out = arrow(e.rmse_heldout_before, e.rmse_heldout_after);
+    facts.push(("held out, own strength", held_out));
+    facts.push(("training", arrow(e.rmse_before, e.rmse_after)));
+    facts
+}
+
+fn effect(e: &EffectFinding) -> Effect {
     Effect {
         id: e.id.clone(),
         title: e.title.clone(),
@@ -230,29 +248,7 @@ fn effect(e: &EffectFinding) -> Effect {
             .filter(|id| **id != e.id)
             .map(|id| title(id))
             .collect(),
-        facts: vec![
-            (
-                "p, corrected",
-                p_words(e.p_adjusted).trim_start_matches("= ").to_owned(),
-            ),
-            (
-                "gain in the criterion",
-                rounded(e.criterion_gain, Rounding::Decimals(1)),
-            ),
-            (
-                "chosen again",
-                format!("{} of the resamples", percent(e.selected_in_folds)),
-            ),
-            (
-                "helps",
-                format!("in {} of the folds", percent(e.helps_in_folds)),
-            ),
-            (
-                "held out, own strength",
-                arrow(e.rmse_heldout_before, e.rmse_heldout_after),
-            ),
-            ("training", arrow(e.rmse_before, e.rmse_after)),
-        ],
+        facts: facts(e),
         source: e.source.clone(),
         measurement: e.measurement.clone(),
     }
@@ -326,7 +322,7 @@ fn reading(r: &Reading) -> [String; 5] {
         r.parameters.to_string(),
         newtons(r.errors.rmse_train),
         newtons(r.errors.rmse_heldout),
-        r.numbers.join("; "),
+        r.numbers.join("; ").replace("um", "µm"),
     ]
 }
 

@@ -2,7 +2,7 @@
 
 use crate::config::Config;
 use crate::report::answers::{SIGNIFICANT, p_words};
-use crate::report::figures::trend::{columns, spread, trend};
+use crate::report::figures::trend::{spread, trend};
 use crate::report::figures::words::plain;
 use crate::report::input::GroupInput;
 use crate::report::plot::axis::{Span, Ticks};
@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 /// Most readings drawn in a panel; the medians are those of all.
 const DRAWN: usize = 700;
 /// Panels beyond these are left out, the least explained first.
-const MOST_PANELS: usize = 12;
+const MOST_PANELS: usize = 10;
 /// Height of a row of panels, mm.
 const ROW_MM: f64 = 35.0;
 /// Width of a dot where there are many readings and where there are few, mm.
@@ -78,6 +78,14 @@ fn figure(diagnosis: &Diagnosis, residuals: &[f64], title: &str) -> Option<Figur
     }
     figure.height_mm = 12.0 + ROW_MM * asked.len().div_ceil(in_a_row) as f64;
     Some(figure)
+}
+
+/// Panels in a row: two rows at most, so that the figure before and the one after leave room for words.
+fn columns(panels: usize) -> usize {
+    match panels {
+        0..=4 => panels.max(1),
+        more => more.div_ceil(2),
+    }
 }
 
 /// A column with the question about it; none where the strengths of the specimens answer for it.
@@ -166,7 +174,7 @@ pub fn label(column: &str) -> String {
         "force_n" => "Predicted force (N)",
         "direction" => "Direction",
         "time_s" => "Time in the log (s)",
-        "since_step_s" => "Time since the step (s)",
+        "since_step_s" => "Since the step (s)",
         "pressure_rate" => "Rate (kPa/s)",
         "temperature_c" => "Temperature (°C)",
         "cycles" => "Cycles",
