@@ -35,19 +35,48 @@ struct Outcome {
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
-    let value = |name: &str| arguments.iter().position(|a| a == name).and_then(|i| arguments.get(i + 1));
+    let value = |name: &str| {
+        arguments
+            .iter()
+            .position(|a| a == name)
+            .and_then(|i| arguments.get(i + 1))
+    };
     let seeds: u64 = value("--seeds").and_then(|s| s.parse().ok()).unwrap_or(20);
     let only = value("--only").cloned().unwrap_or_default();
     let list = arguments.iter().any(|a| a == "--list");
     let trials = all(seeds);
-    let trials: Vec<Trial> = trials.into_iter().filter(|t| only.is_empty() || t.part.contains(&only) || t.cases.iter().any(|c| format!("{} {}", c.id, c.form).contains(&only))).collect();
+    let trials: Vec<Trial> = trials
+        .into_iter()
+        .filter(|t| {
+            only.is_empty()
+                || t.part.contains(&only)
+                || t.cases
+                    .iter()
+                    .any(|c| format!("{} {}", c.id, c.form).contains(&only))
+        })
+        .collect();
     let outcomes: Vec<Outcome> = trials
         .par_iter()
         .map(|t| {
             let o = run(t);
             if list {
-                let names: Vec<String> = t.cases.iter().map(|c| format!("{} {}", c.id, c.form)).collect();
-                println!("{} {:12} {:40} {:6?} {:3} {:5.2} {:5.1}s cov {:?}: {}", if o.hit { "+" } else { "-" }, t.part, names.join(" + "), t.size, t.seed, o.ratio, o.seconds, o.covered, o.words);
+                let names: Vec<String> = t
+                    .cases
+                    .iter()
+                    .map(|c| format!("{} {}", c.id, c.form))
+                    .collect();
+                println!(
+                    "{} {:12} {:40} {:6?} {:3} {:5.2} {:5.1}s cov {:?}: {}",
+                    if o.hit { "+" } else { "-" },
+                    t.part,
+                    names.join(" + "),
+                    t.size,
+                    t.seed,
+                    o.ratio,
+                    o.seconds,
+                    o.covered,
+                    o.words
+                );
             }
             o
         })
@@ -58,52 +87,127 @@ fn main() {
 fn all(seeds: u64) -> Vec<Trial> {
     let mut list = Vec::new();
     for seed in 0..10 * seeds {
-        list.push(Trial { part: "null", cases: vec![&trials::NULL], size: Size::Medium, seed, base: "new" });
+        list.push(Trial {
+            part: "null",
+            cases: vec![&trials::NULL],
+            size: Size::Medium,
+            seed,
+            base: "new",
+        });
     }
     let sizes = [Size::Medium, Size::Large];
-    for (part, cases, n) in [("single", trials::SINGLE, seeds), ("other form", trials::OTHER_FORMS, seeds), ("outside", trials::OUTSIDE, seeds / 2 + 1)] {
+    for (part, cases, n) in [
+        ("single", trials::SINGLE, seeds),
+        ("other form", trials::OTHER_FORMS, seeds),
+        ("outside", trials::OUTSIDE, seeds / 2 + 1),
+    ] {
         for case in cases {
             for size in sizes {
                 for seed in 0..n {
-                    list.push(Trial { part, cases: vec![case], size, seed: 1000 + seed, base: "new" });
+                    list.push(Trial {
+                        part,
+                        cases: vec![case],
+                        size,
+                        seed: 1000 + seed,
+                        base: "new",
+                    });
                 }
             }
         }
     }
-    let pairable: Vec<&'static Case> = trials::SINGLE.iter().filter(|c| c.design == trials::Design::Staircase && c.id != "specimen_variation").collect();
+    let pairable: Vec<&'static Case> = trials::SINGLE
+        .iter()
+        .filter(|c| c.design == trials::Design::Staircase && c.id != "specimen_variation")
+        .collect();
     let mut seed = 5000;
     let mut k = 0;
     while k < 5 * seeds {
-        let (a, b) = (pairable[(seed as usize * 7) % pairable.len()], pairable[(seed as usize * 11 + 3) % pairable.len()]);
+        let (a, b) = (
+            pairable[(seed as usize * 7) % pairable.len()],
+            pairable[(seed as usize * 11 + 3) % pairable.len()],
+        );
         seed += 1;
         if a.id != b.id {
-            list.push(Trial { part: "two", cases: vec![a, b], size: sizes[(seed % 2) as usize], seed, base: "new" });
+            list.push(Trial {
+                part: "two",
+                cases: vec![a, b],
+                size: sizes[(seed % 2) as usize],
+                seed,
+                base: "new",
+            });
             k += 1;
         }
     }
     for seed in 0..2 * seeds {
-        let base = if seed % 2 == 0 { "hunt2017" } else { "festo_tool" };
-        list.push(Trial { part: "rediscovery", cases: vec![&trials::NULL], size: Size::Medium, seed: 9000 + seed, base });
+        let base = if seed % 2 == 0 {
+            "hunt2017"
+        } else {
+            "festo_tool"
+        };
+        list.push(Trial {
+            part: "rediscovery",
+            cases: vec![&trials::NULL],
+            size: Size::Medium,
+            seed: 9000 + seed,
+            base,
+        });
     }
     list
 }
 
 fn run(trial: &Trial) -> Outcome {
-    let tables: String = trial.cases.iter().map(|c| c.table(trial.size)).collect::<Vec<String>>().join("\n");
+    let tables: String = trial
+        .cases
+        .iter()
+        .map(|c| c.table(trial.size))
+        .collect::<Vec<String>>()
+        .join("\n");
     let truth = trials::truth(trial.cases[0].design, &tables, trial.seed);
     let made = campaign_rows(&truth);
-    let group = Group { campaign: "trial".into(), diameter_mm: 10, members: vec!["trial".into()], simulated: true };
-    let options = DiagnoseOptions { base_model: trial.base.into(), ..DiagnoseOptions::default() };
+    let group = Group {
+        campaign: "trial".into(),
+        diameter_mm: 10,
+        members: vec!["trial".into()],
+        simulated: true,
+    };
+    let options = DiagnoseOptions {
+        base_model: trial.base.into(),
+        ..DiagnoseOptions::default()
+    };
     let start = std::time::Instant::now();
-    let found = diagnose(&group, &made.rows, &FitOptions::default(), &options).expect("enough readings").findings;
+    let found = diagnose(&group, &made.rows, &FitOptions::default(), &options)
+        .expect("enough readings")
+        .findings;
     let seconds = start.elapsed().as_secs_f64();
-    let held: Vec<(&Row, f64)> = made.rows.iter().zip(&made.readings).filter(|(r, _)| r.role == Some(Role::Holdout)).map(|(r, t)| (r, t.expected_force_n)).collect();
-    let best = (held.iter().map(|(r, f)| (r.force_n - f) * (r.force_n - f)).sum::<f64>() / held.len().max(1) as f64).sqrt();
-    let has = |id: &str| found.effects.iter().any(|e| e.class.iter().any(|c| c == id));
+    let held: Vec<(&Row, f64)> = made
+        .rows
+        .iter()
+        .zip(&made.readings)
+        .filter(|(r, _)| r.role == Some(Role::Holdout))
+        .map(|(r, t)| (r, t.expected_force_n))
+        .collect();
+    let best = (held
+        .iter()
+        .map(|(r, f)| (r.force_n - f) * (r.force_n - f))
+        .sum::<f64>()
+        / held.len().max(1) as f64)
+        .sqrt();
+    let has = |id: &str| {
+        found
+            .effects
+            .iter()
+            .any(|e| e.class.iter().any(|c| c == id))
+    };
     let part = trial.part;
     let hit = match part {
         "null" => found.verdict == Verdict::None,
-        "outside" => found.verdict == Verdict::Unexplained && found.unexplained.iter().any(|u| u.column == trial.cases[0].id),
+        "outside" => {
+            found.verdict == Verdict::Unexplained
+                && found
+                    .unexplained
+                    .iter()
+                    .any(|u| u.column == trial.cases[0].id)
+        }
         "rediscovery" => has("rest_length_scaling"),
         _ => trial.cases.iter().all(|c| has(c.id)),
     };
@@ -130,7 +234,11 @@ fn covered(found: &CampaignFindings, trial: &Trial) -> Option<bool> {
         _ => case.number(trial.size),
     };
     // The drift along the campaign is counted from the first to the last searched session, of 32 with the held-out ones.
-    if case.form == "campaign" || case.form.starts_with("each") || case.id == "temperature" || case.id == "specimen_variation" {
+    if case.form == "campaign"
+        || case.form.starts_with("each")
+        || case.id == "temperature"
+        || case.id == "specimen_variation"
+    {
         return None;
     }
     Some(p.ci_low <= truth && truth <= p.ci_high)
@@ -139,38 +247,91 @@ fn covered(found: &CampaignFindings, trial: &Trial) -> Option<bool> {
 fn words(found: &CampaignFindings) -> String {
     let effects = found.effects.iter().map(|e| {
         let p = &e.parameters[0];
-        format!("{}[{}] {}={:.4} ({:.4}..{:.4}) p {:.1e}", e.class.join("/"), e.acts_on, p.name, p.value, p.ci_low, p.ci_high, e.p_adjusted)
+        format!(
+            "{}[{}] {}={:.4} ({:.4}..{:.4}) p {:.1e}",
+            e.class.join("/"),
+            e.acts_on,
+            p.name,
+            p.value,
+            p.ci_low,
+            p.ci_high,
+            e.p_adjusted
+        )
     });
-    let columns = found.unexplained.iter().map(|u| format!("?{} {} {:.2}", u.column, u.shape, u.share_of_residual));
-    let rejected = found.rejected.iter().filter(|r| !r.why.starts_with("explains")).map(|r| format!("!{} {}", r.id, r.why));
+    let columns = found
+        .unexplained
+        .iter()
+        .map(|u| format!("?{} {} {:.2}", u.column, u.shape, u.share_of_residual));
+    let rejected = found
+        .rejected
+        .iter()
+        .filter(|r| !r.why.starts_with("explains"))
+        .map(|r| format!("!{} {}", r.id, r.why));
     let list: Vec<String> = effects.chain(columns).chain(rejected).collect();
     format!("{:?} {}", found.verdict, list.join("; "))
 }
 
 fn report(trials: &[Trial], outcomes: &[Outcome]) {
     let mut groups: BTreeMap<(usize, String), Vec<usize>> = BTreeMap::new();
-    const PARTS: [&str; 6] = ["null", "single", "other form", "two", "outside", "rediscovery"];
+    const PARTS: [&str; 6] = [
+        "null",
+        "single",
+        "other form",
+        "two",
+        "outside",
+        "rediscovery",
+    ];
     for (i, t) in trials.iter().enumerate() {
         let part = PARTS.iter().position(|p| *p == t.part).unwrap_or(0);
         groups.entry((part, String::new())).or_default().push(i);
         if ["single", "other form", "outside"].contains(&t.part) {
-            groups.entry((part, format!("{} {} {:?}", t.cases[0].id, t.cases[0].form, t.size))).or_default().push(i);
+            groups
+                .entry((
+                    part,
+                    format!("{} {} {:?}", t.cases[0].id, t.cases[0].form, t.size),
+                ))
+                .or_default()
+                .push(i);
         }
     }
-    println!("| case | campaigns | right | lower 95% | interval covers | error ratio, median | above 1.10 | physical name | s |");
+    println!(
+        "| case | campaigns | right | lower 95% | interval covers | error ratio, median | above 1.10 | physical name | s |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|");
     for ((part, name), members) in &groups {
         let hits = members.iter().filter(|i| outcomes[**i].hit).count();
-        let covered: Vec<bool> = members.iter().filter_map(|i| outcomes[*i].covered).collect();
+        let covered: Vec<bool> = members
+            .iter()
+            .filter_map(|i| outcomes[*i].covered)
+            .collect();
         let mut ratios: Vec<f64> = members.iter().map(|i| outcomes[*i].ratio).collect();
         ratios.sort_by(f64::total_cmp);
         let above = ratios.iter().filter(|r| **r > 1.10).count();
         let physical = members.iter().filter(|i| outcomes[**i].physical).count();
-        let seconds = members.iter().map(|i| outcomes[*i].seconds).sum::<f64>() / members.len() as f64;
+        let seconds =
+            members.iter().map(|i| outcomes[*i].seconds).sum::<f64>() / members.len() as f64;
         let n = members.len();
-        let label = if name.is_empty() { format!("**{}**", PARTS[*part]) } else { name.clone() };
-        let cover = if covered.is_empty() { "-".to_owned() } else { format!("{}/{}", covered.iter().filter(|c| **c).count(), covered.len()) };
-        println!("| {label} | {n} | {:.0}% | {:.0}% | {cover} | {:.2} | {above} | {:.0}% | {seconds:.1} |", 100.0 * hits as f64 / n as f64, 100.0 * lower(hits, n), ratios[n / 2], 100.0 * physical as f64 / n as f64);
+        let label = if name.is_empty() {
+            format!("**{}**", PARTS[*part])
+        } else {
+            name.clone()
+        };
+        let cover = if covered.is_empty() {
+            "-".to_owned()
+        } else {
+            format!(
+                "{}/{}",
+                covered.iter().filter(|c| **c).count(),
+                covered.len()
+            )
+        };
+        println!(
+            "| {label} | {n} | {:.0}% | {:.0}% | {cover} | {:.2} | {above} | {:.0}% | {seconds:.1} |",
+            100.0 * hits as f64 / n as f64,
+            100.0 * lower(hits, n),
+            ratios[n / 2],
+            100.0 * physical as f64 / n as f64
+        );
     }
 }
 
@@ -192,7 +353,11 @@ fn lower(hits: usize, n: usize) -> f64 {
     let (mut low, mut high) = (0.0, 1.0 - 1e-12);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if tail(middle) < 0.05 { low = middle } else { high = middle }
+        if tail(middle) < 0.05 {
+            low = middle
+        } else {
+            high = middle
+        }
     }
     low
 }

@@ -448,10 +448,20 @@ impl Config {
         let d = &self.diagnose;
         if d.base_model != "new" && !ids.contains(&d.base_model.as_str()) {
             let expected = format!("new, or one of {}", ids.join(", "));
-            mistakes.push(mistake(file, "diagnose.base_model", &d.base_model, &expected));
+            mistakes.push(mistake(
+                file,
+                "diagnose.base_model",
+                &d.base_model,
+                &expected,
+            ));
         }
         let counts = [
-            ("diagnose.most_effects", d.most_effects, 1, crate::stages::diagnose::model::MOST_TERMS),
+            (
+                "diagnose.most_effects",
+                d.most_effects,
+                1,
+                crate::stages::diagnose::model::MOST_TERMS,
+            ),
             ("diagnose.most_readings", d.most_readings, 100, 100_000),
             ("diagnose.permutations", d.permutations, 99, 100_000),
         ];

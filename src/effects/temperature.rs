@@ -60,6 +60,10 @@ impl Effect for Temperature {
 /// The operator.
 pub fn apply<R: Real>(form: usize, [k, q]: [R; 2], at: &Conditions, link: &mut Link<R>) {
     let dt = at.temperature_c;
-    let lever = if form == 0 { R::constant(dt) } else { q * (dt * dt) + dt };
+    let lever = if form == 0 {
+        R::constant(dt)
+    } else {
+        q * (dt * dt) + dt
+    };
     link.force = link.force * (k * lever + 1.0);
 }

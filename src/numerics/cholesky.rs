@@ -44,10 +44,12 @@ impl Cholesky {
             if self.lower[(i, i)] == 0.0 {
                 continue;
             }
-            let mut sum = b[i];
-            for k in 0..i {
-                sum -= self.lower[(i, k)] * x[k];
-            }
+            let known: f64 = x[..i]
+                .iter()
+                .enumerate()
+                .map(|(k, v)| self.lower[(i, k)] * v)
+                .sum();
+            let sum = b[i] - known;
             x[i] = sum / self.lower[(i, i)];
         }
         x
@@ -61,10 +63,9 @@ impl Cholesky {
             if self.lower[(i, i)] == 0.0 {
                 continue;
             }
-            let mut sum = b[i];
-            for k in i + 1..n {
-                sum -= self.lower[(k, i)] * x[k];
-            }
+            let after = x.iter().enumerate().skip(i + 1);
+            let known: f64 = after.map(|(k, v)| self.lower[(k, i)] * v).sum();
+            let sum = b[i] - known;
             x[i] = sum / self.lower[(i, i)];
         }
         x

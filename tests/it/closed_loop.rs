@@ -45,7 +45,10 @@ fn case(list: &'static [Case], id: &str, form: &str) -> &'static Case {
 }
 
 fn names(found: &CampaignFindings, id: &str) -> bool {
-    found.effects.iter().any(|e| e.class.iter().any(|c| c == id))
+    found
+        .effects
+        .iter()
+        .any(|e| e.class.iter().any(|c| c == id))
 }
 
 #[test]
@@ -54,8 +57,18 @@ fn without_an_effect_none_is_found() {
         let (found, _) = search(&[&trials::NULL], Size::Medium, seed, "new");
         assert_eq!(found.verdict, Verdict::None, "seed {seed}: {found:#?}");
         assert!(found.effects.is_empty() && found.unexplained.is_empty());
-        assert!(found.detection_limits.iter().any(|l| l.id == "hysteresis" && l.smallest < 2.0));
-        assert!(found.not_measurable.iter().any(|n| n.id == "force_gain" && n.why.contains("b1")));
+        assert!(
+            found
+                .detection_limits
+                .iter()
+                .any(|l| l.id == "hysteresis" && l.smallest < 2.0)
+        );
+        assert!(
+            found
+                .not_measurable
+                .iter()
+                .any(|n| n.id == "force_gain" && n.why.contains("b1"))
+        );
     }
 }
 
@@ -76,7 +89,11 @@ fn an_undeclared_effect_is_found_with_its_size_and_the_held_out_error_falls() {
         let effect = found.effects.iter().find(|e| e.id == id).unwrap();
         let p = &effect.parameters[0];
         let truth = case.number(Size::Large);
-        assert!((p.value - truth).abs() < 0.1 * truth.abs(), "{id}: {} for {truth}", p.value);
+        assert!(
+            (p.value - truth).abs() < 0.1 * truth.abs(),
+            "{id}: {} for {truth}",
+            p.value
+        );
         assert!(effect.p_adjusted < 1e-3 && effect.selected_in_folds >= 0.9);
         assert!(
             found.after.rmse_heldout_own_strength < 0.9 * found.before.rmse_heldout_own_strength,
@@ -89,8 +106,17 @@ fn an_undeclared_effect_is_found_with_its_size_and_the_held_out_error_falls() {
 
 #[test]
 fn an_effect_of_another_form_than_the_library_s_keeps_its_name() {
-    for (id, form) in [("series_compliance", "stiffening"), ("hysteresis", "play"), ("conditioning", "power")] {
-        let (found, _) = search(&[case(trials::OTHER_FORMS, id, form)], Size::Large, 78, "new");
+    for (id, form) in [
+        ("series_compliance", "stiffening"),
+        ("hysteresis", "play"),
+        ("conditioning", "power"),
+    ] {
+        let (found, _) = search(
+            &[case(trials::OTHER_FORMS, id, form)],
+            Size::Large,
+            78,
+            "new",
+        );
         assert!(names(&found, id), "{id} {form}: {}", found.summary);
     }
 }
@@ -102,14 +128,28 @@ fn two_effects_together_are_both_found() {
         case(trials::SINGLE, "temperature", "linear"),
     ];
     let (found, _) = search(&pair, Size::Large, 79, "new");
-    assert!(names(&found, "series_compliance") && names(&found, "temperature"), "{}", found.summary);
+    assert!(
+        names(&found, "series_compliance") && names(&found, "temperature"),
+        "{}",
+        found.summary
+    );
 }
 
 #[test]
 fn what_the_library_does_not_know_is_unexplained_and_names_its_column() {
     for (column, form) in [("humidity", "gain"), ("force_n", "quadratic")] {
-        let (found, _) = search(&[case(trials::OUTSIDE, column, form)], Size::Large, 80, "new");
-        assert_eq!(found.verdict, Verdict::Unexplained, "{column}: {}", found.summary);
+        let (found, _) = search(
+            &[case(trials::OUTSIDE, column, form)],
+            Size::Large,
+            80,
+            "new",
+        );
+        assert_eq!(
+            found.verdict,
+            Verdict::Unexplained,
+            "{column}: {}",
+            found.summary
+        );
         assert_eq!(found.unexplained[0].column, column);
         assert!(found.effects.is_empty());
         let corrected = found.after_empirical.unwrap();
@@ -126,31 +166,65 @@ fn the_dependence_on_resting_length_is_rediscovered_from_a_model_without_it() {
 
 #[test]
 fn an_offset_of_the_pressure_is_one_class_with_the_bladder_s_threshold() {
-    let (found, _) = search(&[case(trials::SINGLE, "bladder_threshold", "sharp")], Size::Large, 82, "new");
+    let (found, _) = search(
+        &[case(trials::SINGLE, "bladder_threshold", "sharp")],
+        Size::Large,
+        82,
+        "new",
+    );
     let effect = &found.effects[0];
-    assert!(["pressure_zero_offset", "bladder_threshold"].iter().all(|id| effect.class.iter().any(|c| c == id)));
-    assert!(found.next_measurement.iter().any(|n| n.separates.len() > 1 && n.action.contains("vent")));
+    assert!(
+        ["pressure_zero_offset", "bladder_threshold"]
+            .iter()
+            .all(|id| effect.class.iter().any(|c| c == id))
+    );
+    assert!(
+        found
+            .next_measurement
+            .iter()
+            .any(|n| n.separates.len() > 1 && n.action.contains("vent"))
+    );
 }
 
 #[test]
 fn the_same_seed_gives_the_same_findings() {
     let case = case(trials::SINGLE, "hysteresis", "constant");
     let one = search(&[case], Size::Medium, 83, "new").0;
-    assert_eq!(format!("{one:?}"), format!("{:?}", search(&[case], Size::Medium, 83, "new").0));
+    assert_eq!(
+        format!("{one:?}"),
+        format!("{:?}", search(&[case], Size::Medium, 83, "new").0)
+    );
 }
 
 /// What a laboratory does wrong, on a simulated campaign: the search points at the session or specimen.
 #[test]
 fn mistakes_of_one_session_or_specimen_are_pointed_at() {
     let made = campaign_rows(&trials::truth(trials::NULL.design, "", 84));
-    let search = |rows: &[Row]| diagnose(&group(), rows, &FitOptions::default(), &DiagnoseOptions::default()).unwrap().findings;
+    let search = |rows: &[Row]| {
+        diagnose(
+            &group(),
+            rows,
+            &FitOptions::default(),
+            &DiagnoseOptions::default(),
+        )
+        .unwrap()
+        .findings
+    };
     let mut rows = made.rows.clone();
     for row in rows.iter_mut().filter(|r| r.session == "trial-t-l182-c25") {
         row.force_n += 12.0;
     }
     let ignored_zero = search(&rows);
-    let zero = ignored_zero.effects.iter().find(|e| e.id == "force_zero_offset").unwrap_or_else(|| panic!("{}", ignored_zero.summary));
-    assert!(zero.acts_on.contains("trial-t-l182-c25"), "{}", zero.acts_on);
+    let zero = ignored_zero
+        .effects
+        .iter()
+        .find(|e| e.id == "force_zero_offset")
+        .unwrap_or_else(|| panic!("{}", ignored_zero.summary));
+    assert!(
+        zero.acts_on.contains("trial-t-l182-c25"),
+        "{}",
+        zero.acts_on
+    );
     let mut rows = made.rows.clone();
     for row in rows.iter_mut().filter(|r| r.specimen == "t-l257") {
         row.rest_length_m += 0.005;
@@ -158,6 +232,11 @@ fn mistakes_of_one_session_or_specimen_are_pointed_at() {
         row.contraction_rel = (row.rest_length_m - row.length_m) / shortened;
     }
     let wrong_length = search(&rows);
-    let at_it = |e: &&pipeline::stages::diagnose::findings::EffectFinding| e.acts_on.contains("t-l257");
-    assert!(wrong_length.effects.iter().any(|e| at_it(&e)), "{}", wrong_length.summary);
+    let at_it =
+        |e: &&pipeline::stages::diagnose::findings::EffectFinding| e.acts_on.contains("t-l257");
+    assert!(
+        wrong_length.effects.iter().any(|e| at_it(&e)),
+        "{}",
+        wrong_length.summary
+    );
 }

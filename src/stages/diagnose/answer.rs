@@ -1,8 +1,8 @@
 //! From what was chosen to what is said.
 
 use super::findings::{
-    CampaignFindings, CoefficientChange, EffectFinding, NextMeasurement, ParameterFinding, Question, Reading, Rejected, Residuals, Unexplained,
-    Verdict,
+    CampaignFindings, CoefficientChange, EffectFinding, NextMeasurement, ParameterFinding,
+    Question, Reading, Rejected, Residuals, Unexplained, Verdict,
 };
 use super::folds::Tally;
 use super::judge::{self, Judgement};
@@ -29,15 +29,33 @@ const MORE_THAN_USUAL: f64 = 0.005;
 /// The answer.
 pub(super) fn answer(work: &Work) -> Diagnosis {
     let thin = work.train.thinned(work.options.most_readings);
-    let search = Search::new(work.base, &thin, work.candidates, work.options.most_effects, judge::SIGNIFICANT.0);
-    let all_terms: Vec<Term> = work.best.chosen.iter().map(|c| work.candidates[*c].clone()).collect();
+    let search = Search::new(
+        work.base,
+        &thin,
+        work.candidates,
+        work.options.most_effects,
+        judge::SIGNIFICANT.0,
+    );
+    let all_terms: Vec<Term> = work
+        .best
+        .chosen
+        .iter()
+        .map(|c| work.candidates[*c].clone())
+        .collect();
     let full = Model {
         base: work.base,
         data: work.train,
         terms: all_terms,
     };
     let fitted = full.fit(Some(&work.best.fitted), 1);
-    let effective = work.best.effective * (work.train.len() as f64 / thin.len() as f64).min(if work.best.effective < 0.9 * thin.len() as f64 { 1.0 } else { f64::INFINITY });
+    let effective = work.best.effective
+        * (work.train.len() as f64 / thin.len() as f64).min(
+            if work.best.effective < 0.9 * thin.len() as f64 {
+                1.0
+            } else {
+                f64::INFINITY
+            },
+        );
     let uncertain = uncertainties(&full, &fitted, effective.min(work.train.len() as f64), &[]);
     let null_model = Model {
         base: work.base,
@@ -59,8 +77,12 @@ pub(super) fn answer(work: &Work) -> Diagnosis {
     let (after_model, after_fit) = &physical;
     let after = super::errors(train_error(after_model, after_fit), work.held.after);
     let found = &after_model.terms;
-    let after_as_chosen = (!found.is_empty()).then(|| reading(work, &search, work.base, "", found.clone()).errors);
-    let after_empirical = work.held.empirical.map(|t: Tally| super::errors(train_error(&full, &fitted), t));
+    let after_as_chosen =
+        (!found.is_empty()).then(|| reading(work, &search, work.base, "", found.clone()).errors);
+    let after_empirical = work
+        .held
+        .empirical
+        .map(|t: Tally| super::errors(train_error(&full, &fitted), t));
     let residuals = residuals(work, &null_model, &null, &full, &fitted);
     let readings_of_the_base = readings_of_the_base(work, &search);
     let mut rejected = work.rejected.clone();
@@ -74,7 +96,13 @@ pub(super) fn answer(work: &Work) -> Diagnosis {
         base_refitted: work.base.coefficients.iter().any(|c| c.free),
         unit: "N".to_owned(),
         verdict,
-        summary: summary(verdict, &effects, &unexplained, work, after_as_chosen.map(|e| e.rmse_heldout)),
+        summary: summary(
+            verdict,
+            &effects,
+            &unexplained,
+            work,
+            after_as_chosen.map(|e| e.rmse_heldout),
+        ),
         readings: work.train.len(),
         sessions: work.train.session.iter().collect::<BTreeSet<_>>().len(),
         specimens: work.train.specimen.iter().collect::<BTreeSet<_>>().len(),
@@ -100,20 +128,36 @@ pub(super) fn answer(work: &Work) -> Diagnosis {
         coefficients: coefficients(work, &null, &full, &fitted, &uncertain),
         notes: notes(work),
     };
-    Diagnosis { findings, residuals }
+    Diagnosis {
+        findings,
+        residuals,
+    }
 }
 
 /// The base with the physical terms alone, fitted.
 fn physical_only<'a>(work: &'a Work, fitted: &Fitted) -> (Model<'a>, Fitted) {
-    let chosen: Vec<Term> = work.best.chosen.iter().map(|c| work.candidates[*c].clone()).collect();
-    let physical: Vec<Term> = chosen.iter().filter(|t| matches!(t.what, What::Effect { .. })).cloned().collect();
+    let chosen: Vec<Term> = work
+        .best
+        .chosen
+        .iter()
+        .map(|c| work.candidates[*c].clone())
+        .collect();
+    let physical: Vec<Term> = chosen
+        .iter()
+        .filter(|t| matches!(t.what, What::Effect { .. }))
+        .cloned()
+        .collect();
     let same = physical.len() == chosen.len();
     let model = Model {
         base: work.base,
         data: work.train,
         terms: physical,
     };
-    let fit = if same { fitted.clone() } else { model.fit(None, 1) };
+    let fit = if same {
+        fitted.clone()
+    } else {
+        model.fit(None, 1)
+    };
     (model, fit)
 }
 
@@ -125,7 +169,13 @@ fn scope_word(scope: &Scope) -> &'static str {
     }
 }
 
-fn effects_found(work: &Work, search: &Search, full: &Model, fitted: &Fitted, uncertain: &[Uncertainty]) -> Vec<EffectFinding> {
+fn effects_found(
+    work: &Work,
+    search: &Search,
+    full: &Model,
+    fitted: &Fitted,
+    uncertain: &[Uncertainty],
+) -> Vec<EffectFinding> {
     let layout = full.layout();
     work.judgements
         .iter()
@@ -187,12 +237,23 @@ fn follows_specimens(term: &Term, data: &Data) -> bool {
     (0..of.len()).all(|s| *acts[of[s]].get_or_insert(term.acts_on[s]) == term.acts_on[s])
 }
 
-fn parameters(k: usize, term: &Term, fitted: &Fitted, layout: &[Place], uncertain: &[Uncertainty]) -> Vec<ParameterFinding> {
+fn parameters(
+    k: usize,
+    term: &Term,
+    fitted: &Fitted,
+    layout: &[Place],
+    uncertain: &[Uncertainty],
+) -> Vec<ParameterFinding> {
     let Some(form) = term.form() else {
         return Vec::new();
     };
     let (amplitudes, second) = &fitted.terms[k];
-    let of = |place: Place| layout.iter().position(|p| *p == place).map(|i| uncertain[i]);
+    let of = |place: Place| {
+        layout
+            .iter()
+            .position(|p| *p == place)
+            .map(|i| uncertain[i])
+    };
     let one = |name: String, value: f64, absent: f64, unit: &str, u: Option<Uncertainty>| {
         let half = u.map_or(f64::NAN, Uncertainty::half_width);
         ParameterFinding {
@@ -205,15 +266,32 @@ fn parameters(k: usize, term: &Term, fitted: &Fitted, layout: &[Place], uncertai
     };
     let a = form.amplitude;
     if amplitudes.len() == 1 {
-        let mut list = vec![one(a.name.to_owned(), amplitudes[0], a.absent, a.unit, of(Place::Amplitude(k, 0)))];
+        let mut list = vec![one(
+            a.name.to_owned(),
+            amplitudes[0],
+            a.absent,
+            a.unit,
+            of(Place::Amplitude(k, 0)),
+        )];
         if let Some((shape, _)) = form.shape {
-            list.push(one(shape.name.to_owned(), *second, 0.0, shape.unit, of(Place::Shape(k))));
+            list.push(one(
+                shape.name.to_owned(),
+                *second,
+                0.0,
+                shape.unit,
+                of(Place::Shape(k)),
+            ));
         }
         return list;
     }
     let n = amplitudes.len() as f64;
     let mean = amplitudes.iter().sum::<f64>() / n;
-    let sd = (amplitudes.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (n - 1.0)).sqrt();
+    let sd = (amplitudes
+        .iter()
+        .map(|x| (x - mean) * (x - mean))
+        .sum::<f64>()
+        / (n - 1.0))
+        .sqrt();
     // Normal values: the interval of a standard deviation (Wilson and Hilferty's chi-square).
     let chi = |z: f64| {
         let f = n - 1.0;
@@ -242,12 +320,21 @@ fn parameters(k: usize, term: &Term, fitted: &Fitted, layout: &[Place], uncertai
 /// The strengths of the specimens as a finding, where they scatter more than is usual.
 fn strengths_found(work: &Work, fitted: &Fitted, full: &Model) -> Option<EffectFinding> {
     let seen: BTreeSet<usize> = work.train.specimen.iter().copied().collect();
-    let lost = work.base.coefficients.iter().take(2).filter(|c| c.free).count();
+    let lost = work
+        .base
+        .coefficients
+        .iter()
+        .take(2)
+        .filter(|c| c.free)
+        .count();
     let freedom = seen.len().checked_sub(lost + 1)? as f64 + 1.0;
     if seen.len() < 4 || freedom < 2.0 {
         return None;
     }
-    let squares: f64 = seen.iter().map(|k| fitted.strengths[*k] * fitted.strengths[*k]).sum();
+    let squares: f64 = seen
+        .iter()
+        .map(|k| fitted.strengths[*k] * fitted.strengths[*k])
+        .sum();
     let p = chi_square_upper_tail(squares / (USUAL_SCATTER * USUAL_SCATTER), freedom);
     if p > MORE_THAN_USUAL {
         return None;
@@ -262,7 +349,13 @@ fn strengths_found(work: &Work, fitted: &Fitted, full: &Model) -> Option<EffectF
     let own = full.predict(fitted, true);
     let mean = full.predict(fitted, false);
     let rmse = |f: &[f64]| {
-        let squares: f64 = work.train.force.iter().zip(f).map(|(y, f)| (y - f) * (y - f)).sum();
+        let squares: f64 = work
+            .train
+            .force
+            .iter()
+            .zip(f)
+            .map(|(y, f)| (y - f) * (y - f))
+            .sum();
         (squares / f.len() as f64).sqrt()
     };
     Some(EffectFinding {
@@ -270,7 +363,9 @@ fn strengths_found(work: &Work, fitted: &Fitted, full: &Model) -> Option<EffectF
         title: described.title().to_owned(),
         equation: form.equation.to_owned(),
         form: form.name.to_owned(),
-        class: ["specimen_variation", "force_gain", "misalignment"].map(str::to_owned).to_vec(),
+        class: ["specimen_variation", "force_gain", "misalignment"]
+            .map(str::to_owned)
+            .to_vec(),
         scope: "specimen".to_owned(),
         acts_on: "every specimen, each with its own value".to_owned(),
         parameters: vec![ParameterFinding {
@@ -297,7 +392,13 @@ fn strengths_found(work: &Work, fitted: &Fitted, full: &Model) -> Option<EffectF
 fn questions_after(search: &Search, best: &State, work: &Work) -> Vec<Question> {
     let predicted = search.model(&best.chosen).predict(&best.fitted, true);
     let columns = questions::columns(search.data, &predicted);
-    questions::ask(search.data, &best.fitted.residuals, &columns, work.options.permutations, work.options.seed)
+    questions::ask(
+        search.data,
+        &best.fitted.residuals,
+        &columns,
+        work.options.permutations,
+        work.options.seed,
+    )
 }
 
 /// The empirical terms that were chosen; and where nothing was, the columns on which the residual depends.
@@ -311,7 +412,8 @@ fn unexplained(work: &Work, fitted: &Fitted, after: &[Question], least_n: f64) -
             let What::Empirical(empirical) = term.what else {
                 return None;
             };
-            let (shape, curve) = empirical.curve(work.train, [fitted.terms[k].0[0], fitted.terms[k].1]);
+            let (shape, curve) =
+                empirical.curve(work.train, [fitted.terms[k].0[0], fitted.terms[k].1]);
             Some(Unexplained {
                 column: empirical.column(work.train),
                 shape: shape.to_owned(),
@@ -323,10 +425,17 @@ fn unexplained(work: &Work, fitted: &Fitted, after: &[Question], least_n: f64) -
             })
         })
         .collect();
-    let rss = |f: &Fitted| f.residuals.iter().map(|r| r * r).sum::<f64>() / f.residuals.len() as f64;
+    let rss =
+        |f: &Fitted| f.residuals.iter().map(|r| r * r).sum::<f64>() / f.residuals.len() as f64;
     let left = rss(&work.best.fitted) / rss(&work.null.fitted).max(f64::MIN_POSITIVE);
-    let matters = |q: &&Question| q.share * left > WORTH_SAYING && (q.share * rss(&work.best.fitted)).sqrt() > least_n;
-    let mut others: Vec<&Question> = after.iter().filter(|q| q.p_adjusted < SAYS_NOTHING).filter(matters).collect();
+    let matters = |q: &&Question| {
+        q.share * left > WORTH_SAYING && (q.share * rss(&work.best.fitted)).sqrt() > least_n
+    };
+    let mut others: Vec<&Question> = after
+        .iter()
+        .filter(|q| q.p_adjusted < SAYS_NOTHING)
+        .filter(matters)
+        .collect();
     others.sort_by(|a, b| b.share.total_cmp(&a.share).then(a.column.cmp(&b.column)));
     for question in others {
         if !list.iter().any(|u| u.column == question.column) {
@@ -344,8 +453,15 @@ fn unexplained(work: &Work, fitted: &Fitted, after: &[Question], least_n: f64) -
     list
 }
 
-fn verdict(work: &Work, effects: &[super::findings::EffectFinding], unexplained: &[Unexplained]) -> Verdict {
-    let empirical = work.judgements.iter().filter(|j| matches!(work.candidates[j.candidate].what, What::Empirical(_)));
+fn verdict(
+    work: &Work,
+    effects: &[super::findings::EffectFinding],
+    unexplained: &[Unexplained],
+) -> Verdict {
+    let empirical = work
+        .judgements
+        .iter()
+        .filter(|j| matches!(work.candidates[j.candidate].what, What::Empirical(_)));
     let strongest_empirical = empirical.map(|j| j.share).fold(0.0, f64::max);
     if !effects.is_empty() {
         Verdict::EffectFound
@@ -356,7 +472,13 @@ fn verdict(work: &Work, effects: &[super::findings::EffectFinding], unexplained:
     }
 }
 
-fn summary(verdict: Verdict, effects: &[EffectFinding], unexplained: &[Unexplained], work: &Work, as_chosen: Option<f64>) -> String {
+fn summary(
+    verdict: Verdict,
+    effects: &[EffectFinding],
+    unexplained: &[Unexplained],
+    work: &Work,
+    as_chosen: Option<f64>,
+) -> String {
     let (before, after) = (work.held.before.rmse(), work.held.after.rmse());
     match verdict {
         Verdict::EffectFound => {
@@ -364,37 +486,83 @@ fn summary(verdict: Verdict, effects: &[EffectFinding], unexplained: &[Unexplain
                 .iter()
                 .map(|e| {
                     let p = &e.parameters[0];
-                    let class = if e.class.len() > 1 { format!(", not to be told from {} here", e.class[1..].join(", ")) } else { String::new() };
-                    format!("{} ({} = {:.3} {}{class})", e.title, p.name, p.value, p.unit)
+                    let class = if e.class.len() > 1 {
+                        format!(", not to be told from {} here", e.class[1..].join(", "))
+                    } else {
+                        String::new()
+                    };
+                    format!(
+                        "{} ({} = {}{class})",
+                        e.title,
+                        p.name,
+                        with_unit(p.value, &p.unit)
+                    )
                 })
                 .collect();
-            let fixed = as_chosen.map_or_else(String::new, |e| format!(" (to {e:.1} N where only the sizes are found anew in each fold)"));
-            format!("Missing: {}. With the search inside each fold the held-out error goes from {before:.1} N to {after:.1} N{fixed}.", names.join("; "))
+            let fixed = as_chosen.map_or_else(String::new, |e| {
+                format!(" (to {e:.1} N where only the sizes are found anew in each fold)")
+            });
+            format!(
+                "Missing: {}. With the search inside each fold the held-out error goes from {before:.1} N to {after:.1} N{fixed}.",
+                names.join("; ")
+            )
         }
         Verdict::None => "Nothing is missing that this campaign could show.".to_owned(),
         Verdict::Unexplained => {
             let columns: Vec<&str> = unexplained.iter().map(|u| u.column.as_str()).collect();
-            format!("Something is missing: the residual depends on {}, and no effect of the library explains it.", columns.join(", "))
+            format!(
+                "Something is missing: the residual depends on {}, and no effect of the library explains it.",
+                columns.join(", ")
+            )
         }
     }
 }
 
-fn residuals(work: &Work, null_model: &Model, null: &Fitted, full: &Model, fitted: &Fitted) -> Residuals {
+fn residuals(
+    work: &Work,
+    null_model: &Model,
+    null: &Fitted,
+    full: &Model,
+    fitted: &Fitted,
+) -> Residuals {
     let data = work.train;
     let predicted = null_model.predict(null, false);
     let after = full.predict(fitted, false);
-    let minus = |f: &[f64]| data.force.iter().zip(f).map(|(y, f)| y - f).collect::<Vec<f64>>();
+    let minus = |f: &[f64]| {
+        data.force
+            .iter()
+            .zip(f)
+            .map(|(y, f)| y - f)
+            .collect::<Vec<f64>>()
+    };
     Residuals {
-        session: data.session.iter().map(|s| data.sessions[*s].clone()).collect(),
-        specimen: data.specimen.iter().map(|k| data.specimens[*k].clone()).collect(),
+        session: data
+            .session
+            .iter()
+            .map(|s| data.sessions[*s].clone())
+            .collect(),
+        specimen: data
+            .specimen
+            .iter()
+            .map(|k| data.specimens[*k].clone())
+            .collect(),
         before: minus(&predicted),
         after: minus(&after),
-        columns: questions::columns(data, &predicted).into_iter().map(|a| (a.name, a.values)).collect(),
+        columns: questions::columns(data, &predicted)
+            .into_iter()
+            .map(|a| (a.name, a.values))
+            .collect(),
         predicted,
     }
 }
 
-fn coefficients(work: &Work, null: &Fitted, full: &Model, fitted: &Fitted, uncertain: &[Uncertainty]) -> Vec<CoefficientChange> {
+fn coefficients(
+    work: &Work,
+    null: &Fitted,
+    full: &Model,
+    fitted: &Fitted,
+    uncertain: &[Uncertainty],
+) -> Vec<CoefficientChange> {
     let layout = full.layout();
     let published = new::NewPublished.coefficients(work.group.diameter_mm);
     work.base
@@ -415,7 +583,12 @@ fn coefficients(work: &Work, null: &Fitted, full: &Model, fitted: &Fitted, uncer
             } else {
                 ""
             };
-            let value = |symbol: &str| published.iter().find(|p| p.symbol == symbol).map(|p| p.value);
+            let value = |symbol: &str| {
+                published
+                    .iter()
+                    .find(|p| p.symbol == symbol)
+                    .map(|p| p.value)
+            };
             CoefficientChange {
                 name: c.name.clone(),
                 unit: c.unit.clone(),
@@ -423,11 +596,30 @@ fn coefficients(work: &Work, null: &Fitted, full: &Model, fitted: &Fitted, uncer
                 after,
                 ci_low: after - half,
                 ci_high: after + half,
-                published: if c.name == "1/b2" { value("b2").map(|b| 1.0 / b) } else { value(&c.name) },
+                published: if c.name == "1/b2" {
+                    value("b2").map(|b| 1.0 / b)
+                } else {
+                    value(&c.name)
+                },
                 remark: remark.to_owned(),
             }
         })
         .collect()
+}
+
+/// A number to three significant digits with its unit; a pure number has none.
+fn with_unit(value: f64, unit: &str) -> String {
+    let digits = if value == 0.0 {
+        0
+    } else {
+        2 - libm::floor(libm::log10(value.abs())) as i32
+    };
+    let number = format!("{value:.*}", digits.clamp(0, 6) as usize);
+    if unit == "1" {
+        number
+    } else {
+        format!("{number} {unit}")
+    }
 }
 
 /// Base with and without its dependence on the resting length, each without effects, with those found, and with the one effect beside
@@ -436,29 +628,61 @@ fn readings_of_the_base(work: &Work, search: &Search) -> Vec<Reading> {
     let Some(reduced) = work.base.without_length_law() else {
         return Vec::new();
     };
-    let bases: [(&Base, &str); 2] = [(work.base, "F_620 depends on l_rest"), (&reduced, "F_620 constant")];
-    let physical: Vec<Term> = work.best.chosen.iter().map(|c| work.candidates[*c].clone()).filter(|t| t.id().is_some()).collect();
+    let bases: [(&Base, &str); 2] = [
+        (work.base, "F_620 depends on l_rest"),
+        (&reduced, "F_620 constant"),
+    ];
+    let physical: Vec<Term> = work
+        .best
+        .chosen
+        .iter()
+        .map(|c| work.candidates[*c].clone())
+        .filter(|t| t.id().is_some())
+        .collect();
     let mut sets = vec![Vec::new()];
     if !physical.is_empty() {
         sets.push(physical.clone());
     }
-    if work.questions.iter().any(|q| q.p_adjusted < super::WORTH_ASKING) {
+    if work
+        .questions
+        .iter()
+        .any(|q| q.p_adjusted < super::WORTH_ASKING)
+    {
         sets.extend(beside_no_law(work, search, &reduced, &physical));
     }
-    let both = |terms: &Vec<Term>| bases.map(|(base, words)| reading(work, search, base, words, terms.clone()));
+    let both = |terms: &Vec<Term>| {
+        bases.map(|(base, words)| reading(work, search, base, words, terms.clone()))
+    };
     sets.iter().flat_map(both).collect()
 }
 
 /// The effects found and one more, beside which a constant F_620 has the smallest held-out error, if that is smaller than without it.
-fn beside_no_law(work: &Work, search: &Search, reduced: &Base, physical: &[Term]) -> Option<Vec<Term>> {
-    let whole = |t: &&Term| t.scope == Scope::Whole && t.id().is_some() && !super::between::is_between(t);
+fn beside_no_law(
+    work: &Work,
+    search: &Search,
+    reduced: &Base,
+    physical: &[Term],
+) -> Option<Vec<Term>> {
+    let whole =
+        |t: &&Term| t.scope == Scope::Whole && t.id().is_some() && !super::between::is_between(t);
     let found: BTreeSet<Option<&str>> = physical.iter().map(Term::id).collect();
-    let with = |more: Option<&Term>| -> Vec<Term> { physical.iter().chain(more).cloned().collect() };
-    let error = |terms: Vec<Term>| reading(work, search, reduced, "", terms).errors.rmse_heldout;
+    let with =
+        |more: Option<&Term>| -> Vec<Term> { physical.iter().chain(more).cloned().collect() };
+    let error = |terms: Vec<Term>| {
+        reading(work, search, reduced, "", terms)
+            .errors
+            .rmse_heldout
+    };
     let mut seen = BTreeSet::new();
-    let candidates = work.candidates.iter().filter(whole).filter(|t| !found.contains(&t.id()) && seen.insert((t.id(), t.form().map(|f| f.name))));
-    let best = candidates.map(|t| (error(with(Some(t))), t)).min_by(|a, b| a.0.total_cmp(&b.0))?;
-    (best.0 < error(with(None)) && physical.len() < super::model::MOST_TERMS).then(|| with(Some(best.1)))
+    let candidates =
+        work.candidates.iter().filter(whole).filter(|t| {
+            !found.contains(&t.id()) && seen.insert((t.id(), t.form().map(|f| f.name)))
+        });
+    let best = candidates
+        .map(|t| (error(with(Some(t))), t))
+        .min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (best.0 < error(with(None)) && physical.len() < super::model::MOST_TERMS)
+        .then(|| with(Some(best.1)))
 }
 
 fn reading(work: &Work, search: &Search, base: &Base, words: &str, terms: Vec<Term>) -> Reading {
@@ -470,7 +694,10 @@ fn reading(work: &Work, search: &Search, base: &Base, words: &str, terms: Vec<Te
     let fitted = model.fit(None, 1);
     let mut tally = Tally::default();
     for fold in work.folds {
-        let train = work.all.select(&fold.train).thinned(work.options.most_readings);
+        let train = work
+            .all
+            .select(&fold.train)
+            .thinned(work.options.most_readings);
         let held = work.all.select(&fold.held_out);
         let here = Model {
             base,
@@ -487,12 +714,23 @@ fn reading(work: &Work, search: &Search, base: &Base, words: &str, terms: Vec<Te
     }
     let numbers = terms.iter().zip(&fitted.terms).filter_map(|(t, (a, _))| {
         let form = t.form()?;
-        (a.len() == 1).then(|| format!("{} = {:.3} {}", form.amplitude.name, form.amplitude.absent + a[0], form.amplitude.unit))
+        (a.len() == 1).then(|| {
+            let value = form.amplitude.absent + a[0];
+            format!(
+                "{} = {}",
+                form.amplitude.name,
+                with_unit(value, form.amplitude.unit)
+            )
+        })
     });
     let free = base.coefficients.iter().filter(|c| c.free).count();
     let ids: Vec<&str> = terms.iter().filter_map(Term::id).collect();
     Reading {
-        model: if terms.is_empty() { format!("{words}, no effects") } else { format!("{words}, with {}", ids.join(" and ")) },
+        model: if terms.is_empty() {
+            format!("{words}, no effects")
+        } else {
+            format!("{words}, with {}", ids.join(" and "))
+        },
         parameters: free + terms.iter().map(Term::parameters).sum::<usize>(),
         errors: super::errors(train_error(&model, &fitted), tally),
         numbers: numbers.collect(),
@@ -502,9 +740,21 @@ fn reading(work: &Work, search: &Search, base: &Base, words: &str, terms: Vec<Te
 /// Standard deviation of a reading about its neighbours in pressure from other logs of the same session and direction, N.
 fn noise_floor(data: &Data, residuals: &[f64]) -> Option<f64> {
     let mut keyed: Vec<(usize, i64, f64, usize)> = (0..data.len())
-        .map(|i| (data.session[i], data.conditions[i].direction as i64, data.conditions[i].pressure_kpa, i))
+        .map(|i| {
+            (
+                data.session[i],
+                data.conditions[i].direction as i64,
+                data.conditions[i].pressure_kpa,
+                i,
+            )
+        })
         .collect();
-    keyed.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.total_cmp(&b.2)).then(a.3.cmp(&b.3)));
+    keyed.sort_by(|a, b| {
+        a.0.cmp(&b.0)
+            .then(a.1.cmp(&b.1))
+            .then(a.2.total_cmp(&b.2))
+            .then(a.3.cmp(&b.3))
+    });
     let near = |w: &[(usize, i64, f64, usize)]| {
         let (a, b) = (&w[0], &w[1]);
         a.0 == b.0 && a.1 == b.1 && (a.2 - b.2).abs() < 15.0 && data.log[a.3] != data.log[b.3]
@@ -523,9 +773,19 @@ fn noise_floor(data: &Data, residuals: &[f64]) -> Option<f64> {
 /// The best candidates that were not chosen, by what they would explain of the base model's residual.
 fn rivals(search: &Search, work: &Work) -> Vec<Rejected> {
     let model = search.model(&[]);
-    let linear = super::linear::Linear::new(&model, &work.null.fitted, work.null.fitted.scatter, search.candidates);
+    let linear = super::linear::Linear::new(
+        &model,
+        &work.null.fitted,
+        work.null.fitted.scatter,
+        search.candidates,
+    );
     let stand = linear.stand(&linear.all_sessions(), &[]);
-    let named: BTreeSet<String> = work.best.chosen.iter().map(|c| judge::name(&search.candidates[*c], search.data)).collect();
+    let named: BTreeSet<String> = work
+        .best
+        .chosen
+        .iter()
+        .map(|c| judge::name(&search.candidates[*c], search.data))
+        .collect();
     let mut gains: Vec<(f64, usize)> = (0..search.candidates.len())
         .filter(|c| search.candidates[*c].scope == Scope::Whole)
         .filter(|c| !named.contains(&judge::name(&search.candidates[*c], search.data)))
@@ -542,7 +802,12 @@ fn rivals(search: &Search, work: &Work) -> Vec<Rejected> {
             id: judge::name(&search.candidates[c], search.data),
             acts_on: judge::acts_on(&search.candidates[c], search.data),
             share,
-            why: if work.best.chosen.is_empty() { "explains too little, or not surely" } else { "explains less than what was chosen, or nothing beside it" }.to_owned(),
+            why: if work.best.chosen.is_empty() {
+                "explains too little, or not surely"
+            } else {
+                "explains less than what was chosen, or nothing beside it"
+            }
+            .to_owned(),
         })
         .collect()
 }
@@ -554,7 +819,12 @@ fn next(effects: &[EffectFinding], limits: &Limits, readings: &[Reading]) -> Vec
         .filter(|e| e.class.len() > 1)
         .map(|e| NextMeasurement {
             separates: e.class.clone(),
-            action: e.class.iter().map(|id| format!("{id}: {}", measurement(id))).collect::<Vec<String>>().join("; "),
+            action: e
+                .class
+                .iter()
+                .map(|id| format!("{id}: {}", measurement(id)))
+                .collect::<Vec<String>>()
+                .join("; "),
             difference_n: None,
         })
         .collect();
@@ -566,36 +836,55 @@ fn next(effects: &[EffectFinding], limits: &Limits, readings: &[Reading]) -> Vec
     }));
     let error = |r: &&Reading| r.errors.rmse_heldout;
     let least = |constant: bool| {
-        let kind = readings.iter().filter(|r| r.model.starts_with("F_620 constant") == constant);
+        let kind = readings
+            .iter()
+            .filter(|r| r.model.starts_with("F_620 constant") == constant);
         kind.min_by(|a, b| error(a).total_cmp(&error(b)))
     };
-    if let (Some(law), Some(constant)) = (least(false), least(true)) {
-        if constant.errors.rmse_heldout < AS_GOOD * law.errors.rmse_heldout {
-            list.push(NextMeasurement {
-                separates: vec![law.model.clone(), constant.model.clone()],
-                action: "measure one actuator at two frame lengths, or on a stiffer frame; put a dial gauge on the crossmember; hang a dead weight in \
-                         place of the actuator"
-                    .to_owned(),
-                difference_n: None,
-            });
-        }
+    if let (Some(law), Some(constant)) = (least(false), least(true))
+        && constant.errors.rmse_heldout < AS_GOOD * law.errors.rmse_heldout
+    {
+        list.push(NextMeasurement {
+            separates: vec![law.model.clone(), constant.model.clone()],
+            action: "measure one actuator at two frame lengths, or on a stiffer frame; put a dial gauge on the crossmember; hang a dead weight in \
+                     place of the actuator"
+                .to_owned(),
+            difference_n: None,
+        });
     }
-    list.extend(limits.aliases.iter().take(3).filter(|a| !list_has(effects, a)).map(|a| NextMeasurement {
-        separates: a.ids.to_vec(),
-        action: a.ids.iter().map(|id| format!("{id}: {}", measurement(id))).collect::<Vec<String>>().join("; "),
-        difference_n: None,
-    }));
+    list.extend(
+        limits
+            .aliases
+            .iter()
+            .take(3)
+            .filter(|a| !list_has(effects, a))
+            .map(|a| NextMeasurement {
+                separates: a.ids.to_vec(),
+                action: a
+                    .ids
+                    .iter()
+                    .map(|id| format!("{id}: {}", measurement(id)))
+                    .collect::<Vec<String>>()
+                    .join("; "),
+                difference_n: None,
+            }),
+    );
     list
 }
 
 fn list_has(effects: &[EffectFinding], alias: &super::findings::Alias) -> bool {
-    effects.iter().any(|e| alias.ids.iter().all(|id| e.class.contains(id)))
+    effects
+        .iter()
+        .any(|e| alias.ids.iter().all(|id| e.class.contains(id)))
 }
 
 fn notes(work: &Work) -> Vec<String> {
     let mut notes = Vec::new();
     if work.passed_over > 0 {
-        notes.push(format!("{} readings for which the base model has no force took no part", work.passed_over));
+        notes.push(format!(
+            "{} readings for which the base model has no force took no part",
+            work.passed_over
+        ));
     }
     if work.train.len() > work.options.most_readings {
         notes.push(format!(

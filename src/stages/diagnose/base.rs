@@ -61,7 +61,13 @@ impl Base {
         let constant = value("F_620", 1000.0) / std::f64::consts::FRAC_PI_2;
         let list = [
             ("b1", "N", value("b1", constant), (1e-3, 1e5), true),
-            ("1/b2", "m", 1.0 / value("b2", 1.0 / NO_LENGTH_LAW), (NO_LENGTH_LAW, 10.0), lengths > 1 && value("b2", -1.0) > 0.0),
+            (
+                "1/b2",
+                "m",
+                1.0 / value("b2", 1.0 / NO_LENGTH_LAW),
+                (NO_LENGTH_LAW, 10.0),
+                lengths > 1 && value("b2", -1.0) > 0.0,
+            ),
             ("c0", "1", value("c0", 0.4), (0.0, 5.0), true),
             ("c1", "1", value("c1", 5.0), (1e-3, 100.0), true),
             ("c2", "1", value("c2", 1.0), (-2.0, 50.0), true),
@@ -133,7 +139,12 @@ impl Actuator for Base {
                 let eps_620 = (rest - at.contracted_length_m) / rest;
                 let contraction = (-length + rest) / (rest * eps_620);
                 let c = coefficients;
-                let f620 = new::f620(c[0], R::constant(1.0) / c[1], R::constant(cap_length_m), R::constant(rest));
+                let f620 = new::f620(
+                    c[0],
+                    R::constant(1.0) / c[1],
+                    R::constant(cap_length_m),
+                    R::constant(rest),
+                );
                 new::force([c[2], c[3], c[4]], f620, contraction, pressure / P_620_KPA)
             }
             Equation::Published(model) => tangent(model, pressure, length, at) * coefficients[0],

@@ -15,7 +15,8 @@ const FEWEST: usize = 4;
 
 /// Whether an effect acts alike on all readings of a specimen.
 pub fn is_between(term: &Term) -> bool {
-    term.form().is_some_and(|f| f.needs.contains(&Need::RestLengths))
+    term.form()
+        .is_some_and(|f| f.needs.contains(&Need::RestLengths))
 }
 
 /// The strengths on a trace: slope, its p, and the share of the strengths' variance that it explains.
@@ -30,14 +31,29 @@ pub struct Regression {
 }
 
 /// The regression of the specimens' strengths on the trace of a candidate, each specimen with a weight.
-pub fn regression(search: &Search, fitted: &Fitted, candidate: usize, weights: &[f64]) -> Option<Regression> {
+pub fn regression(
+    search: &Search,
+    fitted: &Fitted,
+    candidate: usize,
+    weights: &[f64],
+) -> Option<Regression> {
     straight_line(&points(search, fitted, candidate, weights))
 }
 
 /// Trace, strength and weight of each specimen that has a weight.
-fn points(search: &Search, fitted: &Fitted, candidate: usize, weights: &[f64]) -> Vec<(f64, f64, f64)> {
+fn points(
+    search: &Search,
+    fitted: &Fitted,
+    candidate: usize,
+    weights: &[f64],
+) -> Vec<(f64, f64, f64)> {
     let term = &search.candidates[candidate];
-    let What::Effect { effect, form, shape } = term.what else {
+    let What::Effect {
+        effect,
+        form,
+        shape,
+    } = term.what
+    else {
         return Vec::new();
     };
     let data = search.data;
@@ -67,7 +83,9 @@ fn straight_line(points: &[(f64, f64, f64)]) -> Option<Regression> {
         return None;
     }
     let total: f64 = points.iter().map(|p| p.2).sum();
-    let mean = |f: &dyn Fn(&(f64, f64, f64)) -> f64| points.iter().map(|p| p.2 * f(p)).sum::<f64>() / total;
+    let mean = |f: &dyn Fn(&(f64, f64, f64)) -> f64| {
+        points.iter().map(|p| p.2 * f(p)).sum::<f64>() / total
+    };
     let (x0, y0) = (mean(&|p| p.0), mean(&|p| p.1));
     let xx = mean(&|p| (p.0 - x0) * (p.0 - x0));
     let xy = mean(&|p| (p.0 - x0) * (p.1 - y0));
@@ -86,10 +104,22 @@ fn straight_line(points: &[(f64, f64, f64)]) -> Option<Regression> {
 
 /// In which part of the specimens the strength is nearer to what the others' regression says of it than to the others' mean.
 pub fn helps(search: &Search, fitted: &Fitted, candidate: usize) -> f64 {
-    let points = points(search, fitted, candidate, &vec![1.0; search.data.specimens.len()]);
+    let points = points(
+        search,
+        fitted,
+        candidate,
+        &vec![1.0; search.data.specimens.len()],
+    );
     let nearer = (0..points.len()).filter(|k| {
-        let others: Vec<(f64, f64, f64)> = points.iter().enumerate().filter(|(j, _)| j != k).map(|(_, p)| *p).collect();
-        let mean = |f: fn(&(f64, f64, f64)) -> f64| others.iter().map(f).sum::<f64>() / others.len().max(1) as f64;
+        let others: Vec<(f64, f64, f64)> = points
+            .iter()
+            .enumerate()
+            .filter(|(j, _)| j != k)
+            .map(|(_, p)| *p)
+            .collect();
+        let mean = |f: fn(&(f64, f64, f64)) -> f64| {
+            others.iter().map(f).sum::<f64>() / others.len().max(1) as f64
+        };
         let (x0, y0) = (mean(|p| p.0), mean(|p| p.1));
         let (x, y, _) = points[*k];
         straight_line(&others).is_some_and(|r| (y - y0 - r.slope * (x - x0)).abs() < (y - y0).abs())
@@ -99,7 +129,11 @@ pub fn helps(search: &Search, fitted: &Fitted, candidate: usize) -> f64 {
 
 /// The candidates of this kind, and how many ids they have.
 fn candidates(search: &Search) -> (Vec<usize>, f64) {
-    let list: Vec<usize> = (0..search.candidates.len()).filter(|c| search.candidates[*c].scope == Scope::Whole && is_between(&search.candidates[*c])).collect();
+    let list: Vec<usize> = (0..search.candidates.len())
+        .filter(|c| {
+            search.candidates[*c].scope == Scope::Whole && is_between(&search.candidates[*c])
+        })
+        .collect();
     (list.clone(), list.len() as f64)
 }
 
@@ -122,12 +156,32 @@ pub fn asked_for(search: &Search, fitted: &Fitted) -> Option<(usize, f64)> {
 }
 
 /// In which part of the resamples, each a weight a specimen, the slope has its sign and explains most of the variance.
-pub fn chosen_again(search: &Search, fitted: &Fitted, candidate: usize, resamples: &[Vec<f64>]) -> f64 {
-    let whole = regression(search, fitted, candidate, &vec![1.0; search.data.specimens.len()]);
+pub fn chosen_again(
+    search: &Search,
+    fitted: &Fitted,
+    candidate: usize,
+    resamples: &[Vec<f64>],
+) -> f64 {
+    let whole = regression(
+        search,
+        fitted,
+        candidate,
+        &vec![1.0; search.data.specimens.len()],
+    );
     let Some(whole) = whole else {
         return 0.0;
     };
-    let usable: Vec<Regression> = resamples.iter().filter_map(|w| regression(search, fitted, candidate, w)).collect();
-    let again = usable.iter().filter(|r| r.slope * whole.slope > 0.0 && r.share > 0.5).count();
-    if usable.is_empty() { 0.0 } else { again as f64 / usable.len() as f64 }
+    let usable: Vec<Regression> = resamples
+        .iter()
+        .filter_map(|w| regression(search, fitted, candidate, w))
+        .collect();
+    let again = usable
+        .iter()
+        .filter(|r| r.slope * whole.slope > 0.0 && r.share > 0.5)
+        .count();
+    if usable.is_empty() {
+        0.0
+    } else {
+        again as f64 / usable.len() as f64
+    }
 }

@@ -48,7 +48,9 @@ impl Features {
         others.retain(|v| v.iter().any(|x| *x != 0.0));
         let largest = predicted.iter().copied().fold(1e-9, f64::max);
         Self {
-            state: (0..data.len()).map(|i| [state[0][i], state[1][i], state[2][i], state[3][i]]).collect(),
+            state: (0..data.len())
+                .map(|i| [state[0][i], state[1][i], state[2][i], state[3][i]])
+                .collect(),
             others,
             force: predicted.iter().map(|f| f / largest).collect(),
         }
@@ -56,7 +58,11 @@ impl Features {
 
     fn kernel(&self, i: usize, j: usize) -> f64 {
         let scale = 1.0 / (2.0 * LENGTH_SCALE * LENGTH_SCALE);
-        let squared: f64 = self.state[i].iter().zip(&self.state[j]).map(|(a, b)| (a - b) * (a - b)).sum();
+        let squared: f64 = self.state[i]
+            .iter()
+            .zip(&self.state[j])
+            .map(|(a, b)| (a - b) * (a - b))
+            .sum();
         let mut sum = libm::exp(-squared * scale);
         for column in &self.others {
             let d = column[i] - column[j];
@@ -78,9 +84,16 @@ fn standardised(values: Vec<f64>) -> Vec<f64> {
 }
 
 /// Predicts `target` at the readings `held_out` from the readings `train`, once for each of [`NOISE`].
-pub fn predict(features: &Features, target: &[f64], train: &[usize], held_out: &[usize]) -> Vec<Vec<f64>> {
+pub fn predict(
+    features: &Features,
+    target: &[f64],
+    train: &[usize],
+    held_out: &[usize],
+) -> Vec<Vec<f64>> {
     let step = (train.len() as f64 / INDUCING as f64).max(1.0);
-    let inducing: Vec<usize> = (0..train.len().min(INDUCING)).map(|k| train[((k as f64 * step) as usize).min(train.len() - 1)]).collect();
+    let inducing: Vec<usize> = (0..train.len().min(INDUCING))
+        .map(|k| train[((k as f64 * step) as usize).min(train.len() - 1)])
+        .collect();
     let m = inducing.len();
     let row = |i: usize| -> Vec<f64> { inducing.iter().map(|j| features.kernel(i, *j)).collect() };
     let mut between = Matrix::zeros(m, m);
@@ -112,7 +125,9 @@ pub fn predict(features: &Features, target: &[f64], train: &[usize], held_out: &
                 }
             }
             let weights = Cholesky::new(&system).solve(&right);
-            rows.iter().map(|k| k.iter().zip(&weights).map(|(x, w)| x * w).sum()).collect()
+            rows.iter()
+                .map(|k| k.iter().zip(&weights).map(|(x, w)| x * w).sum())
+                .collect()
         })
         .collect()
 }

@@ -29,12 +29,20 @@ pub fn candidates(data: &Data) -> Vec<Term> {
                 };
                 terms.push(Term::new(what, Scope::Whole, data));
                 if e.grouping() == Grouping::Parts {
-                    terms.extend(parts(what, data).into_iter().map(|scope| Term::new(what, scope, data)));
+                    terms.extend(
+                        parts(what, data)
+                            .into_iter()
+                            .map(|scope| Term::new(what, scope, data)),
+                    );
                 }
             }
         }
     }
-    let columns = data.extras.iter().enumerate().filter(|(_, e)| !e.names_groups);
+    let columns = data
+        .extras
+        .iter()
+        .enumerate()
+        .filter(|(_, e)| !e.names_groups);
     let extras = columns.flat_map(|(k, _)| [Empirical::Gain(k), Empirical::Offset(k)]);
     let empirical = extras.chain([Empirical::Force, Empirical::Pressure]);
     terms.extend(empirical.map(|e| Term::new(What::Empirical(e), Scope::Whole, data)));
@@ -56,7 +64,11 @@ fn parts(what: What, data: &Data) -> Vec<Scope> {
             parts.extend((FEWEST_ON_A_SIDE..=sessions - FEWEST_ON_A_SIDE).map(Scope::From));
         }
         parts.push(Scope::EachSession);
-        let groups = data.extras.iter().enumerate().filter(|(_, e)| e.names_groups);
+        let groups = data
+            .extras
+            .iter()
+            .enumerate()
+            .filter(|(_, e)| e.names_groups);
         parts.extend(groups.map(|(k, _)| Scope::Levels(k)));
     }
     // The gain of one specimen is its strength.

@@ -71,12 +71,18 @@ impl Data {
             .iter()
             .map(|r| (place(&sessions, &r.session), r.log.as_str()))
             .collect();
-        let logs: BTreeMap<(usize, &str), usize> =
-            logs.into_iter().enumerate().map(|(k, log)| (log, k)).collect();
+        let logs: BTreeMap<(usize, &str), usize> = logs
+            .into_iter()
+            .enumerate()
+            .map(|(k, log)| (log, k))
+            .collect();
         let mut data = Data {
             force: rows.iter().map(|r| r.force_n).collect(),
             session: rows.iter().map(|r| place(&sessions, &r.session)).collect(),
-            specimen: rows.iter().map(|r| place(&specimens, &r.specimen)).collect(),
+            specimen: rows
+                .iter()
+                .map(|r| place(&specimens, &r.specimen))
+                .collect(),
             sessions,
             specimens,
             ..Data::default()
@@ -137,7 +143,9 @@ impl Data {
             .flat_map(|list| {
                 let step = (list.len() as f64 / share as f64).max(1.0);
                 let kept = (list.len() as f64 / step).floor() as usize;
-                (0..kept).map(move |k| list[(k as f64 * step) as usize]).collect::<Vec<usize>>()
+                (0..kept)
+                    .map(move |k| list[(k as f64 * step) as usize])
+                    .collect::<Vec<usize>>()
             })
             .collect();
         places.sort_unstable();
@@ -166,7 +174,10 @@ impl Data {
             let place = levels.iter().position(|l| Some(*l) == bits)?;
             place.checked_sub(1)
         };
-        (of_session.into_iter().map(number).collect(), levels.len() - 1)
+        (
+            of_session.into_iter().map(number).collect(),
+            levels.len() - 1,
+        )
     }
 
     fn note_what_is_missing(&mut self, dated: bool) {
@@ -180,7 +191,10 @@ impl Data {
             (Need::Direction, varies(|c| c.direction, 1.5)),
             (Need::LogTime, varies(|c| c.log_time_s, 1e-6)),
             (Need::CampaignTime, dated),
-            (Need::SinceStep, varies(|c| libm::log1p(c.since_step_s), 0.2)),
+            (
+                Need::SinceStep,
+                varies(|c| libm::log1p(c.since_step_s), 0.2),
+            ),
             (Need::Rate, varies(|c| c.rate_kpa_per_s, 1e-6)),
             (Need::Temperature, varies(|c| c.temperature_c, 1e-6)),
             (Need::Cycles, varies(|c| c.cycles, 0.5)),
@@ -203,10 +217,13 @@ fn named(row: &Row, names: &[&str]) -> Option<f64> {
 }
 
 fn conditions(rows: &[&Row], data: &Data, dated: bool) -> Vec<Conditions> {
-    let finite = |values: Vec<f64>| -> Vec<f64> { values.into_iter().filter(|x| x.is_finite()).collect() };
+    let finite =
+        |values: Vec<f64>| -> Vec<f64> { values.into_iter().filter(|x| x.is_finite()).collect() };
     let lengths: BTreeSet<u64> = rows.iter().map(|r| r.rest_length_m.to_bits()).collect();
     let lengths: Vec<f64> = lengths.into_iter().map(f64::from_bits).collect();
-    let middle = 0.5 * (lengths.iter().copied().fold(f64::INFINITY, f64::min) + lengths.iter().copied().fold(0.0, f64::max));
+    let middle = 0.5
+        * (lengths.iter().copied().fold(f64::INFINITY, f64::min)
+            + lengths.iter().copied().fold(0.0, f64::max));
     let temperature = |r: &Row| r.extras.get(TEMPERATURE).copied().unwrap_or(f64::NAN);
     let temperatures = finite(rows.iter().map(|r| temperature(r)).collect());
     let mean_temperature = mean(&temperatures);
@@ -229,7 +246,11 @@ fn conditions(rows: &[&Row], data: &Data, dated: bool) -> Vec<Conditions> {
                 None => 0.0,
             },
             log_time_s: zero_if_nan(r.time_s),
-            campaign_time: if dated { data.session[i] as f64 / last } else { 0.0 },
+            campaign_time: if dated {
+                data.session[i] as f64 / last
+            } else {
+                0.0
+            },
             since_step_s: 0.0,
             rate_kpa_per_s: 0.0,
             temperature_c: zero_if_nan(temperature(r) - mean_temperature),
@@ -273,26 +294,38 @@ fn histories(rows: &[&Row], data: &Data, conditions: &mut [Conditions]) {
             let row = rows[i];
             let before = k.checked_sub(1).map(|k| rows[places[k]]);
             if let (Some(b), true) = (before, timed) {
-                let step = (row.pressure_kpa - b.pressure_kpa).abs() > STEP_KPA || (row.length_m - b.length_m).abs() > STEP_M;
+                let step = (row.pressure_kpa - b.pressure_kpa).abs() > STEP_KPA
+                    || (row.length_m - b.length_m).abs() > STEP_M;
                 if step {
                     level_began = b.time_s;
                 }
             }
             let since = row.time_s - level_began;
-            conditions[i].since_step_s = named(row, SINCE_STEP).unwrap_or(if since.is_finite() { since } else { 0.0 });
-            conditions[i].rate_kpa_per_s = named(row, RATE).unwrap_or_else(|| if timed { rate(rows, &places, k) } else { 0.0 });
+            conditions[i].since_step_s =
+                named(row, SINCE_STEP).unwrap_or(if since.is_finite() { since } else { 0.0 });
+            conditions[i].rate_kpa_per_s = named(row, RATE)
+                .unwrap_or_else(|| if timed { rate(rows, &places, k) } else { 0.0 });
         }
     }
 }
 
 /// Mean rate of the pressure from the reading before to the one after, within one direction.
 fn rate(rows: &[&Row], places: &[usize], k: usize) -> f64 {
-    let same = |j: usize| rows[places[j]].phase == rows[places[k]].phase && rows[places[j]].length_m == rows[places[k]].length_m;
+    let same = |j: usize| {
+        rows[places[j]].phase == rows[places[k]].phase
+            && rows[places[j]].length_m == rows[places[k]].length_m
+    };
     let from = k.checked_sub(1).filter(|j| same(*j)).unwrap_or(k);
-    let to = Some(k + 1).filter(|j| *j < places.len() && same(*j)).unwrap_or(k);
+    let to = Some(k + 1)
+        .filter(|j| *j < places.len() && same(*j))
+        .unwrap_or(k);
     let (a, b) = (rows[places[from]], rows[places[to]]);
     let seconds = b.time_s - a.time_s;
-    if seconds > 0.0 { (b.pressure_kpa - a.pressure_kpa) / seconds } else { 0.0 }
+    if seconds > 0.0 {
+        (b.pressure_kpa - a.pressure_kpa) / seconds
+    } else {
+        0.0
+    }
 }
 
 /// The columns that the user added and no effect claims, if they vary.
@@ -300,19 +333,35 @@ fn extras(rows: &[&Row], data: &Data) -> Vec<Extra> {
     let names: BTreeSet<&String> = rows.iter().flat_map(|r| r.extras.keys()).collect();
     let claimed = |name: &str| {
         let lower = name.to_ascii_lowercase();
-        name == TEMPERATURE || [SINCE_STEP, RATE, CYCLES].concat().iter().any(|n| lower.starts_with(n))
+        name == TEMPERATURE
+            || [SINCE_STEP, RATE, CYCLES]
+                .concat()
+                .iter()
+                .any(|n| lower.starts_with(n))
     };
-    names.into_iter().filter(|n| !claimed(n)).filter_map(|n| extra(rows, data, n)).collect()
+    names
+        .into_iter()
+        .filter(|n| !claimed(n))
+        .filter_map(|n| extra(rows, data, n))
+        .collect()
 }
 
 fn extra(rows: &[&Row], data: &Data, name: &str) -> Option<Extra> {
-    let raw: Vec<f64> = rows.iter().map(|r| r.extras.get(name).copied().unwrap_or(f64::NAN)).collect();
+    let raw: Vec<f64> = rows
+        .iter()
+        .map(|r| r.extras.get(name).copied().unwrap_or(f64::NAN))
+        .collect();
     let known: Vec<f64> = raw.iter().copied().filter(|x| x.is_finite()).collect();
     if known.len() < rows.len() / 2 {
         return None;
     }
     let middle = mean(&known);
-    let sd = (known.iter().map(|x| (x - middle) * (x - middle)).sum::<f64>() / known.len() as f64).sqrt();
+    let sd = (known
+        .iter()
+        .map(|x| (x - middle) * (x - middle))
+        .sum::<f64>()
+        / known.len() as f64)
+        .sqrt();
     if sd <= 1e-9 * (1.0 + middle.abs()) {
         return None;
     }
@@ -326,8 +375,20 @@ fn extra(rows: &[&Row], data: &Data, name: &str) -> Option<Extra> {
     }
     Some(Extra {
         name: name.to_owned(),
-        values: raw.iter().map(|x| if x.is_finite() { (x - middle) / sd } else { 0.0 }).collect(),
+        values: raw
+            .iter()
+            .map(|x| {
+                if x.is_finite() {
+                    (x - middle) / sd
+                } else {
+                    0.0
+                }
+            })
+            .collect(),
         scale: (middle, sd),
-        names_groups: whole && constant && distinct.len() <= 4 && 3 * distinct.len() <= data.sessions.len(),
+        names_groups: whole
+            && constant
+            && distinct.len() <= 4
+            && 3 * distinct.len() <= data.sessions.len(),
     })
 }

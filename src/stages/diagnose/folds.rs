@@ -26,7 +26,11 @@ pub fn folds(data: &Data, kept_out: &[bool]) -> (Vec<Fold>, &'static str) {
         let unit = |k: usize| Fold {
             unit: data.specimens[k].clone(),
             train: train.clone(),
-            held_out: kept.iter().copied().filter(|i| data.specimen[*i] == k).collect(),
+            held_out: kept
+                .iter()
+                .copied()
+                .filter(|i| data.specimen[*i] == k)
+                .collect(),
         };
         return (specimens.into_iter().map(unit).collect(), "holdout");
     }
@@ -42,13 +46,23 @@ pub fn folds(data: &Data, kept_out: &[bool]) -> (Vec<Fold>, &'static str) {
     if logs.len() >= 3 {
         return (logs, "leave-one-log-out");
     }
-    let lengths: BTreeSet<u64> = train.iter().map(|i| data.conditions[*i].length_m.to_bits()).collect();
+    let lengths: BTreeSet<u64> = train
+        .iter()
+        .map(|i| data.conditions[*i].length_m.to_bits())
+        .collect();
     let lengths: Vec<u64> = lengths.into_iter().collect();
     let of_length: Vec<usize> = (0..data.len())
-        .map(|i| lengths.iter().position(|l| *l == data.conditions[i].length_m.to_bits()).unwrap_or(0))
+        .map(|i| {
+            lengths
+                .iter()
+                .position(|l| *l == data.conditions[i].length_m.to_bits())
+                .unwrap_or(0)
+        })
         .collect();
     (
-        by(&train, &of_length, |k| format!("length {:.1} mm", 1e3 * f64::from_bits(lengths[k]))),
+        by(&train, &of_length, |k| {
+            format!("length {:.1} mm", 1e3 * f64::from_bits(lengths[k]))
+        }),
         "leave-one-length-out",
     )
 }

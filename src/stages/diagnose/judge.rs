@@ -51,6 +51,8 @@ pub struct Judgement {
     pub helps: f64,
     /// Held-out error without it and with it, own strengths, N.
     pub held_out: (f64, f64),
+    /// Whether the held-out error over all folds falls, with own strengths or with mean ones.
+    pub falls: bool,
     /// RMSE of training without it and with it, strengths included, N.
     pub train: (f64, f64),
     /// Candidates that it cannot be told from.
@@ -60,10 +62,17 @@ pub struct Judgement {
 }
 
 /// Removes what fails, worst first, until all that is left passes.
-pub fn judged(search: &Search, mut state: State, folds: &[Fold], seed: u64) -> (State, Vec<Judgement>, Vec<Rejected>) {
+pub fn judged(
+    search: &Search,
+    mut state: State,
+    folds: &[Fold],
+    seed: u64,
+) -> (State, Vec<Judgement>, Vec<Rejected>) {
     let mut rejected = Vec::new();
     loop {
-        let judgements: Vec<Judgement> = (0..state.chosen.len()).map(|k| judge(search, &state, k, folds, seed)).collect();
+        let judgements: Vec<Judgement> = (0..state.chosen.len())
+            .map(|k| judge(search, &state, k, folds, seed))
+            .collect();
         let worst = judgements
             .iter()
             .enumerate()
@@ -71,7 +80,9 @@ pub fn judged(search: &Search, mut state: State, folds: &[Fold], seed: u64) -> (
             .min_by(|a, b| {
                 // What acts on a part of the campaign goes first: it can imitate anything there.
                 let whole = |j: &Judgement| search.candidates[j.candidate].scope == Scope::Whole;
-                whole(a.1).cmp(&whole(b.1)).then(a.1.share.total_cmp(&b.1.share))
+                whole(a.1)
+                    .cmp(&whole(b.1))
+                    .then(a.1.share.total_cmp(&b.1.share))
             })
             .map(|(k, _)| k);
         let Some(k) = worst else {
@@ -92,31 +103,59 @@ pub fn judged(search: &Search, mut state: State, folds: &[Fold], seed: u64) -> (
 
 /// The same with an effect that has a value for every session, if all of it passes and the error on specimens that took no part is not
 /// larger for it: such values can take up any misfit of the base model that goes with the set length.
-pub fn with_each_session(search: &Search, state: State, judgements: Vec<Judgement>, folds: &[Fold], seed: u64) -> (State, Vec<Judgement>, Option<Rejected>) {
+pub fn with_each_session(
+    search: &Search,
+    state: State,
+    judgements: Vec<Judgement>,
+    folds: &[Fold],
+    seed: u64,
+) -> (State, Vec<Judgement>, Option<Rejected>) {
     let Some(larger) = search.with_each_session(&state) else {
         return (state, judgements, None);
     };
-    let judged: Vec<Judgement> = (0..larger.chosen.len()).map(|k| judge(search, &larger, k, folds, seed)).collect();
+    let judged: Vec<Judgement> = (0..larger.chosen.len())
+        .map(|k| judge(search, &larger, k, folds, seed))
+        .collect();
     let errors = |s: &State| {
-        let parts = folds.iter().map(|f| squared_errors(search, s, &search.data.select(&f.train), &search.data.select(&f.held_out)).0);
+        let parts = folds.iter().map(|f| {
+            squared_errors(
+                search,
+                s,
+                &search.data.select(&f.train),
+                &search.data.select(&f.held_out),
+            )
+            .0
+        });
         parts.fold(Tally::default(), Tally::plus)
     };
     let (before, after) = (errors(&state).rmse(), errors(&larger).rmse());
     let fails = judged.iter().find_map(|j| j.fails.clone());
-    let misfit = larger.chosen.iter().zip(&larger.fitted.terms).find_map(|(c, (values, _))| {
-        let each = search.candidates[*c].scope == Scope::EachSession;
-        each.then(|| goes_with_contraction(search.data, values))
-    });
+    let misfit = larger
+        .chosen
+        .iter()
+        .zip(&larger.fitted.terms)
+        .find_map(|(c, (values, _))| {
+            let each = search.candidates[*c].scope == Scope::EachSession;
+            each.then(|| goes_with_contraction(search.data, values))
+        });
     let why = match fails {
         Some(why) => why,
         None if misfit.unwrap_or(0.0) > MISFIT => {
             let share = 100.0 * misfit.unwrap_or(0.0);
-            format!("{share:.0}% of its variance goes with the set contraction: a misfit of the surface, not of the sessions")
+            format!(
+                "{share:.0}% of its variance goes with the set contraction: a misfit of the surface, not of the sessions"
+            )
         }
-        None if after > NOT_WORSE * before => format!("the error on held-out specimens would go from {before:.1} N to {after:.1} N"),
+        None if after > NOT_WORSE * before => {
+            format!("the error on held-out specimens would go from {before:.1} N to {after:.1} N")
+        }
         None => return (larger, judged, None),
     };
-    let term = larger.chosen.iter().map(|c| &search.candidates[*c]).find(|t| t.scope == Scope::EachSession);
+    let term = larger
+        .chosen
+        .iter()
+        .map(|c| &search.candidates[*c])
+        .find(|t| t.scope == Scope::EachSession);
     let rejected = term.map(|t| Rejected {
         id: name(t, search.data),
         acts_on: acts_on(t, search.data),
@@ -130,9 +169,14 @@ pub fn with_each_session(search: &Search, state: State, judgements: Vec<Judgemen
 fn goes_with_contraction(data: &Data, values: &[f64]) -> f64 {
     let mut contraction: Vec<Option<f64>> = vec![None; data.sessions.len()];
     for (s, c) in data.session.iter().zip(&data.conditions) {
-        contraction[*s] = Some((c.rest_length_m - c.length_m) / (c.rest_length_m - c.contracted_length_m));
+        contraction[*s] =
+            Some((c.rest_length_m - c.length_m) / (c.rest_length_m - c.contracted_length_m));
     }
-    let points: Vec<(f64, f64)> = contraction.iter().zip(values).filter_map(|(x, y)| Some(((*x)?, *y))).collect();
+    let points: Vec<(f64, f64)> = contraction
+        .iter()
+        .zip(values)
+        .filter_map(|(x, y)| Some(((*x)?, *y)))
+        .collect();
     let n = points.len() as f64;
     let centre = points.iter().map(|p| p.1).sum::<f64>() / n;
     let total: f64 = points.iter().map(|p| (p.1 - centre) * (p.1 - centre)).sum();
@@ -147,7 +191,11 @@ fn goes_with_contraction(data: &Data, values: &[f64]) -> f64 {
             }
         }
     }
-    let explained: f64 = Cholesky::new(&gram).forward(&right).iter().map(|z| z * z).sum();
+    let explained: f64 = Cholesky::new(&gram)
+        .forward(&right)
+        .iter()
+        .map(|z| z * z)
+        .sum();
     if total > 0.0 { explained / total } else { 0.0 }
 }
 
@@ -167,7 +215,12 @@ fn judge(search: &Search, state: &State, k: usize, folds: &[Fold], seed: u64) ->
     };
     let class = class(search, &without, candidate);
     let chosen_again = if between {
-        between::chosen_again(search, &without.fitted, candidate, &resamples(search.data, seed))
+        between::chosen_again(
+            search,
+            &without.fitted,
+            candidate,
+            &resamples(search.data, seed),
+        )
     } else {
         chosen_again(search, &without, candidate, &class, seed)
     };
@@ -178,7 +231,7 @@ fn judge(search: &Search, state: &State, k: usize, folds: &[Fold], seed: u64) ->
         by_log = log_folds(search.data);
         &by_log
     };
-    let (mut helps, held_out) = helps(search, state, &without, used);
+    let (mut helps, before, after) = helps(search, state, &without, used);
     if between {
         helps = between::helps(search, &without.fitted, candidate);
     }
@@ -189,7 +242,8 @@ fn judge(search: &Search, state: &State, k: usize, folds: &[Fold], seed: u64) ->
         share: relative_fall(&without, state),
         chosen_again,
         helps,
-        held_out,
+        held_out: (before.rmse_own_strength(), after.rmse_own_strength()),
+        falls: after.own_strength < before.own_strength || after.squares < before.squares,
         train: (without.fitted.sigma, state.fitted.sigma),
         class,
         fails: None,
@@ -198,19 +252,38 @@ fn judge(search: &Search, state: &State, k: usize, folds: &[Fold], seed: u64) ->
     judgement
 }
 
-fn failure(search: &Search, j: &Judgement, term: &Term, amplitudes: &[f64], between: bool) -> Option<String> {
+fn failure(
+    search: &Search,
+    j: &Judgement,
+    term: &Term,
+    amplitudes: &[f64],
+    between: bool,
+) -> Option<String> {
     let (low, high) = term.amplitude_bounds();
-    let at_bound = amplitudes.iter().any(|a| (*a <= low && low != 0.0) || *a >= high);
+    let at_bound = amplitudes
+        .iter()
+        .any(|a| (*a <= low && low != 0.0) || *a >= high);
     if j.p_adjusted.is_nan() || j.p_adjusted > search.significance {
-        Some(format!("not significant: p = {:.2} after correction", j.p_adjusted))
+        Some(format!(
+            "not significant: p = {:.2} after correction",
+            j.p_adjusted
+        ))
     } else if j.criterion_gain <= 0.0 && !between {
         Some("does not pay for its parameters".to_owned())
     } else if at_bound {
         Some("its size runs to a physical bound".to_owned())
     } else if j.helps < HELPS {
-        Some(format!("lowers the held-out error in {:.0}% of the folds only", 100.0 * j.helps))
+        Some(format!(
+            "lowers the held-out error in {:.0}% of the folds only",
+            100.0 * j.helps
+        ))
+    } else if !j.falls && !between {
+        Some("the held-out error over all folds does not fall".to_owned())
     } else if j.chosen_again < CHOSEN_AGAIN {
-        Some(format!("chosen again in {:.0}% of the resamples of the specimens only", 100.0 * j.chosen_again))
+        Some(format!(
+            "chosen again in {:.0}% of the resamples of the specimens only",
+            100.0 * j.chosen_again
+        ))
     } else {
         None
     }
@@ -224,13 +297,20 @@ fn probability(search: &Search, state: &State, without: &State, model: &Model, k
         let m = amplitudes.len() as f64;
         let freedom = (state.effective - layout.len() as f64).max(2.0);
         let (large, small) = (super::search::rss(state), super::search::rss(without));
-        return f_upper_tail(((small - large) / m).max(0.0) / (large / freedom), m, freedom);
+        return f_upper_tail(
+            ((small - large) / m).max(0.0) / (large / freedom),
+            m,
+            freedom,
+        );
     }
     // A shape means nothing without an amplitude, so the amplitude is tested with the shape as found, and the coefficients of a
     // polynomial one at a time.
     let p_of = |place: Place, value: f64, held: Place| {
         let all: Vec<Uncertainty> = uncertainties(model, &state.fitted, state.effective, &[held]);
-        layout.iter().position(|p| *p == place).map_or(1.0, |i| all[i].p(value))
+        layout
+            .iter()
+            .position(|p| *p == place)
+            .map_or(1.0, |i| all[i].p(value))
     };
     let first = p_of(Place::Amplitude(k, 0), amplitudes[0], Place::Shape(k));
     if matches!(search.candidates[state.chosen[k]].what, What::Empirical(_)) {
@@ -242,28 +322,54 @@ fn probability(search: &Search, state: &State, without: &State, model: &Model, k
 
 /// How many things could have been found in its place: effects and empirical dependences, times the places of its scope.
 fn asked(search: &Search, term: &Term) -> f64 {
-    let kinds: BTreeSet<String> = search.candidates.iter().map(|t| name(t, search.data)).collect();
+    let kinds: BTreeSet<String> = search
+        .candidates
+        .iter()
+        .map(|t| name(t, search.data))
+        .collect();
     kinds.len() as f64 * choices(&term.scope, search.data)
 }
 
 /// The candidates that leave the same trace on the same readings.
 fn class(search: &Search, without: &State, candidate: usize) -> Vec<usize> {
     let model = search.model(&without.chosen);
-    let linear = Linear::new(&model, &without.fitted, without.fitted.scatter, search.candidates);
+    let linear = Linear::new(
+        &model,
+        &without.fitted,
+        without.fitted.scatter,
+        search.candidates,
+    );
     let stand = linear.stand(&linear.all_sessions(), &[]);
     let term = &search.candidates[candidate];
     let same_place = |c: &usize| {
         let other = &search.candidates[*c];
-        *c != candidate && other.acts_on == term.acts_on && other.id().is_some() && other.id() != term.id()
+        *c != candidate
+            && other.acts_on == term.acts_on
+            && other.id().is_some()
+            && other.id() != term.id()
     };
-    (0..search.candidates.len()).filter(same_place).filter(|c| stand.cosine(candidate, *c).abs() > ALIKE).collect()
+    (0..search.candidates.len())
+        .filter(same_place)
+        .filter(|c| stand.cosine(candidate, *c).abs() > ALIKE)
+        .collect()
 }
 
 /// In which part of the resamples of the specimens the candidate, or one of its class, explains most of what is left without it.
-fn chosen_again(search: &Search, without: &State, candidate: usize, class: &[usize], seed: u64) -> f64 {
+fn chosen_again(
+    search: &Search,
+    without: &State,
+    candidate: usize,
+    class: &[usize],
+    seed: u64,
+) -> f64 {
     let data = search.data;
     let model = search.model(&without.chosen);
-    let linear = Linear::new(&model, &without.fitted, without.fitted.scatter, search.candidates);
+    let linear = Linear::new(
+        &model,
+        &without.fitted,
+        without.fitted.scatter,
+        search.candidates,
+    );
     let term = &search.candidates[candidate];
     let of = data.specimen_of_session();
     let whole = |c: &usize| {
@@ -272,7 +378,9 @@ fn chosen_again(search: &Search, without: &State, candidate: usize, class: &[usi
     };
     let rivals: Vec<usize> = (0..search.candidates.len())
         .filter(whole)
-        .filter(|c| *c != candidate && !class.contains(c) && search.candidates[*c].id() != term.id())
+        .filter(|c| {
+            *c != candidate && !class.contains(c) && search.candidates[*c].id() != term.id()
+        })
         .collect();
     let mut again = 0;
     for mut count in resamples(data, seed) {
@@ -284,7 +392,9 @@ fn chosen_again(search: &Search, without: &State, candidate: usize, class: &[usi
         let own = stand.gain(candidate).fall;
         let needs = |c: &usize| {
             let share = match search.candidates[*c].what {
-                What::Empirical(Empirical::Gain(_)) | What::Effect { .. } => super::search::PREFERENCE.1,
+                What::Empirical(Empirical::Gain(_)) | What::Effect { .. } => {
+                    super::search::PREFERENCE.1
+                }
                 What::Empirical(_) => super::search::PREFERENCE.0,
             };
             share * stand.gain(*c).fall
@@ -296,7 +406,13 @@ fn chosen_again(search: &Search, without: &State, candidate: usize, class: &[usi
 
 /// Specimens drawn with replacement: how often each, one list a resample.
 fn resamples(data: &Data, seed: u64) -> Vec<Vec<f64>> {
-    let specimens: Vec<usize> = data.specimen.iter().copied().collect::<BTreeSet<usize>>().into_iter().collect();
+    let specimens: Vec<usize> = data
+        .specimen
+        .iter()
+        .copied()
+        .collect::<BTreeSet<usize>>()
+        .into_iter()
+        .collect();
     let mut stream = Stream::new(seed, &["resamples of specimens"]);
     (0..RESAMPLES)
         .map(|_| {
@@ -318,7 +434,11 @@ fn log_folds(data: &Data) -> Vec<Fold> {
     let many = logs.iter().filter(|l| !l.is_empty()).all(|l| l.len() >= 3);
     let part = |i: usize| {
         if many {
-            logs[data.session[i]].iter().position(|l| *l == data.log[i]).unwrap_or(0) % 3
+            logs[data.session[i]]
+                .iter()
+                .position(|l| *l == data.log[i])
+                .unwrap_or(0)
+                % 3
         } else {
             i % 3
         }
@@ -333,7 +453,7 @@ fn log_folds(data: &Data) -> Vec<Fold> {
 }
 
 /// In which part of the folds the held-out error falls by more than a standard error, and the errors.
-fn helps(search: &Search, with: &State, without: &State, folds: &[Fold]) -> (f64, (f64, f64)) {
+fn helps(search: &Search, with: &State, without: &State, folds: &[Fold]) -> (f64, Tally, Tally) {
     let (mut helped, mut counted) = (0, 0);
     let (mut before, mut after) = (Tally::default(), Tally::default());
     for fold in folds {
@@ -353,14 +473,27 @@ fn helps(search: &Search, with: &State, without: &State, folds: &[Fold]) -> (f64
         counted += 1;
         helped += usize::from(better(&b.1, &a.1) || better(&b.2, &a.2));
     }
-    let part = if counted > 0 { f64::from(helped as u32) / f64::from(counted as u32) } else { 0.0 };
-    (part, (before.rmse_own_strength(), after.rmse_own_strength()))
+    let part = if counted > 0 {
+        f64::from(helped as u32) / f64::from(counted as u32)
+    } else {
+        0.0
+    };
+    (part, before, after)
 }
 
 /// The tally and the squared error of each held-out reading: with the held-out specimen's own strength, and with the mean one. An effect
 /// that acts alike on all readings of a specimen (resting length) shows in the second only.
-fn squared_errors(search: &Search, state: &State, train: &Data, held: &Data) -> (Tally, Vec<f64>, Vec<f64>) {
-    let terms: Vec<Term> = state.chosen.iter().map(|c| search.candidates[*c].clone()).collect();
+fn squared_errors(
+    search: &Search,
+    state: &State,
+    train: &Data,
+    held: &Data,
+) -> (Tally, Vec<f64>, Vec<f64>) {
+    let terms: Vec<Term> = state
+        .chosen
+        .iter()
+        .map(|c| search.candidates[*c].clone())
+        .collect();
     let fitted = refit(search, terms.clone(), &state.fitted, train);
     let there = Model {
         base: search.base,
@@ -371,8 +504,18 @@ fn squared_errors(search: &Search, state: &State, train: &Data, held: &Data) -> 
     let product: f64 = held.force.iter().zip(&predicted).map(|(y, f)| y * f).sum();
     let square: f64 = predicted.iter().map(|f| f * f).sum();
     let factor = if square > 0.0 { product / square } else { 1.0 };
-    let squares = |factor: f64| held.force.iter().zip(&predicted).map(|(y, f)| (y - factor * f) * (y - factor * f)).collect();
-    (Tally::of(&held.force, &predicted), squares(factor), squares(1.0))
+    let squares = |factor: f64| {
+        held.force
+            .iter()
+            .zip(&predicted)
+            .map(|(y, f)| (y - factor * f) * (y - factor * f))
+            .collect()
+    };
+    (
+        Tally::of(&held.force, &predicted),
+        squares(factor),
+        squares(1.0),
+    )
 }
 
 /// The same terms fitted to other readings; specimens that are not among them have the mean strength.
@@ -388,9 +531,23 @@ pub fn refit(search: &Search, terms: Vec<Term>, from: &Fitted, train: &Data) -> 
 /// Whether the mean gain over sessions (over logs, where there are fewer than three sessions) exceeds its standard error.
 fn more_than_its_error(gains: &[f64], held: &Data) -> bool {
     let sessions: BTreeSet<usize> = held.session.iter().copied().collect();
-    let group = if sessions.len() >= 3 { &held.session } else { &held.log };
+    let group = if sessions.len() >= 3 {
+        &held.session
+    } else {
+        &held.log
+    };
     let groups: BTreeSet<usize> = group.iter().copied().collect();
-    let sums: Vec<f64> = groups.iter().map(|g| gains.iter().zip(group).filter(|(_, h)| *h == g).map(|(x, _)| x).sum()).collect();
+    let sums: Vec<f64> = groups
+        .iter()
+        .map(|g| {
+            gains
+                .iter()
+                .zip(group)
+                .filter(|(_, h)| *h == g)
+                .map(|(x, _)| x)
+                .sum()
+        })
+        .collect();
     let n = sums.len() as f64;
     let mean = sums.iter().sum::<f64>() / n;
     if sums.len() < 2 {
@@ -416,6 +573,9 @@ pub fn acts_on(term: &Term, data: &Data) -> String {
         Scope::From(s) => format!("session {} and all after it", data.sessions[s]),
         Scope::Specimen(k) => format!("specimen {}", data.specimens[k]),
         Scope::EachSession => "every session, each with its own value".to_owned(),
-        Scope::Levels(k) => format!("the levels of {}, each with its own value", data.extras[k].name),
+        Scope::Levels(k) => format!(
+            "the levels of {}, each with its own value",
+            data.extras[k].name
+        ),
     }
 }

@@ -26,7 +26,12 @@ pub struct Limits {
 /// The limits beside a fitted state.
 pub fn limits(search: &Search, state: &State) -> Limits {
     let model = search.model(&state.chosen);
-    let linear = Linear::new(&model, &state.fitted, state.fitted.scatter, search.candidates);
+    let linear = Linear::new(
+        &model,
+        &state.fitted,
+        state.fitted.scatter,
+        search.candidates,
+    );
     let stand = linear.stand(&linear.all_sessions(), &[]);
     let mut limits = Limits {
         detection: Vec::new(),
@@ -38,7 +43,10 @@ pub fn limits(search: &Search, state: &State) -> Limits {
         if effect.id() == super::candidates::STRENGTHS {
             continue;
         }
-        let of_effect = |c: &usize| search.candidates[*c].id() == Some(effect.id()) && search.candidates[*c].scope == Scope::Whole;
+        let of_effect = |c: &usize| {
+            search.candidates[*c].id() == Some(effect.id())
+                && search.candidates[*c].scope == Scope::Whole
+        };
         let whole: Vec<usize> = (0..search.candidates.len()).filter(of_effect).collect();
         let best = whole
             .iter()
@@ -63,7 +71,10 @@ pub fn limits(search: &Search, state: &State) -> Limits {
         let form = &effect.forms()[form];
         let (size, unit) = if effect.near() > 0.0 {
             // The trace of an angle grows with its square: F (1 - cos phi).
-            ((2.0 * by_noise.max(by_use) * effect.near()).sqrt(), form.amplitude.unit)
+            (
+                (2.0 * by_noise.max(by_use) * effect.near()).sqrt(),
+                form.amplitude.unit,
+            )
         } else {
             (by_noise.max(by_use), form.amplitude.unit)
         };
@@ -91,14 +102,28 @@ pub fn limits(search: &Search, state: &State) -> Limits {
 
 fn why_not(search: &Search, effect: usize, whole: &[usize]) -> String {
     let effect = effects::all()[effect];
-    let lacking: Vec<&String> = effect.forms().iter().flat_map(|f| f.needs).filter_map(|n| search.data.missing.get(n)).collect();
+    let lacking: Vec<&String> = effect
+        .forms()
+        .iter()
+        .flat_map(|f| f.needs)
+        .filter_map(|n| search.data.missing.get(n))
+        .collect();
     if whole.is_empty() {
-        return lacking.first().map_or_else(|| "no form of it applies".to_owned(), |s| (*s).clone());
+        return lacking
+            .first()
+            .map_or_else(|| "no form of it applies".to_owned(), |s| (*s).clone());
     }
     if search.base.coefficients.iter().any(|c| c.free) {
         format!(
             "one value for all readings is absorbed by the coefficients of the base model ({})",
-            search.base.coefficients.iter().filter(|c| c.free).map(|c| c.name.as_str()).collect::<Vec<&str>>().join(", ")
+            search
+                .base
+                .coefficients
+                .iter()
+                .filter(|c| c.free)
+                .map(|c| c.name.as_str())
+                .collect::<Vec<&str>>()
+                .join(", ")
         )
     } else {
         "it is absorbed by the strengths of the specimens".to_owned()

@@ -96,7 +96,10 @@ impl Linear {
         let moments = places
             .iter()
             .map(|places| {
-                let picked: Vec<Vec<f64>> = directions.iter().map(|d| places.iter().map(|&i| d[i]).collect()).collect();
+                let picked: Vec<Vec<f64>> = directions
+                    .iter()
+                    .map(|d| places.iter().map(|&i| d[i]).collect())
+                    .collect();
                 let mut m = Matrix::zeros(width, width);
                 for a in 0..width {
                     for b in 0..=a {
@@ -120,13 +123,18 @@ impl Linear {
     }
 
     fn product(&self, weights: &[f64], a: &Column, b: &Column) -> f64 {
-        let acting = (0..weights.len()).filter(|s| weights[*s] != 0.0 && a.sessions[*s] && b.sessions[*s]);
-        acting.map(|s| weights[s] * self.moments[s][(a.direction, b.direction)]).sum()
+        let acting =
+            (0..weights.len()).filter(|s| weights[*s] != 0.0 && a.sessions[*s] && b.sessions[*s]);
+        acting
+            .map(|s| weights[s] * self.moments[s][(a.direction, b.direction)])
+            .sum()
     }
 
     fn with_residual(&self, weights: &[f64], a: &Column) -> f64 {
         let acting = (0..weights.len()).filter(|s| weights[*s] != 0.0 && a.sessions[*s]);
-        acting.map(|s| weights[s] * self.moments[s][(a.direction, self.width - 1)]).sum()
+        acting
+            .map(|s| weights[s] * self.moments[s][(a.direction, self.width - 1)])
+            .sum()
     }
 
     /// The model with the candidates `chosen`, every session with a weight.
@@ -143,7 +151,10 @@ impl Linear {
                 gram[(b, a)] = gram[(a, b)];
             }
         }
-        let mut right: Vec<f64> = columns.iter().map(|c| self.with_residual(weights, c)).collect();
+        let mut right: Vec<f64> = columns
+            .iter()
+            .map(|c| self.with_residual(weights, c))
+            .collect();
         for k in 0..self.fixed.len() {
             gram[(k, k)] += self.penalty[k];
             right[k] -= self.pull[k];
@@ -151,7 +162,9 @@ impl Linear {
         let factor = Cholesky::new(&gram);
         let reduced = factor.forward(&right);
         let last = self.width - 1;
-        let all: f64 = (0..weights.len()).map(|s| weights[s] * self.moments[s][(last, last)]).sum();
+        let all: f64 = (0..weights.len())
+            .map(|s| weights[s] * self.moments[s][(last, last)])
+            .sum();
         let left = all - reduced.iter().map(|x| x * x).sum::<f64>();
         Stand {
             linear: self,
@@ -171,14 +184,21 @@ impl Linear {
 
 /// The columns of what is refitted anyway, with their penalties and half the slopes of these; disjoint columns (strengths, amplitudes)
 /// share a direction.
-fn fixed_columns(model: &Model, fitted: &Fitted, scatter: f64, directions: &mut Vec<Vec<f64>>) -> (Vec<Column>, Vec<f64>, Vec<f64>) {
+fn fixed_columns(
+    model: &Model,
+    fitted: &Fitted,
+    scatter: f64,
+    directions: &mut Vec<Vec<f64>>,
+) -> (Vec<Column>, Vec<f64>, Vec<f64>) {
     let of_session = model.data.specimen_of_session();
     let sessions = model.data.sessions.len();
     let ratio = (fitted.sigma / scatter) * (fitted.sigma / scatter);
     let mut place_of_slot: Vec<Option<usize>> = vec![None; fitted.traces.len()];
     let (mut fixed, mut penalty, mut pull) = (Vec::new(), Vec::new(), Vec::new());
     for place in model.layout() {
-        let slots: Vec<Option<usize>> = (0..sessions).map(|s| model.slot(place, s, of_session[s])).collect();
+        let slots: Vec<Option<usize>> = (0..sessions)
+            .map(|s| model.slot(place, s, of_session[s]))
+            .collect();
         let Some(slot) = slots.iter().flatten().next().copied() else {
             continue;
         };
@@ -201,7 +221,12 @@ fn fixed_columns(model: &Model, fitted: &Fitted, scatter: f64, directions: &mut 
 }
 
 /// The columns of the candidates; those of one effect share a direction whatever they act on.
-fn added_columns(model: &Model, fitted: &Fitted, candidates: &[Term], directions: &mut Vec<Vec<f64>>) -> Vec<Vec<Column>> {
+fn added_columns(
+    model: &Model,
+    fitted: &Fitted,
+    candidates: &[Term],
+    directions: &mut Vec<Vec<f64>>,
+) -> Vec<Vec<Column>> {
     let sessions = model.data.sessions.len();
     let mut traces: Vec<(What, Vec<usize>)> = Vec::new();
     for candidate in candidates {
@@ -218,11 +243,16 @@ fn added_columns(model: &Model, fitted: &Fitted, candidates: &[Term], directions
     candidates
         .iter()
         .map(|candidate| {
-            let places = traces.iter().find(|(w, _)| same(w, &candidate.what)).map_or(&[][..], |(_, p)| p);
+            let places = traces
+                .iter()
+                .find(|(w, _)| same(w, &candidate.what))
+                .map_or(&[][..], |(_, p)| p);
             let groups = 0..candidate.amplitudes;
             groups
                 .flat_map(|g| {
-                    let acting: Vec<bool> = (0..sessions).map(|s| candidate.acts_on[s] == Some(g)).collect();
+                    let acting: Vec<bool> = (0..sessions)
+                        .map(|s| candidate.acts_on[s] == Some(g))
+                        .collect();
                     places.iter().map(move |d| Column {
                         direction: *d,
                         sessions: acting.clone(),
@@ -237,7 +267,11 @@ fn added_columns(model: &Model, fitted: &Fitted, candidates: &[Term], directions
 fn same(a: &What, b: &What) -> bool {
     match (a, b) {
         (
-            What::Effect { effect, form, shape },
+            What::Effect {
+                effect,
+                form,
+                shape,
+            },
             What::Effect {
                 effect: e,
                 form: f,
@@ -252,7 +286,11 @@ fn same(a: &What, b: &What) -> bool {
 fn trace(model: &Model, fitted: &Fitted, what: What) -> Vec<Vec<f64>> {
     let data = model.data;
     let base: Vec<D> = fitted.base.iter().map(|c| D::constant(*c)).collect();
-    let columns = if matches!(what, What::Effect { .. }) { 1 } else { 2 };
+    let columns = if matches!(what, What::Effect { .. }) {
+        1
+    } else {
+        2
+    };
     let mut out = vec![Vec::with_capacity(data.len()); columns];
     for i in 0..data.len() {
         let session = data.session[i];
@@ -270,15 +308,24 @@ fn trace(model: &Model, fitted: &Fitted, what: What) -> Vec<Vec<f64>> {
             }
         }
         match what {
-            What::Effect { effect, form, shape } => applied.push(Applied {
+            What::Effect {
                 effect,
                 form,
-                parameters: [D::variable(effects::all()[effect].near(), 0), D::constant(shape)],
+                shape,
+            } => applied.push(Applied {
+                effect,
+                form,
+                parameters: [
+                    D::variable(effects::all()[effect].near(), 0),
+                    D::constant(shape),
+                ],
             }),
             What::Empirical(e) => empirical.push((e, [D::variable(0.0, 0), D::variable(0.0, 1)])),
         }
         let pulled = effects::force(model.base, &base, strength, &applied, &data.conditions[i]);
-        let shown = empirical.iter().fold(pulled, |f, (e, p)| e.apply(f, *p, data, i));
+        let shown = empirical
+            .iter()
+            .fold(pulled, |f, (e, p)| e.apply(f, *p, data, i));
         for (k, column) in out.iter_mut().enumerate() {
             column.push(shown.gradient[k]);
         }
@@ -289,8 +336,15 @@ fn trace(model: &Model, fitted: &Fitted, what: What) -> Vec<Vec<f64>> {
 impl Stand<'_> {
     /// L^-1 X'c of a column, and its own square.
     fn against(&self, column: &Column) -> (Vec<f64>, f64) {
-        let right: Vec<f64> = self.columns.iter().map(|c| self.linear.product(&self.weights, c, column)).collect();
-        (self.factor.forward(&right), self.linear.product(&self.weights, column, column))
+        let right: Vec<f64> = self
+            .columns
+            .iter()
+            .map(|c| self.linear.product(&self.weights, c, column))
+            .collect();
+        (
+            self.factor.forward(&right),
+            self.linear.product(&self.weights, column, column),
+        )
     }
 
     /// What a candidate would do to the sum of squares.
@@ -304,18 +358,24 @@ impl Stand<'_> {
         for a in 0..m {
             let own = dot(&reduced[a].0, &reduced[a].0);
             let left = (reduced[a].1 - own).max(0.0);
-            let share = if reduced[a].1 > 0.0 { (left / reduced[a].1).sqrt() } else { 0.0 };
+            let share = if reduced[a].1 > 0.0 {
+                (left / reduced[a].1).sqrt()
+            } else {
+                0.0
+            };
             visible = visible.max(share);
             if share < BLIND {
                 gram[(a, a)] = 1.0;
                 continue;
             }
             parameters += 1;
-            right[a] = self.linear.with_residual(&self.weights, &columns[a]) - dot(&reduced[a].0, &self.reduced);
+            right[a] = self.linear.with_residual(&self.weights, &columns[a])
+                - dot(&reduced[a].0, &self.reduced);
             gram[(a, a)] = left;
             for b in 0..a {
                 if gram[(b, b)] != 1.0 || right[b] != 0.0 {
-                    let cross = self.linear.product(&self.weights, &columns[a], &columns[b]) - dot(&reduced[a].0, &reduced[b].0);
+                    let cross = self.linear.product(&self.weights, &columns[a], &columns[b])
+                        - dot(&reduced[a].0, &reduced[b].0);
                     gram[(a, b)] = cross;
                     gram[(b, a)] = cross;
                 }
@@ -335,7 +395,10 @@ impl Stand<'_> {
     /// What the readings say of a candidate's first amplitude.
     pub fn information(&self, candidate: usize) -> Information {
         let Some(column) = self.linear.added[candidate].first() else {
-            return Information { visible: 0.0, left: 0.0 };
+            return Information {
+                visible: 0.0,
+                left: 0.0,
+            };
         };
         let (reduced, own) = self.against(column);
         let left = (own - dot(&reduced, &reduced)).max(0.0);
@@ -347,7 +410,8 @@ impl Stand<'_> {
 
     /// Cosine between what is left of two candidates after the refit: of their first columns.
     pub fn cosine(&self, a: usize, b: usize) -> f64 {
-        let (Some(ca), Some(cb)) = (self.linear.added[a].first(), self.linear.added[b].first()) else {
+        let (Some(ca), Some(cb)) = (self.linear.added[a].first(), self.linear.added[b].first())
+        else {
             return 0.0;
         };
         let (ra, aa) = self.against(ca);
@@ -371,14 +435,28 @@ impl Stand<'_> {
             .map(|s| {
                 let m = &self.linear.moments[s];
                 // The projection of the candidate and the residual after the refit, as combinations of directions.
-                let mut d: Vec<(usize, f64)> = self.columns.iter().zip(&gamma).filter(|(c, _)| c.sessions[s]).map(|(c, g)| (c.direction, -g)).collect();
+                let mut d: Vec<(usize, f64)> = self
+                    .columns
+                    .iter()
+                    .zip(&gamma)
+                    .filter(|(c, _)| c.sessions[s])
+                    .map(|(c, g)| (c.direction, -g))
+                    .collect();
                 if column.sessions[s] {
                     d.push((column.direction, 1.0));
                 }
-                let mut r: Vec<(usize, f64)> = self.columns.iter().zip(&beta).filter(|(c, _)| c.sessions[s]).map(|(c, b)| (c.direction, -b)).collect();
+                let mut r: Vec<(usize, f64)> = self
+                    .columns
+                    .iter()
+                    .zip(&beta)
+                    .filter(|(c, _)| c.sessions[s])
+                    .map(|(c, b)| (c.direction, -b))
+                    .collect();
                 r.push((last, 1.0));
                 let product = |x: &[(usize, f64)], y: &[(usize, f64)]| -> f64 {
-                    x.iter().flat_map(|(i, a)| y.iter().map(move |(j, b)| a * b * m[(*i, *j)])).sum()
+                    x.iter()
+                        .flat_map(|(i, a)| y.iter().map(move |(j, b)| a * b * m[(*i, *j)]))
+                        .sum()
                 };
                 (product(&d, &d), product(&d, &r))
             })
@@ -388,4 +466,3 @@ impl Stand<'_> {
 
 /// A trace of which less than this is visible is none.
 pub const BLIND: f64 = 0.05;
-

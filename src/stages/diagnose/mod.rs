@@ -97,14 +97,26 @@ pub(crate) struct HeldOut {
 }
 
 /// Searches the rows of a group; none where they are too few.
-pub fn diagnose(group: &Group, rows: &[Row], fit: &FitOptions, options: &DiagnoseOptions) -> Option<Diagnosis> {
+pub fn diagnose(
+    group: &Group,
+    rows: &[Row],
+    fit: &FitOptions,
+    options: &DiagnoseOptions,
+) -> Option<Diagnosis> {
     let searched = |r: &&Row| is_usable(r) && (is_fitted(r) || r.role == Some(Role::Holdout));
     let rows: Vec<&Row> = rows.iter().filter(searched).collect();
     let base = base_model(group, &rows, fit, options)?;
-    let answered: Vec<&Row> = rows.iter().copied().filter(|r| base_answers(&base, r)).collect();
+    let answered: Vec<&Row> = rows
+        .iter()
+        .copied()
+        .filter(|r| base_answers(&base, r))
+        .collect();
     let passed_over = rows.len() - answered.len();
     let all = Data::new(&answered);
-    let kept_out: Vec<bool> = answered.iter().map(|r| r.role == Some(Role::Holdout)).collect();
+    let kept_out: Vec<bool> = answered
+        .iter()
+        .map(|r| r.role == Some(Role::Holdout))
+        .collect();
     let (folds, held_out_by) = folds::folds(&all, &kept_out);
     let train: Vec<usize> = (0..all.len()).filter(|i| !kept_out[*i]).collect();
     if train.len() < FEWEST_READINGS {
@@ -113,12 +125,29 @@ pub fn diagnose(group: &Group, rows: &[Row], fit: &FitOptions, options: &Diagnos
     let train = all.select(&train);
     let candidates = candidates::candidates(&train);
     let thin = train.thinned(options.most_readings);
-    let search = Search::new(&base, &thin, &candidates, options.most_effects, judge::SIGNIFICANT.0);
+    let search = Search::new(
+        &base,
+        &thin,
+        &candidates,
+        options.most_effects,
+        judge::SIGNIFICANT.0,
+    );
     let null = search.state(Vec::new(), None);
     let questions = ask(&search, &null, options);
     let something = questions.iter().any(|q| q.p_adjusted < WORTH_ASKING);
-    let (best, judgements, rejected) = if something { believed(&search, options.seed) } else { (null.clone(), Vec::new(), Vec::new()) };
-    let held = held_out(&base, &all, &candidates, &folds, something && !best.chosen.is_empty(), options);
+    let (best, judgements, rejected) = if something {
+        believed(&search, options.seed)
+    } else {
+        (null.clone(), Vec::new(), Vec::new())
+    };
+    let held = held_out(
+        &base,
+        &all,
+        &candidates,
+        &folds,
+        something && !best.chosen.is_empty(),
+        options,
+    );
     let work = Work {
         group,
         options,
@@ -143,7 +172,8 @@ pub fn diagnose(group: &Group, rows: &[Row], fit: &FitOptions, options: &Diagnos
 fn believed(search: &Search, seed: u64) -> (State, Vec<Judgement>, Vec<Rejected>) {
     let inner = inner_folds(search.data);
     let (state, judgements, mut rejected) = judge::judged(search, search.run(), &inner, seed);
-    let (state, judgements, each) = judge::with_each_session(search, state, judgements, &inner, seed);
+    let (state, judgements, each) =
+        judge::with_each_session(search, state, judgements, &inner, seed);
     rejected.extend(each);
     (state, judgements, rejected)
 }
@@ -153,10 +183,20 @@ fn inner_folds(data: &Data) -> Vec<Fold> {
     folds::folds(data, &vec![false; data.len()]).0
 }
 
-fn base_model(group: &Group, rows: &[&Row], fit: &FitOptions, options: &DiagnoseOptions) -> Option<Base> {
+fn base_model(
+    group: &Group,
+    rows: &[&Row],
+    fit: &FitOptions,
+    options: &DiagnoseOptions,
+) -> Option<Base> {
     let lengths: BTreeSet<u64> = rows.iter().map(|r| r.rest_length_m.to_bits()).collect();
     match options.base_model.as_str() {
-        "new" => Some(Base::new(group.diameter_mm, options.refit, lengths.len(), fit)),
+        "new" => Some(Base::new(
+            group.diameter_mm,
+            options.refit,
+            lengths.len(),
+            fit,
+        )),
         "new_published" => Some(Base::new(group.diameter_mm, false, lengths.len(), fit)),
         id => Base::published(id, options.refit),
     }
@@ -164,7 +204,12 @@ fn base_model(group: &Group, rows: &[&Row], fit: &FitOptions, options: &Diagnose
 
 /// Whether the base model has a force for a row at all.
 fn base_answers(base: &Base, row: &Row) -> bool {
-    let mut at = Conditions::at(row.rest_length_m, row.contracted_length_m, row.length_m, row.pressure_kpa);
+    let mut at = Conditions::at(
+        row.rest_length_m,
+        row.contracted_length_m,
+        row.length_m,
+        row.pressure_kpa,
+    );
     at.diameter_mm = row.diameter_mm;
     effects::force(base, &base.starts(), 1.0, &[], &at).is_finite()
 }
@@ -172,11 +217,24 @@ fn base_answers(base: &Base, row: &Row) -> bool {
 fn ask(search: &Search, null: &State, options: &DiagnoseOptions) -> Vec<Question> {
     let predicted = search.model(&[]).predict(&null.fitted, true);
     let columns = questions::columns(search.data, &predicted);
-    questions::ask(search.data, &null.fitted.residuals, &columns, options.permutations, options.seed)
+    questions::ask(
+        search.data,
+        &null.fitted.residuals,
+        &columns,
+        options.permutations,
+        options.seed,
+    )
 }
 
 /// The whole search in every fold (`search`), or the base model alone.
-fn held_out(base: &Base, all: &Data, candidates: &[Term], folds: &[Fold], search: bool, options: &DiagnoseOptions) -> HeldOut {
+fn held_out(
+    base: &Base,
+    all: &Data,
+    candidates: &[Term],
+    folds: &[Fold],
+    search: bool,
+    options: &DiagnoseOptions,
+) -> HeldOut {
     let one = |fold: &Fold| one_fold(base, all, candidates, fold, search, options);
     let holdout = folds.windows(2).all(|w| w[0].train == w[1].train);
     let results: Vec<FoldResult> = if holdout && folds.len() > 1 {
@@ -209,7 +267,11 @@ struct FoldResult {
 impl FoldResult {
     /// The part of it that belongs to one unit.
     fn part(&self, joined: &Fold, fold: &Fold, all: &Data) -> FoldResult {
-        let places: Vec<usize> = fold.held_out.iter().filter_map(|i| joined.held_out.iter().position(|j| j == i)).collect();
+        let places: Vec<usize> = fold
+            .held_out
+            .iter()
+            .filter_map(|i| joined.held_out.iter().position(|j| j == i))
+            .collect();
         let pick = |v: &Vec<f64>| places.iter().map(|k| v[*k]).collect::<Vec<f64>>();
         debug_assert!(all.len() >= places.len());
         FoldResult {
@@ -225,29 +287,65 @@ impl FoldResult {
     }
 }
 
-fn one_fold(base: &Base, all: &Data, candidates: &[Term], fold: &Fold, search: bool, options: &DiagnoseOptions) -> FoldResult {
+fn one_fold(
+    base: &Base,
+    all: &Data,
+    candidates: &[Term],
+    fold: &Fold,
+    search: bool,
+    options: &DiagnoseOptions,
+) -> FoldResult {
     let train = all.select(&fold.train);
     let thin = train.thinned(options.most_readings);
     let held = all.select(&fold.held_out);
-    let here = Search::new(base, &thin, candidates, options.most_effects, judge::SIGNIFICANT.1);
+    let here = Search::new(
+        base,
+        &thin,
+        candidates,
+        options.most_effects,
+        judge::SIGNIFICANT.1,
+    );
     let null = here.state(Vec::new(), None);
-    let best = if search { believed(&here, options.seed).0 } else { null.clone() };
+    let best = if search {
+        believed(&here, options.seed).0
+    } else {
+        null.clone()
+    };
     let terms = |physical_only: bool| -> Vec<Term> {
         let kept = |t: &Term| !physical_only || matches!(t.what, What::Effect { .. });
-        best.chosen.iter().map(|c| candidates[*c].clone()).filter(kept).collect()
+        best.chosen
+            .iter()
+            .map(|c| candidates[*c].clone())
+            .filter(kept)
+            .collect()
     };
-    let predict = |terms: Vec<Term>, data: &Data, fitted: &Fitted| Model { base, data, terms }.predict(fitted, false);
+    let predict = |terms: Vec<Term>, data: &Data, fitted: &Fitted| {
+        Model { base, data, terms }.predict(fitted, false)
+    };
     let fit = |terms: Vec<Term>| {
-        let model = Model { base, data: &thin, terms };
+        let model = Model {
+            base,
+            data: &thin,
+            terms,
+        };
         model.fit(None, 1)
     };
     let before = predict(Vec::new(), &held, &null.fitted);
     let physical = terms(true);
-    let fitted = if physical.len() == best.chosen.len() { best.fitted.clone() } else { fit(physical.clone()) };
+    let fitted = if physical.len() == best.chosen.len() {
+        best.fitted.clone()
+    } else {
+        fit(physical.clone())
+    };
     let after = predict(physical.clone(), &held, &fitted);
-    let empirical = (physical.len() < best.chosen.len()).then(|| predict(terms(false), &held, &best.fitted));
+    let empirical =
+        (physical.len() < best.chosen.len()).then(|| predict(terms(false), &held, &best.fitted));
     let boxes = black_boxes(base, all, fold, &[], &null.fitted, options);
-    let boxes_after = if physical.is_empty() { boxes.clone() } else { black_boxes(base, all, fold, &physical, &fitted, options) };
+    let boxes_after = if physical.is_empty() {
+        boxes.clone()
+    } else {
+        black_boxes(base, all, fold, &physical, &fitted, options)
+    };
     let names = |t: &Term| match t.scope {
         term::Scope::Whole => judge::name(t, &thin),
         _ => format!("{} ({})", judge::name(t, &thin), judge::acts_on(t, &thin)),
@@ -265,7 +363,14 @@ fn one_fold(base: &Base, all: &Data, candidates: &[Term], fold: &Fold, search: b
 }
 
 /// A model's prediction of the held-out readings with a black box on its residual, one for each of its noises.
-fn black_boxes(base: &Base, all: &Data, fold: &Fold, terms: &[Term], fitted: &Fitted, options: &DiagnoseOptions) -> Vec<Vec<f64>> {
+fn black_boxes(
+    base: &Base,
+    all: &Data,
+    fold: &Fold,
+    terms: &[Term],
+    fitted: &Fitted,
+    options: &DiagnoseOptions,
+) -> Vec<Vec<f64>> {
     let model = Model {
         base,
         data: all,
@@ -278,7 +383,13 @@ fn black_boxes(base: &Base, all: &Data, fold: &Fold, terms: &[Term], fitted: &Fi
     let train: Vec<usize> = fold.train.iter().copied().step_by(step).collect();
     black_box::predict(&features, &residual, &train, &fold.held_out)
         .into_iter()
-        .map(|extra| fold.held_out.iter().zip(extra).map(|(i, e)| plain[*i] + e).collect())
+        .map(|extra| {
+            fold.held_out
+                .iter()
+                .zip(extra)
+                .map(|(i, e)| plain[*i] + e)
+                .collect()
+        })
         .collect()
 }
 
@@ -290,10 +401,20 @@ fn gather(results: &[FoldResult]) -> HeldOut {
     let best_box = |of: &dyn Fn(&FoldResult) -> Vec<Vec<f64>>| -> Option<(usize, f64)> {
         let choices = black_box::NOISE.len();
         let error = |k: usize| tally(&|r| of(r)[k].clone()).rmse();
-        (0..choices).map(|k| (k, error(k))).min_by(|a, b| a.1.total_cmp(&b.1))
+        (0..choices)
+            .map(|k| (k, error(k)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
     };
-    let boxed = if results.is_empty() { None } else { best_box(&|r| r.boxes.clone()) };
-    let boxed_after = if results.is_empty() { None } else { best_box(&|r| r.boxes_after.clone()) };
+    let boxed = if results.is_empty() {
+        None
+    } else {
+        best_box(&|r| r.boxes.clone())
+    };
+    let boxed_after = if results.is_empty() {
+        None
+    } else {
+        best_box(&|r| r.boxes_after.clone())
+    };
     let by_unit = results
         .iter()
         .map(|r| FoldErrors {
@@ -309,7 +430,8 @@ fn gather(results: &[FoldResult]) -> HeldOut {
     HeldOut {
         before: tally(&|r| r.before.clone()),
         after: tally(&|r| r.after.clone()),
-        empirical: any_empirical.then(|| tally(&|r| r.empirical.clone().unwrap_or_else(|| r.after.clone()))),
+        empirical: any_empirical
+            .then(|| tally(&|r| r.empirical.clone().unwrap_or_else(|| r.after.clone()))),
         black_box: boxed.map(|(_, e)| e),
         black_box_after: boxed_after.map(|(_, e)| e),
         by_unit,
@@ -329,6 +451,12 @@ fn errors(train: f64, held: Tally) -> Errors {
 /// Root mean square of the training residuals, strengths not used, N.
 fn train_error(model: &Model, fitted: &Fitted) -> f64 {
     let predicted = model.predict(fitted, false);
-    let squares: Vec<f64> = model.data.force.iter().zip(&predicted).map(|(y, f)| (y - f) * (y - f)).collect();
+    let squares: Vec<f64> = model
+        .data
+        .force
+        .iter()
+        .zip(&predicted)
+        .map(|(y, f)| (y - f) * (y - f))
+        .collect();
     mean(&squares).sqrt()
 }

@@ -100,14 +100,23 @@ impl<'a> Model<'a> {
         for _ in 0..=passes {
             let ratio = (sigma.max(1e-6) / scatter) * (sigma.max(1e-6) / scatter);
             let is_strength = |p: &Place| matches!(p, Place::Strength(_));
-            let penalty: Vec<f64> = layout.iter().map(|p| if is_strength(p) { ratio } else { 0.0 }).collect();
+            let penalty: Vec<f64> = layout
+                .iter()
+                .map(|p| if is_strength(p) { ratio } else { 0.0 })
+                .collect();
             descend(self, &layout, &mut point, &mut sums, &penalty);
-            sigma = (sums.rss / (n - layout.len() as f64).max(1.0)).sqrt().max(1e-9);
+            sigma = (sums.rss / (n - layout.len() as f64).max(1.0))
+                .sqrt()
+                .max(1e-9);
             scatter = self.scatter(&layout, &point, &sums, sigma, scatter);
         }
         let mut fitted = Fitted {
             base: self.base.starts(),
-            terms: self.terms.iter().map(|t| (vec![0.0; t.amplitudes], t.start().1)).collect(),
+            terms: self
+                .terms
+                .iter()
+                .map(|t| (vec![0.0; t.amplitudes], t.start().1))
+                .collect(),
             strengths: vec![0.0; self.data.specimens.len()],
             scatter,
             sigma,
@@ -157,12 +166,16 @@ impl<'a> Model<'a> {
             .map(|place| match place {
                 Place::Base(k) => from.map_or(self.base.coefficients[k].start, |f| f.base[k]),
                 Place::Amplitude(t, g) => {
-                    let known = from.and_then(|f| f.terms.get(t)).and_then(|(a, _)| a.get(g));
+                    let known = from
+                        .and_then(|f| f.terms.get(t))
+                        .and_then(|(a, _)| a.get(g));
                     known.copied().unwrap_or(self.terms[t].start().0)
                 }
                 Place::Shape(t) => {
                     let known = from.and_then(|f| f.terms.get(t)).map(|(_, shape)| *shape);
-                    known.filter(|x| x.is_finite()).unwrap_or(self.terms[t].start().1)
+                    known
+                        .filter(|x| x.is_finite())
+                        .unwrap_or(self.terms[t].start().1)
                 }
                 Place::Strength(k) => from.map_or(0.0, |f| f.strengths[k]),
             })
@@ -183,30 +196,55 @@ impl<'a> Model<'a> {
     pub fn slot(&self, place: Place, session: usize, specimen: usize) -> Option<usize> {
         match place {
             Place::Base(k) => Some(k),
-            Place::Amplitude(t, g) => (self.terms[t].acts_on[session] == Some(g)).then_some(STRENGTH + 1 + 2 * t),
+            Place::Amplitude(t, g) => {
+                (self.terms[t].acts_on[session] == Some(g)).then_some(STRENGTH + 1 + 2 * t)
+            }
             Place::Shape(t) => self.terms[t].acts_on[session].map(|_| STRENGTH + 2 + 2 * t),
             Place::Strength(k) => (specimen == k).then_some(STRENGTH),
         }
     }
 
     /// One EM step for the scatter of the strengths: mean of u^2 and of its variance.
-    fn scatter(&self, layout: &[Place], point: &[f64], sums: &Sums, sigma: f64, scatter: f64) -> f64 {
+    fn scatter(
+        &self,
+        layout: &[Place],
+        point: &[f64],
+        sums: &Sums,
+        sigma: f64,
+        scatter: f64,
+    ) -> f64 {
         let information = self.strength_information(&sums.traces);
-        let seen: Vec<usize> = (0..information.len()).filter(|k| information[*k] > 0.0).collect();
+        let seen: Vec<usize> = (0..information.len())
+            .filter(|k| information[*k] > 0.0)
+            .collect();
         if seen.len() < 3 {
             return USUAL_SCATTER;
         }
-        let strength = |k: usize| layout.iter().position(|p| *p == Place::Strength(k)).map_or(0.0, |i| point[i]);
+        let strength = |k: usize| {
+            layout
+                .iter()
+                .position(|p| *p == Place::Strength(k))
+                .map_or(0.0, |i| point[i])
+        };
         let sum: f64 = seen
             .iter()
             .map(|k| {
-                let variance = 1.0 / (information[*k] / (sigma * sigma) + 1.0 / (scatter * scatter));
+                let variance =
+                    1.0 / (information[*k] / (sigma * sigma) + 1.0 / (scatter * scatter));
                 strength(*k) * strength(*k) + variance
             })
             .sum();
-        let lost = self.base.coefficients.iter().take(2).filter(|c| c.free).count();
+        let lost = self
+            .base
+            .coefficients
+            .iter()
+            .take(2)
+            .filter(|c| c.free)
+            .count();
         let freedom = seen.len().saturating_sub(lost).max(1) as f64;
-        (sum / freedom).sqrt().clamp(SCATTER_RANGE.0, SCATTER_RANGE.1)
+        (sum / freedom)
+            .sqrt()
+            .clamp(SCATTER_RANGE.0, SCATTER_RANGE.1)
     }
 
     /// Sum of the squared derivatives by each specimen's strength, N^2; 0 for a specimen without readings.
@@ -222,7 +260,11 @@ impl<'a> Model<'a> {
     pub fn predict(&self, fitted: &Fitted, with_strengths: bool) -> Vec<f64> {
         (0..self.data.len())
             .map(|i| {
-                let strength = if with_strengths { fitted.strengths[self.data.specimen[i]] } else { 0.0 };
+                let strength = if with_strengths {
+                    fitted.strengths[self.data.specimen[i]]
+                } else {
+                    0.0
+                };
                 let acting = |t: usize| {
                     let g = self.terms[t].acts_on[self.data.session[i]]?;
                     let (amplitudes, second) = &fitted.terms[t];
@@ -235,15 +277,29 @@ impl<'a> Model<'a> {
 }
 
 /// The force of reading `i`, N; `acting` gives the parameters of a term that acts on it.
-fn force<R: Real>(model: &Model, base: &[R], strength: R, acting: impl Fn(usize) -> Option<[R; 2]>, i: usize) -> R {
+fn force<R: Real>(
+    model: &Model,
+    base: &[R],
+    strength: R,
+    acting: impl Fn(usize) -> Option<[R; 2]>,
+    i: usize,
+) -> R {
     let parameters = (0..model.terms.len()).filter_map(|t| Some((&model.terms[t], acting(t)?)));
     let acting: Vec<(&Term, [R; 2])> = parameters.collect();
     let applied: Vec<Applied<R>> = acting.iter().filter_map(|(t, p)| t.applied(*p)).collect();
-    let force = effects::force(model.base, base, strength, &applied, &model.data.conditions[i]);
-    acting.iter().fold(force, |force, (term, p)| match term.what {
-        What::Empirical(e) => e.apply(force, *p, model.data, i),
-        What::Effect { .. } => force,
-    })
+    let force = effects::force(
+        model.base,
+        base,
+        strength,
+        &applied,
+        &model.data.conditions[i],
+    );
+    acting
+        .iter()
+        .fold(force, |force, (term, p)| match term.what {
+            What::Empirical(e) => e.apply(force, *p, model.data, i),
+            What::Effect { .. } => force,
+        })
 }
 
 /// Residuals and derivatives at a point, and their products summed by session.
@@ -299,7 +355,13 @@ const STANDS: f64 = 1e-9;
 /// costs no more than one for all. Columns are scaled by their norms; parameters at a bound that the gradient pushes outwards are
 /// held. Accurate to some 1e-6 of a standard error, which is enough here; published coefficients come from
 /// [`crate::numerics::fit`].
-fn descend(model: &Model, layout: &[Place], point: &mut Vec<f64>, sums: &mut Sums, penalty: &[f64]) {
+fn descend(
+    model: &Model,
+    layout: &[Place],
+    point: &mut Vec<f64>,
+    sums: &mut Sums,
+    penalty: &[f64],
+) {
     let bounds: Vec<(f64, f64)> = layout.iter().map(|p| model.bounds(*p)).collect();
     let price = |p: &[f64]| -> f64 { p.iter().zip(penalty).map(|(x, w)| w * x * x).sum() };
     let mut damping = 1e-4;
@@ -307,9 +369,16 @@ fn descend(model: &Model, layout: &[Place], point: &mut Vec<f64>, sums: &mut Sum
     for _ in 0..MOST_STEPS {
         let (gram, right) = normal_equations(model, layout, sums);
         let now = sums.rss + price(point);
-        let slope: Vec<f64> = (0..point.len()).map(|k| right[k] - penalty[k] * point[k]).collect();
-        let held = |k: usize| (point[k] <= bounds[k].0 && slope[k] < 0.0) || (point[k] >= bounds[k].1 && slope[k] > 0.0);
-        let free: Vec<usize> = (0..point.len()).filter(|k| !held(*k) && gram[(*k, *k)] + penalty[*k] > 0.0).collect();
+        let slope: Vec<f64> = (0..point.len())
+            .map(|k| right[k] - penalty[k] * point[k])
+            .collect();
+        let held = |k: usize| {
+            (point[k] <= bounds[k].0 && slope[k] < 0.0)
+                || (point[k] >= bounds[k].1 && slope[k] > 0.0)
+        };
+        let free: Vec<usize> = (0..point.len())
+            .filter(|k| !held(*k) && gram[(*k, *k)] + penalty[*k] > 0.0)
+            .collect();
         let mut reduced = Matrix::zeros(free.len(), free.len());
         for (a, i) in free.iter().enumerate() {
             for (b, j) in free.iter().enumerate() {
@@ -329,7 +398,11 @@ fn descend(model: &Model, layout: &[Place], point: &mut Vec<f64>, sums: &mut Sum
             *point = trial;
             *sums = there;
             damping = (damping * 0.1).max(1e-12);
-            settled = if now - then <= STANDS * now { settled + 1 } else { 0 };
+            settled = if now - then <= STANDS * now {
+                settled + 1
+            } else {
+                0
+            };
             if settled == 2 {
                 return;
             }
@@ -356,7 +429,11 @@ fn normal_equations(model: &Model, layout: &[Place], sums: &Sums) -> (Matrix, Ve
         for (i, a) in &slots {
             right[*i] += moments[SLOTS][*a];
             for (j, b) in &slots {
-                gram[(*i, *j)] += if a >= b { moments[*a][*b] } else { moments[*b][*a] };
+                gram[(*i, *j)] += if a >= b {
+                    moments[*a][*b]
+                } else {
+                    moments[*b][*a]
+                };
             }
         }
     }
@@ -377,9 +454,19 @@ impl<'a> Point<'a> {
         let coefficients = model.base.coefficients.iter().enumerate();
         Self {
             base: coefficients
-                .map(|(k, c)| if c.free { D::variable(c.start, k) } else { D::constant(c.start) })
+                .map(|(k, c)| {
+                    if c.free {
+                        D::variable(c.start, k)
+                    } else {
+                        D::constant(c.start)
+                    }
+                })
                 .collect(),
-            amplitudes: model.terms.iter().map(|t| vec![0.0; t.amplitudes]).collect(),
+            amplitudes: model
+                .terms
+                .iter()
+                .map(|t| vec![0.0; t.amplitudes])
+                .collect(),
             shapes: model.terms.iter().map(|t| t.start().1).collect(),
             strengths: vec![0.0; model.data.specimens.len()],
             model,
@@ -401,7 +488,11 @@ impl<'a> Point<'a> {
             let term = &self.model.terms[t];
             let g = term.acts_on[data.session[i]]?;
             let slot = STRENGTH + 1 + 2 * t;
-            let second = if term.second().is_some() { D::variable(self.shapes[t], slot + 1) } else { D::constant(0.0) };
+            let second = if term.second().is_some() {
+                D::variable(self.shapes[t], slot + 1)
+            } else {
+                D::constant(0.0)
+            };
             Some([D::variable(self.amplitudes[t][g], slot), second])
         };
         let strength = D::variable(1.0 + self.strengths[data.specimen[i]], STRENGTH);

@@ -35,7 +35,9 @@ pub fn columns(data: &Data, predicted: &[f64]) -> Vec<Asked> {
     };
     let mut columns = vec![
         of("pressure_kpa", &|i| c[i].pressure_kpa),
-        of("contraction_rel", &|i| (c[i].rest_length_m - c[i].length_m) / (c[i].rest_length_m - c[i].contracted_length_m)),
+        of("contraction_rel", &|i| {
+            (c[i].rest_length_m - c[i].length_m) / (c[i].rest_length_m - c[i].contracted_length_m)
+        }),
         of("force_n", &|i| predicted[i]),
         of("direction", &|i| c[i].direction),
         of("time_s", &|i| c[i].log_time_s),
@@ -60,8 +62,17 @@ pub fn columns(data: &Data, predicted: &[f64]) -> Vec<Asked> {
 }
 
 /// Asks the residual; `strengths` answer for columns that are constant within a specimen.
-pub fn ask(data: &Data, residuals: &[f64], columns: &[Asked], permutations: usize, seed: u64) -> Vec<Question> {
-    let mut questions: Vec<Question> = columns.iter().filter_map(|a| question(data, residuals, a, permutations, seed)).collect();
+pub fn ask(
+    data: &Data,
+    residuals: &[f64],
+    columns: &[Asked],
+    permutations: usize,
+    seed: u64,
+) -> Vec<Question> {
+    let mut questions: Vec<Question> = columns
+        .iter()
+        .filter_map(|a| question(data, residuals, a, permutations, seed))
+        .collect();
     holm(&mut questions);
     questions
 }
@@ -84,10 +95,19 @@ fn columns_left(rank: usize, all: usize) -> f64 {
 fn constant_within(values: &[f64], groups: &[usize]) -> bool {
     let most = groups.iter().copied().max().map_or(0, |k| k + 1);
     let mut first: Vec<Option<f64>> = vec![None; most];
-    values.iter().zip(groups).all(|(x, g)| *first[*g].get_or_insert(*x) == *x)
+    values
+        .iter()
+        .zip(groups)
+        .all(|(x, g)| *first[*g].get_or_insert(*x) == *x)
 }
 
-fn question(data: &Data, residuals: &[f64], asked: &Asked, permutations: usize, seed: u64) -> Option<Question> {
+fn question(
+    data: &Data,
+    residuals: &[f64],
+    asked: &Asked,
+    permutations: usize,
+    seed: u64,
+) -> Option<Question> {
     if constant_within(&asked.values, &data.specimen) {
         return None;
     }
@@ -96,7 +116,12 @@ fn question(data: &Data, residuals: &[f64], asked: &Asked, permutations: usize, 
         let (y, x, blocks) = session_means(data, residuals, &asked.values);
         (y, x, blocks, "sessions within specimens")
     } else {
-        (residuals.to_vec(), asked.values.clone(), data.log.clone(), "readings within logs")
+        (
+            residuals.to_vec(),
+            asked.values.clone(),
+            data.log.clone(),
+            "readings within logs",
+        )
     };
     if asked.name == "session" {
         return Some(spread(data, residuals, permutations, seed));
@@ -122,7 +147,11 @@ fn question(data: &Data, residuals: &[f64], asked: &Asked, permutations: usize, 
     }
     let all: f64 = residuals.iter().map(|r| r * r).sum();
     let full = between(residuals, &self::classes(&asked.values));
-    let by_chance = if observed > 0.0 { full * (chance / f64::from(permutations as u32)) / observed } else { 0.0 };
+    let by_chance = if observed > 0.0 {
+        full * (chance / f64::from(permutations as u32)) / observed
+    } else {
+        0.0
+    };
     Some(Question {
         column: asked.name.clone(),
         blocks: words.to_owned(),
@@ -156,7 +185,8 @@ fn spread(data: &Data, residuals: &[f64], permutations: usize, seed: u64) -> Que
     Question {
         column: "session".to_owned(),
         blocks: "readings within specimens".to_owned(),
-        share: ((observed - chance / f64::from(permutations as u32)) / all.max(f64::MIN_POSITIVE)).max(0.0),
+        share: ((observed - chance / f64::from(permutations as u32)) / all.max(f64::MIN_POSITIVE))
+            .max(0.0),
         p: f64::from(exceed) / (permutations + 1) as f64,
         p_adjusted: 1.0,
     }
@@ -172,9 +202,17 @@ fn members(blocks: &[usize]) -> Vec<Vec<usize>> {
 }
 
 /// Mean residual of each session less that of its specimen, its value of the column, and its specimen.
-fn session_means(data: &Data, residuals: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>, Vec<usize>) {
+fn session_means(
+    data: &Data,
+    residuals: &[f64],
+    values: &[f64],
+) -> (Vec<f64>, Vec<f64>, Vec<usize>) {
     let sessions = data.sessions.len();
-    let (mut sum, mut count, mut x) = (vec![0.0; sessions], vec![0.0; sessions], vec![f64::NAN; sessions]);
+    let (mut sum, mut count, mut x) = (
+        vec![0.0; sessions],
+        vec![0.0; sessions],
+        vec![f64::NAN; sessions],
+    );
     for i in 0..data.len() {
         sum[data.session[i]] += residuals[i];
         count[data.session[i]] += 1.0;
@@ -198,8 +236,13 @@ pub fn classes(values: &[f64]) -> Vec<usize> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let classes = CLASSES.min(values.len() / 3).max(2);
-    let edges: Vec<f64> = (1..classes).map(|k| sorted[k * sorted.len() / classes]).collect();
-    values.iter().map(|x| edges.iter().take_while(|e| **e <= *x).count()).collect()
+    let edges: Vec<f64> = (1..classes)
+        .map(|k| sorted[k * sorted.len() / classes])
+        .collect();
+    values
+        .iter()
+        .map(|x| edges.iter().take_while(|e| **e <= *x).count())
+        .collect()
 }
 
 /// Sum of squares between classes.
@@ -212,5 +255,8 @@ fn between(y: &[f64], classes: &[usize]) -> f64 {
     }
     let n: f64 = count.iter().sum();
     let mean = sum.iter().sum::<f64>() / n.max(1.0);
-    (0..most).filter(|c| count[*c] > 0.0).map(|c| count[c] * (sum[c] / count[c] - mean) * (sum[c] / count[c] - mean)).sum()
+    (0..most)
+        .filter(|c| count[*c] > 0.0)
+        .map(|c| count[c] * (sum[c] / count[c] - mean) * (sum[c] / count[c] - mean))
+        .sum()
 }

@@ -65,8 +65,18 @@ pub struct Search<'a> {
 
 impl<'a> Search<'a> {
     /// A search on some readings.
-    pub fn new(base: &'a Base, data: &'a Data, candidates: &'a [Term], most: usize, significance: f64) -> Self {
-        let range = if data.is_empty() { 0.0 } else { quantile(&data.force, 0.95) };
+    pub fn new(
+        base: &'a Base,
+        data: &'a Data,
+        candidates: &'a [Term],
+        most: usize,
+        significance: f64,
+    ) -> Self {
+        let range = if data.is_empty() {
+            0.0
+        } else {
+            quantile(&data.force, 0.95)
+        };
         Self {
             base,
             data,
@@ -104,8 +114,15 @@ impl<'a> Search<'a> {
         let n = self.data.len() as f64;
         let rss: f64 = fitted.residuals.iter().map(|r| r * r).sum();
         let parameters: usize = model.terms.iter().map(Term::parameters).sum();
-        let places: f64 = model.terms.iter().map(|t| libm::log(choices(&t.scope, self.data))).sum();
-        effective * libm::log(rss / n) + strengths(model, fitted) + parameters as f64 * libm::log(effective) + 2.0 * places
+        let places: f64 = model
+            .terms
+            .iter()
+            .map(|t| libm::log(choices(&t.scope, self.data)))
+            .sum();
+        effective * libm::log(rss / n)
+            + strengths(model, fitted)
+            + parameters as f64 * libm::log(effective)
+            + 2.0 * places
     }
 
     /// The best model from the base upwards.
@@ -113,10 +130,15 @@ impl<'a> Search<'a> {
         let null = self.state(Vec::new(), None);
         let all = rss(&null);
         // What has a value for every session explains much and predicts nothing: see `with_each_session`.
-        let shared: Vec<usize> = (0..self.candidates.len()).filter(|c| self.candidates[*c].scope != Scope::EachSession).collect();
+        let shared: Vec<usize> = (0..self.candidates.len())
+            .filter(|c| self.candidates[*c].scope != Scope::EachSession)
+            .collect();
         // What the strengths ask for comes first: left out, its traces within the specimens would be credited to others.
         let asked = between::asked_for(self, &null.fitted).filter(|(_, p)| *p < self.significance);
-        let from = asked.map_or_else(|| null.clone(), |(c, _)| self.state(vec![c], Some(&null.fitted)));
+        let from = asked.map_or_else(
+            || null.clone(),
+            |(c, _)| self.state(vec![c], Some(&null.fitted)),
+        );
         let best = self.prune(self.grow(&null, from, &shared, BEAM), all);
         self.with_better_forms(&null, best)
     }
@@ -124,12 +146,28 @@ impl<'a> Search<'a> {
     /// The best model with an effect that has a value for every session, on top of another; if that has several effects of single
     /// sessions, which may be all of them, then in their place. None where it does not pay.
     pub fn with_each_session(&self, best: &State) -> Option<State> {
-        let single: Vec<usize> = (0..self.candidates.len()).filter(|c| self.candidates[*c].scope == Scope::EachSession).collect();
+        let single: Vec<usize> = (0..self.candidates.len())
+            .filter(|c| self.candidates[*c].scope == Scope::EachSession)
+            .collect();
         let null = self.state(Vec::new(), None);
-        let part = |c: &usize| matches!(self.candidates[*c].scope, Scope::Session(_) | Scope::From(_));
+        let part = |c: &usize| {
+            matches!(
+                self.candidates[*c].scope,
+                Scope::Session(_) | Scope::From(_)
+            )
+        };
         let several = best.chosen.iter().filter(|c| part(c)).count() > 1;
-        let kept: Vec<usize> = best.chosen.iter().copied().filter(|c| !several || !part(c)).collect();
-        let from = if several { self.state(kept, None) } else { best.clone() };
+        let kept: Vec<usize> = best
+            .chosen
+            .iter()
+            .copied()
+            .filter(|c| !several || !part(c))
+            .collect();
+        let from = if several {
+            self.state(kept, None)
+        } else {
+            best.clone()
+        };
         let grown = self.grow(&null, from.clone(), &single, 1);
         let pays = self.criterion_gain(&null, &grown) > self.criterion_gain(&null, best);
         (grown.chosen.len() > from.chosen.len() && pays).then_some(grown)
@@ -141,7 +179,10 @@ impl<'a> Search<'a> {
         let mut best = from.clone();
         let mut beam = vec![from];
         for size in best.chosen.len()..self.most.min(MOST_TERMS) {
-            let mut next: Vec<State> = beam.iter().flat_map(|state| self.expand(state, list)).collect();
+            let mut next: Vec<State> = beam
+                .iter()
+                .flat_map(|state| self.expand(state, list))
+                .collect();
             let evidence = |s: &State| self.criterion_gain(null, s);
             next.sort_by(|a, b| evidence(b).total_cmp(&evidence(a)));
             next.dedup_by(|a, b| sorted(&a.chosen) == sorted(&b.chosen));
@@ -165,7 +206,11 @@ impl<'a> Search<'a> {
         for k in 0..best.chosen.len() {
             let now = &self.candidates[best.chosen[k]];
             let others: Vec<usize> = (0..self.candidates.len())
-                .filter(|c| now.id().is_some() && self.candidates[*c].id() == now.id() && self.candidates[*c].scope == now.scope)
+                .filter(|c| {
+                    now.id().is_some()
+                        && self.candidates[*c].id() == now.id()
+                        && self.candidates[*c].scope == now.scope
+                })
                 .filter(|c| *c != best.chosen[k])
                 .collect();
             for c in others {
@@ -190,11 +235,21 @@ impl<'a> Search<'a> {
         let model = self.model(&small.chosen);
         let fall = relative_fall(small, large);
         let of_all = (rss(small) - rss(large)) / all.max(f64::MIN_POSITIVE);
-        let each = large.chosen.iter().filter(|c| !small.chosen.contains(c)).any(|c| self.candidates[*c].scope == Scope::EachSession);
-        let least = if each { LEAST_OF_ALL_EACH } else { LEAST_OF_ALL };
+        let each = large
+            .chosen
+            .iter()
+            .filter(|c| !small.chosen.contains(c))
+            .any(|c| self.candidates[*c].scope == Scope::EachSession);
+        let least = if each {
+            LEAST_OF_ALL_EACH
+        } else {
+            LEAST_OF_ALL
+        };
         let taken_off = ((rss(small) - rss(large)).max(0.0) / self.data.len() as f64).sqrt();
-        let between = strengths(&model, &small.fitted) - strengths(&self.model(&large.chosen), &large.fitted);
-        self.criterion_gain(small, large) > 0.0 && ((fall > LEAST_FALL && of_all > least && taken_off > self.least_n) || between > 6.0)
+        let between =
+            strengths(&model, &small.fitted) - strengths(&self.model(&large.chosen), &large.fitted);
+        self.criterion_gain(small, large) > 0.0
+            && ((fall > LEAST_FALL && of_all > least && taken_off > self.least_n) || between > 6.0)
     }
 
     /// A model with an empirical dependence gives way to a purely physical one of the same size that explains nearly as much.
@@ -215,7 +270,9 @@ impl<'a> Search<'a> {
         };
         let fall = |s: &State| rss(parent) - rss(s);
         let needed = share * fall(first);
-        let physical = next.iter().position(|s| shapes(s).is_none() && fall(s) >= needed);
+        let physical = next
+            .iter()
+            .position(|s| shapes(s).is_none() && fall(s) >= needed);
         if let Some(place) = physical {
             let state = next.remove(place);
             next.insert(0, state);
@@ -251,7 +308,8 @@ impl<'a> Search<'a> {
                     let gain = stand.gain(c);
                     let term = &self.candidates[c];
                     let fall = 1.0 - gain.fall / stand.left.max(f64::MIN_POSITIVE);
-                    let price = term.parameters() as f64 * libm::log(n) + 2.0 * libm::log(choices(&term.scope, self.data));
+                    let price = term.parameters() as f64 * libm::log(n)
+                        + 2.0 * libm::log(choices(&term.scope, self.data));
                     // The residual's own structure makes the effective number small as long as nothing explains it, so the ranking
                     // counts all readings; whether the addition pays is asked after the fit.
                     let better = -(n * libm::log(fall.max(1e-12))) - price;
@@ -270,7 +328,9 @@ impl<'a> Search<'a> {
     fn stands_out(&self, stand: &Stand, candidate: usize, list: &[usize]) -> bool {
         let term = &self.candidates[candidate];
         let alike = |other: &Scope| match (&term.scope, other) {
-            (Scope::Session(a), Scope::Session(b)) | (Scope::Specimen(a), Scope::Specimen(b)) => a != b,
+            (Scope::Session(a), Scope::Session(b)) | (Scope::Specimen(a), Scope::Specimen(b)) => {
+                a != b
+            }
             _ => false,
         };
         if !matches!(term.scope, Scope::Session(_) | Scope::Specimen(_)) {
@@ -291,16 +351,21 @@ impl<'a> Search<'a> {
         let start = picked.len();
         for (_, c) in gains {
             let kind = |c: usize| self.candidates[c].id();
-            let alike = picked[start..].iter().filter(|p| kind(**p) == kind(*c)).count();
+            let alike = picked[start..]
+                .iter()
+                .filter(|p| kind(**p) == kind(*c))
+                .count();
             if picked.len() - start < TRIED && alike < 2 && !picked.contains(c) {
                 picked.push(*c);
             }
         }
-        let empirical = gains.iter().find(|(_, c)| self.candidates[*c].id().is_none());
-        if let Some((_, c)) = empirical {
-            if !picked.contains(c) {
-                picked.push(*c);
-            }
+        let empirical = gains
+            .iter()
+            .find(|(_, c)| self.candidates[*c].id().is_none());
+        if let Some((_, c)) = empirical
+            && !picked.contains(c)
+        {
+            picked.push(*c);
         }
     }
 
@@ -309,13 +374,16 @@ impl<'a> Search<'a> {
         let term = &self.candidates[candidate];
         let (low, high) = term.amplitude_bounds();
         let near = term.start().0;
-        near + amplitude > low - 1e-12 && (high > 0.0 || amplitude < 0.0) && (amplitude > 0.0 || low < 0.0 || near > 0.0)
+        near + amplitude > low - 1e-12
+            && (high > 0.0 || amplitude < 0.0)
+            && (amplitude > 0.0 || low < 0.0 || near > 0.0)
     }
 
     /// Drops what a later addition made superfluous.
     fn prune(&self, mut best: State, all: f64) -> State {
         loop {
-            let within = (0..best.chosen.len()).filter(|k| !between::is_between(&self.candidates[best.chosen[*k]]));
+            let within = (0..best.chosen.len())
+                .filter(|k| !between::is_between(&self.candidates[best.chosen[*k]]));
             let smaller = within.map(|k| {
                 let mut chosen = best.chosen.clone();
                 chosen.remove(k);
@@ -352,8 +420,12 @@ pub fn relative_fall(small: &State, large: &State) -> f64 {
 fn strengths(model: &Model, fitted: &Fitted) -> f64 {
     let variance = fitted.scatter * fitted.scatter;
     let information = model.strength_information(&fitted.traces);
-    let seen = information.iter().zip(&fitted.strengths).filter(|(i, _)| **i > 0.0);
-    seen.map(|(i, u)| libm::log1p(i / (fitted.sigma * fitted.sigma) * variance) + u * u / variance).sum()
+    let seen = information
+        .iter()
+        .zip(&fitted.strengths)
+        .filter(|(i, _)| **i > 0.0);
+    seen.map(|(i, u)| libm::log1p(i / (fitted.sigma * fitted.sigma) * variance) + u * u / variance)
+        .sum()
 }
 
 /// Readings that are independent: n (1 - r)/(1 + r), with r the correlation of neighbours in a log (Bayley and Hammersley 1946), and not
@@ -371,7 +443,11 @@ pub fn effective_readings(data: &Data, residuals: &[f64]) -> f64 {
         squares += (r - centre) * (r - centre);
     }
     let n = residuals.len() as f64;
-    let correlation = if pairs > 0.0 && squares > 0.0 { (products / pairs) / (squares / n) } else { 0.0 };
+    let correlation = if pairs > 0.0 && squares > 0.0 {
+        (products / pairs) / (squares / n)
+    } else {
+        0.0
+    };
     let r = correlation.clamp(0.0, 0.98);
     (n * (1.0 - r) / (1.0 + r)).max(2.0)
 }

@@ -75,10 +75,16 @@ impl Term {
         let (acts_on, amplitudes): (Vec<Option<usize>>, usize) = match &scope {
             Scope::Whole => (vec![Some(0); sessions], 1),
             Scope::Session(one) => ((0..sessions).map(|s| (s == *one).then_some(0)).collect(), 1),
-            Scope::From(first) => ((0..sessions).map(|s| (s >= *first).then_some(0)).collect(), 1),
+            Scope::From(first) => (
+                (0..sessions).map(|s| (s >= *first).then_some(0)).collect(),
+                1,
+            ),
             Scope::Specimen(k) => {
                 let of = data.specimen_of_session();
-                ((0..sessions).map(|s| (of[s] == *k).then_some(0)).collect(), 1)
+                (
+                    (0..sessions).map(|s| (of[s] == *k).then_some(0)).collect(),
+                    1,
+                )
             }
             Scope::EachSession => ((0..sessions).map(Some).collect(), sessions),
             Scope::Levels(column) => data.levels(*column),
@@ -110,7 +116,12 @@ impl Term {
     /// Whether both are the same form of one effect.
     pub fn what_is(&self, other: &Term) -> bool {
         match (self.what, other.what) {
-            (What::Effect { effect, form, .. }, What::Effect { effect: e, form: f, .. }) => effect == e && form == f,
+            (
+                What::Effect { effect, form, .. },
+                What::Effect {
+                    effect: e, form: f, ..
+                },
+            ) => effect == e && form == f,
             (a, b) => a == b,
         }
     }
@@ -186,8 +197,12 @@ impl Empirical {
     /// of the column.
     pub fn curve(self, data: &Data, [a, b]: [f64; 2]) -> (&'static str, Vec<(f64, f64)>) {
         let spread = |values: &mut dyn Iterator<Item = f64>| {
-            let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-            (0..=20).map(|k| low + f64::from(k) / 20.0 * (high - low)).collect::<Vec<f64>>()
+            let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
+                (l.min(x), h.max(x))
+            });
+            (0..=20)
+                .map(|k| low + f64::from(k) / 20.0 * (high - low))
+                .collect::<Vec<f64>>()
         };
         match self {
             Empirical::Gain(k) | Empirical::Offset(k) => {
@@ -195,7 +210,10 @@ impl Empirical {
                 let gain = matches!(self, Empirical::Gain(_));
                 let at = |x: f64| if gain { (b * x + a) * x } else { a * x + b };
                 let points = spread(&mut extra.values.iter().copied());
-                let curve = points.into_iter().map(|x| (extra.scale.0 + extra.scale.1 * x, at(x))).collect();
+                let curve = points
+                    .into_iter()
+                    .map(|x| (extra.scale.0 + extra.scale.1 * x, at(x)))
+                    .collect();
                 (if gain { "gain" } else { "offset" }, curve)
             }
             Empirical::Force => {

@@ -29,7 +29,11 @@ impl Uncertainty {
 
     /// Probability of a value this far from 0 by chance.
     pub fn p(self, value: f64) -> f64 {
-        if self.error > 0.0 { student_t_two_sided(value / self.error, self.freedom) } else { 1.0 }
+        if self.error > 0.0 {
+            student_t_two_sided(value / self.error, self.freedom)
+        } else {
+            1.0
+        }
     }
 }
 
@@ -49,7 +53,12 @@ const HELD: f64 = 1e30;
 
 /// The uncertainty of every parameter of [`Model::layout`], those in `held` taken as known. `effective` is the effective number of
 /// readings.
-pub fn uncertainties(model: &Model, fitted: &Fitted, effective: f64, held: &[Place]) -> Vec<Uncertainty> {
+pub fn uncertainties(
+    model: &Model,
+    fitted: &Fitted,
+    effective: f64,
+    held: &[Place],
+) -> Vec<Uncertainty> {
     let data = model.data;
     let layout = model.layout();
     let p = layout.len();
@@ -60,13 +69,26 @@ pub fn uncertainties(model: &Model, fitted: &Fitted, effective: f64, held: &[Pla
         add(&mut total, &part.gram, 1.0);
     }
     let inverse = inverse(&total, &penalty);
-    let weak: Vec<f64> = penalty.iter().map(|x| if *x < HELD { x * 1e-6 } else { *x }).collect();
+    let weak: Vec<f64> = penalty
+        .iter()
+        .map(|x| if *x < HELD { x * 1e-6 } else { *x })
+        .collect();
     let free = self::inverse(&total, &weak);
     let inflation = (data.len() as f64 / effective).max(1.0);
-    let sessions: Vec<Vec<usize>> = (0..parts.len()).filter(|s| parts[*s].gram.data().iter().any(|x| *x != 0.0)).map(|s| vec![s]).collect();
+    let sessions: Vec<Vec<usize>> = (0..parts.len())
+        .filter(|s| parts[*s].gram.data().iter().any(|x| *x != 0.0))
+        .map(|s| vec![s])
+        .collect();
     let of = data.specimen_of_session();
     let specimens: Vec<Vec<usize>> = (0..data.specimens.len())
-        .map(|k| sessions.iter().flatten().copied().filter(|s| of[*s] == k).collect::<Vec<usize>>())
+        .map(|k| {
+            sessions
+                .iter()
+                .flatten()
+                .copied()
+                .filter(|s| of[*s] == k)
+                .collect::<Vec<usize>>()
+        })
         .filter(|list| !list.is_empty())
         .collect();
     let by_session = jackknife(&total, &parts, &sessions, &penalty);
@@ -78,7 +100,9 @@ pub fn uncertainties(model: &Model, fitted: &Fitted, effective: f64, held: &[Pla
                 freedom: (effective - p as f64).max(2.0),
             };
             let alone = match layout[k] {
-                Place::Amplitude(t, _) | Place::Shape(t) => matches!(model.terms[t].scope, Scope::Session(_) | Scope::EachSession),
+                Place::Amplitude(t, _) | Place::Shape(t) => {
+                    matches!(model.terms[t].scope, Scope::Session(_) | Scope::EachSession)
+                }
                 Place::Strength(_) => true,
                 Place::Base(_) => false,
             };
@@ -98,7 +122,11 @@ pub fn uncertainties(model: &Model, fitted: &Fitted, effective: f64, held: &[Pla
 
 /// The wider of two: a jackknife over few clusters is small by chance as often as it is large.
 fn wider(a: Uncertainty, b: Uncertainty) -> Uncertainty {
-    if a.half_width() >= b.half_width() { a } else { b }
+    if a.half_width() >= b.half_width() {
+        a
+    } else {
+        b
+    }
 }
 
 fn penalties(layout: &[Place], fitted: &Fitted, held: &[Place]) -> Vec<f64> {
@@ -122,7 +150,13 @@ fn parts(model: &Model, fitted: &Fitted, layout: &[Place]) -> Vec<Part> {
         })
         .collect();
     let slots: Vec<Vec<(usize, usize)>> = (0..data.sessions.len())
-        .map(|s| layout.iter().enumerate().filter_map(|(k, place)| Some((k, model.slot(*place, s, of[s])?))).collect())
+        .map(|s| {
+            layout
+                .iter()
+                .enumerate()
+                .filter_map(|(k, place)| Some((k, model.slot(*place, s, of[s])?)))
+                .collect()
+        })
         .collect();
     debug_assert!(STRENGTH < fitted.traces.len());
     for i in 0..data.len() {
@@ -164,7 +198,12 @@ fn inverse(gram: &Matrix, penalty: &[f64]) -> Vec<f64> {
 }
 
 /// The jackknife over clusters of sessions.
-fn jackknife(total: &Matrix, parts: &[Part], clusters: &[Vec<usize>], penalty: &[f64]) -> Vec<Uncertainty> {
+fn jackknife(
+    total: &Matrix,
+    parts: &[Part],
+    clusters: &[Vec<usize>],
+    penalty: &[f64],
+) -> Vec<Uncertainty> {
     let (p, g) = (penalty.len(), clusters.len() as f64);
     let moves: Vec<Vec<f64>> = clusters
         .iter()
@@ -173,8 +212,8 @@ fn jackknife(total: &Matrix, parts: &[Part], clusters: &[Vec<usize>], penalty: &
             let mut score = vec![0.0; p];
             for s in cluster {
                 add(&mut left, &parts[*s].gram, -1.0);
-                for k in 0..p {
-                    score[k] -= parts[*s].score[k];
+                for (sum, x) in score.iter_mut().zip(&parts[*s].score) {
+                    *sum -= x;
                 }
             }
             for k in 0..p {
