@@ -384,8 +384,12 @@ fn chosen_again(
         .collect();
     let mut again = 0;
     for mut count in resamples(data, seed) {
+        // What one part shows cannot be seen without that part.
         if let Scope::Specimen(k) = term.scope {
             count[k] = f64::max(count[k], 1.0);
+        }
+        if let Scope::Session(s) = term.scope {
+            count[of[s]] = f64::max(count[of[s]], 1.0);
         }
         let weights: Vec<f64> = of.iter().map(|k| count[*k]).collect();
         let stand = linear.stand(&weights, &[]);
