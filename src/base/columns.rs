@@ -59,6 +59,8 @@ pub mod derived {
     pub const SD_FORCE: &str = "sd_force_n";
     /// Standard deviation of the samples' pressure about its mean, kPa.
     pub const SD_PRESSURE: &str = "sd_pressure_kpa";
+    /// Zero of the force channel that was taken off, N.
+    pub const ZERO_FORCE: &str = "zero_force_n";
     /// Uninflated inner diameter, mm.
     pub const DIAMETER: &str = "diameter_mm";
     /// Resting length, m.

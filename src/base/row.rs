@@ -40,6 +40,8 @@ pub struct Row {
     pub samples: i64,
     /// Standard deviation of the samples' force, N.
     pub sd_force_n: f64,
+    /// Zero of the force channel that was taken off, N; NaN where there is none.
+    pub zero_force_n: f64,
     /// Uninflated inner diameter, mm.
     pub diameter_mm: f64,
     /// l_rest, m.
@@ -68,6 +70,11 @@ type NumberField = (&'static str, fn(&Row) -> f64, fn(&mut Row, f64));
 
 const NUMBERS: &[NumberField] = &[
     (derived::SD_FORCE, |r| r.sd_force_n, |r, x| r.sd_force_n = x),
+    (
+        derived::ZERO_FORCE,
+        |r| r.zero_force_n,
+        |r, x| r.zero_force_n = x,
+    ),
     (
         derived::DIAMETER,
         |r| r.diameter_mm,
@@ -236,6 +243,7 @@ impl Row {
             phase: None,
             samples: 0,
             sd_force_n: f64::NAN,
+            zero_force_n: f64::NAN,
             diameter_mm: f64::NAN,
             rest_length_m: f64::NAN,
             contracted_length_m: f64::NAN,

@@ -19,6 +19,8 @@ pub enum Need {
     Cycles,
     /// More than one resting length.
     RestLengths,
+    /// Zeros of the force channel, of which some stand out from the others.
+    Zeros,
 }
 
 impl Need {
@@ -33,6 +35,7 @@ impl Need {
             Need::Temperature => "a temperature column that varies",
             Need::Cycles => "the number of cycles of each specimen",
             Need::RestLengths => "more than one resting length",
+            Need::Zeros => "zeros of the force channel that stand out from the others",
         }
     }
 }
@@ -66,6 +69,8 @@ pub struct Conditions {
     pub temperature_c: f64,
     /// Cycles before this reading.
     pub cycles: f64,
+    /// Zero of the force channel that was taken off, less the median of the campaign's sessions, N.
+    pub zero_force_n: f64,
 }
 
 impl Conditions {
@@ -90,6 +95,7 @@ impl Conditions {
             rate_kpa_per_s: 0.0,
             temperature_c: 0.0,
             cycles: 0.0,
+            zero_force_n: 0.0,
         }
     }
 }

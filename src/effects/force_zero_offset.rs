@@ -1,12 +1,13 @@
 //! The load cell shows something without force.
 
-use super::{Conditions, Effect, Form, Grouping, Link, Parameter, Place};
+use super::{Conditions, Effect, Form, Grouping, Link, Need, Parameter, Place};
 use crate::numerics::real::Real;
 
-/// F_meas = F + z.
+/// F_meas = F + z; or the zeros that were taken off were no zeros: F_meas = F - a (z_s - median z).
 pub struct ForceZeroOffset;
 
-const FORMS: &[Form] = &[Form {
+const FORMS: &[Form] = &[
+    Form {
     name: "constant",
     place: Place::Sensor,
     equation: "F_meas = F + z",
@@ -16,9 +17,25 @@ const FORMS: &[Form] = &[Form {
         absent: 0.0,
         bounds: (-500.0, 500.0),
     },
-    shape: None,
-    needs: &[],
-}];
+        shape: None,
+        needs: &[],
+    },
+    // A zero log that is recorded while the actuator already pulls (hooked in, stretched) has that pull in it. What differs from the
+    // campaign's other zeros is then, to the part a, force that was taken off by mistake.
+    Form {
+        name: "pull in the zero logs",
+        place: Place::Sensor,
+        equation: "F_meas = F - a (z_s - z_med), z_s the zero taken off in the session, z_med their median",
+        amplitude: Parameter {
+            name: "a",
+            unit: "1",
+            absent: 0.0,
+            bounds: (0.0, 2.0),
+        },
+        shape: None,
+        needs: &[Need::Zeros],
+    },
+];
 
 impl Effect for ForceZeroOffset {
     fn id(&self) -> &'static str {
@@ -34,7 +51,7 @@ impl Effect for ForceZeroOffset {
         Grouping::Parts
     }
     fn measurement(&self) -> &'static str {
-        "log the load cell with the actuator unhooked before and after each session"
+        "log the load cell with the actuator unhooked, not only vented, before and after each session"
     }
     fn source(&self) -> &'static str {
         "JCGM 200:2012, 4.28 (zero error)"
@@ -42,6 +59,9 @@ impl Effect for ForceZeroOffset {
 }
 
 /// The operator.
-pub fn apply<R: Real>(_form: usize, [z, _]: [R; 2], _at: &Conditions, link: &mut Link<R>) {
-    link.force = link.force + z;
+pub fn apply<R: Real>(form: usize, [z, _]: [R; 2], at: &Conditions, link: &mut Link<R>) {
+    link.force = match form {
+        0 => link.force + z,
+        _ => link.force - z * at.zero_force_n,
+    };
 }

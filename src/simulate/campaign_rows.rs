@@ -102,6 +102,7 @@ fn reading(drawn: &DrawnTruth, row: &SteadyRow) -> Reading {
         phase: (over_time || truth.schedule.both_directions).then_some(row.at.phase),
         samples,
         sd_force_n: sd(rig.force_noise_n, rig.force_quantum_n),
+        zero_force_n: f64::NAN,
         sd_pressure_kpa: sd(rig.pressure_noise_kpa, rig.pressure_quantum_kpa),
         values,
     }

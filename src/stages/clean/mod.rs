@@ -86,6 +86,7 @@ pub fn clean(session: &Session, logs: &[LogSamples], options: &CleanOptions) -> 
         for reading in &mut readings {
             if let Some(force) = reading.values.get_mut(FORCE) {
                 *force -= zero.applied_n;
+                reading.zero_force_n = zero.applied_n;
             }
         }
     }

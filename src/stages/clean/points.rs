@@ -38,6 +38,7 @@ pub fn readings(
             phase: Phase::from_code(value(PHASE)),
             samples: 1,
             sd_force_n: f64::NAN,
+            zero_force_n: f64::NAN,
             sd_pressure_kpa: f64::NAN,
             values: log
                 .log

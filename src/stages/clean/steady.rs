@@ -195,6 +195,7 @@ impl<'a> Series<'a> {
             phase,
             samples: window.len() as i64,
             sd_force_n: scatter(&self.force),
+            zero_force_n: f64::NAN,
             sd_pressure_kpa: scatter(&self.pressure),
             values,
         }

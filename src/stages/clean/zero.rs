@@ -169,6 +169,7 @@ mod tests {
             phase: None,
             samples: 1,
             sd_force_n: f64::NAN,
+            zero_force_n: f64::NAN,
             sd_pressure_kpa: f64::NAN,
             values: [(PRESSURE.to_owned(), pressure), (FORCE.to_owned(), force)].into(),
         }

@@ -23,6 +23,8 @@ const WORTH_SAYING: f64 = 0.05;
 const SAYS_NOTHING: f64 = 0.01;
 /// A reading of the data whose held-out error is larger by less than this is as good.
 const AS_GOOD: f64 = 1.05;
+/// Effects beside those that were found in the readings of the base.
+const MOST_MORE: usize = 2;
 /// p below which the strengths scatter more than is usual.
 const MORE_THAN_USUAL: f64 = 0.005;
 
@@ -648,7 +650,13 @@ fn readings_of_the_base(work: &Work, search: &Search) -> Vec<Reading> {
         .iter()
         .any(|q| q.p_adjusted < super::WORTH_ASKING)
     {
-        sets.extend(beside_no_law(work, search, &reduced, &physical));
+        for _ in 0..MOST_MORE {
+            let from = sets.last().cloned().unwrap_or_default();
+            let Some(more) = beside_no_law(work, search, &reduced, &from) else {
+                break;
+            };
+            sets.push(more);
+        }
     }
     let both = |terms: &Vec<Term>| {
         bases.map(|(base, words)| reading(work, search, base, words, terms.clone()))
@@ -656,7 +664,7 @@ fn readings_of_the_base(work: &Work, search: &Search) -> Vec<Reading> {
     sets.iter().flat_map(both).collect()
 }
 
-/// The effects found and one more, beside which a constant F_620 has the smallest held-out error, if that is smaller than without it.
+/// Some effects and one more, beside which a constant F_620 has the smallest held-out error, if that is clearly smaller than without it.
 fn beside_no_law(
     work: &Work,
     search: &Search,
@@ -681,7 +689,7 @@ fn beside_no_law(
     let best = candidates
         .map(|t| (error(with(Some(t))), t))
         .min_by(|a, b| a.0.total_cmp(&b.0))?;
-    (best.0 < error(with(None)) && physical.len() < super::model::MOST_TERMS)
+    (best.0 * AS_GOOD < error(with(None)) && physical.len() < super::model::MOST_TERMS)
         .then(|| with(Some(best.1)))
 }
 

@@ -2,7 +2,7 @@
 
 use super::data::Data;
 use super::term::{Empirical, Scope, Term, What};
-use crate::effects::{self, Grouping};
+use crate::effects::{self, Grouping, Need};
 
 /// Fewest sessions for which a part of the campaign is looked at by itself.
 const FEWEST_SESSIONS: usize = 6;
@@ -28,7 +28,9 @@ pub fn candidates(data: &Data) -> Vec<Term> {
                     shape: *shape,
                 };
                 terms.push(Term::new(what, Scope::Whole, data));
-                if e.grouping() == Grouping::Parts {
+                // What has one value for a session anyway is no other thing in a single session.
+                let within = !f.needs.contains(&Need::Zeros);
+                if e.grouping() == Grouping::Parts && within {
                     terms.extend(
                         parts(what, data)
                             .into_iter()
@@ -60,7 +62,7 @@ fn parts(what: What, data: &Data) -> Vec<Scope> {
     let gain = matches!(what, What::Effect { effect, .. } if ["force_gain", "misalignment"].contains(&effects::all()[effect].id()));
     if sessions >= FEWEST_SESSIONS {
         parts.extend((0..sessions).map(Scope::Session));
-        if !data.missing.contains_key(&effects::Need::CampaignTime) {
+        if !data.missing.contains_key(&Need::CampaignTime) {
             parts.extend((FEWEST_ON_A_SIDE..=sessions - FEWEST_ON_A_SIDE).map(Scope::From));
         }
         parts.push(Scope::EachSession);

@@ -4,13 +4,15 @@ use crate::base::columns::TEMPERATURE;
 use crate::base::row::Row;
 use crate::base::session::Phase;
 use crate::effects::{Conditions, Need};
-use crate::numerics::statistics::mean;
+use crate::numerics::statistics::{mean, median};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A change of pressure that is a step, kPa.
 const STEP_KPA: f64 = 5.0;
 /// A change of length that is a step, m.
 const STEP_M: f64 = 2e-4;
+/// A zero that differs from the campaign's median by so many robust standard deviations, and by so many N, is no drift.
+const ZERO_STANDS_OUT: (f64, f64) = (5.0, 3.0);
 /// Names under which laboratories log the time since the last step, the rate of the pressure, and the cycles done. Only the beginning
 /// of a column's name counts.
 const SINCE_STEP: &[&str] = &["time_since_step", "since_step", "dwell", "hold"];
@@ -199,6 +201,7 @@ impl Data {
             (Need::Temperature, varies(|c| c.temperature_c, 1e-6)),
             (Need::Cycles, varies(|c| c.cycles, 0.5)),
             (Need::RestLengths, varies(|c| c.rest_length_m, 1e-6)),
+            (Need::Zeros, self.zeros_stand_out()),
         ];
         self.missing = known
             .into_iter()
@@ -228,6 +231,7 @@ fn conditions(rows: &[&Row], data: &Data, dated: bool) -> Vec<Conditions> {
     let temperatures = finite(rows.iter().map(|r| temperature(r)).collect());
     let mean_temperature = mean(&temperatures);
     let cycles_before = cycles_before(data, dated);
+    let usual_zero = usual_zero(rows, data);
     let last = (data.sessions.len() - 1).max(1) as f64;
     let zero_if_nan = |x: f64| if x.is_finite() { x } else { 0.0 };
     let mut conditions: Vec<Conditions> = rows
@@ -254,11 +258,39 @@ fn conditions(rows: &[&Row], data: &Data, dated: bool) -> Vec<Conditions> {
             since_step_s: 0.0,
             rate_kpa_per_s: 0.0,
             temperature_c: zero_if_nan(temperature(r) - mean_temperature),
+            zero_force_n: zero_if_nan(r.zero_force_n - usual_zero),
             cycles: named(r, CYCLES).unwrap_or(cycles_before[data.log[i]]),
         })
         .collect();
     histories(rows, data, &mut conditions);
     conditions
+}
+
+impl Data {
+    /// Whether the zero that was taken off differs in some sessions from that of the others by more than zeros wander.
+    fn zeros_stand_out(&self) -> bool {
+        let mut zeros = vec![0.0; self.sessions.len()];
+        for (c, s) in self.conditions.iter().zip(&self.session) {
+            zeros[*s] = c.zero_force_n.abs();
+        }
+        let usual = 1.4826 * median(&zeros);
+        let least = ZERO_STANDS_OUT.1.max(ZERO_STANDS_OUT.0 * usual);
+        zeros.iter().any(|z| *z > least)
+    }
+}
+
+/// Median over the sessions of the zero that was taken off the force, N.
+fn usual_zero(rows: &[&Row], data: &Data) -> f64 {
+    let mut zeros = vec![f64::NAN; data.sessions.len()];
+    for (r, s) in rows.iter().zip(&data.session) {
+        zeros[*s] = r.zero_force_n;
+    }
+    zeros.retain(|z| z.is_finite());
+    if zeros.is_empty() {
+        f64::NAN
+    } else {
+        median(&zeros)
+    }
 }
 
 /// Logs that a specimen has done before each log: its cycles, where nobody counted them and the sessions have an order in time.

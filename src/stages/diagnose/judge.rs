@@ -21,13 +21,13 @@ use crate::numerics::matrix::Matrix;
 use std::collections::BTreeSet;
 
 /// Largest corrected p of an addition: on all readings, and in a fold, which has fewer.
-pub const SIGNIFICANT: (f64, f64) = (0.01, 0.05);
+pub const SIGNIFICANT: (f64, f64) = (0.05, 0.05);
 /// Least part of the resamples in which it is chosen again.
 pub const CHOSEN_AGAIN: f64 = 0.9;
 /// Least part of the folds in which it helps.
 pub const HELPS: f64 = 0.5;
 /// A held-out error that is larger by less than this is not larger.
-const NOT_WORSE: f64 = 1.03;
+pub const NOT_WORSE: f64 = 1.03;
 /// Share of the variance of the sessions' values above which they are no error of the sessions.
 const MISFIT: f64 = 0.5;
 const RESAMPLES: usize = 40;
@@ -61,18 +61,46 @@ pub struct Judgement {
     pub fails: Option<String>,
 }
 
-/// Removes what fails, worst first, until all that is left passes.
+/// The largest of some models, the best of their sizes, of which every addition passes; if there is none, what is left of the
+/// first after what fails was removed, worst first.
 pub fn judged(
     search: &Search,
-    mut state: State,
+    states: &[State],
     folds: &[Fold],
     seed: u64,
 ) -> (State, Vec<Judgement>, Vec<Rejected>) {
-    let mut rejected = Vec::new();
+    let all_of = |state: &State| -> Vec<Judgement> {
+        (0..state.chosen.len())
+            .map(|k| judge(search, state, k, folds, seed))
+            .collect()
+    };
+    let mut rejected: Vec<Rejected> = Vec::new();
+    for state in states.iter().filter(|s| !s.chosen.is_empty()) {
+        let judgements = all_of(state);
+        let failed = judgements.iter().filter_map(|j| {
+            let term = &search.candidates[j.candidate];
+            Some(Rejected {
+                id: name(term, search.data),
+                acts_on: acts_on(term, search.data),
+                share: j.share,
+                why: j.fails.clone()?,
+            })
+        });
+        let failed: Vec<Rejected> = failed.collect();
+        if failed.is_empty() {
+            return (state.clone(), judgements, rejected);
+        }
+        for r in failed {
+            // What is said of it in the smallest model says most.
+            rejected.retain(|q| q.id != r.id || q.acts_on != r.acts_on);
+            rejected.push(r);
+        }
+    }
+    let Some(mut state) = states.first().cloned() else {
+        return (search.state(Vec::new(), None), Vec::new(), rejected);
+    };
     loop {
-        let judgements: Vec<Judgement> = (0..state.chosen.len())
-            .map(|k| judge(search, &state, k, folds, seed))
-            .collect();
+        let judgements = all_of(&state);
         let worst = judgements
             .iter()
             .enumerate()
@@ -88,13 +116,6 @@ pub fn judged(
         let Some(k) = worst else {
             return (state, judgements, rejected);
         };
-        let term = &search.candidates[state.chosen[k]];
-        rejected.push(Rejected {
-            id: name(term, search.data),
-            acts_on: acts_on(term, search.data),
-            share: judgements[k].share,
-            why: judgements[k].fails.clone().unwrap_or_default(),
-        });
         let mut chosen = state.chosen.clone();
         chosen.remove(k);
         state = search.state(chosen, None);
@@ -305,14 +326,23 @@ fn probability(search: &Search, state: &State, without: &State, model: &Model, k
     }
     // A shape means nothing without an amplitude, so the amplitude is tested with the shape as found, and the coefficients of a
     // polynomial one at a time.
-    let p_of = |place: Place, value: f64, held: Place| {
-        let all: Vec<Uncertainty> = uncertainties(model, &state.fitted, state.effective, &[held]);
+    let p_in = |fitted: &Fitted, place: Place, value: f64, held: Place| {
+        let all: Vec<Uncertainty> = uncertainties(model, fitted, state.effective, &[held]);
         layout
             .iter()
             .position(|p| *p == place)
             .map_or(1.0, |i| all[i].p(value))
     };
-    let first = p_of(Place::Amplitude(k, 0), amplitudes[0], Place::Shape(k));
+    let p_of = |place: Place, value: f64, held: Place| p_in(&state.fitted, place, value, held);
+    let mut first = p_of(Place::Amplitude(k, 0), amplitudes[0], Place::Shape(k));
+    if first > search.significance / asked(search, &search.candidates[state.chosen[k]]) {
+        // What differs between a few specimens can hardly be significant. What it does within them may be: the same with strengths
+        // that are free. Two questions, so the smaller p counts twice.
+        let free = model.fit_with_free_strengths(&state.fitted);
+        let value = free.terms[k].0[0];
+        let within = p_in(&free, Place::Amplitude(k, 0), value, Place::Shape(k));
+        first = (2.0 * first.min(within)).min(1.0);
+    }
     if matches!(search.candidates[state.chosen[k]].what, What::Empirical(_)) {
         (2.0 * first.min(p_of(Place::Shape(k), *second, Place::Amplitude(k, 0)))).min(1.0)
     } else {
@@ -396,6 +426,7 @@ fn chosen_again(
         let own = stand.gain(candidate).fall;
         let needs = |c: &usize| {
             let share = match search.candidates[*c].what {
+                _ if term.has_evidence() => super::search::EVIDENCE,
                 What::Empirical(Empirical::Gain(_)) | What::Effect { .. } => {
                     super::search::PREFERENCE.1
                 }

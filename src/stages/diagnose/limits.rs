@@ -43,9 +43,12 @@ pub fn limits(search: &Search, state: &State) -> Limits {
         if effect.id() == super::candidates::STRENGTHS {
             continue;
         }
+        // One unit for an effect, so that campaigns can be compared: that of its first form.
+        let unit = effect.forms().first().map(|f| f.amplitude.unit);
         let of_effect = |c: &usize| {
             search.candidates[*c].id() == Some(effect.id())
                 && search.candidates[*c].scope == Scope::Whole
+                && search.candidates[*c].form().map(|f| f.amplitude.unit) == unit
         };
         let whole: Vec<usize> = (0..search.candidates.len()).filter(of_effect).collect();
         let best = whole

@@ -135,19 +135,35 @@ pub fn diagnose(
     let null = search.state(Vec::new(), None);
     let questions = ask(&search, &null, options);
     let something = questions.iter().any(|q| q.p_adjusted < WORTH_ASKING);
-    let (best, judgements, rejected) = if something {
-        believed(&search, options.seed)
+    let outside = |each: bool, chosen: bool| {
+        let searched = (something && chosen).then_some(each);
+        held_out(&base, &all, &candidates, &folds, searched, options)
+    };
+    let (mut best, mut judgements, mut rejected) = if something {
+        believed(&search, options.seed, true)
     } else {
         (null.clone(), Vec::new(), Vec::new())
     };
-    let held = held_out(
-        &base,
-        &all,
-        &candidates,
-        &folds,
-        something && !best.chosen.is_empty(),
-        options,
-    );
+    let mut held = outside(true, !best.chosen.is_empty());
+    let each = |c: &usize| candidates[*c].scope == term::Scope::EachSession;
+    if let Some(c) = best.chosen.iter().copied().find(each)
+        && held.after.rmse() > judge::NOT_WORSE * held.before.rmse()
+    {
+        // Values of the sessions that make the error on other specimens larger are not values of the sessions.
+        let why = format!(
+            "with the search inside each fold the held-out error would go from {:.1} N to {:.1} N",
+            held.before.rmse(),
+            held.after.rmse()
+        );
+        (best, judgements, rejected) = believed(&search, options.seed, false);
+        held = outside(false, !best.chosen.is_empty());
+        rejected.push(Rejected {
+            id: judge::name(&candidates[c], &thin),
+            acts_on: judge::acts_on(&candidates[c], &thin),
+            share: 0.0,
+            why,
+        });
+    }
     let work = Work {
         group,
         options,
@@ -168,10 +184,13 @@ pub fn diagnose(
     Some(answer::answer(&work))
 }
 
-/// The additions that pass every guard.
-fn believed(search: &Search, seed: u64) -> (State, Vec<Judgement>, Vec<Rejected>) {
+/// The additions that pass every guard; `each`: values for every session among them.
+fn believed(search: &Search, seed: u64, each: bool) -> (State, Vec<Judgement>, Vec<Rejected>) {
     let inner = inner_folds(search.data);
-    let (state, judgements, mut rejected) = judge::judged(search, search.run(), &inner, seed);
+    let (state, judgements, mut rejected) = judge::judged(search, &search.run(), &inner, seed);
+    if !each {
+        return (state, judgements, rejected);
+    }
     let (state, judgements, each) =
         judge::with_each_session(search, state, judgements, &inner, seed);
     rejected.extend(each);
@@ -226,13 +245,13 @@ fn ask(search: &Search, null: &State, options: &DiagnoseOptions) -> Vec<Question
     )
 }
 
-/// The whole search in every fold (`search`), or the base model alone.
+/// The whole search in every fold (`search`: with values for every session or without), or the base model alone.
 fn held_out(
     base: &Base,
     all: &Data,
     candidates: &[Term],
     folds: &[Fold],
-    search: bool,
+    search: Option<bool>,
     options: &DiagnoseOptions,
 ) -> HeldOut {
     let one = |fold: &Fold| one_fold(base, all, candidates, fold, search, options);
@@ -292,7 +311,7 @@ fn one_fold(
     all: &Data,
     candidates: &[Term],
     fold: &Fold,
-    search: bool,
+    search: Option<bool>,
     options: &DiagnoseOptions,
 ) -> FoldResult {
     let train = all.select(&fold.train);
@@ -306,11 +325,10 @@ fn one_fold(
         judge::SIGNIFICANT.1,
     );
     let null = here.state(Vec::new(), None);
-    let best = if search {
-        believed(&here, options.seed).0
-    } else {
-        null.clone()
-    };
+    let best = search.map_or_else(
+        || null.clone(),
+        |each| believed(&here, options.seed, each).0,
+    );
     let terms = |physical_only: bool| -> Vec<Term> {
         let kept = |t: &Term| !physical_only || matches!(t.what, What::Effect { .. });
         best.chosen

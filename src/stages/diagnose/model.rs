@@ -28,6 +28,8 @@ type D = Dual<SLOTS>;
 
 /// Usual relative scatter of the strengths of one make: what the null model expects.
 pub const USUAL_SCATTER: f64 = 0.02;
+/// Scatter of strengths that are free.
+const FREE_SCATTER: f64 = 0.5;
 /// Where the estimate of the scatter may go.
 const SCATTER_RANGE: (f64, f64) = (0.005, 0.5);
 
@@ -86,6 +88,19 @@ impl<'a> Model<'a> {
         }
         layout.extend((0..self.data.specimens.len()).map(Place::Strength));
         layout
+    }
+
+    /// The fit with strengths of which nothing is known beforehand: what is left is what the readings of each specimen say by themselves.
+    pub fn fit_with_free_strengths(&self, from: &Fitted) -> Fitted {
+        let free = Fitted {
+            scatter: FREE_SCATTER,
+            ..from.clone()
+        };
+        let fitted = self.fit(Some(&free), 0);
+        Fitted {
+            scatter: FREE_SCATTER,
+            ..fitted
+        }
     }
 
     /// Fits from where another fit ended (`None`: from the base's starting values), and `passes` times again with the variances that

@@ -33,6 +33,9 @@ const STANDS_OUT: f64 = 6.0;
 /// A physical effect is preferred to an empirical dependence if it explains this part of what that does: of the shape of a sensor or of
 /// an offset (a constant and a slope), of a gain with an extra column.
 pub const PREFERENCE: (f64, f64) = (0.85, 0.97);
+/// An effect for which something beside the force speaks (zero logs that stand out) is preferred if it explains this part of what
+/// another does.
+pub const EVIDENCE: f64 = 0.8;
 
 /// A model in the beam.
 #[derive(Clone)]
@@ -125,10 +128,9 @@ impl<'a> Search<'a> {
             + 2.0 * places
     }
 
-    /// The best model from the base upwards.
-    pub fn run(&self) -> State {
+    /// The best models from the base upwards: the best of all, then those of smaller sizes that were in the beam, the largest first.
+    pub fn run(&self) -> Vec<State> {
         let null = self.state(Vec::new(), None);
-        let all = rss(&null);
         // What has a value for every session explains much and predicts nothing: see `with_each_session`.
         let shared: Vec<usize> = (0..self.candidates.len())
             .filter(|c| self.candidates[*c].scope != Scope::EachSession)
@@ -139,8 +141,17 @@ impl<'a> Search<'a> {
             || null.clone(),
             |(c, _)| self.state(vec![c], Some(&null.fitted)),
         );
-        let best = self.prune(self.grow(&null, from, &shared, BEAM), all);
-        self.with_better_forms(&null, best)
+        let grown = self.grow(&null, from, &shared, BEAM);
+        let Some((largest, smaller)) = grown.split_last() else {
+            return vec![null];
+        };
+        let best = self.prune(largest.clone(), rss(&null));
+        let best = self.with_better_forms(&null, best);
+        let size = best.chosen.len();
+        let smaller = smaller.iter().rev().filter(|s| s.chosen.len() < size);
+        std::iter::once(best.clone())
+            .chain(smaller.cloned())
+            .collect()
     }
 
     /// The best model with an effect that has a value for every session, on top of another; if that has several effects of single
@@ -168,15 +179,16 @@ impl<'a> Search<'a> {
         } else {
             best.clone()
         };
-        let grown = self.grow(&null, from.clone(), &single, 1);
+        let grown = self.grow(&null, from.clone(), &single, 1).pop()?;
         let pays = self.criterion_gain(&null, &grown) > self.criterion_gain(&null, best);
         (grown.chosen.len() > from.chosen.len() && pays).then_some(grown)
     }
 
-    /// The best model from a state upwards, with additions from a list.
-    fn grow(&self, null: &State, from: State, list: &[usize], width: usize) -> State {
+    /// The best models from a state upwards, with additions from a list: by size, in each size the best one last.
+    fn grow(&self, null: &State, from: State, list: &[usize], width: usize) -> Vec<State> {
         let all = rss(null);
         let mut best = from.clone();
+        let mut path = vec![from.clone()];
         let mut beam = vec![from];
         for size in best.chosen.len()..self.most.min(MOST_TERMS) {
             let mut next: Vec<State> = beam
@@ -192,13 +204,16 @@ impl<'a> Search<'a> {
                 break;
             };
             if self.worth(&best, first, all) {
+                let others = next.iter().skip(1).rev();
+                path.extend(others.filter(|s| self.worth(&best, s, all)).cloned());
                 best = first.clone();
+                path.push(best.clone());
             } else if best.chosen.len() < size {
                 break;
             }
             beam = next;
         }
-        best
+        path
     }
 
     /// The same effects in whichever of their forms explains most: a form that came in early may not be the best beside the others.
@@ -252,30 +267,41 @@ impl<'a> Search<'a> {
             && ((fall > LEAST_FALL && of_all > least && taken_off > self.least_n) || between > 6.0)
     }
 
-    /// A model with an empirical dependence gives way to a purely physical one of the same size that explains nearly as much.
+    /// The best model gives way to one of the same size that explains nearly as much and has more behind it: physics and not an
+    /// empirical dependence, zero logs that stand out and not the force alone.
     fn prefer_physics(&self, next: &mut Vec<State>, parent: &State) {
-        let Some(first) = next.first() else {
+        let fall = |s: &State| rss(parent) - rss(s);
+        let Some(most) = next.first().map(fall) else {
             return;
         };
-        let shapes = |s: &State| -> Option<f64> {
-            let factor = |c: &usize| match self.candidates[*c].what {
+        // At most twice: from an empirical dependence to physics, from there to what has evidence.
+        for _ in 0..2 {
+            let first = &next[0];
+            let better = next
+                .iter()
+                .position(|s| fall(s) >= self.needed(first, s) * most);
+            if let Some(place) = better {
+                let state = next.remove(place);
+                next.insert(0, state);
+            }
+        }
+    }
+
+    /// Which share of what one model explains another must explain to be preferred; infinite where it has nothing to be preferred for.
+    fn needed(&self, first: &State, other: &State) -> f64 {
+        let empirical = |s: &State| {
+            let share = |c: &usize| match self.candidates[*c].what {
                 What::Empirical(Empirical::Gain(_)) => Some(PREFERENCE.1),
                 What::Empirical(_) => Some(PREFERENCE.0),
                 What::Effect { .. } => None,
             };
-            s.chosen.iter().filter_map(factor).reduce(f64::max)
+            s.chosen.iter().filter_map(share).reduce(f64::max)
         };
-        let Some(share) = shapes(first) else {
-            return;
-        };
-        let fall = |s: &State| rss(parent) - rss(s);
-        let needed = share * fall(first);
-        let physical = next
-            .iter()
-            .position(|s| shapes(s).is_none() && fall(s) >= needed);
-        if let Some(place) = physical {
-            let state = next.remove(place);
-            next.insert(0, state);
+        let evidence = |s: &State| s.chosen.iter().any(|c| self.candidates[*c].has_evidence());
+        match (empirical(first), empirical(other)) {
+            (Some(share), None) => share,
+            (None, None) if evidence(other) && !evidence(first) => EVIDENCE,
+            _ => f64::INFINITY,
         }
     }
 

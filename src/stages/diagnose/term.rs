@@ -1,7 +1,7 @@
 //! What can be added to a model: an effect of the library, or an empirical dependence on a column, on all or on some of the readings.
 
 use super::data::Data;
-use crate::effects::{self, Applied, Form, Parameter};
+use crate::effects::{self, Applied, Form, Need, Parameter};
 use crate::models::P_620_KPA;
 use crate::numerics::real::Real;
 
@@ -111,6 +111,11 @@ impl Term {
             What::Effect { effect, .. } => Some(effects::all()[effect].id()),
             What::Empirical(_) => None,
         }
+    }
+
+    /// Whether something beside the force speaks for it: zero logs that stand out.
+    pub fn has_evidence(&self) -> bool {
+        self.form().is_some_and(|f| f.needs.contains(&Need::Zeros))
     }
 
     /// Whether both are the same form of one effect.
