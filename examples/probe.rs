@@ -69,6 +69,12 @@ fn main() {
                 e.rmse_after
             );
         }
+        for u in &f.suspects {
+            println!("   !! {u:?}");
+        }
+        if a.get(4).is_some() {
+            continue;
+        }
         for u in &f.unexplained {
             println!(
                 "   ? {} {} p {:.1e} share {:.2} {:?}->{:?}",
