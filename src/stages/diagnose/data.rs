@@ -19,6 +19,9 @@ const SINCE_STEP: &[&str] = &["time_since_step", "since_step", "dwell", "hold"];
 const RATE: &[&str] = &["pressure_rate", "rate", "dp_dt", "dpdt", "ramp"];
 const CYCLES: &[&str] = &["cycle", "n_cycle", "cycles", "ncycles", "cycle_count"];
 
+/// Name of the column that says in which sessions the zero is not known: its second level.
+pub const ZERO_UNKNOWN: &str = "zero_unknown";
+
 /// An extra column that no effect of the library has a name for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extra {
@@ -28,6 +31,8 @@ pub struct Extra {
     pub values: Vec<f64>,
     /// Mean and standard deviation before that.
     pub scale: (f64, f64),
+    /// One value a session.
+    pub constant_in_sessions: bool,
     /// Few whole numbers, constant within a session: it names a group (a load cell, a bench), it does not measure.
     pub names_groups: bool,
 }
@@ -96,6 +101,7 @@ impl Data {
             .collect();
         data.conditions = conditions(rows, &data, dates.len() > 1);
         data.extras = extras(rows, &data);
+        data.extras.extend(zero_unknown(rows, &data));
         data.note_what_is_missing(dates.len() > 1);
         data
     }
@@ -165,21 +171,28 @@ impl Data {
 
     /// For each session the number of the level of an extra column that names groups (none for the first level), and how many.
     pub fn levels(&self, column: usize) -> (Vec<Option<usize>>, usize) {
-        let values = &self.extras[column].values;
-        let mut of_session: Vec<Option<u64>> = vec![None; self.sessions.len()];
-        for (x, s) in values.iter().zip(&self.session) {
-            of_session[*s] = Some(x.to_bits());
+        let levels = self.level_values(column);
+        let mut of_session = vec![None; self.sessions.len()];
+        for (x, s) in self.extras[column].values.iter().zip(&self.session) {
+            let place = levels.iter().position(|l| l == x);
+            of_session[*s] = place.and_then(|p| p.checked_sub(1));
         }
-        let levels: BTreeSet<u64> = of_session.iter().flatten().copied().collect();
-        let levels: Vec<u64> = levels.into_iter().collect();
-        let number = |bits: Option<u64>| {
-            let place = levels.iter().position(|l| Some(*l) == bits)?;
-            place.checked_sub(1)
-        };
-        (
-            of_session.into_iter().map(number).collect(),
-            levels.len() - 1,
-        )
+        (of_session, levels.len() - 1)
+    }
+
+    /// The levels of an extra column that names groups, as its author wrote them.
+    pub fn level_names(&self, column: usize) -> Vec<String> {
+        let (middle, sd) = self.extras[column].scale;
+        let levels = self.level_values(column);
+        let number = |x: &f64| format!("{:.0}", middle + sd * x);
+        levels.iter().map(number).collect()
+    }
+
+    fn level_values(&self, column: usize) -> Vec<f64> {
+        let mut levels = self.extras[column].values.clone();
+        levels.sort_by(f64::total_cmp);
+        levels.dedup();
+        levels
     }
 
     fn note_what_is_missing(&mut self, dated: bool) {
@@ -414,13 +427,26 @@ fn extras(rows: &[&Row], data: &Data) -> Vec<Extra> {
         .collect()
 }
 
+/// Whether a zero was taken off the force of a session, where that differs: of some sessions the zero is known (from a zero log, or because
+/// the actuator went slack), of others not.
+fn zero_unknown(rows: &[&Row], data: &Data) -> Option<Extra> {
+    let known = |r: &&Row| r.zero_force_n.is_finite() && r.zero_force_n != 0.0;
+    // Whole numbers that are constant within sessions: they name two groups.
+    let unknown = rows.iter().map(|r| f64::from(u8::from(!known(r))));
+    column(data, ZERO_UNKNOWN, unknown.collect())
+}
+
 fn extra(rows: &[&Row], data: &Data, name: &str) -> Option<Extra> {
     let raw: Vec<f64> = rows
         .iter()
         .map(|r| r.extras.get(name).copied().unwrap_or(f64::NAN))
         .collect();
+    column(data, name, raw)
+}
+
+fn column(data: &Data, name: &str, raw: Vec<f64>) -> Option<Extra> {
     let known: Vec<f64> = raw.iter().copied().filter(|x| x.is_finite()).collect();
-    if known.len() < rows.len() / 2 {
+    if known.len() < raw.len() / 2 {
         return None;
     }
     let middle = mean(&known);
@@ -454,6 +480,7 @@ fn extra(rows: &[&Row], data: &Data, name: &str) -> Option<Extra> {
             })
             .collect(),
         scale: (middle, sd),
+        constant_in_sessions: constant,
         names_groups: whole
             && constant
             && distinct.len() <= 4
