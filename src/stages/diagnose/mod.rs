@@ -117,7 +117,7 @@ pub fn diagnose(
         .collect();
     let passed_over = rows.len() - answered.len();
     let (suspects, answered) = without_mistakes(&base, group, answered, fit, options);
-    let all = Data::new(&answered);
+    let all = Data::new(&answered).with_placebo(options.seed);
     let kept_out: Vec<bool> = answered
         .iter()
         .map(|r| r.role == Some(Role::Holdout))
