@@ -255,21 +255,17 @@ fn run(trial: &Trial) -> Outcome {
         .expect("enough readings")
         .findings;
     let seconds = start.elapsed().as_secs_f64();
-    // The error of the generating model on the held-out specimens, each with its own strength taken off, as for the model that was found:
-    // how strong an unknown specimen is can be known to neither.
-    let mut held: BTreeMap<&str, (Vec<f64>, Vec<f64>)> = BTreeMap::new();
-    for (row, truth) in made.rows.iter().zip(&made.readings) {
-        if row.role == Some(Role::Holdout) {
-            let (measured, expected) = held.entry(row.specimen.as_str()).or_default();
-            measured.push(row.force_n);
-            expected.push(truth.expected_force_n);
-        }
-    }
-    let best = held
-        .values()
-        .map(|(measured, expected)| Tally::of(measured, expected))
-        .fold(Tally::default(), Tally::plus)
-        .rmse_own_strength();
+    // The error of the generating model on the held-out specimens, their strengths known to it. Those of the model that was found are
+    // fitted to the specimen as well: how strong an unknown specimen is can be known to neither.
+    let held: Vec<(f64, f64)> = made
+        .rows
+        .iter()
+        .zip(&made.readings)
+        .filter(|(row, _)| row.role == Some(Role::Holdout))
+        .map(|(row, truth)| (row.force_n, truth.expected_force_n))
+        .collect();
+    let (measured, expected): (Vec<f64>, Vec<f64>) = held.into_iter().unzip();
+    let best = Tally::of(&measured, &expected, &expected).rmse();
     let has = |id: &str| {
         found
             .effects
