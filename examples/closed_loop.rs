@@ -255,14 +255,14 @@ fn run(trial: &Trial) -> Outcome {
         .expect("enough readings")
         .findings;
     let seconds = start.elapsed().as_secs_f64();
-    // The error of the generating model on the held-out specimens, their strengths known to it. Those of the model that was found are
-    // fitted to the specimen as well: how strong an unknown specimen is can be known to neither.
+    // The error of the generating model on the held-out specimens, their strengths known to it. The model that was found may fit them as
+    // well: how strong an unknown specimen is can be known to neither.
     let held: Vec<(f64, f64)> = made
         .rows
         .iter()
         .zip(&made.readings)
         .filter(|(row, _)| row.role == Some(Role::Holdout))
-        .map(|(row, truth)| (row.force_n, truth.expected_force_n))
+        .map(|(row, truth)| (row.force_n, truth.known_force_n))
         .collect();
     let (measured, expected): (Vec<f64>, Vec<f64>) = held.into_iter().unzip();
     let best = Tally::of(&measured, &expected, &expected).rmse();
@@ -391,9 +391,20 @@ fn report(trials: &[Trial], outcomes: &[Outcome]) {
             .iter()
             .filter_map(|i| outcomes[*i].covered)
             .collect();
-        let mut ratios: Vec<f64> = members.iter().map(|i| outcomes[*i].ratio).collect();
+        // What was drawn for a session can be known to no model that has not seen it.
+        let drawn = |i: &&usize| {
+            let cases = &trials[**i].cases;
+            cases
+                .iter()
+                .any(|c| ["each session", "wandering"].contains(&c.form))
+        };
+        let predictable = members.iter().filter(|i| !drawn(i));
+        let mut ratios: Vec<f64> = predictable.map(|i| outcomes[*i].ratio).collect();
         ratios.sort_by(f64::total_cmp);
         let above = ratios.iter().filter(|r| **r > 1.10).count();
+        let ratio = ratios
+            .get(ratios.len() / 2)
+            .map_or("-".to_owned(), |r| format!("{r:.2}"));
         let physical = |i: &&usize| outcomes[**i].found.iter().any(|f| !f.starts_with('?'));
         let physical = members.iter().filter(physical).count();
         let seconds =
@@ -414,11 +425,10 @@ fn report(trials: &[Trial], outcomes: &[Outcome]) {
             )
         };
         println!(
-            "| {label} | {n} | {:.1}% | {:.1} to {:.1}% | {cover} | {:.2} | {above} | {:.0}% | {seconds:.1} |",
+            "| {label} | {n} | {:.1}% | {:.1} to {:.1}% | {cover} | {ratio} | {above} | {:.0}% | {seconds:.1} |",
             100.0 * hits as f64 / n as f64,
             100.0 * lower(hits, n),
             100.0 * (1.0 - lower(n - hits, n)),
-            ratios[n / 2],
             100.0 * physical as f64 / n as f64
         );
     }

@@ -27,6 +27,7 @@ pub mod judge;
 pub mod limits;
 pub mod linear;
 pub mod model;
+pub mod noise;
 pub mod questions;
 pub mod search;
 pub mod suspects;
@@ -49,7 +50,7 @@ use judge::Judgement;
 use model::{Fitted, Model};
 use search::{Search, State};
 use std::collections::BTreeSet;
-use term::Term;
+use term::{Scope, Term};
 
 /// Raised when results change without a change of this stage's source files.
 pub const VERSION: u32 = 1;
@@ -203,6 +204,15 @@ fn believed(search: &Search, seed: u64) -> (State, Vec<Judgement>, Vec<Rejected>
     let (state, judgements, each) =
         judge::with_each_session(search, state, judgements, &inner, seed);
     rejected.extend(each);
+    // What the sessions' own values hid can be seen beside them.
+    let by_session = |c: &usize| search.candidates[*c].scope == Scope::EachSession;
+    if state.chosen.iter().any(by_session) {
+        let (further, more, failed) = judge::judged(search, &search.further(&state), &inner, seed);
+        if further.chosen.len() > state.chosen.len() {
+            rejected.extend(failed);
+            return (further, more, rejected);
+        }
+    }
     (state, judgements, rejected)
 }
 

@@ -26,6 +26,9 @@ const LEAST_OF_ALL: f64 = 0.01;
 /// log declares, the converter's steps and the means over plateaus are not better than this (0.18 N from session to session in simulated
 /// logs without any effect, which a thousand samples make significant).
 pub const LEAST_OF_RANGE: f64 = 0.001;
+/// Or it explains this part of what can be explained: what is left beside noise that repeats show. A second effect may be small beside the
+/// first; the misfit of a shape is not explained to that part by anything else.
+const NEARLY_ALL: f64 = 0.8;
 /// The same for a value of every session: what these explain is in part the misfit of a shape.
 const LEAST_OF_ALL_EACH: f64 = 0.1;
 /// One session (specimen) is looked at by itself if its value stands out so many times above the median of the others'.
@@ -62,6 +65,8 @@ pub struct Search<'a> {
     pub most: usize,
     /// Largest corrected p of an addition.
     pub significance: f64,
+    /// Sum of squares that repeated readings show, N^2: no model explains it. 0 where nothing was repeated.
+    pub pure: f64,
     /// Least root mean square that an addition must take off, N: see [`LEAST_OF_RANGE`].
     pub least_n: f64,
 }
@@ -80,14 +85,19 @@ impl<'a> Search<'a> {
         } else {
             quantile(&data.force, 0.95)
         };
-        Self {
+        let mut search = Self {
             base,
             data,
             candidates,
             most,
             significance,
+            pure: 0.0,
             least_n: LEAST_OF_RANGE * range.max(0.0),
-        }
+        };
+        let null = search.model(&[]).fit(None, 0);
+        let noise = super::noise::noise_floor(data, &null.residuals).unwrap_or(0.0);
+        search.pure = noise * noise * data.len() as f64;
+        search
     }
 
     /// The model with these candidates.
@@ -190,6 +200,17 @@ impl<'a> Search<'a> {
         (grown.chosen.len() > from.chosen.len() && pays).then_some(grown)
     }
 
+    /// The best models from one with a value for every session upwards, the largest first, that one last.
+    pub fn further(&self, from: &State) -> Vec<State> {
+        let null = self.state(Vec::new(), None);
+        let whole: Vec<usize> = (0..self.candidates.len())
+            .filter(|c| self.candidates[*c].scope == Scope::Whole)
+            .collect();
+        let mut grown = self.grow(&null, from.clone(), &whole, BEAM);
+        grown.reverse();
+        grown
+    }
+
     /// The best models from a state upwards, with additions from a list: by size, in each size the best one last.
     fn grow(&self, null: &State, from: State, list: &[usize], width: usize) -> Vec<State> {
         let all = rss(null);
@@ -269,8 +290,10 @@ impl<'a> Search<'a> {
         let taken_off = ((rss(small) - rss(large)).max(0.0) / self.data.len() as f64).sqrt();
         let between =
             strengths(&model, &small.fitted) - strengths(&self.model(&large.chosen), &large.fitted);
+        let explained = (rss(small) - rss(large)) / (rss(small) - self.pure).max(f64::MIN_POSITIVE);
+        let matters = of_all > least || (explained > NEARLY_ALL && !each);
         self.criterion_gain(small, large) > 0.0
-            && ((fall > LEAST_FALL && of_all > least && taken_off > self.least_n) || between > 6.0)
+            && ((fall > LEAST_FALL && matters && taken_off > self.least_n) || between > 6.0)
     }
 
     /// The best model gives way to one of the same size that explains nearly as much and has more behind it: physics and not an

@@ -7,7 +7,7 @@ mod strengths;
 mod summary;
 mod unexplained;
 
-use super::data::{Data, PLACEBO};
+use super::data::PLACEBO;
 use super::findings::{
     CampaignFindings, CoefficientChange, EffectFinding, Question, Residuals, Unexplained, Verdict,
 };
@@ -18,7 +18,7 @@ use super::model::{Fitted, Model, Place};
 use super::search::{Search, State};
 use super::term::{Term, What};
 use super::uncertainty::{Uncertainty, uncertainties};
-use super::{Diagnosis, Work, questions, train_error};
+use super::{Diagnosis, Work, noise, questions, train_error};
 use crate::models::{ForceModel, new};
 use std::collections::BTreeSet;
 use strengths::Strengths;
@@ -117,7 +117,7 @@ pub(super) fn answer(work: &Work) -> Diagnosis {
         after_as_chosen,
         after_empirical,
         by_specimen: work.held.by_unit.clone(),
-        noise_floor: noise_floor(work.train, &fitted.residuals),
+        noise_floor: noise::noise_floor(work.train, &fitted.residuals),
         black_box_rmse_heldout: work.held.black_box,
         black_box_after_rmse_heldout: work.held.black_box_after,
         rejected,
@@ -277,39 +277,6 @@ fn coefficients(
             }
         })
         .collect()
-}
-
-/// Standard deviation of a reading about its neighbours in pressure from other logs of the same session and direction, N.
-fn noise_floor(data: &Data, residuals: &[f64]) -> Option<f64> {
-    let mut keyed: Vec<(usize, i64, f64, usize)> = (0..data.len())
-        .map(|i| {
-            (
-                data.session[i],
-                data.conditions[i].direction as i64,
-                data.conditions[i].pressure_kpa,
-                i,
-            )
-        })
-        .collect();
-    keyed.sort_by(|a, b| {
-        a.0.cmp(&b.0)
-            .then(a.1.cmp(&b.1))
-            .then(a.2.total_cmp(&b.2))
-            .then(a.3.cmp(&b.3))
-    });
-    let near = |w: &[(usize, i64, f64, usize)]| {
-        let (a, b) = (&w[0], &w[1]);
-        a.0 == b.0 && a.1 == b.1 && (a.2 - b.2).abs() < 15.0 && data.log[a.3] != data.log[b.3]
-    };
-    let squares: Vec<f64> = keyed
-        .windows(2)
-        .filter(|w| near(w))
-        .map(|w| {
-            let d = residuals[w[0].3] - residuals[w[1].3];
-            0.5 * d * d
-        })
-        .collect();
-    (squares.len() >= 10).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
 }
 
 fn notes(work: &Work) -> Vec<String> {

@@ -50,7 +50,12 @@ pub(super) fn chosen_again(
     };
     let whole = linear.stand(&linear.all_sessions(), &[]);
     let scale = |c: usize, fitted: &State| {
-        (rss(without) - rss(fitted)).max(0.0) / whole.gain(c).fall.max(f64::MIN_POSITIVE)
+        let linear = whole.gain(c).fall;
+        if linear > 0.0 {
+            (rss(without) - rss(fitted)).max(0.0) / linear
+        } else {
+            1.0
+        }
     };
     let own = whole.gain(candidate).fall;
     let falls: Vec<(f64, usize)> = rivals

@@ -4,7 +4,7 @@ use super::super::data::Data;
 use super::super::folds::{Fold, Tally};
 use super::super::model::{Fitted, Model};
 use super::super::search::{Search, State};
-use super::super::term::Term;
+use super::super::term::{Scope, Term};
 use std::collections::BTreeSet;
 
 /// In which part of the folds the held-out error falls by more than a standard error, and the errors.
@@ -18,7 +18,7 @@ pub(super) fn helps(
     let (mut before, mut after) = (Tally::default(), Tally::default());
     for fold in folds {
         let train = search.data.select(&fold.train);
-        let held = search.data.select(&fold.held_out);
+        let held = search.data.select(&predictable(search, with, fold));
         if held.is_empty() || train.is_empty() {
             continue;
         }
@@ -65,6 +65,29 @@ pub(super) fn log_folds(data: &Data) -> Vec<Fold> {
             train: (0..data.len()).filter(|i| part(*i) != k).collect(),
             held_out: (0..data.len()).filter(|i| part(*i) == k).collect(),
         })
+        .collect()
+}
+
+/// The held-out readings of a fold, less those of a session or specimen that has a value of its own in the model which the fold's other
+/// readings say nothing of.
+fn predictable(search: &Search, state: &State, fold: &Fold) -> Vec<usize> {
+    let data = search.data;
+    let seen: BTreeSet<usize> = fold.train.iter().map(|i| data.session[*i]).collect();
+    let parts: Vec<&Term> = state
+        .chosen
+        .iter()
+        .map(|c| &search.candidates[*c])
+        .filter(|t| matches!(t.scope, Scope::Session(_) | Scope::Specimen(_)))
+        .collect();
+    let hidden = |i: &usize| {
+        parts.iter().any(|t| {
+            t.acts_on[data.session[*i]].is_some() && !seen.iter().any(|s| t.acts_on[*s].is_some())
+        })
+    };
+    fold.held_out
+        .iter()
+        .copied()
+        .filter(|i| !hidden(i))
         .collect()
 }
 
