@@ -31,7 +31,17 @@ pub(super) fn questions(found: &CampaignFindings) -> Vec<Asked> {
     list.iter().map(asked).collect()
 }
 
-pub(super) fn unexplained(u: &Unexplained) -> [String; 6] {
+/// What stays unexplained; a session that was set aside is no dependence and stands among the suspects.
+pub(super) fn unexplained(found: &CampaignFindings) -> Vec<[String; 6]> {
+    let aside = |u: &&Unexplained| {
+        let is = |what: &str| u.shape.starts_with(&format!("{what}: "));
+        found.suspects.iter().any(|s| s.set_aside && is(&s.what))
+    };
+    let list = found.unexplained.iter().filter(|u| !aside(u));
+    list.map(unexplained_column).collect()
+}
+
+fn unexplained_column(u: &Unexplained) -> [String; 6] {
     [
         u.column.clone(),
         u.shape.clone(),

@@ -62,9 +62,14 @@ pub(super) fn effect(e: &EffectFinding) -> Effect {
 }
 
 pub(super) fn rejected(found: &CampaignFindings) -> Vec<[String; 4]> {
-    // A candidate that was chosen first and then failed also stands among those that were not chosen: its first reason says more.
+    // A candidate that was chosen first and then failed also stands among those that were not chosen: its first reason says more. One that
+    // failed in one set of effects and was chosen in another was taken.
     let mut seen = BTreeSet::new();
     let once = |r: &&Rejected| seen.insert((r.id.clone(), r.acts_on.clone()));
+    let taken = |r: &&Rejected| {
+        let same = |e: &EffectFinding| e.id == r.id && e.acts_on == r.acts_on;
+        found.effects.iter().any(same)
+    };
     let row = |r: &Rejected| {
         [
             title(&r.id),
@@ -73,6 +78,6 @@ pub(super) fn rejected(found: &CampaignFindings) -> Vec<[String; 4]> {
             r.why.clone(),
         ]
     };
-    let first = found.rejected.iter().filter(once).take(REJECTED);
-    first.map(row).collect()
+    let first = found.rejected.iter().filter(|r| !taken(r)).filter(once);
+    first.take(REJECTED).map(row).collect()
 }

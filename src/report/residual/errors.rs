@@ -1,6 +1,6 @@
 //! Errors: of the campaign, of every held-out unit, of the readings of the base model; and the base model's coefficients.
 
-use super::words::{newtons, perhaps};
+use super::words::{named, newtons, perhaps, with_titles};
 use crate::report::answers::{rounded, unit_words};
 use crate::report::number::Rounding;
 use crate::stages::diagnose::findings::{CoefficientChange, Errors, FoldErrors, Reading};
@@ -25,14 +25,15 @@ pub(super) fn unit(f: &FoldErrors) -> [String; 6] {
         if f.chosen.is_empty() {
             "nothing".to_owned()
         } else {
-            f.chosen.join(", ")
+            let chosen: Vec<String> = f.chosen.iter().map(|id| named(id)).collect();
+            chosen.join(", ")
         },
     ]
 }
 
 pub(super) fn reading(r: &Reading) -> [String; 5] {
     [
-        r.model.clone(),
+        with_titles(&r.model),
         r.parameters.to_string(),
         newtons(r.errors.rmse_train),
         newtons(r.errors.rmse_heldout),
@@ -63,6 +64,9 @@ pub(super) fn coefficient(c: &CoefficientChange) -> [String; 6] {
         } else {
             "–".to_owned()
         },
-        c.remark.clone(),
+        match c.remark.as_str() {
+            "held" => "held at the published value".to_owned(),
+            other => other.to_owned(),
+        },
     ]
 }

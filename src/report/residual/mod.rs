@@ -16,7 +16,7 @@ use crate::stages::diagnose::findings::{CampaignFindings, EffectFinding};
 use asked::{Asked, questions, unexplained};
 use effects::{Effect, effect, rejected};
 use errors::{coefficient, errors, reading, unit};
-use limits::{Next, alias, by_reason, limits, next, wanting};
+use limits::{Next, alike, by_reason, limits, next, wanting};
 use serde::Serialize;
 use suspects::{Suspect, summary, suspects};
 use words::perhaps;
@@ -68,7 +68,8 @@ struct Campaign {
     not_measurable: Vec<(String, Vec<String>)>,
     /// Effects for which the campaign lacks something, and what.
     wanting: Vec<(String, String)>,
-    aliases: Vec<(String, String, String)>,
+    /// Effects that cannot be told apart, and the smallest cosine between two of them.
+    aliases: Vec<(Vec<String>, String)>,
     next: Vec<Next>,
     notes: Vec<String>,
     figures: Vec<Picture>,
@@ -156,14 +157,14 @@ fn campaign(found: &CampaignFindings, figures: &[Drawn]) -> Campaign {
         effects: found.effects.iter().map(effect).collect(),
         rejected: rejected(found),
         questions: questions(found),
-        unexplained: found.unexplained.iter().map(unexplained).collect(),
+        unexplained: unexplained(found),
         units: found.by_specimen.iter().map(unit).collect(),
         readings_of_the_base: found.readings_of_the_base.iter().map(reading).collect(),
         coefficients: found.coefficients.iter().map(coefficient).collect(),
         limits: limits(found),
-        not_measurable: by_reason(&found.not_measurable),
+        not_measurable: by_reason(found),
         wanting: found.not_measurable.iter().filter_map(wanting).collect(),
-        aliases: found.aliases.iter().map(alias).collect(),
+        aliases: alike(&found.aliases),
         next: next(found),
         notes: found.notes.clone(),
         figures: figures.iter().map(picture).collect(),

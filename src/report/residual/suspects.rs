@@ -41,7 +41,8 @@ fn suspect(s: &Found) -> Suspect {
     }
 }
 
-/// The summary of a campaign without the sentences on its suspects, which stand in a block of their own before it.
+/// The summary of a campaign without what the page says better beside it: the suspects, which stand in a block of their own before it,
+/// and the effects, which are listed with their intervals.
 pub(super) fn summary(found: &CampaignFindings) -> String {
     let mut rest = found.summary.as_str();
     for s in &found.suspects {
@@ -54,5 +55,8 @@ pub(super) fn summary(found: &CampaignFindings) -> String {
         };
         rest = after.split_once(". ").map_or("", |(_, rest)| rest);
     }
-    rest.to_owned()
+    match rest.find("With the search inside") {
+        Some(errors) if !found.effects.is_empty() => rest[errors..].to_owned(),
+        _ => rest.to_owned(),
+    }
 }
