@@ -1,17 +1,21 @@
-//! Comma-separated logs: bytes in, numeric columns out.
+//! Comma-separated logs: bytes in, columns of numbers or words out.
 //!
 //! Parsing is polars'. Blanks around a number, as `printf("%f, %f")` leaves them, are taken off before; a blank line is a row without
 //! numbers, so that the rows of a table and the lines of its file keep in step. A cell that is not a number becomes NaN and is counted, with the first few quoted; what follows from it is for
 //! the clean stage to decide. Only what makes the whole file unreadable is an error here.
 
 use crate::base::diagnostics::{Diagnostic, Severity};
-use crate::base::session::Position;
+use crate::base::session::{Cells, Position};
 use polars::prelude::*;
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::io::Cursor;
 
 /// A line longer than this is no line of a log, bytes.
 pub const LONGEST_LINE: usize = 64 * 1024;
+
+/// What people write where they have nothing to say, in small letters.
+const NOTHING: &[&str] = &["", "na", "n/a", "null", "-", "--"];
 
 /// How many bad cells of a log are quoted; the others are counted.
 const QUOTED_CELLS: usize = 3;
@@ -23,6 +27,8 @@ pub struct Request {
     pub name: String,
     /// Where it stands.
     pub position: Position,
+    /// Whether numbers or words stand there.
+    pub cells: Cells,
     /// Texts and the numbers that stand for them, where the column holds states and not numbers.
     pub codes: Vec<(String, f64)>,
 }
@@ -36,13 +42,17 @@ pub struct BadCell {
     pub column: String,
     /// What stands there.
     pub found: String,
+    /// How many such cells the column has in this log.
+    pub of: usize,
 }
 
 /// A log as read: one vector a requested column, all of one length.
 #[derive(Clone, Debug, Default)]
 pub struct RawLog {
-    /// Values in the order of the requests; NaN where the cell is no number.
+    /// Values in the order of the requests; NaN where the cell is no number. A column of words has none.
     pub columns: Vec<Vec<f64>>,
+    /// The columns of words, by the place of their request; none where the cell is empty.
+    pub words: BTreeMap<usize, Vec<Option<String>>>,
     /// The first bad cells.
     pub bad_cells: Vec<BadCell>,
     /// All bad cells.
@@ -248,7 +258,7 @@ fn parse(
         indices
             .iter()
             .zip(requests)
-            .any(|(i, r)| *i == k && has_text_codes(r))
+            .any(|(i, r)| *i == k && is_read_as_text(r))
     };
     let wanted = |k: usize| indices.contains(&k);
     let schema: Schema = (0..width)
@@ -280,6 +290,10 @@ fn parse(
         .finish()
 }
 
+fn is_read_as_text(request: &Request) -> bool {
+    has_text_codes(request) || request.cells != Cells::Numbers
+}
+
 /// Whether a column of states holds words; where every state is written as a number it is read as one.
 fn has_text_codes(request: &Request) -> bool {
     request
@@ -298,10 +312,18 @@ fn collect(
         first_line: lines.iter().next().map_or(1, |(line, _)| line),
         ..RawLog::default()
     };
-    for (index, request) in indices.iter().zip(requests) {
+    for (place, (index, request)) in indices.iter().zip(requests).enumerate() {
         let column = frame.column(&index.to_string())?;
         let mut values = if has_text_codes(request) {
             coded(column.str()?, request)
+        } else if request.cells != Cells::Numbers {
+            let texts = column.str()?;
+            if request.cells == Cells::Words || are_words(texts) {
+                log.words.insert(place, words(texts));
+                log.columns.push(Vec::new());
+                continue;
+            }
+            texts.iter().map(|t| t.map_or(f64::NAN, number)).collect()
         } else {
             let numbers = column.f64()?;
             numbers.iter().map(|x| x.unwrap_or(f64::NAN)).collect()
@@ -315,6 +337,31 @@ fn collect(
     log.bad_cells.sort_by_key(|c| c.line);
     log.bad_cells.truncate(QUOTED_CELLS);
     Ok(log)
+}
+
+fn says_nothing(text: &str) -> bool {
+    NOTHING.contains(&text.trim().to_ascii_lowercase().as_str())
+}
+
+fn number(text: &str) -> f64 {
+    text.trim().parse().unwrap_or(f64::NAN)
+}
+
+/// Whether most of the cells in which something stands are no numbers.
+fn are_words(texts: &StringChunked) -> bool {
+    let said = texts.iter().flatten().filter(|t| !says_nothing(t));
+    let (words, all) = said.fold((0, 0), |(words, all), text| {
+        (
+            words + usize::from(text.trim().parse::<f64>().is_err()),
+            all + 1,
+        )
+    });
+    2 * words > all
+}
+
+fn words(texts: &StringChunked) -> Vec<Option<String>> {
+    let word = |text: &str| (!says_nothing(text)).then(|| text.trim().to_owned());
+    texts.iter().map(|t| t.and_then(word)).collect()
 }
 
 fn coded(texts: &StringChunked, request: &Request) -> Vec<f64> {
@@ -368,6 +415,7 @@ fn quote_bad_cells(
                 Some("") => "an empty field".to_owned(),
                 Some(cell) => format!("\"{}\"", cell.chars().take(40).collect::<String>()),
             },
+            of: bad,
         });
     log.bad_cells.extend(quoted);
 }
@@ -382,6 +430,7 @@ mod tests {
             .map(|i| Request {
                 name: format!("c{i}"),
                 position: Position::Index(*i),
+                cells: Cells::Numbers,
                 codes: Vec::new(),
             })
             .collect()
@@ -391,6 +440,7 @@ mod tests {
         vec![Request {
             name: name.to_owned(),
             position: Position::Name(name.to_owned()),
+            cells: Cells::Numbers,
             codes: Vec::new(),
         }]
     }
@@ -458,6 +508,29 @@ mod tests {
             (foreign.found.contains("UTF-8"), foreign.row),
             (true, Some(2))
         );
+    }
+
+    #[test]
+    fn a_column_of_words_is_one_where_most_cells_are_words_or_where_it_is_declared() {
+        let read_as = |cells: Cells, text: &str| {
+            let mut request = by_index(&[1]);
+            request[0].cells = cells;
+            read("t", text.as_bytes(), &request).unwrap()
+        };
+        let mixed = "1, bench A\n2,\"bench B\"\n3,n/a\n4,7\n";
+        let words = ["bench A", "bench B", "", "7"].map(|w| (!w.is_empty()).then(|| w.to_owned()));
+        let log = read_as(Cells::Either, mixed);
+        assert_eq!((&log.words[&0][..], log.bad_cell_count), (&words[..], 0));
+        assert!(log.columns[0].is_empty());
+        let log = read_as(Cells::Either, "1,40\n2,41\n3,wet\n");
+        assert_eq!(log.columns[0][..2], [40.0, 41.0]);
+        assert_eq!(
+            (log.bad_cells[0].found.as_str(), log.bad_cells[0].of),
+            ("\"wet\"", 1)
+        );
+        let log = read_as(Cells::Words, "1,40\n2,41\n");
+        assert_eq!(log.words[&0][1].as_deref(), Some("41"));
+        assert_eq!(read_as(Cells::Numbers, mixed).bad_cell_count, 3);
     }
 
     #[test]

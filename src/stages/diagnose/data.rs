@@ -1,7 +1,7 @@
 //! The readings of one campaign as the search sees them: numbers, groups, and what is known of each reading.
 
 use crate::base::columns::TEMPERATURE;
-use crate::base::row::Row;
+use crate::base::row::{Row, label_names};
 use crate::base::session::Phase;
 use crate::effects::{Conditions, Need};
 use crate::numerics::statistics::{mean, median};
@@ -17,6 +17,8 @@ const ZERO_STANDS_OUT: (f64, f64) = (5.0, 3.0);
 /// of a column's name counts.
 const SINCE_STEP: &[&str] = &["time_since_step", "since_step", "dwell", "hold"];
 const RATE: &[&str] = &["pressure_rate", "rate", "dp_dt", "dpdt", "ramp"];
+/// The group of the sessions that name none.
+const UNNAMED: &str = "not named";
 const CYCLES: &[&str] = &["cycle", "n_cycle", "cycles", "ncycles", "cycle_count"];
 
 /// An extra column that no effect of the library has a name for.
@@ -28,8 +30,10 @@ pub struct Extra {
     pub values: Vec<f64>,
     /// Mean and standard deviation before that.
     pub scale: (f64, f64),
-    /// Few whole numbers, constant within a session: it names a group (a load cell, a bench), it does not measure.
+    /// Few whole numbers or words, constant within a session: it names a group (a load cell, a bench), it does not measure.
     pub names_groups: bool,
+    /// The words that stand for the numbers 0, 1, 2, …; empty for a column of numbers.
+    pub words: Vec<String>,
 }
 
 /// The readings of a campaign.
@@ -53,6 +57,8 @@ pub struct Data {
     pub extras: Vec<Extra>,
     /// Why a quantity is not known.
     pub missing: BTreeMap<Need, String>,
+    /// Columns of words that are not searched, and why.
+    pub notes: Vec<String>,
 }
 
 impl Data {
@@ -96,6 +102,9 @@ impl Data {
             .collect();
         data.conditions = conditions(rows, &data, dates.len() > 1);
         data.extras = extras(rows, &data);
+        let (labels, notes) = labels(rows, &data);
+        data.extras.extend(labels);
+        data.notes = notes;
         data.note_what_is_missing(dates.len() > 1);
         data
     }
@@ -130,6 +139,7 @@ impl Data {
                 })
                 .collect(),
             missing: self.missing.clone(),
+            notes: self.notes.clone(),
         }
     }
 
@@ -180,6 +190,21 @@ impl Data {
             of_session.into_iter().map(number).collect(),
             levels.len() - 1,
         )
+    }
+
+    /// What the levels of an extra column are called, in the order of [`Data::levels`]: the first is the one that the others are compared with.
+    pub fn level_names(&self, column: usize) -> Vec<String> {
+        let extra = &self.extras[column];
+        let levels: BTreeSet<u64> = extra.values.iter().map(|x| x.to_bits()).collect();
+        levels
+            .into_iter()
+            .map(|bits| {
+                let value = extra.scale.0 + extra.scale.1 * f64::from_bits(bits);
+                let word = extra.words.get(value.round().max(0.0) as usize);
+                word.cloned()
+                    .unwrap_or_else(|| format!("{}", (1e6 * value).round() * 1e-6))
+            })
+            .collect()
     }
 
     fn note_what_is_missing(&mut self, dated: bool) {
@@ -398,7 +423,9 @@ fn rate(rows: &[&Row], places: &[usize], k: usize) -> f64 {
 
 /// The columns that the user added and no effect claims, if they vary.
 fn extras(rows: &[&Row], data: &Data) -> Vec<Extra> {
-    let names: BTreeSet<&String> = rows.iter().flat_map(|r| r.extras.keys()).collect();
+    let words = label_names(rows.iter().copied());
+    let names = rows.iter().flat_map(|r| r.extras.keys());
+    let names: BTreeSet<&String> = names.filter(|n| !words.contains(*n)).collect();
     let claimed = |name: &str| {
         let lower = name.to_ascii_lowercase();
         name == TEMPERATURE
@@ -458,5 +485,58 @@ fn extra(rows: &[&Row], data: &Data, name: &str) -> Option<Extra> {
             && constant
             && distinct.len() <= 4
             && 3 * distinct.len() <= data.sessions.len(),
+        words: Vec::new(),
     })
+}
+
+/// The columns of words that name groups of sessions, and remarks on those that do not.
+fn labels(rows: &[&Row], data: &Data) -> (Vec<Extra>, Vec<String>) {
+    let (mut extras, mut notes) = (Vec::new(), Vec::new());
+    for name in label_names(rows.iter().copied()) {
+        // Where a session says nothing, that is a group of its own.
+        let word = |r: &&Row| r.label(&name).unwrap_or_else(|| UNNAMED.to_owned());
+        let words: Vec<String> = rows.iter().map(word).collect();
+        let distinct: BTreeSet<&String> = words.iter().collect();
+        if distinct.len() < 2 {
+            continue;
+        }
+        let mut of_session: Vec<Option<&String>> = vec![None; data.sessions.len()];
+        let differs = words.iter().zip(&data.session).find(|(w, s)| {
+            let first = *of_session[**s].get_or_insert(w);
+            first != *w
+        });
+        if let Some((_, s)) = differs {
+            notes.push(format!(
+                "The column {name} holds words that differ within a session (first in {}), and is not searched.",
+                data.sessions[*s]
+            ));
+        } else if 3 * distinct.len() > data.sessions.len() {
+            notes.push(format!(
+                "The column {name} names {} groups in {} sessions, too many to be searched.",
+                distinct.len(),
+                data.sessions.len()
+            ));
+        } else {
+            extras.push(named_groups(name, &words, &distinct));
+        }
+    }
+    (extras, notes)
+}
+
+fn named_groups(name: String, words: &[String], distinct: &BTreeSet<&String>) -> Extra {
+    let place = |w: &String| distinct.iter().position(|d| *d == w).unwrap_or(0) as f64;
+    let numbers: Vec<f64> = words.iter().map(place).collect();
+    let middle = mean(&numbers);
+    let squares: Vec<f64> = numbers
+        .iter()
+        .map(|x| (x - middle) * (x - middle))
+        .collect();
+    let sd = mean(&squares).sqrt();
+    Extra {
+        name,
+        values: numbers.iter().map(|x| (x - middle) / sd).collect(),
+        scale: (middle, sd),
+        names_groups: true,
+        words: distinct.iter().map(|w| (*w).clone()).collect(),
+    }
 }

@@ -171,7 +171,9 @@ pub fn diagnose(
         passed_over,
         suspects,
     };
-    Some(answer::answer(&work))
+    let mut diagnosis = answer::answer(&work);
+    diagnosis.findings.notes.extend(all.notes.iter().cloned());
+    Some(diagnosis)
 }
 
 /// What is far off, and the rows without the sessions that are set aside for it.
