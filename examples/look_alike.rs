@@ -24,6 +24,8 @@ use pipeline::stages::ingest::{LogSamples, ingest};
 use std::path::{Path, PathBuf};
 
 type Failure = Box<dyn std::error::Error>;
+/// Names and bytes of a session's files, `session.toml` first.
+type Files = Vec<(String, Vec<u8>)>;
 
 /// Pressure near which a plateau is drawn large, kPa.
 const ZOOM_KPA: f64 = 300.0;
@@ -60,8 +62,7 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Names and bytes of a session's files, `session.toml` first.
-fn files_of(folder: &Path) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+fn files_of(folder: &Path) -> Result<Files, Failure> {
     let toml = std::fs::read(folder.join("session.toml"))?;
     let session = checked(&toml)?;
     let mut files = vec![("session.toml".to_owned(), toml)];
@@ -112,7 +113,7 @@ fn simulated(truth: &str, like: &Session) -> Result<Look, Failure> {
     }
     let campaign = simulate(&truth);
     let wanted = [like.specimen.rest_length_m, length(like)?];
-    let mut best: Option<(f64, &[(String, Vec<u8>)])> = None;
+    let mut best: Option<(f64, &Files)> = None;
     for candidate in &campaign.sessions {
         let session = checked(&candidate.files[0].1)?;
         let lengths = [session.specimen.rest_length_m, length(&session)?];
@@ -133,7 +134,7 @@ struct Look {
 }
 
 impl Look {
-    fn new(name: &'static str, files: &[(String, Vec<u8>)]) -> Result<Self, Failure> {
+    fn new(name: &'static str, files: &Files) -> Result<Self, Failure> {
         let session = checked(&files[0].1)?;
         let bytes = |log: &str| files.iter().find(|(name, _)| name == log);
         let logs = session
@@ -364,7 +365,7 @@ fn quantity(column: &str) -> &'static str {
     }
 }
 
-fn drawn<'a>(look: &'a Look, run: Option<i64>) -> Option<&'a LogSamples> {
+fn drawn(look: &Look, run: Option<i64>) -> Option<&LogSamples> {
     let mut logs = look.measuring();
     logs.find(|l| run.is_none() || l.spec.run == run)
 }

@@ -1,5 +1,6 @@
 //! The readings of one campaign as the search sees them: numbers, groups, and what is known of each reading.
 
+use super::labels;
 use crate::base::columns::TEMPERATURE;
 use crate::base::row::{Row, label_names};
 use crate::base::session::Phase;
@@ -17,8 +18,6 @@ const ZERO_STANDS_OUT: (f64, f64) = (5.0, 3.0);
 /// of a column's name counts.
 const SINCE_STEP: &[&str] = &["time_since_step", "since_step", "dwell", "hold"];
 const RATE: &[&str] = &["pressure_rate", "rate", "dp_dt", "dpdt", "ramp"];
-/// The group of the sessions that name none.
-const UNNAMED: &str = "not named";
 const CYCLES: &[&str] = &["cycle", "n_cycle", "cycles", "ncycles", "cycle_count"];
 
 /// An extra column that no effect of the library has a name for.
@@ -102,7 +101,7 @@ impl Data {
             .collect();
         data.conditions = conditions(rows, &data, dates.len() > 1);
         data.extras = extras(rows, &data);
-        let (labels, notes) = labels(rows, &data);
+        let (labels, notes) = labels::labels(rows, &data);
         data.extras.extend(labels);
         data.notes = notes;
         data.note_what_is_missing(dates.len() > 1);
@@ -487,56 +486,4 @@ fn extra(rows: &[&Row], data: &Data, name: &str) -> Option<Extra> {
             && 3 * distinct.len() <= data.sessions.len(),
         words: Vec::new(),
     })
-}
-
-/// The columns of words that name groups of sessions, and remarks on those that do not.
-fn labels(rows: &[&Row], data: &Data) -> (Vec<Extra>, Vec<String>) {
-    let (mut extras, mut notes) = (Vec::new(), Vec::new());
-    for name in label_names(rows.iter().copied()) {
-        // Where a session says nothing, that is a group of its own.
-        let word = |r: &&Row| r.label(&name).unwrap_or_else(|| UNNAMED.to_owned());
-        let words: Vec<String> = rows.iter().map(word).collect();
-        let distinct: BTreeSet<&String> = words.iter().collect();
-        if distinct.len() < 2 {
-            continue;
-        }
-        let mut of_session: Vec<Option<&String>> = vec![None; data.sessions.len()];
-        let differs = words.iter().zip(&data.session).find(|(w, s)| {
-            let first = *of_session[**s].get_or_insert(w);
-            first != *w
-        });
-        if let Some((_, s)) = differs {
-            notes.push(format!(
-                "The column {name} holds words that differ within a session (first in {}), and is not searched.",
-                data.sessions[*s]
-            ));
-        } else if 3 * distinct.len() > data.sessions.len() {
-            notes.push(format!(
-                "The column {name} names {} groups in {} sessions, too many to be searched.",
-                distinct.len(),
-                data.sessions.len()
-            ));
-        } else {
-            extras.push(named_groups(name, &words, &distinct));
-        }
-    }
-    (extras, notes)
-}
-
-fn named_groups(name: String, words: &[String], distinct: &BTreeSet<&String>) -> Extra {
-    let place = |w: &String| distinct.iter().position(|d| *d == w).unwrap_or(0) as f64;
-    let numbers: Vec<f64> = words.iter().map(place).collect();
-    let middle = mean(&numbers);
-    let squares: Vec<f64> = numbers
-        .iter()
-        .map(|x| (x - middle) * (x - middle))
-        .collect();
-    let sd = mean(&squares).sqrt();
-    Extra {
-        name,
-        values: numbers.iter().map(|x| (x - middle) / sd).collect(),
-        scale: (middle, sd),
-        names_groups: true,
-        words: distinct.iter().map(|w| (*w).clone()).collect(),
-    }
 }

@@ -2,7 +2,7 @@
 //!
 //! Nobody tells this stage what is in the data. For each campaign and diameter:
 //!
-//! 1. [`data`]: the readings with everything that is known of each; [`base`]: the model to which effects are added.
+//! 1. [`data`]: the readings with everything that is known of each ([`labels`] are words); [`base`]: the model to which effects are added.
 //!    [`suspects`]: mistakes of recording, before anything is searched.
 //! 2. [`questions`]: is there anything at all? The residual against every column, by permutation.
 //! 3. [`candidates`], [`linear`], [`search`]: which additions explain it. Strengths of the specimens are in every model ([`model`]).
@@ -23,6 +23,7 @@ pub mod data;
 pub mod findings;
 pub mod folds;
 pub mod judge;
+pub mod labels;
 pub mod limits;
 pub mod linear;
 pub mod model;
