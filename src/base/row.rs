@@ -270,6 +270,9 @@ impl Row {
     }
 }
 
+/// What stands for the label of a row that has none in a column where others have one.
+pub const NO_LABEL: &str = "not named";
+
 /// Names of the columns that hold words in any of the rows.
 pub fn label_names<'a>(rows: impl IntoIterator<Item = &'a Row>) -> BTreeSet<String> {
     let names = rows.into_iter().flat_map(|r| r.labels.keys());

@@ -1,6 +1,6 @@
 //! Errors: of the campaign, of every held-out unit, of the readings of the base model; and the base model's coefficients.
 
-use super::words::{named, newtons, perhaps, with_titles};
+use super::words::{newtons, perhaps, with_titles};
 use crate::report::answers::{rounded, unit_words};
 use crate::report::number::Rounding;
 use crate::stages::diagnose::findings::{CoefficientChange, Errors, FoldErrors, Reading};
@@ -25,7 +25,7 @@ pub(super) fn unit(f: &FoldErrors) -> [String; 6] {
         if f.chosen.is_empty() {
             "nothing".to_owned()
         } else {
-            let chosen: Vec<String> = f.chosen.iter().map(|id| named(id)).collect();
+            let chosen: Vec<String> = f.chosen.iter().map(|c| with_titles(c)).collect();
             chosen.join(", ")
         },
     ]

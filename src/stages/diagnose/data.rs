@@ -29,6 +29,8 @@ pub struct Extra {
     pub values: Vec<f64>,
     /// Mean and standard deviation before that.
     pub scale: (f64, f64),
+    /// One value a session.
+    pub constant_in_sessions: bool,
     /// Few whole numbers or words, constant within a session: it names a group (a load cell, a bench), it does not measure.
     pub names_groups: bool,
     /// The words that stand for the numbers 0, 1, 2, …; empty for a column of numbers.
@@ -174,36 +176,34 @@ impl Data {
 
     /// For each session the number of the level of an extra column that names groups (none for the first level), and how many.
     pub fn levels(&self, column: usize) -> (Vec<Option<usize>>, usize) {
-        let values = &self.extras[column].values;
-        let mut of_session: Vec<Option<u64>> = vec![None; self.sessions.len()];
-        for (x, s) in values.iter().zip(&self.session) {
-            of_session[*s] = Some(x.to_bits());
+        let levels = self.level_values(column);
+        let mut of_session = vec![None; self.sessions.len()];
+        for (x, s) in self.extras[column].values.iter().zip(&self.session) {
+            let place = levels.iter().position(|l| l == x);
+            of_session[*s] = place.and_then(|p| p.checked_sub(1));
         }
-        let levels: BTreeSet<u64> = of_session.iter().flatten().copied().collect();
-        let levels: Vec<u64> = levels.into_iter().collect();
-        let number = |bits: Option<u64>| {
-            let place = levels.iter().position(|l| Some(*l) == bits)?;
-            place.checked_sub(1)
-        };
-        (
-            of_session.into_iter().map(number).collect(),
-            levels.len() - 1,
-        )
+        (of_session, levels.len() - 1)
     }
 
-    /// What the levels of an extra column are called, in the order of [`Data::levels`]: the first is the one that the others are compared with.
+    /// The levels of an extra column that names groups, as its author wrote them.
     pub fn level_names(&self, column: usize) -> Vec<String> {
         let extra = &self.extras[column];
-        let levels: BTreeSet<u64> = extra.values.iter().map(|x| x.to_bits()).collect();
+        let (middle, sd) = extra.scale;
+        let levels = self.level_values(column);
+        let name = |x: &f64| {
+            let number = format!("{:.0}", middle + sd * x);
+            let place: Option<usize> = number.parse().ok();
+            let word = place.and_then(|k| extra.words.get(k));
+            word.cloned().unwrap_or(number)
+        };
+        levels.iter().map(name).collect()
+    }
+
+    fn level_values(&self, column: usize) -> Vec<f64> {
+        let mut levels = self.extras[column].values.clone();
+        levels.sort_by(f64::total_cmp);
+        levels.dedup();
         levels
-            .into_iter()
-            .map(|bits| {
-                let value = extra.scale.0 + extra.scale.1 * f64::from_bits(bits);
-                let word = extra.words.get(value.round().max(0.0) as usize);
-                word.cloned()
-                    .unwrap_or_else(|| format!("{}", (1e6 * value).round() * 1e-6))
-            })
-            .collect()
     }
 
     fn note_what_is_missing(&mut self, dated: bool) {
@@ -480,6 +480,7 @@ fn extra(rows: &[&Row], data: &Data, name: &str) -> Option<Extra> {
             })
             .collect(),
         scale: (middle, sd),
+        constant_in_sessions: constant,
         names_groups: whole
             && constant
             && distinct.len() <= 4

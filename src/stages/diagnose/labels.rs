@@ -1,12 +1,10 @@
 //! Columns of words: a load cell, a bench, an operator. They measure nothing; where a session has one word, they name groups of sessions.
 
 use super::data::{Data, Extra};
-use crate::base::row::{Row, label_names};
+use crate::base::row::{NO_LABEL, Row, label_names};
 use crate::numerics::statistics::mean;
 use std::collections::BTreeSet;
 
-/// The group of the sessions that name none.
-const UNNAMED: &str = "not named";
 /// Fewest sessions for each group, on average.
 const FEWEST_A_GROUP: usize = 3;
 
@@ -15,7 +13,7 @@ pub fn labels(rows: &[&Row], data: &Data) -> (Vec<Extra>, Vec<String>) {
     let (mut extras, mut notes) = (Vec::new(), Vec::new());
     for name in label_names(rows.iter().copied()) {
         // Where a session says nothing, that is a group of its own.
-        let word = |r: &&Row| r.label(&name).unwrap_or_else(|| UNNAMED.to_owned());
+        let word = |r: &&Row| r.label(&name).unwrap_or_else(|| NO_LABEL.to_owned());
         let words: Vec<String> = rows.iter().map(word).collect();
         let distinct: BTreeSet<&String> = words.iter().collect();
         if distinct.len() < 2 {
@@ -57,6 +55,7 @@ fn named_groups(name: String, words: &[String], distinct: &BTreeSet<&String>) ->
         name,
         values: numbers.iter().map(|x| (x - middle) / sd).collect(),
         scale: (middle, sd),
+        constant_in_sessions: true,
         names_groups: true,
         words: distinct.iter().map(|w| (*w).clone()).collect(),
     }
