@@ -188,3 +188,57 @@ fn numbers_that_name_something_are_words_where_the_session_says_so() {
         said.err
     );
 }
+
+/// A time series whose logger writes who watches: the word that most of a plateau's rows have.
+#[test]
+fn a_plateau_has_the_label_of_most_of_its_rows() {
+    use pipeline::config::CleanOptions;
+    use pipeline::formats::session_toml;
+    use pipeline::stages::{clean::clean, ingest::ingest};
+    let truth = TRUTH.replace("sampling = \"points\"", "sampling = \"timeseries\"");
+    let truth = truth.replace("pressures_kpa = [100, 200, 300, 400, 500, 620]", "");
+    let specimen = "[[specimen]]\nid = \"l182\"\nrest_length_mm = 182\ncontraction_max = 0.166\n";
+    let rig = "[rig]\nrows = 4000\nzero_rows = 400\n";
+    let truth = simulate::read_truth("t", &format!("{truth}{specimen}{rig}"))
+        .unwrap_or_else(|d| panic!("{d:?}"));
+    let made = simulate::simulate(&truth);
+    let files = &made.sessions[0].files;
+    let toml = String::from_utf8(files[0].1.clone()).unwrap();
+    let toml = toml.replace("[columns]\n", "[columns]\nwatch = { index = 4 }\n");
+    let session = session_toml::read("t", &toml).unwrap_or_else(|d| panic!("{d:?}"));
+    let with_watch = |log: &[u8]| {
+        let watch = |(k, line): (usize, &str)| {
+            let who = match k {
+                _ if k % 50 == 7 => "",
+                _ if k % 9 == 0 || k < 1000 => "Ines",
+                _ => "Juan",
+            };
+            format!("{line},{who}\n")
+        };
+        let text = std::str::from_utf8(log).unwrap();
+        text.lines().enumerate().map(watch).collect::<String>()
+    };
+    let logs = files[1..]
+        .iter()
+        .map(|(_, log)| Ok(with_watch(log).into_bytes()));
+    let ingested = ingest(&session, "t", logs.collect());
+    assert!(
+        ingested.header.diagnostics.is_empty(),
+        "{:?}",
+        ingested.header.diagnostics
+    );
+    let readings = clean(&session, &ingested.logs, &CleanOptions::default()).readings;
+    assert!(readings.len() > 5);
+    for reading in &readings {
+        let who = if reading.last_row < 1000 {
+            "Ines"
+        } else {
+            "Juan"
+        };
+        let over_the_change = reading.first_row < 1000 && reading.last_row >= 1000;
+        assert!(
+            over_the_change || reading.labels["watch"] == who,
+            "{reading:?}"
+        );
+    }
+}

@@ -31,7 +31,7 @@ pub struct Extra {
     pub scale: (f64, f64),
     /// One value a session.
     pub constant_in_sessions: bool,
-    /// Few whole numbers or words, constant within a session: it names a group (a load cell, a bench), it does not measure.
+    /// Few whole numbers, constant within a session: it names a group (a load cell, a bench), it does not measure.
     pub names_groups: bool,
     /// The words that stand for the numbers 0, 1, 2, …; empty for a column of numbers.
     pub words: Vec<String>,
@@ -103,10 +103,10 @@ impl Data {
             .collect();
         data.conditions = conditions(rows, &data, dates.len() > 1);
         data.extras = extras(rows, &data);
+        data.note_what_is_missing(dates.len() > 1);
         let (labels, notes) = labels::labels(rows, &data);
         data.extras.extend(labels);
         data.notes = notes;
-        data.note_what_is_missing(dates.len() > 1);
         data
     }
 
