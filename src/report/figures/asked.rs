@@ -12,6 +12,8 @@ use crate::stages::diagnose::Diagnosis;
 use crate::stages::diagnose::findings::Question;
 use std::collections::BTreeSet;
 
+/// The column of the diagnosis that says of which sessions the zero of the force is not known, 0 or 1.
+const ZERO_UNKNOWN: &str = "zero_unknown";
 /// Most readings drawn in a panel; the medians are those of all.
 const DRAWN: usize = 700;
 /// Panels beyond these are left out, the least explained first.
@@ -126,6 +128,9 @@ fn panels<'a>(group: &GroupInput, diagnosis: &'a Diagnosis) -> Vec<Asked<'a>> {
 
 /// The words of a column of labels in their order, which is that of the numbers that stand for them; none if they do not match.
 fn words(rows: &[Row], name: &str, values: &[f64]) -> Vec<String> {
+    if name == ZERO_UNKNOWN {
+        return ["known", "not known"].map(str::to_owned).to_vec();
+    }
     if !label_names(rows).contains(name) {
         return Vec::new();
     }
@@ -230,6 +235,7 @@ pub fn label(column: &str) -> String {
         "session" => "Session, by name",
         "log" => "Log",
         "rest_length_m" => "l_{rest} (mm)",
+        ZERO_UNKNOWN => "Zero of the force",
         other => return plain(other),
     };
     label.to_owned()

@@ -42,8 +42,6 @@ struct Campaign {
     /// Mistakes of recording, before everything else.
     suspects: Vec<Suspect>,
     summary: String,
-    /// Effects were found, and yet the held-out error is not smaller with them.
-    no_better: bool,
     base: String,
     counts: [usize; 4],
     held_out_by: String,
@@ -136,8 +134,6 @@ fn campaign(found: &CampaignFindings, figures: &[Drawn]) -> Campaign {
         verdict_words: verdict_words(found.verdict),
         suspects: suspects(found),
         summary: summary(found),
-        no_better: !found.effects.is_empty()
-            && found.after.rmse_heldout >= found.before.rmse_heldout,
         base: format!("{}, {refitted}", found.base_model),
         counts: [
             found.readings,

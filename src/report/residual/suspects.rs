@@ -55,8 +55,9 @@ pub(super) fn summary(found: &CampaignFindings) -> String {
         };
         rest = after.split_once(". ").map_or("", |(_, rest)| rest);
     }
-    match rest.find("With the search inside") {
-        Some(errors) if !found.effects.is_empty() => rest[errors..].to_owned(),
-        _ => rest.to_owned(),
-    }
+    // Full stops within numbers and ids are not followed by a blank.
+    let after_effects = rest
+        .strip_prefix("Found: ")
+        .and_then(|r| r.split_once(". "));
+    after_effects.map_or(rest, |(_, errors)| errors).to_owned()
 }

@@ -20,6 +20,9 @@ const SINCE_STEP: &[&str] = &["time_since_step", "since_step", "dwell", "hold"];
 const RATE: &[&str] = &["pressure_rate", "rate", "dp_dt", "dpdt", "ramp"];
 const CYCLES: &[&str] = &["cycle", "n_cycle", "cycles", "ncycles", "cycle_count"];
 
+/// Name of the column that says in which sessions the zero is not known: its second level.
+pub const ZERO_UNKNOWN: &str = "zero_unknown";
+
 /// An extra column that no effect of the library has a name for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extra {
@@ -103,6 +106,7 @@ impl Data {
             .collect();
         data.conditions = conditions(rows, &data, dates.len() > 1);
         data.extras = extras(rows, &data);
+        data.extras.extend(zero_unknown(rows, &data));
         data.note_what_is_missing(dates.len() > 1);
         let (labels, notes) = labels::labels(rows, &data);
         data.extras.extend(labels);
@@ -440,13 +444,26 @@ fn extras(rows: &[&Row], data: &Data) -> Vec<Extra> {
         .collect()
 }
 
+/// Whether a zero was taken off the force of a session, where that differs: of some sessions the zero is known (from a zero log, or because
+/// the actuator went slack), of others not.
+fn zero_unknown(rows: &[&Row], data: &Data) -> Option<Extra> {
+    let known = |r: &&Row| r.zero_force_n.is_finite() && r.zero_force_n != 0.0;
+    // Whole numbers that are constant within sessions: they name two groups.
+    let unknown = rows.iter().map(|r| f64::from(u8::from(!known(r))));
+    column(data, ZERO_UNKNOWN, unknown.collect())
+}
+
 fn extra(rows: &[&Row], data: &Data, name: &str) -> Option<Extra> {
     let raw: Vec<f64> = rows
         .iter()
         .map(|r| r.extras.get(name).copied().unwrap_or(f64::NAN))
         .collect();
+    column(data, name, raw)
+}
+
+fn column(data: &Data, name: &str, raw: Vec<f64>) -> Option<Extra> {
     let known: Vec<f64> = raw.iter().copied().filter(|x| x.is_finite()).collect();
-    if known.len() < rows.len() / 2 {
+    if known.len() < raw.len() / 2 {
         return None;
     }
     let middle = mean(&known);

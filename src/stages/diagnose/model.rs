@@ -24,7 +24,6 @@ const SLOTS: usize = 16;
 pub const MOST_TERMS: usize = 5;
 /// The slot of the strength.
 pub const STRENGTH: usize = 5;
-type D = Dual<SLOTS>;
 
 /// Usual relative scatter of the strengths of one make: what the null model expects.
 pub const USUAL_SCATTER: f64 = 0.02;
@@ -330,9 +329,18 @@ struct Sums {
 }
 
 impl Sums {
+    /// The sums, with no more derivatives than the model has: they are most of the work.
     fn new(model: &Model, layout: &[Place], point: &[f64]) -> Self {
+        match model.terms.len() {
+            0..=1 => Self::with::<8>(model, layout, point),
+            2..=3 => Self::with::<12>(model, layout, point),
+            _ => Self::with::<SLOTS>(model, layout, point),
+        }
+    }
+
+    fn with<const N: usize>(model: &Model, layout: &[Place], point: &[f64]) -> Self {
         let data = model.data;
-        let mut at = Point::new(model);
+        let mut at = Point::<Dual<N>>::new(model);
         for (place, value) in layout.iter().zip(point) {
             at.set(*place, *value);
         }
@@ -456,7 +464,7 @@ fn normal_equations(model: &Model, layout: &[Place], sums: &Sums) -> (Matrix, Ve
 }
 
 /// All parameters of a model as dual numbers.
-struct Point<'a> {
+struct Point<'a, D> {
     model: &'a Model<'a>,
     base: Vec<D>,
     amplitudes: Vec<Vec<f64>>,
@@ -464,16 +472,16 @@ struct Point<'a> {
     strengths: Vec<f64>,
 }
 
-impl<'a> Point<'a> {
+impl<'a, const N: usize> Point<'a, Dual<N>> {
     fn new(model: &'a Model<'a>) -> Self {
         let coefficients = model.base.coefficients.iter().enumerate();
         Self {
             base: coefficients
                 .map(|(k, c)| {
                     if c.free {
-                        D::variable(c.start, k)
+                        Dual::variable(c.start, k)
                     } else {
-                        D::constant(c.start)
+                        Dual::constant(c.start)
                     }
                 })
                 .collect(),
@@ -497,20 +505,20 @@ impl<'a> Point<'a> {
         }
     }
 
-    fn force(&self, i: usize) -> D {
+    fn force(&self, i: usize) -> Dual<N> {
         let data = self.model.data;
         let acting = |t: usize| {
             let term = &self.model.terms[t];
             let g = term.acts_on[data.session[i]]?;
             let slot = STRENGTH + 1 + 2 * t;
             let second = if term.second().is_some() {
-                D::variable(self.shapes[t], slot + 1)
+                Dual::variable(self.shapes[t], slot + 1)
             } else {
-                D::constant(0.0)
+                Dual::constant(0.0)
             };
-            Some([D::variable(self.amplitudes[t][g], slot), second])
+            Some([Dual::variable(self.amplitudes[t][g], slot), second])
         };
-        let strength = D::variable(1.0 + self.strengths[data.specimen[i]], STRENGTH);
+        let strength = Dual::variable(1.0 + self.strengths[data.specimen[i]], STRENGTH);
         force(self.model, &self.base, strength, acting, i)
     }
 }

@@ -154,8 +154,8 @@ impl<'a> Search<'a> {
             .collect()
     }
 
-    /// The best model with an effect that has a value for every session, on top of another; if that has several effects of single
-    /// sessions, which may be all of them, then in their place. None where it does not pay.
+    /// The best model with an effect that has a value for every session, on top of another; in place of its effects of single sessions, if
+    /// there are several, which may be all of them, and of dependences on columns with one value a session. None where it does not pay.
     pub fn with_each_session(&self, best: &State) -> Option<State> {
         let single: Vec<usize> = (0..self.candidates.len())
             .filter(|c| self.candidates[*c].scope == Scope::EachSession)
@@ -168,13 +168,19 @@ impl<'a> Search<'a> {
             )
         };
         let several = best.chosen.iter().filter(|c| part(c)).count() > 1;
+        let by_column = |c: &usize| match self.candidates[*c].what {
+            What::Empirical(Empirical::Gain(k) | Empirical::Offset(k)) => {
+                self.data.extras[k].constant_in_sessions
+            }
+            _ => false,
+        };
         let kept: Vec<usize> = best
             .chosen
             .iter()
             .copied()
-            .filter(|c| !several || !part(c))
+            .filter(|c| !(several && part(c) || by_column(c)))
             .collect();
-        let from = if several {
+        let from = if kept.len() < best.chosen.len() {
             self.state(kept, None)
         } else {
             best.clone()
