@@ -4,6 +4,7 @@
 //! numbers, so that the rows of a table and the lines of its file keep in step. A cell that is not a number becomes NaN and is counted, with the first few quoted; what follows from it is for
 //! the clean stage to decide. Only what makes the whole file unreadable is an error here.
 
+use super::words::{are_words, number, words};
 use crate::base::diagnostics::{Diagnostic, Severity};
 use crate::base::session::{Cells, Position};
 use polars::prelude::*;
@@ -13,9 +14,6 @@ use std::io::Cursor;
 
 /// A line longer than this is no line of a log, bytes.
 pub const LONGEST_LINE: usize = 64 * 1024;
-
-/// What people write where they have nothing to say, in small letters.
-const NOTHING: &[&str] = &["", "na", "n/a", "null", "-", "--"];
 
 /// How many bad cells of a log are quoted; the others are counted.
 const QUOTED_CELLS: usize = 3;
@@ -339,31 +337,6 @@ fn collect(
     Ok(log)
 }
 
-fn says_nothing(text: &str) -> bool {
-    NOTHING.contains(&text.trim().to_ascii_lowercase().as_str())
-}
-
-fn number(text: &str) -> f64 {
-    text.trim().parse().unwrap_or(f64::NAN)
-}
-
-/// Whether most of the cells in which something stands are no numbers.
-fn are_words(texts: &StringChunked) -> bool {
-    let said = texts.iter().flatten().filter(|t| !says_nothing(t));
-    let (words, all) = said.fold((0, 0), |(words, all), text| {
-        (
-            words + usize::from(text.trim().parse::<f64>().is_err()),
-            all + 1,
-        )
-    });
-    2 * words > all
-}
-
-fn words(texts: &StringChunked) -> Vec<Option<String>> {
-    let word = |text: &str| (!says_nothing(text)).then(|| text.trim().to_owned());
-    texts.iter().map(|t| t.and_then(word)).collect()
-}
-
 fn coded(texts: &StringChunked, request: &Request) -> Vec<f64> {
     let code = |text: &str| {
         request
@@ -508,29 +481,6 @@ mod tests {
             (foreign.found.contains("UTF-8"), foreign.row),
             (true, Some(2))
         );
-    }
-
-    #[test]
-    fn a_column_of_words_is_one_where_most_cells_are_words_or_where_it_is_declared() {
-        let read_as = |cells: Cells, text: &str| {
-            let mut request = by_index(&[1]);
-            request[0].cells = cells;
-            read("t", text.as_bytes(), &request).unwrap()
-        };
-        let mixed = "1, bench A\n2,\"bench B\"\n3,n/a\n4,7\n";
-        let words = ["bench A", "bench B", "", "7"].map(|w| (!w.is_empty()).then(|| w.to_owned()));
-        let log = read_as(Cells::Either, mixed);
-        assert_eq!((&log.words[&0][..], log.bad_cell_count), (&words[..], 0));
-        assert!(log.columns[0].is_empty());
-        let log = read_as(Cells::Either, "1,40\n2,41\n3,wet\n");
-        assert_eq!(log.columns[0][..2], [40.0, 41.0]);
-        assert_eq!(
-            (log.bad_cells[0].found.as_str(), log.bad_cells[0].of),
-            ("\"wet\"", 1)
-        );
-        let log = read_as(Cells::Words, "1,40\n2,41\n");
-        assert_eq!(log.words[&0][1].as_deref(), Some("41"));
-        assert_eq!(read_as(Cells::Numbers, mixed).bad_cell_count, 3);
     }
 
     #[test]
