@@ -4,7 +4,7 @@
 //! it; and counting readings would be wrong, because there are as many facts as specimens. The strengths are regressed on the
 //! trace of each such effect, and Student's t has K - 2 degrees of freedom.
 
-use super::data::Data;
+use super::data::{Data, PLACEBO};
 use super::model::Fitted;
 use super::search::Search;
 use super::term::{Scope, Term, What};
@@ -176,7 +176,7 @@ pub struct Column {
 /// cannot be told from.
 pub fn columns(data: &Data, strengths: &[f64]) -> Vec<Column> {
     let temperatures: Vec<f64> = data.conditions.iter().map(|c| c.temperature_c).collect();
-    let extras = data.extras.iter().map(|e| {
+    let extras = data.extras.iter().filter(|e| e.name != PLACEBO).map(|e| {
         let raw = e.values.iter().map(|x| e.scale.0 + e.scale.1 * x);
         (e.name.clone(), raw.collect())
     });

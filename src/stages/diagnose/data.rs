@@ -2,6 +2,7 @@
 
 use super::labels;
 use crate::base::columns::TEMPERATURE;
+use crate::base::random::Stream;
 use crate::base::row::{Row, label_names};
 use crate::base::session::Phase;
 use crate::effects::{Conditions, Need};
@@ -20,6 +21,8 @@ const SINCE_STEP: &[&str] = &["time_since_step", "since_step", "dwell", "hold"];
 const RATE: &[&str] = &["pressure_rate", "rate", "dp_dt", "dpdt", "ramp"];
 const CYCLES: &[&str] = &["cycle", "n_cycle", "cycles", "ncycles", "cycle_count"];
 
+/// Name of the shuffled copy of a column, which must never be chosen.
+pub const PLACEBO: &str = "placebo";
 /// Name of the column that says in which sessions the zero is not known: its second level.
 pub const ZERO_UNKNOWN: &str = "zero_unknown";
 
@@ -112,6 +115,42 @@ impl Data {
         data.extras.extend(labels);
         data.notes = notes;
         data
+    }
+
+    /// The same with a shuffled copy of a column, which must never be chosen: the first extra column, its values permuted among the
+    /// sessions if it has one a session and else within the logs; the pressure where there is none.
+    pub fn with_placebo(mut self, seed: u64) -> Self {
+        let mut stream = Stream::new(seed, &["placebo"]);
+        let copied = self.extras.iter().find(|e| !e.names_groups).cloned();
+        let mut extra = copied.unwrap_or_else(|| Extra {
+            name: String::new(),
+            values: standardised(self.conditions.iter().map(|c| c.pressure_kpa).collect()),
+            scale: (0.0, 1.0),
+            constant_in_sessions: false,
+            names_groups: false,
+            words: Vec::new(),
+        });
+        extra.name = PLACEBO.to_owned();
+        if extra.constant_in_sessions {
+            let mut of: Vec<f64> = vec![0.0; self.sessions.len()];
+            for (x, s) in extra.values.iter().zip(&self.session) {
+                of[*s] = *x;
+            }
+            shuffle(&mut of, &mut stream);
+            extra.values = self.session.iter().map(|s| of[*s]).collect();
+        } else {
+            let logs: BTreeSet<usize> = self.log.iter().copied().collect();
+            for log in logs {
+                let places: Vec<usize> = (0..self.len()).filter(|i| self.log[*i] == log).collect();
+                let mut of: Vec<f64> = places.iter().map(|i| extra.values[*i]).collect();
+                shuffle(&mut of, &mut stream);
+                for (i, x) in places.into_iter().zip(of) {
+                    extra.values[i] = x;
+                }
+            }
+        }
+        self.extras.push(extra);
+        self
     }
 
     /// Number of readings.
@@ -237,6 +276,29 @@ impl Data {
             .map(|(need, _)| (need, format!("the campaign lacks {}", need.words())))
             .collect();
     }
+}
+
+fn shuffle(values: &mut [f64], stream: &mut Stream) {
+    for k in (1..values.len()).rev() {
+        let other = stream.below(k + 1);
+        values.swap(k, other);
+    }
+}
+
+/// Less the mean, by the standard deviation.
+fn standardised(mut values: Vec<f64>) -> Vec<f64> {
+    let middle = mean(&values);
+    let n = values.len() as f64;
+    let variance = values
+        .iter()
+        .map(|x| (x - middle) * (x - middle))
+        .sum::<f64>()
+        / n;
+    let sd = variance.sqrt().max(f64::MIN_POSITIVE);
+    for x in &mut values {
+        *x = (*x - middle) / sd;
+    }
+    values
 }
 
 fn named(row: &Row, names: &[&str]) -> Option<f64> {
@@ -447,7 +509,7 @@ fn extras(rows: &[&Row], data: &Data) -> Vec<Extra> {
 /// Whether a zero was taken off the force of a session, where that differs: of some sessions the zero is known (from a zero log, or because
 /// the actuator went slack), of others not.
 fn zero_unknown(rows: &[&Row], data: &Data) -> Option<Extra> {
-    let known = |r: &&Row| r.zero_force_n.is_finite() && r.zero_force_n != 0.0;
+    let known = |r: &&Row| r.zero_force_n.is_finite();
     // Whole numbers that are constant within sessions: they name two groups.
     let unknown = rows.iter().map(|r| f64::from(u8::from(!known(r))));
     column(data, ZERO_UNKNOWN, unknown.collect())

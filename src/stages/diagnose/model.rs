@@ -27,6 +27,8 @@ pub const STRENGTH: usize = 5;
 
 /// Usual relative scatter of the strengths of one make: what the null model expects.
 pub const USUAL_SCATTER: f64 = 0.02;
+/// Where a strength may go.
+const STRENGTHS: (f64, f64) = (-0.8, 4.0);
 /// Scatter of strengths that are free.
 const FREE_SCATTER: f64 = 0.5;
 /// Where the estimate of the scatter may go.
@@ -202,7 +204,7 @@ impl<'a> Model<'a> {
             Place::Base(k) => self.base.coefficients[k].bounds,
             Place::Amplitude(t, _) => self.terms[t].amplitude_bounds(),
             Place::Shape(t) => self.terms[t].second().map_or((0.0, 1.0), |p| p.bounds),
-            Place::Strength(_) => (-0.8, 4.0),
+            Place::Strength(_) => STRENGTHS,
         }
     }
 
@@ -286,6 +288,44 @@ impl<'a> Model<'a> {
                 };
                 force(self, &fitted.base, 1.0 + strength, acting, i)
             })
+            .collect()
+    }
+}
+
+/// Steps in which a specimen's own strength is found: the force is nearly linear in it.
+const STRENGTH_STEPS: usize = 6;
+
+impl Model<'_> {
+    /// The force of each reading, N, with the strength that its specimen shows in these very readings, all else as fitted: what is left is
+    /// what a model that knew how strong the specimen is would miss.
+    pub fn predict_with_own_strength(&self, fitted: &Fitted) -> Vec<f64> {
+        let base: Vec<Dual<1>> = fitted.base.iter().map(|c| Dual::constant(*c)).collect();
+        let specimens = self.data.specimens.len();
+        let at = |i: usize, strength: f64| {
+            let acting = |t: usize| {
+                let g = self.terms[t].acts_on[self.data.session[i]]?;
+                let (amplitudes, second) = &fitted.terms[t];
+                Some([Dual::constant(amplitudes[g]), Dual::constant(*second)])
+            };
+            force(self, &base, Dual::variable(1.0 + strength, 0), acting, i)
+        };
+        let mut strengths = vec![0.0; specimens];
+        for _ in 0..STRENGTH_STEPS {
+            let mut sums = vec![(0.0, 0.0); specimens];
+            for i in 0..self.data.len() {
+                let k = self.data.specimen[i];
+                let f = at(i, strengths[k]);
+                sums[k].0 += f.gradient[0] * (self.data.force[i] - f.value);
+                sums[k].1 += f.gradient[0] * f.gradient[0];
+            }
+            for (u, (slope, square)) in strengths.iter_mut().zip(sums) {
+                if square > 0.0 {
+                    *u = (*u + slope / square).clamp(STRENGTHS.0, STRENGTHS.1);
+                }
+            }
+        }
+        (0..self.data.len())
+            .map(|i| at(i, strengths[self.data.specimen[i]]).value)
             .collect()
     }
 }

@@ -336,6 +336,7 @@ impl<'a> Search<'a> {
                 .iter()
                 .copied()
                 .filter(|c| !state.chosen.contains(c) && !between::is_between(&self.candidates[*c]))
+                .filter(|c| !self.is_another_form(*c, &state.chosen))
                 .filter_map(|c| {
                     let gain = stand.gain(c);
                     let term = &self.candidates[c];
@@ -354,6 +355,19 @@ impl<'a> Search<'a> {
             self.pick_different(&gains, &mut picked);
         }
         picked
+    }
+
+    /// Whether it is another form of an effect that is in the model already: forms are alternatives. Only what has evidence of its own beside
+    /// the force (a pull in the zero logs) is something else than the effect of the same name (a zero of the channel).
+    fn is_another_form(&self, candidate: usize, chosen: &[usize]) -> bool {
+        let term = &self.candidates[candidate];
+        chosen.iter().map(|c| &self.candidates[*c]).any(|other| {
+            other.id().is_some()
+                && other.id() == term.id()
+                && other.scope == Scope::Whole
+                && term.scope == Scope::Whole
+                && other.has_evidence() == term.has_evidence()
+        })
     }
 
     /// Whether a session or specimen that would get a value of its own differs from all others, and not only from the mean.

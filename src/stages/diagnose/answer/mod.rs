@@ -7,6 +7,7 @@ mod strengths;
 mod summary;
 mod unexplained;
 
+use super::data::{Data, PLACEBO};
 use super::findings::{
     CampaignFindings, CoefficientChange, EffectFinding, Question, Residuals, Unexplained, Verdict,
 };
@@ -17,7 +18,7 @@ use super::model::{Fitted, Model, Place};
 use super::search::{Search, State};
 use super::term::{Term, What};
 use super::uncertainty::{Uncertainty, uncertainties};
-use super::{Diagnosis, Work, data::Data, questions, train_error};
+use super::{Diagnosis, Work, questions, train_error};
 use crate::models::{ForceModel, new};
 use std::collections::BTreeSet;
 use strengths::Strengths;
@@ -72,7 +73,10 @@ pub(super) fn answer(work: &Work) -> Diagnosis {
         Strengths::GoWith(column) => unexplained.push(column),
     }
     let verdict = verdict(work, &effects, &unexplained);
-    let limits = limits(&search, &work.best);
+    let mut limits = limits(&search, &work.best);
+    limits
+        .not_measurable
+        .retain(|n| !effects.iter().any(|e| e.id == n.id));
     let physical = physical_only(work, &fitted);
     let before = super::errors(train_error(&null_model, &null), work.held.before);
     let (after_model, after_fit) = &physical;
@@ -217,6 +221,7 @@ fn residuals(
         after: minus(&after),
         columns: questions::columns(data, &predicted)
             .into_iter()
+            .filter(|a| a.name != PLACEBO)
             .map(|a| (a.name, a.values))
             .collect(),
         predicted,
@@ -315,6 +320,16 @@ fn notes(work: &Work) -> Vec<String> {
             work.passed_over
         ));
     }
+    let chance = work.rejected.iter().any(|r| r.id == PLACEBO);
+    notes.push(
+        if chance {
+            "A shuffled copy of a column was offered to the search, which chose it at first and rejected it: some of what is said here may be \
+             chance."
+        } else {
+            "A shuffled copy of a column (placebo) was offered to the search and not chosen."
+        }
+        .to_owned(),
+    );
     if work.train.len() > work.options.most_readings {
         notes.push(format!(
             "The search saw {} of {} readings, an equal share of each session; errors and intervals are those of all.",

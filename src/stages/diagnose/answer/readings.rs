@@ -137,7 +137,11 @@ pub(super) fn reading(
             data: &held,
             terms: terms.clone(),
         };
-        tally = tally.plus(Tally::of(&held.force, &there.predict(&fit, false)));
+        tally = tally.plus(Tally::of(
+            &held.force,
+            &there.predict(&fit, false),
+            &there.predict_with_own_strength(&fit),
+        ));
     }
     let numbers = terms.iter().zip(&fitted.terms).filter_map(|(t, (a, _))| {
         let form = t.form()?;

@@ -1,6 +1,7 @@
 //! What depends on a column and has no name in the library.
 
 use super::super::Work;
+use super::super::data::PLACEBO;
 use super::super::findings::{Question, Suspect, Unexplained};
 use super::super::model::Fitted;
 use super::super::term::What;
@@ -50,7 +51,7 @@ pub(super) fn unexplained(
     };
     let mut others: Vec<&Question> = after
         .iter()
-        .filter(|q| q.p_adjusted < SAYS_NOTHING)
+        .filter(|q| q.p_adjusted < SAYS_NOTHING && q.column != PLACEBO)
         .filter(matters)
         .collect();
     others.sort_by(|a, b| b.share.total_cmp(&a.share).then(a.column.cmp(&b.column)));

@@ -88,20 +88,15 @@ pub(super) fn squared_errors(
         terms,
     };
     let predicted = there.predict(&fitted, true);
-    let product: f64 = held.force.iter().zip(&predicted).map(|(y, f)| y * f).sum();
-    let square: f64 = predicted.iter().map(|f| f * f).sum();
-    let factor = if square > 0.0 { product / square } else { 1.0 };
-    let squares = |factor: f64| {
-        held.force
-            .iter()
-            .zip(&predicted)
-            .map(|(y, f)| (y - factor * f) * (y - factor * f))
-            .collect()
+    let own = there.predict_with_own_strength(&fitted);
+    let squares = |f: &[f64]| -> Vec<f64> {
+        let pairs = held.force.iter().zip(f);
+        pairs.map(|(y, f)| (y - f) * (y - f)).collect()
     };
     (
-        Tally::of(&held.force, &predicted),
-        squares(factor),
-        squares(1.0),
+        Tally::of(&held.force, &predicted, &own),
+        squares(&own),
+        squares(&predicted),
     )
 }
 

@@ -12,7 +12,7 @@ pub use each_session::with_each_session;
 
 use super::between;
 use super::candidates::choices;
-use super::data::{Data, ZERO_UNKNOWN};
+use super::data::{Data, PLACEBO, ZERO_UNKNOWN};
 use super::findings::Rejected;
 use super::folds::Fold;
 use super::linear::Linear;
@@ -202,7 +202,9 @@ fn failure_at_sight(
     let at_bound = amplitudes
         .iter()
         .any(|a| (*a <= low && low != 0.0) || *a >= high);
-    if j.p_adjusted.is_nan() || j.p_adjusted > search.significance {
+    if name(term, search.data) == PLACEBO {
+        Some("a shuffled copy of a column: chance".to_owned())
+    } else if j.p_adjusted.is_nan() || j.p_adjusted > search.significance {
         Some(format!(
             "not significant: p = {:.2} after correction",
             j.p_adjusted
