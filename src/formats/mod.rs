@@ -6,3 +6,4 @@ pub mod csv;
 pub mod discover;
 mod session_columns;
 pub mod session_toml;
+mod words;

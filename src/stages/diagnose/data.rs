@@ -1,8 +1,9 @@
 //! The readings of one campaign as the search sees them: numbers, groups, and what is known of each reading.
 
+use super::labels;
 use crate::base::columns::TEMPERATURE;
 use crate::base::random::Stream;
-use crate::base::row::Row;
+use crate::base::row::{Row, label_names};
 use crate::base::session::Phase;
 use crate::effects::{Conditions, Need};
 use crate::numerics::statistics::{mean, median};
@@ -38,6 +39,8 @@ pub struct Extra {
     pub constant_in_sessions: bool,
     /// Few whole numbers, constant within a session: it names a group (a load cell, a bench), it does not measure.
     pub names_groups: bool,
+    /// The words that stand for the numbers 0, 1, 2, …; empty for a column of numbers.
+    pub words: Vec<String>,
 }
 
 /// The readings of a campaign.
@@ -61,6 +64,8 @@ pub struct Data {
     pub extras: Vec<Extra>,
     /// Why a quantity is not known.
     pub missing: BTreeMap<Need, String>,
+    /// Columns of words that are not searched, and why.
+    pub notes: Vec<String>,
 }
 
 impl Data {
@@ -106,6 +111,9 @@ impl Data {
         data.extras = extras(rows, &data);
         data.extras.extend(zero_unknown(rows, &data));
         data.note_what_is_missing(dates.len() > 1);
+        let (labels, notes) = labels::labels(rows, &data);
+        data.extras.extend(labels);
+        data.notes = notes;
         data
     }
 
@@ -120,6 +128,7 @@ impl Data {
             scale: (0.0, 1.0),
             constant_in_sessions: false,
             names_groups: false,
+            words: Vec::new(),
         });
         extra.name = PLACEBO.to_owned();
         if extra.constant_in_sessions {
@@ -174,6 +183,7 @@ impl Data {
                 })
                 .collect(),
             missing: self.missing.clone(),
+            notes: self.notes.clone(),
         }
     }
 
@@ -220,10 +230,16 @@ impl Data {
 
     /// The levels of an extra column that names groups, as its author wrote them.
     pub fn level_names(&self, column: usize) -> Vec<String> {
-        let (middle, sd) = self.extras[column].scale;
+        let extra = &self.extras[column];
+        let (middle, sd) = extra.scale;
         let levels = self.level_values(column);
-        let number = |x: &f64| format!("{:.0}", middle + sd * x);
-        levels.iter().map(number).collect()
+        let name = |x: &f64| {
+            let number = format!("{:.0}", middle + sd * x);
+            let place: Option<usize> = number.parse().ok();
+            let word = place.and_then(|k| extra.words.get(k));
+            word.cloned().unwrap_or(number)
+        };
+        levels.iter().map(name).collect()
     }
 
     fn level_values(&self, column: usize) -> Vec<f64> {
@@ -472,7 +488,9 @@ fn rate(rows: &[&Row], places: &[usize], k: usize) -> f64 {
 
 /// The columns that the user added and no effect claims, if they vary.
 fn extras(rows: &[&Row], data: &Data) -> Vec<Extra> {
-    let names: BTreeSet<&String> = rows.iter().flat_map(|r| r.extras.keys()).collect();
+    let words = label_names(rows.iter().copied());
+    let names = rows.iter().flat_map(|r| r.extras.keys());
+    let names: BTreeSet<&String> = names.filter(|n| !words.contains(*n)).collect();
     let claimed = |name: &str| {
         let lower = name.to_ascii_lowercase();
         name == TEMPERATURE
@@ -546,5 +564,6 @@ fn column(data: &Data, name: &str, raw: Vec<f64>) -> Option<Extra> {
             && constant
             && distinct.len() <= 4
             && 3 * distinct.len() <= data.sessions.len(),
+        words: Vec::new(),
     })
 }

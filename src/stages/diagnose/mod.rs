@@ -2,7 +2,7 @@
 //!
 //! Nobody tells this stage what is in the data. For each campaign and diameter:
 //!
-//! 1. [`data`]: the readings with everything that is known of each; [`base`]: the model to which effects are added.
+//! 1. [`data`]: the readings with everything that is known of each ([`labels`] are words); [`base`]: the model to which effects are added.
 //!    [`suspects`]: mistakes of recording, before anything is searched.
 //! 2. [`questions`]: is there anything at all? The residual against every column, by permutation.
 //! 3. [`candidates`], [`linear`], [`search`]: which additions explain it. Strengths of the specimens are in every model ([`model`]).
@@ -24,6 +24,7 @@ pub mod findings;
 pub mod folds;
 pub mod held_out;
 pub mod judge;
+pub mod labels;
 pub mod limits;
 pub mod linear;
 pub mod model;
@@ -162,7 +163,9 @@ pub fn diagnose(
         passed_over,
         suspects,
     };
-    Some(answer::answer(&work))
+    let mut diagnosis = answer::answer(&work);
+    diagnosis.findings.notes.extend(all.notes.iter().cloned());
+    Some(diagnosis)
 }
 
 /// What is far off, and the rows without the sessions that are set aside for it.
