@@ -331,7 +331,7 @@ pub fn acts_on(term: &Term, data: &Data) -> String {
             "the sessions whose zero is not known".to_owned()
         }
         Scope::Levels(k) => format!(
-            "the levels of {}, each with its own value",
+            "the levels of {}, each relative to the first",
             data.extras[k].name
         ),
     }
