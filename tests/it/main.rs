@@ -8,6 +8,7 @@ mod coverage;
 mod golden;
 mod intervals;
 mod labels;
+mod mistakes;
 mod models;
 mod numerics;
 mod predict;
