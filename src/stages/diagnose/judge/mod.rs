@@ -229,7 +229,7 @@ fn failure_outside(j: &Judgement, between: bool) -> Option<String> {
         Some("the held-out error over all folds does not fall".to_owned())
     } else if j.chosen_again < CHOSEN_AGAIN {
         Some(format!(
-            "chosen again in {:.0}% of the resamples of the specimens only",
+            "chosen again in {:.0}% of the resamples only",
             100.0 * j.chosen_again
         ))
     } else {
