@@ -31,6 +31,7 @@
 //! | [`models`] | one file a force model: pure equations, published coefficients, domain | one file, one line in `models/mod.rs` |
 //! | [`effects`] | one file an effect: what a force model or a rig may lack, as an operator on the forward model | one file, one line in `effects/mod.rs` |
 //! | [`numerics`] | least squares, robust losses, statistics, plateaus: slices in, vectors out | |
+//! | [`knee`] | joints, routes, moment arms, torque of actuators and of human muscles | a knee: one TOML file |
 //! | [`simulate`] | the test rig in software | |
 //! | [`stages`] | one file or folder a stage, pure | |
 //! | [`audit`] | the papers' numeric claims, recomputed | a claim: a few lines of TOML |
@@ -42,9 +43,9 @@
 //! | [`cli`] | arguments, and all printing | |
 //!
 //! # Invariants
-//! - **Directions**: `main -> cli -> run -> stages -> {formats, effects, models, numerics, report, audit, simulate} -> base`, and `run -> cache -> base`;
+//! - **Directions**: `main -> cli -> run -> stages -> {formats, effects, knee, models, numerics, report, audit, simulate} -> base`, and `run -> cache -> base`;
 //!   beside `run`, `cli -> predict -> {stages::fit, models, numerics}`, drawn by `report`, and `cli -> golden -> base`.
-//!   `cache` knows no stage; stages know no cache and no command line; `effects`, `models` and `numerics` do no I/O and see no data frame; only
+//!   `cache` knows no stage; stages know no cache and no command line; `effects`, `knee`, `models` and `numerics` do no I/O and see no data frame; only
 //!   `report` knows plotters and Typst, and it computes no statistic: every number comes from a stage, every
 //!   curve, band and running median from `models` and `numerics`.
 //! - **Nothing below `raw/` is ever written**, and nothing is left out without a line in `rejects.csv`.
@@ -65,6 +66,7 @@ pub mod config;
 pub mod effects;
 pub mod formats;
 pub mod golden;
+pub mod knee;
 pub mod models;
 pub mod numerics;
 pub mod predict;

@@ -7,6 +7,7 @@ mod commands;
 mod coverage;
 mod golden;
 mod intervals;
+mod knee;
 mod models;
 mod numerics;
 mod predict;
