@@ -5,6 +5,9 @@
 //! vasti is Thelen's tendon force within 0.2% over the whole range. Fibres have a constant thickness, so that their pennation grows as they
 //! shorten, sin(alpha) = h/l_M (both papers).
 
+use super::Beyond;
+use super::path::Leg;
+
 /// Strain of the tendon at maximum isometric force (`FmaxTendonStrain` of Gait2392).
 const TENDON_STRAIN: f64 = 0.033;
 /// Passive strain of the fibres at maximum isometric force (`FmaxMuscleStrain`).
@@ -94,5 +97,16 @@ impl Muscle {
             fibre_m: at(high).0,
             tendon_m: path_length_m - high,
         }
+    }
+}
+
+impl Leg<'_> {
+    /// The torque of a fully active muscle along the route at an angle in rad, N.m, positive in extension.
+    ///
+    /// # Errors
+    /// If the angle lies outside the joint's or the patella's range.
+    pub fn muscle_torque(&self, muscle: &Muscle, angle: f64) -> Result<f64, Beyond> {
+        let geometry = self.geometry(angle)?;
+        Ok(geometry.arm_m * muscle.equilibrium(geometry.length_m).tension_n)
     }
 }

@@ -231,12 +231,12 @@ impl<R: Real> Path<R> {
     }
 
     /// The unit vector along the first segment, away from the origin.
-    pub fn from_origin(&self) -> Point<R> {
+    pub fn pull_on_origin(&self) -> Point<R> {
         direction(self.points[0], self.points[1])
     }
 
     /// The unit vector along the last segment, away from the insertion.
-    pub fn from_insertion(&self) -> Point<R> {
+    pub fn pull_on_insertion(&self) -> Point<R> {
         let last = self.points.len() - 1;
         direction(self.points[last], self.points[last - 1])
     }

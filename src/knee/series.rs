@@ -148,13 +148,13 @@ impl Leg<'_> {
         let path = self.path(angle, Yield::<f64>::none())?;
         let pose = self.joint.pose(angle)?;
         let active = self.route.active(angle)?;
-        let [x, y, z] = path.from_insertion();
+        let [x, y, z] = path.pull_on_insertion();
         let in_tibia = [pose.cos * x + pose.sin * y, pose.cos * y - pose.sin * x, z];
         let end = |bracket: &Option<Bracket<R>>, attachment, pull| {
             bracket.map_or([R::constant(0.0); 3], |b| b.displacement(attachment, pull))
         };
         Ok(Yield {
-            origin: end(&series.origin, active[0].position, path.from_origin()),
+            origin: end(&series.origin, active[0].position, path.pull_on_origin()),
             insertion: end(
                 &series.insertion,
                 active[active.len() - 1].position,

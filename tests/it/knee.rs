@@ -288,7 +288,7 @@ fn torques_are_those_of_opensim() {
             let tension = hill.equilibrium(leg.length(*angle).unwrap()).tension_n;
             let force_error = tension * arm / torque - 1.0;
             assert!(force_error.abs() < 2e-3, "{muscle} {angle} {force_error}");
-            let found = leg.arm(*angle).unwrap() * tension;
+            let found = leg.muscle_torque(hill, *angle).unwrap();
             assert!(
                 (found / torque - 1.0).abs() < 0.012,
                 "{muscle} {angle} {found} {torque}"
