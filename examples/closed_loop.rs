@@ -267,7 +267,16 @@ fn words(found: &CampaignFindings) -> String {
         .iter()
         .filter(|r| !r.why.starts_with("explains"))
         .map(|r| format!("!{} {}", r.id, r.why));
-    let list: Vec<String> = effects.chain(columns).chain(rejected).collect();
+    let asked = found
+        .questions
+        .iter()
+        .filter(|q| q.p_adjusted < 0.1 || q.share > 0.05)
+        .map(|q| format!("={} {:.2} p {:.3}", q.column, q.share, q.p_adjusted));
+    let list: Vec<String> = effects
+        .chain(columns)
+        .chain(rejected)
+        .chain(asked)
+        .collect();
     format!("{:?} {}", found.verdict, list.join("; "))
 }
 

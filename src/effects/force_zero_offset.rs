@@ -8,15 +8,15 @@ pub struct ForceZeroOffset;
 
 const FORMS: &[Form] = &[
     Form {
-    name: "constant",
-    place: Place::Sensor,
-    equation: "F_meas = F + z",
-    amplitude: Parameter {
-        name: "z",
-        unit: "N",
-        absent: 0.0,
-        bounds: (-500.0, 500.0),
-    },
+        name: "constant",
+        place: Place::Sensor,
+        equation: "F_meas = F + z",
+        amplitude: Parameter {
+            name: "z",
+            unit: "N",
+            absent: 0.0,
+            bounds: (-500.0, 500.0),
+        },
         shape: None,
         needs: &[],
     },

@@ -240,3 +240,80 @@ fn mistakes_of_one_session_or_specimen_are_pointed_at() {
         wrong_length.summary
     );
 }
+
+/// Mistakes that no effect is: they are named before anything is searched, and do not bend the rest.
+#[test]
+fn gross_mistakes_of_recording_are_named_and_set_aside() {
+    let made = campaign_rows(&trials::truth(trials::NULL.design, "", 85));
+    let search = |rows: &[Row]| {
+        let found = diagnose(
+            &group(),
+            rows,
+            &FitOptions::default(),
+            &DiagnoseOptions::default(),
+        );
+        found.unwrap().findings
+    };
+    assert!(search(&made.rows).suspects.is_empty());
+
+    let mut rows = made.rows.clone();
+    for row in rows.iter_mut().filter(|r| r.session == "trial-t-l455-c00") {
+        std::mem::swap(&mut row.force_n, &mut row.pressure_kpa);
+    }
+    let swapped = search(&rows);
+    let suspect = &swapped.suspects[0];
+    assert_eq!(suspect.what, "session trial-t-l455-c00");
+    assert!(suspect.explanation.contains("swapped"), "{suspect:?}");
+    assert!(suspect.set_aside && swapped.suspects.len() == 1);
+    assert!(swapped.before.rmse_train < 1.2 * search(&made.rows).before.rmse_train);
+    assert_eq!(swapped.verdict, Verdict::Unexplained);
+    assert_eq!(swapped.unexplained[0].column, "session");
+
+    let mut rows = made.rows.clone();
+    for row in rows.iter_mut().filter(|r| r.specimen == "t-l182") {
+        row.rest_length_m += 0.012;
+    }
+    let longer = search(&rows);
+    let suspect = &longer.suspects[0];
+    assert_eq!(suspect.what, "specimen t-l182");
+    assert!(
+        suspect.explanation.contains("resting length that is -1"),
+        "{suspect:?}"
+    );
+
+    let mut rows = made.rows.clone();
+    for row in &mut rows {
+        row.force_n *= 0.39;
+    }
+    let scaled = search(&rows);
+    assert_eq!(scaled.suspects[0].what, "the whole campaign");
+    assert!(
+        scaled.suspects[0].explanation.contains("calibration"),
+        "{scaled:#?}"
+    );
+}
+
+/// Zero logs in which the actuator pulled: what the real rig shows.
+#[test]
+fn a_pull_in_some_zero_logs_is_found_by_the_zeros_that_stand_out() {
+    let mut rows = campaign_rows(&trials::truth(trials::NULL.design, "", 86)).rows;
+    for row in &mut rows {
+        row.zero_force_n = -5.0;
+        if row.session.ends_with("c00") {
+            row.zero_force_n = 18.0 + 20.0 * row.rest_length_m;
+            row.force_n -= row.zero_force_n + 5.0;
+        }
+    }
+    let found = diagnose(
+        &group(),
+        &rows,
+        &FitOptions::default(),
+        &DiagnoseOptions::default(),
+    )
+    .unwrap()
+    .findings;
+    let pull = found.effects.iter().find(|e| e.id == "force_zero_offset");
+    let pull = pull.unwrap_or_else(|| panic!("{}", found.summary));
+    assert_eq!(pull.form, "pull in the zero logs");
+    assert!((pull.parameters[0].value - 1.0).abs() < 0.05, "{pull:?}");
+}

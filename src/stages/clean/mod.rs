@@ -79,9 +79,9 @@ pub fn clean(session: &Session, logs: &[LogSamples], options: &CleanOptions) -> 
             });
         }
     }
-    let zero = session
-        .column(FORCE)
-        .map(|column| zero::determine(column, &screened, &readings, options.zero));
+    let zero = session.column(FORCE).map(|column| {
+        zero::determine(column, &screened, &readings, options.zero, session.sampling)
+    });
     if let Some(zero) = &zero {
         for reading in &mut readings {
             if let Some(force) = reading.values.get_mut(FORCE) {

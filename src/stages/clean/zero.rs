@@ -7,6 +7,7 @@
 //! 2. `slack`: where the zero log is missing, was left out, or has half of its samples at the limit (then the true zero is only known
 //!    to lie at or beyond it), the force at which the session's own plateaus stand while the actuator is slack: a run of plateaus from
 //!    the lowest pressure upwards, over at least 60 kPa, along which the force does not change.
+//!    Of time series only: points were zeroed by whoever wrote them down.
 //! 3. `clipped-zero-log`: no slack state either, but a clipped zero log: its limit is the nearest that can be said.
 //! 4. `none`: nothing is taken off.
 //!
@@ -15,7 +16,7 @@
 
 use crate::base::columns::{FORCE, PRESSURE};
 use crate::base::reading::Reading;
-use crate::base::session::ColumnSpec;
+use crate::base::session::{ColumnSpec, Sampling};
 use crate::config::ZeroRule;
 use crate::numerics::statistics::{median, quantile_range};
 use crate::stages::clean::screen::Screened;
@@ -78,6 +79,7 @@ pub fn determine(
     logs: &[Screened],
     readings: &[Reading],
     rule: ZeroRule,
+    sampling: Sampling,
 ) -> Zero {
     let zero_logs = || logs.iter().filter(|l| l.log.spec.is_zero);
     let forces: Vec<f64> = zero_logs().flat_map(|l| l.column(FORCE)).collect();
@@ -86,7 +88,12 @@ pub fn determine(
     let clipped = forces.iter().filter(|f| is_clipped(column, **f)).count();
     let share = clipped as f64 / forces.len().max(1) as f64;
     let tolerance = TOLERANCE_N.max(TOLERANCE_FRACTION * force_range(readings));
-    let slack = slack_level(readings, tolerance);
+    // Points were zeroed by whoever wrote them down. What they show of a zero is for the residual search: taken off in the sessions in which
+    // the actuator happens to go slack, and in no others, it would look like anything.
+    let slack = match sampling {
+        Sampling::Timeseries => slack_level(readings, tolerance),
+        Sampling::Points => None,
+    };
     let zero_log = some(&forces);
     let (source, applied) = match (rule, zero_log, slack) {
         (ZeroRule::None, _, _) => (ZeroSource::None, 0.0),

@@ -2,7 +2,7 @@
 
 use super::findings::{
     CampaignFindings, CoefficientChange, EffectFinding, NextMeasurement, ParameterFinding,
-    Question, Reading, Rejected, Residuals, Unexplained, Verdict,
+    Question, Reading, Rejected, Residuals, Suspect, Unexplained, Verdict,
 };
 use super::folds::Tally;
 use super::judge::{self, Judgement};
@@ -14,7 +14,7 @@ use super::uncertainty::{Uncertainty, uncertainties};
 use super::{Diagnosis, Work, base::Base, data::Data, questions, train_error};
 use crate::effects;
 use crate::models::{ForceModel, new};
-use crate::numerics::distributions::chi_square_upper_tail;
+use crate::numerics::distributions::{chi_square_upper_tail, f_upper_tail};
 use std::collections::BTreeSet;
 
 /// Share of the residual below which a dependence is not worth a word.
@@ -25,6 +25,8 @@ const SAYS_NOTHING: f64 = 0.01;
 const AS_GOOD: f64 = 1.05;
 /// Effects beside those that were found in the readings of the base.
 const MOST_MORE: usize = 2;
+/// Candidates whose held-out error is looked at for each.
+const MOST_TRIED: usize = 5;
 /// p below which the strengths scatter more than is usual.
 const MORE_THAN_USUAL: f64 = 0.005;
 
@@ -114,6 +116,7 @@ pub(super) fn answer(work: &Work) -> Diagnosis {
         next_measurement: next(&effects, &limits, &readings_of_the_base),
         effects,
         unexplained,
+        suspects: work.suspects.clone(),
         before,
         after,
         after_as_chosen,
@@ -439,6 +442,12 @@ fn unexplained(work: &Work, fitted: &Fitted, after: &[Question], least_n: f64) -
         .filter(matters)
         .collect();
     others.sort_by(|a, b| b.share.total_cmp(&a.share).then(a.column.cmp(&b.column)));
+    list.extend(
+        work.suspects
+            .iter()
+            .filter(|s| s.set_aside)
+            .map(|s| set_aside(s, work)),
+    );
     for question in others {
         if !list.iter().any(|u| u.column == question.column) {
             list.push(Unexplained {
@@ -453,6 +462,21 @@ fn unexplained(work: &Work, fitted: &Fitted, after: &[Question], least_n: f64) -
         }
     }
     list
+}
+
+/// A session that took no part, as a dependence that nothing explains. Its p: that of its error among those of all sessions, as an F.
+fn set_aside(suspect: &Suspect, work: &Work) -> Unexplained {
+    let sessions = work.train.session.iter().collect::<BTreeSet<_>>().len() as f64;
+    let ratio = suspect.error_n / suspect.usual_n.max(f64::MIN_POSITIVE);
+    Unexplained {
+        column: "session".to_owned(),
+        shape: format!("{}: {}", suspect.what, suspect.explanation),
+        p_adjusted: (sessions * f_upper_tail(ratio * ratio, 1.0, sessions - 1.0)).min(1.0),
+        share_of_residual: 1.0 - 1.0 / (1.0 + ratio * ratio / sessions),
+        rmse_heldout_before: None,
+        rmse_heldout_after: None,
+        curve: Vec::new(),
+    }
 }
 
 fn verdict(
@@ -482,7 +506,8 @@ fn summary(
     as_chosen: Option<f64>,
 ) -> String {
     let (before, after) = (work.held.before.rmse(), work.held.after.rmse());
-    match verdict {
+    let first: String = work.suspects.iter().map(look_at).collect();
+    let then = match verdict {
         Verdict::EffectFound => {
             let names: Vec<String> = effects
                 .iter()
@@ -511,13 +536,35 @@ fn summary(
         }
         Verdict::None => "Nothing is missing that this campaign could show.".to_owned(),
         Verdict::Unexplained => {
-            let columns: Vec<&str> = unexplained.iter().map(|u| u.column.as_str()).collect();
-            format!(
-                "Something is missing: the residual depends on {}, and no effect of the library explains it.",
-                columns.join(", ")
-            )
+            let aside = |u: &&Unexplained| u.shape.starts_with("session ");
+            let columns: Vec<&str> = unexplained
+                .iter()
+                .filter(|u| !aside(u))
+                .map(|u| u.column.as_str())
+                .collect();
+            if columns.is_empty() {
+                "Nothing else is missing that this campaign could show.".to_owned()
+            } else {
+                format!(
+                    "Something is missing: the residual depends on {}, and no effect of the library explains it.",
+                    columns.join(", ")
+                )
+            }
         }
-    }
+    };
+    format!("{first}{then}")
+}
+
+/// What to look at before anything else.
+fn look_at(suspect: &Suspect) -> String {
+    let then = suspect
+        .error_then_n
+        .map_or_else(String::new, |e| format!("; {e:.0} N if so"));
+    let aside = if suspect.set_aside { ", set aside" } else { "" };
+    format!(
+        "Look at {} first (off by {:.0} N, usual are {:.0} N{aside}): {}{then}. ",
+        suspect.what, suspect.error_n, suspect.usual_n, suspect.explanation
+    )
 }
 
 fn residuals(
@@ -686,7 +733,28 @@ fn beside_no_law(
         work.candidates.iter().filter(whole).filter(|t| {
             !found.contains(&t.id()) && seen.insert((t.id(), t.form().map(|f| f.name)))
         });
-    let best = candidates
+    // The error of every candidate would take long; the best by the trace are enough.
+    let model = Model {
+        base: reduced,
+        data: search.data,
+        terms: physical.to_vec(),
+    };
+    let fitted = model.fit(None, 1);
+    let candidates: Vec<Term> = candidates.cloned().collect();
+    let linear = super::linear::Linear::new(&model, &fitted, fitted.scatter, &candidates);
+    let stand = linear.stand(&linear.all_sessions(), &[]);
+    let mut order: Vec<usize> = (0..candidates.len()).collect();
+    order.sort_by(|a, b| {
+        stand
+            .gain(*b)
+            .fall
+            .total_cmp(&stand.gain(*a).fall)
+            .then(a.cmp(b))
+    });
+    let best = order
+        .into_iter()
+        .take(MOST_TRIED)
+        .map(|k| &candidates[k])
         .map(|t| (error(with(Some(t))), t))
         .min_by(|a, b| a.0.total_cmp(&b.0))?;
     (best.0 * AS_GOOD < error(with(None)) && physical.len() < super::model::MOST_TERMS)

@@ -321,6 +321,7 @@ fn histories(rows: &[&Row], data: &Data, conditions: &mut [Conditions]) {
     for mut places in by_log.into_values() {
         places.sort_by(|a, b| rows[*a].time_s.total_cmp(&rows[*b].time_s).then(a.cmp(b)));
         let timed = places.iter().all(|&i| rows[i].time_s.is_finite());
+        directions_by_sequence(rows, &places, conditions);
         let mut level_began = f64::NAN;
         for (k, &i) in places.iter().enumerate() {
             let row = rows[i];
@@ -338,6 +339,41 @@ fn histories(rows: &[&Row], data: &Data, conditions: &mut [Conditions]) {
             conditions[i].rate_kpa_per_s = named(row, RATE)
                 .unwrap_or_else(|| if timed { rate(rows, &places, k) } else { 0.0 });
         }
+    }
+}
+
+/// The direction where nobody says it: that of the pressure from reading to reading, if the log goes down as well as up.
+fn directions_by_sequence(rows: &[&Row], places: &[usize], conditions: &mut [Conditions]) {
+    const LEAST_SHARE: f64 = 0.25;
+    if places.iter().any(|&i| rows[i].phase.is_some()) || places.len() < 3 {
+        return;
+    }
+    let mut steps: Vec<f64> = places
+        .windows(2)
+        .map(|w| {
+            let step = rows[w[1]].pressure_kpa - rows[w[0]].pressure_kpa;
+            if step.abs() > STEP_KPA {
+                step.signum()
+            } else {
+                0.0
+            }
+        })
+        .collect();
+    let share =
+        |sign: f64| steps.iter().filter(|s| **s == sign).count() as f64 / steps.len() as f64;
+    // A log that starts again from below after each run has one step down a run: no venting.
+    if share(-1.0) < LEAST_SHARE || share(1.0) < LEAST_SHARE {
+        return;
+    }
+    // A repeated reading has the direction of the step before it, the first one that of the step after it.
+    for k in 1..steps.len() {
+        if steps[k] == 0.0 {
+            steps[k] = steps[k - 1];
+        }
+    }
+    conditions[places[0]].direction = steps[0];
+    for (step, &i) in steps.iter().zip(&places[1..]) {
+        conditions[i].direction = *step;
     }
 }
 

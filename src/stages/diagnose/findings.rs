@@ -51,6 +51,8 @@ pub struct CampaignFindings {
     pub effects: Vec<EffectFinding>,
     /// Columns on which the residual depends and that no effect explains.
     pub unexplained: Vec<Unexplained>,
+    /// Sessions and specimens that the rest of the campaign does not predict: mistakes of recording rather than effects.
+    pub suspects: Vec<Suspect>,
     /// Error of the base model.
     pub before: Errors,
     /// Error with the effects (and not with empirical corrections).
@@ -186,6 +188,23 @@ pub struct Unexplained {
     pub rmse_heldout_after: Option<f64>,
     /// The correction as a curve: value of the column, N (or share of the force for a gain).
     pub curve: Vec<(f64, f64)>,
+}
+
+/// A session or specimen that the rest of the campaign does not predict.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Suspect {
+    /// "session x", "specimen y" or "the whole campaign".
+    pub what: String,
+    /// RMS of measured less predicted from all others, N.
+    pub error_n: f64,
+    /// Median of the same over all sessions (specimens), N.
+    pub usual_n: f64,
+    /// The usual mistake that would explain it best.
+    pub explanation: String,
+    /// Error if it were so, N; none where nothing explains it.
+    pub error_then_n: Option<f64>,
+    /// Whether its readings took no part in the search.
+    pub set_aside: bool,
 }
 
 /// Errors of a model.

@@ -27,7 +27,7 @@ pub const CHOSEN_AGAIN: f64 = 0.9;
 /// Least part of the folds in which it helps.
 pub const HELPS: f64 = 0.5;
 /// A held-out error that is larger by less than this is not larger.
-pub const NOT_WORSE: f64 = 1.03;
+const NOT_WORSE: f64 = 1.03;
 /// Share of the variance of the sessions' values above which they are no error of the sessions.
 const MISFIT: f64 = 0.5;
 const RESAMPLES: usize = 40;
@@ -76,24 +76,28 @@ pub fn judged(
     };
     let mut rejected: Vec<Rejected> = Vec::new();
     for state in states.iter().filter(|s| !s.chosen.is_empty()) {
-        let judgements = all_of(state);
-        let failed = judgements.iter().filter_map(|j| {
-            let term = &search.candidates[j.candidate];
-            Some(Rejected {
-                id: name(term, search.data),
-                acts_on: acts_on(term, search.data),
-                share: j.share,
-                why: j.fails.clone()?,
-            })
-        });
-        let failed: Vec<Rejected> = failed.collect();
-        if failed.is_empty() {
-            return (state.clone(), judgements, rejected);
+        // The last one in is the likeliest to fail, and one failure is enough.
+        let mut judgements = Vec::new();
+        for k in (0..state.chosen.len()).rev() {
+            let judgement = judge(search, state, k, folds, seed);
+            let why = judgement.fails.clone();
+            judgements.insert(0, judgement);
+            if let Some(why) = why {
+                let term = &search.candidates[state.chosen[k]];
+                let failed = Rejected {
+                    id: name(term, search.data),
+                    acts_on: acts_on(term, search.data),
+                    share: judgements[0].share,
+                    why,
+                };
+                // What is said of it in the smallest model says most.
+                rejected.retain(|q| q.id != failed.id || q.acts_on != failed.acts_on);
+                rejected.push(failed);
+                break;
+            }
         }
-        for r in failed {
-            // What is said of it in the smallest model says most.
-            rejected.retain(|q| q.id != r.id || q.acts_on != r.acts_on);
-            rejected.push(r);
+        if judgements.iter().all(|j| j.fails.is_none()) {
+            return (state.clone(), judgements, rejected);
         }
     }
     let Some(mut state) = states.first().cloned() else {
@@ -234,17 +238,23 @@ fn judge(search: &Search, state: &State, k: usize, folds: &[Fold], seed: u64) ->
     } else {
         probability(search, state, &without, &model, k)
     };
-    let class = class(search, &without, candidate);
-    let chosen_again = if between {
-        between::chosen_again(
-            search,
-            &without.fitted,
-            candidate,
-            &resamples(search.data, seed),
-        )
-    } else {
-        chosen_again(search, &without, candidate, &class, seed)
+    let mut judgement = Judgement {
+        candidate,
+        p_adjusted: (p * if between { 2.0 } else { asked(search, term) }).min(1.0),
+        criterion_gain: search.criterion_gain(&without, state),
+        share: relative_fall(&without, state),
+        chosen_again: 0.0,
+        helps: 0.0,
+        held_out: (f64::NAN, f64::NAN),
+        falls: false,
+        train: (without.fitted.sigma, state.fitted.sigma),
+        class: Vec::new(),
+        fails: None,
     };
+    judgement.fails = failure_at_sight(search, &judgement, term, &state.fitted.terms[k].0, between);
+    if judgement.fails.is_some() {
+        return judgement;
+    }
     let by_log;
     let used = if matches!(term.scope, Scope::Whole | Scope::From(_) | Scope::Levels(_)) {
         folds
@@ -252,28 +262,31 @@ fn judge(search: &Search, state: &State, k: usize, folds: &[Fold], seed: u64) ->
         by_log = log_folds(search.data);
         &by_log
     };
-    let (mut helps, before, after) = helps(search, state, &without, used);
-    if between {
-        helps = between::helps(search, &without.fitted, candidate);
-    }
-    let mut judgement = Judgement {
-        candidate,
-        p_adjusted: (p * if between { 2.0 } else { asked(search, term) }).min(1.0),
-        criterion_gain: search.criterion_gain(&without, state),
-        share: relative_fall(&without, state),
-        chosen_again,
-        helps,
-        held_out: (before.rmse_own_strength(), after.rmse_own_strength()),
-        falls: after.own_strength < before.own_strength || after.squares < before.squares,
-        train: (without.fitted.sigma, state.fitted.sigma),
-        class,
-        fails: None,
+    let (helps, before, after) = helps(search, state, &without, used);
+    judgement.held_out = (before.rmse_own_strength(), after.rmse_own_strength());
+    judgement.falls = after.own_strength < before.own_strength || after.squares < before.squares;
+    judgement.helps = if between {
+        between::helps(search, &without.fitted, candidate)
+    } else {
+        helps
     };
-    judgement.fails = failure(search, &judgement, term, &state.fitted.terms[k].0, between);
+    judgement.class = class(search, &without, candidate);
+    judgement.chosen_again = if between {
+        between::chosen_again(
+            search,
+            &without.fitted,
+            candidate,
+            &resamples(search.data, seed),
+        )
+    } else {
+        chosen_again(search, &without, candidate, &judgement.class, seed)
+    };
+    judgement.fails = failure_outside(&judgement, between);
     judgement
 }
 
-fn failure(
+/// What fails before anything is refitted.
+fn failure_at_sight(
     search: &Search,
     j: &Judgement,
     term: &Term,
@@ -293,7 +306,14 @@ fn failure(
         Some("does not pay for its parameters".to_owned())
     } else if at_bound {
         Some("its size runs to a physical bound".to_owned())
-    } else if j.helps < HELPS {
+    } else {
+        None
+    }
+}
+
+/// What fails on readings and specimens that took no part.
+fn failure_outside(j: &Judgement, between: bool) -> Option<String> {
+    if j.helps < HELPS {
         Some(format!(
             "lowers the held-out error in {:.0}% of the folds only",
             100.0 * j.helps

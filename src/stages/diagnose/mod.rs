@@ -3,6 +3,7 @@
 //! Nobody tells this stage what is in the data. For each campaign and diameter:
 //!
 //! 1. [`data`]: the readings with everything that is known of each; [`base`]: the model to which effects are added.
+//!    [`suspects`]: mistakes of recording, before anything is searched.
 //! 2. [`questions`]: is there anything at all? The residual against every column, by permutation.
 //! 3. [`candidates`], [`linear`], [`search`]: which additions explain it. Strengths of the specimens are in every model ([`model`]).
 //! 4. [`judge`]: which of them may be believed.
@@ -27,6 +28,7 @@ pub mod linear;
 pub mod model;
 pub mod questions;
 pub mod search;
+pub mod suspects;
 pub mod term;
 pub mod uncertainty;
 
@@ -34,11 +36,12 @@ use crate::base::row::Row;
 use crate::base::session::Role;
 use crate::config::{DiagnoseOptions, FitOptions};
 use crate::effects::{self, Conditions};
+use crate::models::{ForceModel, new};
 use crate::numerics::statistics::mean;
 use crate::stages::fit::{Group, is_fitted, is_usable};
 use base::Base;
 use data::Data;
-use findings::{CampaignFindings, Errors, FoldErrors, Question, Rejected, Residuals};
+use findings::{CampaignFindings, Errors, FoldErrors, Question, Rejected, Residuals, Suspect};
 use folds::{Fold, Tally};
 use judge::Judgement;
 use model::{Fitted, Model};
@@ -83,6 +86,7 @@ pub(crate) struct Work<'a> {
     rejected: Vec<Rejected>,
     held: HeldOut,
     passed_over: usize,
+    suspects: Vec<Suspect>,
 }
 
 /// The held-out errors of base, effects, empirical corrections and black box.
@@ -112,6 +116,7 @@ pub fn diagnose(
         .filter(|r| base_answers(&base, r))
         .collect();
     let passed_over = rows.len() - answered.len();
+    let (suspects, answered) = without_mistakes(&base, group, answered, fit, options);
     let all = Data::new(&answered);
     let kept_out: Vec<bool> = answered
         .iter()
@@ -135,35 +140,19 @@ pub fn diagnose(
     let null = search.state(Vec::new(), None);
     let questions = ask(&search, &null, options);
     let something = questions.iter().any(|q| q.p_adjusted < WORTH_ASKING);
-    let outside = |each: bool, chosen: bool| {
-        let searched = (something && chosen).then_some(each);
-        held_out(&base, &all, &candidates, &folds, searched, options)
-    };
-    let (mut best, mut judgements, mut rejected) = if something {
-        believed(&search, options.seed, true)
+    let (best, judgements, rejected) = if something {
+        believed(&search, options.seed)
     } else {
         (null.clone(), Vec::new(), Vec::new())
     };
-    let mut held = outside(true, !best.chosen.is_empty());
-    let each = |c: &usize| candidates[*c].scope == term::Scope::EachSession;
-    if let Some(c) = best.chosen.iter().copied().find(each)
-        && held.after.rmse() > judge::NOT_WORSE * held.before.rmse()
-    {
-        // Values of the sessions that make the error on other specimens larger are not values of the sessions.
-        let why = format!(
-            "with the search inside each fold the held-out error would go from {:.1} N to {:.1} N",
-            held.before.rmse(),
-            held.after.rmse()
-        );
-        (best, judgements, rejected) = believed(&search, options.seed, false);
-        held = outside(false, !best.chosen.is_empty());
-        rejected.push(Rejected {
-            id: judge::name(&candidates[c], &thin),
-            acts_on: judge::acts_on(&candidates[c], &thin),
-            share: 0.0,
-            why,
-        });
-    }
+    let held = held_out(
+        &base,
+        &all,
+        &candidates,
+        &folds,
+        something && !best.chosen.is_empty(),
+        options,
+    );
     let work = Work {
         group,
         options,
@@ -180,17 +169,47 @@ pub fn diagnose(
         rejected,
         held,
         passed_over,
+        suspects,
     };
     Some(answer::answer(&work))
 }
 
-/// The additions that pass every guard; `each`: values for every session among them.
-fn believed(search: &Search, seed: u64, each: bool) -> (State, Vec<Judgement>, Vec<Rejected>) {
+/// What is far off, and the rows without the sessions that are set aside for it.
+fn without_mistakes<'a>(
+    base: &Base,
+    group: &Group,
+    rows: Vec<&'a Row>,
+    fit: &FitOptions,
+    options: &DiagnoseOptions,
+) -> (Vec<Suspect>, Vec<&'a Row>) {
+    let searched: Vec<&Row> = rows
+        .iter()
+        .copied()
+        .filter(|r| r.role != Some(Role::Holdout))
+        .collect();
+    if searched.len() < FEWEST_READINGS {
+        return (Vec::new(), rows);
+    }
+    let data = Data::new(&searched).thinned(options.most_readings);
+    let known = new::NewPublished.coefficients(group.diameter_mm).len() > 1;
+    let published = known.then(|| Base::new(group.diameter_mm, false, 2, fit));
+    let suspects = suspects::suspects(base, &data, published.as_ref());
+    let aside: BTreeSet<&str> = suspects
+        .iter()
+        .filter(|s| s.set_aside)
+        .filter_map(|s| s.what.strip_prefix("session "))
+        .collect();
+    let rows = rows
+        .into_iter()
+        .filter(|r| !aside.contains(r.session.as_str()))
+        .collect();
+    (suspects, rows)
+}
+
+/// The additions that pass every guard.
+fn believed(search: &Search, seed: u64) -> (State, Vec<Judgement>, Vec<Rejected>) {
     let inner = inner_folds(search.data);
     let (state, judgements, mut rejected) = judge::judged(search, &search.run(), &inner, seed);
-    if !each {
-        return (state, judgements, rejected);
-    }
     let (state, judgements, each) =
         judge::with_each_session(search, state, judgements, &inner, seed);
     rejected.extend(each);
@@ -245,13 +264,13 @@ fn ask(search: &Search, null: &State, options: &DiagnoseOptions) -> Vec<Question
     )
 }
 
-/// The whole search in every fold (`search`: with values for every session or without), or the base model alone.
+/// The whole search in every fold (`search`), or the base model alone.
 fn held_out(
     base: &Base,
     all: &Data,
     candidates: &[Term],
     folds: &[Fold],
-    search: Option<bool>,
+    search: bool,
     options: &DiagnoseOptions,
 ) -> HeldOut {
     let one = |fold: &Fold| one_fold(base, all, candidates, fold, search, options);
@@ -311,7 +330,7 @@ fn one_fold(
     all: &Data,
     candidates: &[Term],
     fold: &Fold,
-    search: Option<bool>,
+    search: bool,
     options: &DiagnoseOptions,
 ) -> FoldResult {
     let train = all.select(&fold.train);
@@ -325,10 +344,11 @@ fn one_fold(
         judge::SIGNIFICANT.1,
     );
     let null = here.state(Vec::new(), None);
-    let best = search.map_or_else(
-        || null.clone(),
-        |each| believed(&here, options.seed, each).0,
-    );
+    let best = if search {
+        believed(&here, options.seed).0
+    } else {
+        null.clone()
+    };
     let terms = |physical_only: bool| -> Vec<Term> {
         let kept = |t: &Term| !physical_only || matches!(t.what, What::Effect { .. });
         best.chosen

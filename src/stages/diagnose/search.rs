@@ -25,7 +25,7 @@ const LEAST_OF_ALL: f64 = 0.01;
 /// Least root mean square of what an addition takes off, by the force that all but 5% of the readings stay below. The zero that a
 /// log declares, the converter's steps and the means over plateaus are not better than this (0.18 N from session to session in simulated
 /// logs without any effect, which a thousand samples make significant).
-pub const LEAST_OF_RANGE: f64 = 0.002;
+pub const LEAST_OF_RANGE: f64 = 0.001;
 /// The same for a value of every session: what these explain is in part the misfit of a shape.
 const LEAST_OF_ALL_EACH: f64 = 0.1;
 /// One session (specimen) is looked at by itself if its value stands out so many times above the median of the others'.
