@@ -37,11 +37,16 @@ const STAGES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "TORQUE",
+        &["base", "knee", "models", "numerics", "stages/torque"],
+    ),
+    (
         "REPORT",
         &[
             "audit",
             "base",
             "effects",
+            "knee",
             "models",
             "numerics",
             "report",

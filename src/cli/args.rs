@@ -14,7 +14,7 @@ use std::path::PathBuf;
     about,
     subcommand_required = true,
     arg_required_else_help = true,
-    after_help = "Example:\n  pipeline run --raw my-sessions --reports my-reports\n\nStages, in order: ingest, clean, normalize, fit, compare, diagnose, report. Results are cached by content in derived/; a second run does nothing."
+    after_help = "Example:\n  pipeline run --raw my-sessions --reports my-reports\n\nStages, in order: ingest, clean, normalize, fit, compare, diagnose, torque, report. Results are cached by content in derived/; a second run does nothing."
 )]
 pub struct Args {
     /// What to do.

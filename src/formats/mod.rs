@@ -4,5 +4,7 @@
 
 pub mod csv;
 pub mod discover;
+mod leg;
 mod session_columns;
+mod session_joint;
 pub mod session_toml;

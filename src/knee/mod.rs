@@ -3,6 +3,7 @@
 //! | module | idea |
 //! |---|---|
 //! | [`description`] | a knee in TOML: joint, routes, muscles; the shipped ones, and a laboratory's own |
+//! | [`choice`] | which knee and route a session means |
 //! | [`joint`], [`four_bar`] | where the tibia stands at an angle: pinned, translating (Gait2392), tabulated centre, four-bar linkage |
 //! | [`route`] | the points that a muscle runs through, and the angles at which each takes part |
 //! | [`path`] | a [`Leg`] is a joint with a route: length, moment arm by virtual work and by projection, switches |
@@ -35,6 +36,7 @@
 //!
 //! Architecture invariant: nothing here does I/O, sees a data frame or fits. Whatever may be fitted (compliances) carries derivatives.
 
+pub mod choice;
 pub mod data;
 pub mod description;
 pub mod four_bar;

@@ -133,6 +133,14 @@ impl Leg<'_> {
         Ok(self.path(angle, Yield::<f64>::none())?.arm())
     }
 
+    /// The points of the path at an angle in rad, from the origin to the insertion, in the femur's frame, m.
+    ///
+    /// # Errors
+    /// As [`Leg::geometry`].
+    pub fn points(&self, angle: f64) -> Result<Vec<Point<f64>>, Beyond> {
+        Ok(self.path(angle, Yield::<f64>::none())?.points)
+    }
+
     /// Eq. 3 at an angle in rad.
     ///
     /// # Errors

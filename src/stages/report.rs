@@ -23,7 +23,9 @@ use rayon::prelude::*;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 
-pub use crate::report::input::{GroupInput, Provenance, ReportInput, SessionInput, Trace};
+pub use crate::report::input::{
+    GroupInput, KneeInput, Provenance, ReportInput, SessionInput, Trace,
+};
 
 /// Raised when results change without a change of this stage's source files.
 pub const VERSION: u32 = 1;
