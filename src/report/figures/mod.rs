@@ -8,6 +8,7 @@ mod error_by_model;
 mod error_by_specimen;
 mod heldout;
 mod isobars;
+pub mod knee;
 mod laws;
 mod looks;
 mod maximum_force;

@@ -8,6 +8,7 @@ mod detection_limits;
 mod findings;
 mod fits;
 mod intervals;
+pub mod knee;
 mod model_comparison;
 mod paper;
 mod plateaus;

@@ -32,6 +32,7 @@ use curve::Curve;
 use errors::{Errors, Hand};
 use fitting::FittingFit;
 use point::Point;
+use reference::arms::{Arms, of_leg};
 use serde::{Deserialize, Serialize};
 
 /// Raised when results change without a change of this stage's source files.
@@ -99,6 +100,8 @@ pub struct Configuration {
     pub tests: Vec<Test>,
     /// What is expected over the range of the joint.
     pub curve: Curve,
+    /// The leg, and both methods for its moment arm.
+    pub arms: Arms,
 }
 
 /// One session.
@@ -252,5 +255,6 @@ fn configuration(build: &Build, session: &Session) -> Configuration {
         remarks: build.remarks.clone(),
         tests: Vec::new(),
         curve: Curve::default(),
+        arms: of_leg(&build.knee.name, &build.leg()),
     }
 }
