@@ -10,6 +10,7 @@
 //! | [`torque`] | M = r F(eps*, P*, l_rest) with any registered force model; back-calculated torque |
 //! | [`series`] | tendon and brackets that yield, and the force at which all balances |
 //! | [`hill`] | the human muscle: Hill type, elastic tendon in equilibrium |
+//! | [`human`] | the human muscles by name, and where an actuator meets them |
 //! | [`stress`] | axial stress in the actuator's wall |
 //! | [`data`] | embedded tables: Table 1, bracket points, OpenSim's exports, the laboratory's design targets |
 //!
@@ -41,6 +42,7 @@ pub mod data;
 pub mod description;
 pub mod four_bar;
 pub mod hill;
+pub mod human;
 pub mod joint;
 pub mod path;
 pub mod route;

@@ -10,6 +10,7 @@ mod heldout;
 mod isobars;
 pub mod knee;
 mod laws;
+pub mod leg_prediction;
 mod looks;
 mod maximum_force;
 mod model_curves;

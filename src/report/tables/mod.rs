@@ -9,6 +9,7 @@ mod findings;
 mod fits;
 mod intervals;
 pub mod knee;
+pub mod leg_prediction;
 mod model_comparison;
 mod paper;
 mod plateaus;

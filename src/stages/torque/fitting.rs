@@ -153,7 +153,9 @@ pub fn observations<'a>(
 /// Every fit of a campaign, by diameter and muscle.
 pub fn fits(found: &[(Build, Configuration)], confidence: f64) -> Vec<FittingFit> {
     let key = |c: &Configuration| (c.diameter_mm, c.muscle.clone());
-    let groups: BTreeSet<(u32, String)> = found.iter().map(|(_, c)| key(c)).collect();
+    // In the order of the configurations: flexors first.
+    let mut groups: Vec<(u32, String)> = found.iter().map(|(_, c)| key(c)).collect();
+    groups.dedup();
     let mut all = Vec::new();
     for group in groups {
         let members: Vec<&(Build, Configuration)> =

@@ -11,7 +11,13 @@ use crate::stages::torque::fitting::LAWS;
 use crate::stages::torque::point::Point;
 use crate::stages::torque::{CampaignTorque, Configuration, Test};
 
-const HEIGHT_MM: f64 = 122.0;
+const HEIGHT_MM: f64 = 104.0;
+/// Dashes of the pressures, where there are several: as stated, and as fitted.
+const BY_PRESSURE: [(Dash, Dash); 3] = [
+    (Dash::Dashed, Dash::Solid),
+    (Dash::DashDot, Dash::Long),
+    (Dash::Dotted, Dash::Short),
+];
 /// Marks of the tests, in their order; excluded ones are grey crosses.
 const TESTS: [(Shape, Ink); 6] = [
     (Shape::Circle, Ink::Blue),
@@ -113,27 +119,33 @@ impl Plot<'_> {
         let mut panel = Panel::new(self.x(), self.y()).title("Torque");
         let curve = &self.c.curve;
         let several = curve.torques.len() > 1;
-        for (n, at) in curve.torques.iter().enumerate() {
-            let once = |name: String| if n == 0 { name } else { String::new() };
-            let line = |values: &[Option<f64>]| {
-                let all = values.iter().map(|t| t.unwrap_or(f64::NAN));
-                over_angle(&curve.angles_rad, all)
-            };
-            let looks = [(Ink::Black, Dash::Dashed), (Ink::Grey, Dash::DashDot)];
-            for (k, ((law, values), (ink, dash))) in
-                LAWS.iter().zip(&at.stated).zip(looks).enumerate()
-            {
-                let name = format!("{}, l_{{fit}} {}", words(law), mm(self.c.fitting_m));
-                let stroke = Stroke::new(ink, dash);
-                panel = panel.with(Series::line(&once(name), line(values), stroke));
-                if k == 0 && several {
-                    panel = panel.with(label(&line(values), at.pressure_kpa, self.c.sign()));
+        let line = |values: &[Option<f64>]| {
+            let all = values.iter().map(|t| t.unwrap_or(f64::NAN));
+            over_angle(&curve.angles_rad, all)
+        };
+        for (at, (stated, fitted)) in curve.torques.iter().zip(BY_PRESSURE.iter().cycle()) {
+            let name = |law: &str, fitting_m: f64| {
+                let name = format!("{}, l_{{fit}} {}", words(law), mm(fitting_m));
+                if several {
+                    format!("{name}, {:.0} kPa", at.pressure_kpa)
+                } else {
+                    name
                 }
+            };
+            let mut draw = |law: &str, fitting_m, values: Option<&Vec<_>>, ink, dash| {
+                let lines = values.map(|v| line(v));
+                let stroke = Stroke::new(ink, dash);
+                let series = lines.map(|l| Series::line(&name(law, fitting_m), l, stroke));
+                panel = series.into_iter().fold(panel.clone(), Panel::with);
+            };
+            let (first, own) = (LAWS[0], self.c.fitting_m);
+            draw(first, own, at.stated.first(), Ink::Black, *stated);
+            if !several {
+                let dash = Dash::LongShort;
+                draw(LAWS[1], own, at.stated.get(1), Ink::Grey, dash);
             }
-            if let (Some(values), Some(fitted)) = (at.fitted.first(), curve.fitted_m.first()) {
-                let name = format!("{}, l_{{fit}} {}", words(LAWS[0]), mm(*fitted));
-                let stroke = Stroke::new(Ink::Sky, Dash::Solid);
-                panel = panel.with(Series::line(&once(name), line(values), stroke));
+            if let Some(length) = curve.fitted_m.first() {
+                draw(first, *length, at.fitted.first(), Ink::Sky, *fitted);
             }
         }
         let back = self.back_calculated(|_, torque| torque);
@@ -191,25 +203,8 @@ impl Plot<'_> {
     }
 
     fn caption(&self) -> String {
-        let c = self.c;
-        let mut caption = format!(
-            "{}. (A) Torque: measured (marks), from length and arm measured by hand with the law of the knee paper (small circles), and \
-             expected of a rigid leg with both laws of force",
-            capitalised(&c.title())
-        );
-        if let Some(fitted) = c.curve.fitted_m.first() {
-            caption += &format!(
-                ", and with fittings of {}, fitted to the {} of {} mm with most readings",
-                mm(*fitted),
-                c.muscle,
-                c.diameter_mm
-            );
-        }
-        if c.curve.torques.len() > 1 {
-            caption += "; one set of curves for each pressure";
-        }
-        caption += ". (B) What is left. (C) Relative contraction by hand and expected. (D) Moment arm by hand, and by both methods.";
-        for remark in &c.remarks {
+        let mut caption = capitalised(&self.c.title()) + ".";
+        for remark in &self.c.remarks {
             caption += &format!(" {}.", capitalised(remark));
         }
         if self.campaign.simulated {
@@ -228,13 +223,6 @@ fn mark(k: usize, test: &Test) -> Mark {
         None if shape == Shape::Plus => Mark::open(shape, ink).wide(1.3),
         None => Mark::filled(shape, ink).wide(1.3),
     }
-}
-
-/// The pressure beside the strongest point of a curve.
-fn label(line: &[(f64, f64)], pressure_kpa: f64, sign: f64) -> Layer {
-    let middle = line.get(line.len() / 2).copied().unwrap_or((0.0, 0.0));
-    let place = crate::report::plot::Place::Data(middle.0, middle.1 - sign * 0.5);
-    Layer::text(&format!("{pressure_kpa:.0} kPa"), place)
 }
 
 fn words(law: &str) -> &'static str {

@@ -101,7 +101,10 @@ fn methods(arms: &Arms) -> Panel {
             Dash::Long,
         ),
     ];
-    for (name, values, ink, dash) in series {
+    // Where the tibia turns about the origin of its own frame, the last is the second.
+    let parted = (arms.apart_about_origin.0 - arms.apart_in_plane.0).abs() > 1e-4;
+    let shown = if parted { 3 } else { 2 };
+    for (name, values, ink, dash) in series.into_iter().take(shown) {
         panel = panel.with(Series::line(name, line(values), Stroke::new(ink, dash)));
     }
     let switches: Vec<f64> = arms

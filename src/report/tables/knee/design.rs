@@ -1,8 +1,8 @@
 //! `knee_design`: over which angles the full-size actuators meet the human muscles.
 
-use super::mm;
+use super::{law_words, mm};
 use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Column, Rounding, Table};
+use crate::report::table::{Audience, Cell, Column, Rounding, Table};
 use crate::stages::torque::fitting::LAWS;
 
 /// The table.
@@ -12,7 +12,8 @@ pub fn table(input: &ReportInput) -> Table {
         Column::text("human", "Human"),
         Column::number("diameter_mm", "⌀", "mm"),
         Column::number("rest_length_mm", "l_{rest}", "mm"),
-        Column::text("law", "Law of force"),
+        Column::text("law", "Law of force").seen_by(Audience::Machines),
+        Column::text("law_words", "Law of force").seen_by(Audience::People),
         Column::number("largest_nm", "Largest", "N.m"),
         Column::number("human_largest_nm", "Human, largest", "N.m"),
         Column::text("met_deg", "Meets the human muscle at"),
@@ -32,6 +33,7 @@ pub fn table(input: &ReportInput) -> Table {
                 Cell::Integer(i64::from(d.diameter_mm)),
                 mm(d.rest_length_m, 0),
                 Cell::text(*law),
+                Cell::text(law_words(law)),
                 Cell::number(largest(&torques), Rounding::Decimals(1)),
                 Cell::number(largest(&d.human_nm), Rounding::Decimals(1)),
                 Cell::text(stretches(met)),

@@ -1,6 +1,6 @@
 //! `knee_fittings`: the length of the end fittings, as stated, as the paper fitted it, and as fitted here.
 
-use super::{decimals, mm, named};
+use super::{decimals, law_words, mm, named};
 use crate::report::input::ReportInput;
 use crate::report::table::{Audience, Cell, Column, Table};
 use crate::stages::torque::CampaignTorque;
@@ -31,10 +31,11 @@ pub fn origin(fit: &FittingFit) -> String {
 fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
     let columns = vec![
         Column::text("campaign", "Campaign").seen_by(Audience::Machines),
-        Column::number("diameter_mm", "⌀", "mm"),
-        Column::text("muscle", "Muscle"),
-        Column::text("law", "Law of force"),
-        Column::text("origin", "l_{fit}"),
+        Column::number("diameter_mm", "⌀", "mm").seen_by(Audience::Machines),
+        Column::text("muscle", "Muscle").seen_by(Audience::Machines),
+        Column::text("law", "Law of force").seen_by(Audience::Machines),
+        Column::text("group", "Of").seen_by(Audience::People),
+        Column::text("origin", "Fittings"),
         Column::number("fitting_mm", "l_{fit}", "mm"),
         Column::interval("interval_mm", "Interval", "mm"),
         Column::text("interval_by", "Interval by").seen_by(Audience::Machines),
@@ -45,7 +46,7 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
         Column::number("n_held_out", "\\v{n}", ""),
         Column::number("sse_held_out_nm2", "SSE", "N^2m^2"),
         Column::number("rmse_held_out_nm", "RMSE", "N.m"),
-        Column::number("max_held_out_nm", "Max.", "N.m"),
+        Column::number("max_held_out_nm", "Max.", "N.m").seen_by(Audience::Machines),
     ];
     let mut table = Table::new(
         "knee_fittings",
@@ -53,24 +54,25 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
         columns,
     )
     .span("Fitted", "n_fitted", "rmse_fitted_nm")
-    .span("Held out", "n_held_out", "max_held_out_nm")
+    .span("Held out", "n_held_out", "rmse_held_out_nm")
     .note("Held out are other actuators, other tendons and other knees of the same diameter and muscle. Excluded tests take no part. Intervals by the jackknife over tests (fitted to one actuator) or over actuators; with fewer than three of them linearised, which is too narrow.");
     for campaign in campaigns {
         let mut last = None;
         for fit in &campaign.fits {
             let group = (fit.diameter_mm, &fit.muscle, &fit.law);
-            if last.is_some_and(|l| l != group) {
+            let first = last != Some(group);
+            if first {
                 table.rule();
             }
             last = Some(group);
-            table.push(row(campaign, fit));
+            table.push(row(campaign, fit, first));
         }
         table.rule();
     }
     table
 }
 
-fn row(campaign: &CampaignTorque, fit: &FittingFit) -> Vec<Cell> {
+fn row(campaign: &CampaignTorque, fit: &FittingFit, first: bool) -> Vec<Cell> {
     let [value, interval] = match fit.interval_m {
         Some((low, high)) => Cell::with_interval(1e3 * fit.fitting_m, 1e3 * low, 1e3 * high),
         None => [mm(fit.fitting_m, 1), Cell::Empty],
@@ -85,6 +87,7 @@ fn row(campaign: &CampaignTorque, fit: &FittingFit) -> Vec<Cell> {
         Cell::Integer(i64::from(fit.diameter_mm)),
         Cell::text(&fit.muscle),
         Cell::text(&fit.law),
+        if first { group(fit) } else { Cell::Empty },
         Cell::text(origin(fit)),
         value,
         interval,
@@ -98,4 +101,10 @@ fn row(campaign: &CampaignTorque, fit: &FittingFit) -> Vec<Cell> {
         size(&fit.held_out, |s| s.rmse, 2),
         size(&fit.held_out, |s| s.max_abs, 2),
     ]
+}
+
+/// Which configurations, under which law.
+fn group(fit: &FittingFit) -> Cell {
+    let law = law_words(&fit.law);
+    Cell::text(format!("{} mm {}, {law}", fit.diameter_mm, fit.muscle))
 }

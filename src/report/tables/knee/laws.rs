@@ -1,6 +1,6 @@
 //! `knee_laws`: errors of torque by test, with the laws of force of both papers.
 
-use super::{decimals, named};
+use super::{decimals, law_words, named};
 use crate::report::input::ReportInput;
 use crate::report::table::{Audience, Cell, Column, Table};
 use crate::stages::torque::errors::{Basis, Size};
@@ -21,7 +21,8 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
     let columns = vec![
         Column::text("campaign", "Campaign").seen_by(Audience::Machines),
         Column::text("session", "Test"),
-        Column::text("law", "Law of force"),
+        Column::text("law", "Law of force").seen_by(Audience::Machines),
+        Column::text("law_words", "Law of force").seen_by(Audience::People),
         Column::number("n", "\\v{n}", ""),
         Column::number("n_extrapolated", "Extrap.", ""),
         Column::number("rmse_nm", "RMSE", "N.m"),
@@ -71,6 +72,7 @@ fn row(campaign: &CampaignTorque, test: &Test, law: &str) -> Vec<Cell> {
         Cell::text(&campaign.campaign),
         Cell::text(&test.session),
         Cell::text(law),
+        Cell::text(law_words(law)),
         count(|e| e.n),
         count(|e| e.n_extrapolated),
         size(geometry, |s| s.rmse, 2),

@@ -71,3 +71,11 @@ fn mm(length_m: impl Into<Option<f64>>, decimals: usize) -> Cell {
 fn decimals(value: impl Into<Option<f64>>, decimals: usize) -> Cell {
     Cell::number(value.into(), Rounding::Decimals(decimals))
 }
+
+/// What people call a law of force.
+fn law_words(law: &str) -> &'static str {
+    match law {
+        "knee_paper" => "knee paper",
+        _ => "force paper",
+    }
+}

@@ -36,7 +36,7 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
         "Root-mean-square error of torque by every force model, N.m: length and arm from the geometry of a rigid leg",
         columns,
     )
-    .note("Empty: the model has no coefficients for the diameter or no answer for any reading. Readings for which a model has no answer are left out of its error; `knee_errors` counts them.");
+    .note("Empty: the model has no coefficients for the diameter or no answer for any reading. Readings for which a model has no answer are left out of its error; the table of all errors (knee\\_errors) counts them.");
     for campaign in campaigns {
         table.rule();
         for test in campaign.configurations.iter().flat_map(|c| &c.tests) {

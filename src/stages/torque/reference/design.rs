@@ -4,8 +4,8 @@
 //! 423 mm (322 mm at 620 kPa), and 557 mm with the manufacturer's contraction of 25%. Nobody recorded their fittings, which are taken as
 //! those of the 10 mm actuator.
 
-use super::human::{VASTI, torque};
 use crate::knee::choice::named;
+use crate::knee::human::{VASTI, met, torque};
 use crate::knee::{Leg, Setup};
 use crate::models::P_620_KPA;
 use crate::stages::torque::curve::{angles, laws};
@@ -64,14 +64,11 @@ pub fn designs() -> Vec<Design> {
     let angles = angles((RANGE_DEG.0.to_radians(), RANGE_DEG.1.to_radians()), STEPS);
     all.into_iter()
         .filter_map(|(muscle, name, heads, route, setup)| {
-            let of_head = |a: f64| heads.iter().map(move |m| (m, a));
-            let torque_at = |a: f64| of_head(a).map(|(m, a)| torque(&human, m, a)).sum();
-            let human_nm = angles
-                .iter()
-                .map(|a| torque_at(*a))
-                .collect::<Option<Vec<f64>>>()?;
+            let at = |a: &f64| torque(&human, heads, *a);
+            let human_nm = angles.iter().map(at).collect::<Option<Vec<f64>>>()?;
             let actuator_nm = by_law(&robot.leg(route)?, &setup, &angles);
-            let met = |found: &Vec<Option<f64>>| met(&angles, &human_nm, found);
+            let degrees: Vec<f64> = angles.iter().map(|a| a.to_degrees()).collect();
+            let met = |found: &Vec<Option<f64>>| met(&degrees, &human_nm, found);
             Some(Design {
                 muscle: muscle.to_owned(),
                 human: name.to_owned(),
@@ -93,21 +90,4 @@ fn by_law(leg: &Leg, setup: &Setup, angles: &[f64]) -> Vec<Vec<Option<f64>>> {
         angles.iter().map(at).collect()
     };
     laws().iter().map(of).collect()
-}
-
-/// The stretches of angle, degrees, in which the found torque has the human's sign and at least its size.
-pub fn met(angles_rad: &[f64], human_nm: &[f64], found_nm: &[Option<f64>]) -> Vec<(f64, f64)> {
-    let mut stretches: Vec<(f64, f64)> = Vec::new();
-    let mut open = false;
-    for ((angle, human), found) in angles_rad.iter().zip(human_nm).zip(found_nm) {
-        let degrees = angle.to_degrees();
-        let enough = found.is_some_and(|f| f * human.signum() >= human.abs());
-        match (enough, stretches.last_mut()) {
-            (true, Some(last)) if open => last.1 = degrees,
-            (true, _) => stretches.push((degrees, degrees)),
-            (false, _) => {}
-        }
-        open = enough;
-    }
-    stretches
 }

@@ -5,11 +5,9 @@
 
 use super::{largest, rms};
 use crate::knee::choice::named;
-use crate::knee::{Knee, data};
+use crate::knee::data;
+use crate::knee::human::{VASTI, torque};
 use serde::{Deserialize, Serialize};
-
-/// The three heads of vasti.
-pub const VASTI: [&str; 3] = ["vas_int", "vas_lat", "vas_med"];
 
 /// What is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -74,10 +72,7 @@ pub fn compared() -> Vec<Compared> {
         let rows = export(file, column, |angle| leg.arm(angle).ok())?;
         Some(new(muscle, Compares::Arm, OPENSIM, rows, why))
     };
-    let torque_of = |muscles: &[&str], angle: f64| {
-        let one = |m: &&str| torque(&knee, m, angle);
-        muscles.iter().map(one).sum::<Option<f64>>()
-    };
+    let torque_of = |muscles: &[&str], angle: f64| torque(&knee, muscles, angle);
     let arms = "opensim_vasti_moment_arm.csv";
     let torques = "opensim_vasti_torque.csv";
     let mut all = vec![arm(
@@ -105,12 +100,6 @@ pub fn compared() -> Vec<Compared> {
         .map(|rows| new("vasti", Compares::Torque, TARGET, rows, WHY_TARGET)),
     );
     all.into_iter().flatten().collect()
-}
-
-/// The torque of a human muscle at full activation, N.m, positive in extension; none beyond the knee's range.
-pub fn torque(knee: &Knee, muscle: &str, angle: f64) -> Option<f64> {
-    let (leg, hill) = (knee.leg(muscle)?, knee.muscle(muscle)?);
-    leg.muscle_torque(hill, angle).ok()
 }
 
 fn sum_of_vasti(file: &str, calculated: impl Fn(f64) -> Option<f64>) -> Option<Compared> {
