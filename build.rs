@@ -52,6 +52,7 @@ const STAGES: &[(&str, &[&str])] = &[
             "report",
             "stages/diagnose/findings.rs",
             "stages/report.rs",
+            "stages/torque",
         ],
     ),
 ];

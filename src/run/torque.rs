@@ -1,7 +1,6 @@
 //! The stage `torque`: one unit a campaign, and one for what needs no session.
 
 use crate::base::error::{Error, Result};
-use crate::base::frame::{Frame, Values};
 use crate::base::json;
 use crate::base::session::Kind;
 use crate::cache::Digest;
@@ -10,9 +9,8 @@ use crate::config::{Config, flatten};
 use crate::formats::discover::Discovery;
 use crate::run::engine::{self, Engine, Stage, Step};
 use crate::run::sessions::{ROWS, SessionResult};
-use crate::stages::torque::point::Point;
 use crate::stages::torque::reference::{Reference, reference};
-use crate::stages::torque::{self, CampaignTorque, Configuration, Measured, Test};
+use crate::stages::torque::{self, CampaignTorque, Measured};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -23,8 +21,6 @@ const TORQUE: Stage = Stage {
 };
 
 const TORQUE_JSON: &str = "torque.json";
-/// One row a reading, with every model's torque.
-pub const POINTS: &str = "torque.parquet";
 const REFERENCE_JSON: &str = "reference.json";
 /// The unit that needs no session.
 const SHIPPED: &str = "shipped knees";
@@ -109,72 +105,12 @@ fn campaign_step(
             })
             .collect::<Result<_>>()?;
         let found = torque::torque(campaign, &measured, &config.torque, confidence);
-        Ok(Outputs::from([
-            (TORQUE_JSON.to_owned(), to_json(&found)?),
-            (POINTS.to_owned(), points_frame(&found).to_parquet()?),
-        ]))
+        Ok(Outputs::from([(TORQUE_JSON.to_owned(), to_json(&found)?)]))
     })
 }
 
 fn to_json(value: &impl serde::Serialize) -> Result<Vec<u8>> {
     serde_json::to_vec(value).map_err(Error::internal)
-}
-
-/// The readings of a campaign as a tidy table, units in the column names.
-pub fn points_frame(found: &CampaignTorque) -> Frame {
-    type Reading<'a> = (&'a Configuration, &'a Test, &'a Point);
-    let all: Vec<Reading> = found
-        .configurations
-        .iter()
-        .flat_map(|c| c.tests.iter().map(move |t| (c, t)))
-        .flat_map(|(c, t)| t.points.iter().map(move |p| (c, t, p)))
-        .collect();
-    let texts =
-        |f: &dyn Fn(&Reading) -> String| Values::Text(all.iter().map(|x| Some(f(x))).collect());
-    let numbers = |f: &dyn Fn(&Reading) -> Option<f64>| {
-        Values::Number(all.iter().map(|x| f(x).unwrap_or(f64::NAN)).collect())
-    };
-    let expected =
-        |f: fn(&torque::point::Expected) -> f64| numbers(&move |x| x.2.expected.as_ref().map(f));
-    let mut frame = Frame::default()
-        .with("session", texts(&|x| x.1.session.clone()))
-        .with("campaign", texts(&|_| found.campaign.clone()))
-        .with("configuration", texts(&|x| x.0.id.clone()))
-        .with("specimen", texts(&|x| x.0.specimen.clone()))
-        .with("knee", texts(&|x| x.0.knee.clone()))
-        .with("muscle", texts(&|x| x.0.muscle.clone()))
-        .with("log", texts(&|x| x.2.log.clone()))
-        .with(
-            "row",
-            Values::Integer(all.iter().map(|x| Some(x.2.row)).collect()),
-        )
-        .with(
-            "excluded",
-            Values::Integer(
-                all.iter()
-                    .map(|x| Some(i64::from(x.1.excluded.is_some())))
-                    .collect(),
-            ),
-        )
-        .with("angle_rad", numbers(&|x| Some(x.2.angle_rad)))
-        .with("pressure_kpa", numbers(&|x| Some(x.2.pressure_kpa)))
-        .with("torque_nm", numbers(&|x| Some(x.2.torque_nm)))
-        .with("muscle_length_m", numbers(&|x| x.2.by_hand.length_m))
-        .with("moment_arm_m", numbers(&|x| x.2.by_hand.arm_m))
-        .with("contraction_rel", numbers(&|x| x.2.by_hand.contraction_rel))
-        .with("expected_path_length_m", expected(|e| e.path_length_m))
-        .with("expected_length_m", expected(|e| e.length_m))
-        .with("expected_contraction_rel", expected(|e| e.contraction_rel))
-        .with("expected_arm_m", expected(|e| e.arm_m))
-        .with("projected_arm_m", expected(|e| e.projected_arm_m));
-    for (k, model) in found.models.iter().enumerate() {
-        let predicted = numbers(&|x| x.2.predicted[k].torque_nm);
-        let back = numbers(&|x| x.2.back_calculated[k]);
-        frame = frame
-            .with(&format!("torque_nm by {}", model.id), predicted)
-            .with(&format!("torque_nm by hand and {}", model.id), back);
-    }
-    frame
 }
 
 impl TorqueResult {

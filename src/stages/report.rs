@@ -20,6 +20,7 @@ use crate::report::typeset::Pdf;
 use crate::stages::compare::GroupComparison;
 use crate::stages::diagnose::findings::{Findings, SCHEMA};
 use crate::stages::fit::{GroupFit, is_usable, split};
+use crate::stages::torque::tidy;
 use rayon::prelude::*;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
@@ -100,7 +101,9 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
         outputs.insert("reports/residual.pdf".to_owned(), pages.bytes);
     }
     if let Some(pages) = knee_pages {
+        let readings = tidy::frame(input.torque()).to_parquet()?;
         outputs.insert("reports/knee.pdf".to_owned(), pages.bytes);
+        outputs.insert("derived/torque.parquet".to_owned(), readings);
     }
     outputs.insert("derived/fits.json".to_owned(), fits_json(&fits)?);
     outputs.insert("derived/split.csv".to_owned(), split);

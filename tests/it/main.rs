@@ -16,3 +16,4 @@ mod rig;
 mod shipped;
 mod simulated;
 mod support;
+mod torque;

@@ -11,6 +11,7 @@
 //! | [`errors`] | errors of a test and model; how far measured eps* and arm are from the expected ones |
 //! | [`curve`] | what is expected over the range of the joint |
 //! | [`fitting`] | the length of the end fittings as the torque itself has it, held out by actuator |
+//! | [`tidy`] | all readings as one table |
 //! | [`reference`] | what needs no session: both methods for the arm, the linkage, the human muscles beside OpenSim, stress, design |
 //!
 //! Sessions that their owner excludes are predicted like all others and shown, and take part in no fit; so do those with the role
@@ -22,6 +23,7 @@ pub mod errors;
 pub mod fitting;
 pub mod point;
 pub mod reference;
+pub mod tidy;
 
 use crate::base::row::Row;
 use crate::base::session::{Role, Session};
