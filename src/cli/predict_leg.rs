@@ -150,47 +150,53 @@ fn print_leg(knee: &Knee, built: &Built, pressure_kpa: f64) {
 }
 
 fn print_rows(found: &[AtAngle], human: Option<&str>) {
-    let heads = [
+    let with_intervals = found.iter().any(|a| a.interval_nm.is_some());
+    let mut heads = vec![
         "angle (deg)",
         "length (mm)",
         "eps*",
         "arm (mm)",
         "force (N)",
         "torque (N.m)",
-        "from",
-        "to",
-        human.unwrap_or("human"),
-        "",
     ];
-    let mut rows = vec![heads.map(str::to_owned).to_vec()];
-    let number =
-        |x: Option<f64>, digits: usize| x.map_or_else(String::new, |x| format!("{x:.digits$}"));
-    rows.extend(found.iter().map(|a| {
-        let star = if a.warnings.is_empty() { "" } else { "*" };
-        let short = match a.meets {
-            Some(false) => "short",
-            _ => "",
-        };
-        vec![
-            format!("{:.1}", a.angle_deg),
-            format!("{:.1}", 1e3 * a.length_m),
-            number(a.contraction_rel, 2),
-            format!("{:.1}", 1e3 * a.arm_m),
-            a.force_n
-                .map_or_else(|| "none".to_owned(), |f| format!("{f:.1}{star}")),
-            number(a.torque_nm, 2),
-            number(a.interval_nm.map(|i| i.0), 2),
-            number(a.interval_nm.map(|i| i.1), 2),
-            number(a.human_nm, 2),
-            short.to_owned(),
-        ]
-    }));
-    let mut columns = [Align::Right; 10];
-    columns[9] = Align::Left;
+    let mut columns = vec![Align::Right; heads.len() + 1];
+    if with_intervals {
+        heads.extend(["from", "to"]);
+        columns.extend([Align::Right; 2]);
+    }
+    heads.extend([human.unwrap_or("human"), ""]);
+    columns.push(Align::Left);
+    let mut rows: Vec<Vec<String>> = vec![heads.into_iter().map(str::to_owned).collect()];
+    rows.extend(found.iter().map(|a| row(a, with_intervals)));
     for text in aligned(&rows, &columns) {
         line(text);
     }
     line("");
+    if with_intervals {
+        line("from, to: 95% interval for a muscle that was not measured, on a leg that is rigid");
+    }
+}
+
+fn row(a: &AtAngle, with_interval: bool) -> Vec<String> {
+    let number =
+        |x: Option<f64>, digits: usize| x.map_or_else(String::new, |x| format!("{x:.digits$}"));
+    let star = if a.warnings.is_empty() { "" } else { "*" };
+    let force = a.force_n.map(|f| format!("{f:.1}{star}"));
+    let mut cells = vec![
+        format!("{:.1}", a.angle_deg),
+        format!("{:.1}", 1e3 * a.length_m),
+        number(a.contraction_rel, 2),
+        format!("{:.1}", 1e3 * a.arm_m),
+        force.unwrap_or_else(|| "none".to_owned()),
+        number(a.torque_nm, 2),
+    ];
+    if with_interval {
+        cells.push(number(a.interval_nm.map(|i| i.0), 2));
+        cells.push(number(a.interval_nm.map(|i| i.1), 2));
+    }
+    let short = if a.meets == Some(false) { "short" } else { "" };
+    cells.extend([number(a.human_nm, 2), short.to_owned()]);
+    cells
 }
 
 /// Whether the human muscle is met, and where not; what was extrapolated.

@@ -90,7 +90,9 @@ pub fn over_the_range(
     step_deg: f64,
 ) -> Result<Vec<AtAngle>> {
     let (low, high) = built.leg.joint.range;
-    let (low, high) = (low.to_degrees(), high.to_degrees());
+    // Ends are given in whole or half degrees; what conversion adds to them is no angle.
+    let degrees = |angle: f64| (1e6 * angle.to_degrees()).round() / 1e6;
+    let (low, high) = (degrees(low), degrees(high));
     // On whole steps inside the range, and at its ends.
     let first = (low / step_deg).ceil();
     let last = (high / step_deg).floor();
@@ -149,8 +151,10 @@ fn at_angle(
     }
     let answer = predictor.at(length, pressure_kpa)?;
     found.force_n = answer.force_n;
-    found.torque_nm = answer.force_n.map(|f| arm_m * f);
-    found.interval_nm = answer.interval.map(|i| (arm_m * i.low_n, arm_m * i.high_n));
+    // A slack flexor has no torque, not minus none.
+    let torque = |force: f64| arm_m * force + 0.0;
+    found.torque_nm = answer.force_n.map(torque);
+    found.interval_nm = answer.interval.map(|i| (torque(i.low_n), torque(i.high_n)));
     found.meets = found.torque_nm.zip(human_nm).map(|(t, h)| meets(t, h));
     found.warnings = answer.warnings;
     Ok(Some(found))

@@ -193,10 +193,14 @@ fn the_stated_fittings_are_used_and_another_leg_is_another_result() {
     let text = std::fs::read_to_string(&path).unwrap();
     std::fs::write(
         &path,
-        text.replace("centre_m = [0.01,", "centre_m = [0.012,"),
+        text.replace("centre_m = [0.01,", "centre_m = [0.03,"),
     )
     .unwrap();
     assert!(stated(&bench) > 0.1);
+    let tests = bench.table("knee_tests");
+    let configuration = |session| find(&tests, &[("session", session)])["configuration"].clone();
+    assert_ne!(configuration("t1"), configuration("t2"));
+    assert_eq!(configuration("t2"), configuration("t3"));
 }
 
 #[test]
@@ -364,7 +368,7 @@ fn the_shipped_campaign_is_recovered() {
     assert!(number(of("as stated"), "rmse_held_out_nm") > 5.0);
     let tests = bench.table("knee_tests");
     assert!(tests.iter().all(|t| t["simulated"] == "true"));
-    let excluded = find(&tests, &[("session", "simulated-knee-flxpin10-485-t4")]);
+    let excluded = find(&tests, &[("session", "sim-flxpin10-485-t4")]);
     assert_eq!(excluded["excluded"], "resting length uncertain");
 }
 

@@ -235,7 +235,7 @@ def text(session):
     knee, muscle = route.split()[:2]
     lines = [
         'schema = "bpa-session/1"',
-        f'id = "simulated-knee-{folder}"',
+        f'id = "sim-{folder}"',
         'kind = "knee-torque"',
         'sampling = "points"',
         'campaign = "simulated-knee"',

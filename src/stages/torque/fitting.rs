@@ -9,17 +9,17 @@
 //! one test share how the actuator was mounted. With fewer than three there is only the linearised interval, which counts every reading as
 //! independent. What else yields (brackets, tendon) goes into the fitted length as well: it is no length that a calliper would find.
 
-use crate::knee::{Published, Pull};
 use crate::models::ForceModel;
 use crate::numerics::distributions::student_t_quantile;
 use crate::numerics::dual_problem::DualProblem;
 use crate::numerics::fit::{Fit, Options, ParameterState, fit_multi_start};
 use crate::numerics::jackknife::{FEWEST_GROUPS, half_width};
 use crate::numerics::real::Dual;
+use crate::stages::torque::Configuration;
 use crate::stages::torque::build::Build;
 use crate::stages::torque::curve::laws;
 use crate::stages::torque::errors::Size;
-use crate::stages::torque::{Configuration, Test};
+use crate::stages::torque::observation::{Observation, observations};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
@@ -88,66 +88,6 @@ pub struct On {
     pub fitted: bool,
     /// Its errors.
     pub size: Size,
-}
-
-/// A measured torque, with everything that its prediction needs but the length of the fittings.
-#[derive(Clone, Copy, Debug)]
-pub struct Observation<'a> {
-    /// The leg and the actuator in it.
-    pub build: &'a Build,
-    /// The configuration.
-    pub configuration: &'a Configuration,
-    /// The session.
-    pub test: &'a Test,
-    /// Knee angle, rad.
-    pub angle_rad: f64,
-    /// Measured torque, N.m.
-    pub torque_nm: f64,
-    /// Gauge pressure, kPa.
-    pub pressure_kpa: f64,
-    /// L_MT, m.
-    pub path_length_m: f64,
-    /// r, m.
-    pub arm_m: f64,
-}
-
-impl Observation<'_> {
-    /// The torque by a model with fittings of this length in m, N.m; `R` carries derivatives. NaN where the model has no answer.
-    pub fn torque<R: crate::numerics::real::Real>(&self, model: &dyn ForceModel, fitting: R) -> R {
-        let setup = &self.build.setup;
-        let pull = Published {
-            model,
-            setup,
-            pressure_kpa: self.pressure_kpa,
-        };
-        let length = -(fitting * 2.0) + (self.path_length_m - setup.tendon_m);
-        pull.force(length) * self.arm_m
-    }
-}
-
-/// The observations of a configuration that are not excluded, in the order of its tests.
-pub fn observations<'a>(
-    build: &'a Build,
-    configuration: &'a Configuration,
-) -> Vec<Observation<'a>> {
-    let tests = configuration.tests.iter().filter(|t| t.excluded.is_none());
-    tests
-        .flat_map(|test| test.points.iter().map(move |p| (test, p)))
-        .filter_map(|(test, p)| {
-            let e = p.expected.as_ref()?;
-            Some(Observation {
-                build,
-                configuration,
-                test,
-                angle_rad: p.angle_rad,
-                torque_nm: p.torque_nm,
-                pressure_kpa: p.pressure_kpa,
-                path_length_m: e.path_length_m,
-                arm_m: e.arm_m,
-            })
-        })
-        .filter(|o| o.torque_nm.is_finite() && o.pressure_kpa.is_finite())
-        .collect()
 }
 
 /// Every fit of a campaign, by diameter and muscle.

@@ -10,6 +10,7 @@
 //! | [`point`] | one reading: geometry, prediction of every model, torque back-calculated from length and arm measured by hand |
 //! | [`errors`] | errors of a test and model; how far measured eps* and arm are from the expected ones |
 //! | [`curve`] | what is expected over the range of the joint |
+//! | [`observation`] | what is not excluded, with its leg and a prediction that carries derivatives, for fits |
 //! | [`fitting`] | the length of the end fittings as the torque itself has it, held out by actuator |
 //! | [`tidy`] | all readings as one table |
 //! | [`reference`] | what needs no session: both methods for the arm, the linkage, the human muscles beside OpenSim, stress, design |
@@ -21,6 +22,7 @@ pub mod build;
 pub mod curve;
 pub mod errors;
 pub mod fitting;
+pub mod observation;
 pub mod point;
 pub mod reference;
 pub mod tidy;
@@ -176,13 +178,20 @@ pub fn torque(
         };
         let test = test(&build, one, &models);
         let fresh = configuration(&build, &one.session);
-        match found.iter_mut().find(|(_, c)| c.id == fresh.id) {
-            Some((_, known)) => known.tests.push(test),
-            None => {
-                let tests = vec![test];
-                found.push((build, Configuration { tests, ..fresh }));
-            }
+        let same =
+            |(b, c): &&mut (Build, Configuration)| *b == build && c.specimen == fresh.specimen;
+        if let Some((_, known)) = found.iter_mut().find(same) {
+            known.tests.push(test);
+            continue;
         }
+        // Legs that are described differently in files of one name.
+        let namesakes = found.iter().filter(|(_, c)| c.id.starts_with(&fresh.id));
+        let id = match namesakes.count() {
+            0 => fresh.id.clone(),
+            n => format!("{}-{}", fresh.id, n + 1),
+        };
+        let tests = vec![test];
+        found.push((build, Configuration { id, tests, ..fresh }));
     }
     found.sort_by(|(_, a), (_, b)| {
         let key = |c: &Configuration| (c.diameter_mm, c.muscle == "extensor", c.knee != "pinned");

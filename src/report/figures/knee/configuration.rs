@@ -154,9 +154,9 @@ impl Plot<'_> {
     }
 
     fn differences(&self) -> Panel {
-        let axis = Axis::new("Measured − predicted (N m)");
+        let axis = Axis::new("Error (N m)");
         let mut panel = Panel::new(self.x(), axis)
-            .title(&format!("Error of the law of the {}", words(LAWS[0])))
+            .title(&format!("Measured less predicted, {}", words(LAWS[0])))
             .with(Layer::zero());
         let back = self.back_calculated(|p, torque| p.torque_nm - torque);
         panel = back.into_iter().fold(panel, Panel::with);

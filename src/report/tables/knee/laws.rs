@@ -29,7 +29,7 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
         Column::number("max_abs_nm", "Max.", "N.m"),
         Column::number("sse_nm2", "SSE", "N^2m^2"),
         Column::number("fvu", "FVU", ""),
-        Column::number("bias_nm", "Bias", "N.m"),
+        Column::number("bias_nm", "Bias", "N.m").seen_by(Audience::Machines),
         Column::number("by_hand_rmse_nm", "RMSE", "N.m"),
         Column::number("by_hand_max_abs_nm", "Max.", "N.m"),
         Column::number("by_hand_sse_nm2", "SSE", "N^2m^2").seen_by(Audience::Machines),
@@ -41,7 +41,7 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
         "Errors of torque, measured minus predicted: length and arm from the geometry of a rigid leg, and as measured by hand",
         columns,
     )
-    .span("From the geometry", "n", "bias_nm")
+    .span("From the geometry", "n", "fvu")
     .span("By hand", "by_hand_rmse_nm", "by_hand_fvu")
     .note("FVU: SSE over the sum of squares about the mean. Extrap.: readings beyond the data of the law of force, most of them stretched beyond the resting length. Nothing is fitted.");
     for campaign in campaigns {

@@ -22,8 +22,9 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
         Column::text("campaign", "Campaign").seen_by(Audience::Machines),
         Column::text("session", "Test"),
         Column::text("configuration", "Configuration").seen_by(Audience::Machines),
-        Column::text("knee", "Knee"),
-        Column::text("muscle", "Muscle"),
+        Column::text("knee", "Knee").seen_by(Audience::Machines),
+        Column::text("muscle", "Muscle").seen_by(Audience::Machines),
+        Column::text("leg", "Leg").seen_by(Audience::People),
         Column::text("route", "Route").seen_by(Audience::Machines),
         Column::text("specimen", "Specimen").seen_by(Audience::Machines),
         Column::number("diameter_mm", "⌀", "mm"),
@@ -39,7 +40,7 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
         Column::number("length_difference_mm", "Δl_m", "mm"),
         Column::number("length_rms_mm", "rms Δl_m", "mm").seen_by(Audience::Machines),
         Column::number("arm_difference_mm", "Δ\\v{r}", "mm"),
-        Column::number("arm_rms_mm", "rms Δ\\v{r}", "mm"),
+        Column::number("arm_rms_mm", "rms Δ\\v{r}", "mm").seen_by(Audience::Machines),
         Column::number("projected_arm_difference_mm", "Δ\\v{r} (Eq. 3)", "mm")
             .seen_by(Audience::Machines),
         Column::number("projected_arm_rms_mm", "rms Δ\\v{r} (Eq. 3)", "mm")
@@ -80,6 +81,7 @@ fn row(campaign: &CampaignTorque, c: &Configuration, test: &Test) -> Vec<Cell> {
         Cell::text(&c.id),
         Cell::text(&c.knee),
         Cell::text(&c.muscle),
+        Cell::text(format!("{} {}", c.knee, c.muscle)),
         Cell::text(&c.route),
         Cell::text(&c.specimen),
         Cell::Integer(i64::from(c.diameter_mm)),
