@@ -184,12 +184,11 @@ pub fn torque(
             known.tests.push(test);
             continue;
         }
-        // Legs that are described differently in files of one name.
-        let namesakes = found.iter().filter(|(_, c)| c.id.starts_with(&fresh.id));
-        let id = match namesakes.count() {
-            0 => fresh.id.clone(),
-            n => format!("{}-{}", fresh.id, n + 1),
-        };
+        // Legs may be described differently in files of one name.
+        let taken = |id: &String| found.iter().any(|(_, c)| c.id == *id);
+        let others = (2..).map(|n| format!("{}-{n}", fresh.id));
+        let mut names = std::iter::once(fresh.id.clone()).chain(others);
+        let id = names.find(|id| !taken(id)).unwrap_or_default();
         let tests = vec![test];
         found.push((build, Configuration { id, tests, ..fresh }));
     }

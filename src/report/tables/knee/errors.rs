@@ -16,7 +16,7 @@ pub fn table(input: &ReportInput) -> Table {
         Column::number("n_outside", "Outside", ""),
         Column::number("n_extrapolated", "Extrapolated", ""),
         Column::number("rmse_nm", "RMSE", "N.m"),
-        Column::number("sse_nm2", "SSE", "N^2m^2"),
+        Column::number("sse_nm2", "SSE", "N^{2}m^{2}"),
         Column::number("fvu", "FVU", ""),
         Column::number("max_abs_nm", "Max.", "N.m"),
         Column::number("bias_nm", "Bias", "N.m"),

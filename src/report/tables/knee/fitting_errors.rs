@@ -17,7 +17,7 @@ pub fn table(input: &ReportInput) -> Table {
         Column::text("configuration", "On"),
         Column::flag("fitted", "Fitted"),
         Column::number("n", "\\v{n}", ""),
-        Column::number("sse_nm2", "SSE", "N^2m^2"),
+        Column::number("sse_nm2", "SSE", "N^{2}m^{2}"),
         Column::number("rmse_nm", "RMSE", "N.m"),
         Column::number("fvu", "FVU", ""),
         Column::number("max_abs_nm", "Max.", "N.m"),

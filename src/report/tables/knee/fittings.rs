@@ -41,10 +41,10 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
         Column::text("interval_by", "Interval by").seen_by(Audience::Machines),
         Column::text("state", "State").seen_by(Audience::Machines),
         Column::number("n_fitted", "\\v{n}", ""),
-        Column::number("sse_fitted_nm2", "SSE", "N^2m^2"),
+        Column::number("sse_fitted_nm2", "SSE", "N^{2}m^{2}"),
         Column::number("rmse_fitted_nm", "RMSE", "N.m"),
         Column::number("n_held_out", "\\v{n}", ""),
-        Column::number("sse_held_out_nm2", "SSE", "N^2m^2"),
+        Column::number("sse_held_out_nm2", "SSE", "N^{2}m^{2}"),
         Column::number("rmse_held_out_nm", "RMSE", "N.m"),
         Column::number("max_held_out_nm", "Max.", "N.m").seen_by(Audience::Machines),
     ];
