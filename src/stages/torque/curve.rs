@@ -1,6 +1,5 @@
 //! What is expected of a configuration over the range of its joint, for figures and for people who design a leg.
 
-use crate::knee::Switch;
 use crate::models::{ForceModel, published};
 use crate::numerics::statistics::mean;
 use crate::stages::torque::Configuration;
@@ -25,8 +24,6 @@ pub struct Curve {
     pub fitted_contraction_rel: Vec<f64>,
     /// Torques, one set a pressure.
     pub torques: Vec<Torques>,
-    /// Where points of the route begin or cease to take part.
-    pub switches: Vec<At>,
     /// The fitted length of one fitting, m, by each of [`LAWS`]; empty without a fit.
     pub fitted_m: Vec<f64>,
 }
@@ -40,27 +37,6 @@ pub struct Torques {
     pub stated: Vec<Vec<Option<f64>>>,
     /// Torque by each of [`LAWS`] with the fitted fittings, N.m; empty without a fit.
     pub fitted: Vec<Vec<Option<f64>>>,
-}
-
-/// A switch of the route.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct At {
-    /// The angle, rad.
-    pub angle_rad: f64,
-    /// Length just above the angle less that just below it, m.
-    pub length_jump_m: f64,
-    /// Arm just above the angle less that just below it, m.
-    pub arm_jump_m: f64,
-}
-
-impl From<Switch> for At {
-    fn from(s: Switch) -> Self {
-        Self {
-            angle_rad: s.angle,
-            length_jump_m: s.length_jump_m,
-            arm_jump_m: s.arm_jump_m,
-        }
-    }
 }
 
 /// The laws of [`LAWS`], as models.
@@ -125,12 +101,6 @@ pub fn curve(build: &Build, configuration: &Configuration, fitted_m: Vec<f64>) -
     Curve {
         fitted_contraction_rel: fitted.first().map_or_else(Vec::new, relative),
         torques,
-        switches: leg
-            .switches()
-            .unwrap_or_default()
-            .into_iter()
-            .map(At::from)
-            .collect(),
         fitted_m,
         angles_rad,
         expected,

@@ -51,15 +51,6 @@ pub struct Measured {
     pub rows: Vec<Row>,
 }
 
-/// A force model in the results.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Model {
-    /// Id.
-    pub id: String,
-    /// For people.
-    pub title: String,
-}
-
 /// What stands of one campaign.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CampaignTorque {
@@ -67,8 +58,8 @@ pub struct CampaignTorque {
     pub campaign: String,
     /// Whether its data are simulated.
     pub simulated: bool,
-    /// Every published model, in the order of all lists by model.
-    pub models: Vec<Model>,
+    /// Ids of the published models, in the order of all lists by model.
+    pub models: Vec<String>,
     /// The configurations, by diameter, knee, muscle and resting length.
     pub configurations: Vec<Configuration>,
     /// The length of the end fittings.
@@ -141,11 +132,6 @@ impl Configuration {
         fitted.map(|t| t.points.len()).sum()
     }
 
-    /// Positive for an extensor, negative for a flexor: the sign of arm and torque.
-    pub fn sign(&self) -> f64 {
-        if self.muscle == "flexor" { -1.0 } else { 1.0 }
-    }
-
     /// "pinned knee, flexor, 10 mm, 485 mm, tendon 35 mm".
     pub fn title(&self) -> String {
         let tendon = match self.tendon_m {
@@ -207,16 +193,9 @@ pub fn torque(
     CampaignTorque {
         campaign: campaign.to_owned(),
         simulated: measured.iter().any(|m| m.session.is_simulated()),
-        models: models.iter().map(|m| model(*m)).collect(),
+        models: models.iter().map(|m| m.id().to_owned()).collect(),
         configurations: found.into_iter().map(|(_, c)| c).collect(),
         fits,
-    }
-}
-
-fn model(model: &dyn ForceModel) -> Model {
-    Model {
-        id: model.id().to_owned(),
-        title: model.title().to_owned(),
     }
 }
 

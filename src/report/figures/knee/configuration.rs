@@ -54,7 +54,7 @@ struct Plot<'a> {
 impl Plot<'_> {
     /// Where a model stands in the lists by model.
     fn place(&self, law: &str) -> Option<usize> {
-        self.campaign.models.iter().position(|m| m.id == law)
+        self.campaign.models.iter().position(|m| m == law)
     }
 
     fn points(&self) -> impl Iterator<Item = &Point> {

@@ -5,8 +5,8 @@
 
 use super::largest;
 use crate::knee::route::Place;
-use crate::knee::{Geometry, Leg, shipped};
-use crate::stages::torque::curve::{At, angles};
+use crate::knee::{Geometry, Leg, Switch, shipped};
+use crate::stages::torque::curve::angles;
 use serde::{Deserialize, Serialize};
 
 /// Steps over the range of a joint.
@@ -43,6 +43,27 @@ pub struct Arms {
     pub drawn: Vec<(f64, Vec<(f64, f64)>)>,
     /// Where the tibia's frame stands at these angles: origin, and a point 0.15 m down the tibia, m.
     pub tibia: Vec<[(f64, f64); 2]>,
+}
+
+/// A switch of the route.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct At {
+    /// The angle, rad.
+    pub angle_rad: f64,
+    /// Length just above the angle less that just below it, m.
+    pub length_jump_m: f64,
+    /// Arm just above the angle less that just below it, m.
+    pub arm_jump_m: f64,
+}
+
+impl From<Switch> for At {
+    fn from(s: Switch) -> Self {
+        Self {
+            angle_rad: s.angle,
+            length_jump_m: s.length_jump_m,
+            arm_jump_m: s.arm_jump_m,
+        }
+    }
 }
 
 /// The routes of all shipped knees.
