@@ -1,7 +1,8 @@
 //! The sole home of column names, with the unit of each.
 //!
 //! A quantity has one name in `session.toml` (`pressure`) and one column inside, with its unit in the name (`pressure_kpa`). Any other
-//! name that a user gives is an extra column: it keeps its name, its unit and its values, and travels through every stage.
+//! name that a user gives is an extra column: it keeps its name, its unit and its values, numbers or words (labels), and travels through
+//! every stage.
 
 use crate::base::units::Quantity;
 
@@ -127,10 +128,13 @@ pub fn is_reserved(name: &str) -> bool {
             CONTRACTION,
             CONTRACTION_REL,
             PRESSURE_REL,
+            ZERO_FORCE,
             "role",
             "date",
             "kind",
             "exclude",
+            "excluded",
+            "simulated",
         ]
         .contains(&name)
 }

@@ -58,7 +58,24 @@ pub fn row(session: &Session, reading: &Reading) -> Row {
         contraction_rel: contraction / contraction_620,
         pressure_rel: pressure_kpa / P_620_KPA,
         extras: extras(session, reading),
+        labels: labels(session, reading),
     }
+}
+
+/// Every column of words, and every text of the set-up that no column of the log replaces.
+fn labels(session: &Session, reading: &Reading) -> std::collections::BTreeMap<String, String> {
+    let constants = session
+        .setup
+        .iter()
+        .filter_map(|(name, constant)| match constant {
+            Constant::Text(text) if !reading.values.contains_key(name) => {
+                Some((name.clone(), text.trim().to_owned()))
+            }
+            _ => None,
+        })
+        .filter(|(_, text)| !text.is_empty());
+    let logged = reading.labels.iter().map(|(n, w)| (n.clone(), w.clone()));
+    constants.chain(logged).collect()
 }
 
 /// Every column without a field of its own, constants of the set-up and the tendon included.
@@ -68,8 +85,8 @@ fn extras(session: &Session, reading: &Reading) -> std::collections::BTreeMap<St
         .setup
         .iter()
         .filter_map(|(name, constant)| match constant {
-            Constant::Number(x) => Some((name.clone(), *x)),
-            Constant::Text(_) => None,
+            Constant::Number(x) if !reading.labels.contains_key(name) => Some((name.clone(), *x)),
+            _ => None,
         });
     let mut extras: std::collections::BTreeMap<String, f64> = constants
         .chain(reading.values.iter().map(|(name, x)| (name.clone(), *x)))

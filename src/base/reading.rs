@@ -29,6 +29,8 @@ pub struct Reading {
     pub zero_force_n: f64,
     /// Every quantity and extra column, by column name, in the unit used inside.
     pub values: BTreeMap<String, f64>,
+    /// Every column of words, by name: what names the load cell, the bench, the operator.
+    pub labels: BTreeMap<String, String>,
 }
 
 impl Reading {
@@ -61,6 +63,10 @@ pub fn to_frame(readings: &[Reading]) -> Frame {
     let names: BTreeSet<&String> = readings.iter().flat_map(|r| r.values.keys()).collect();
     for name in names {
         frame = frame.with(name, numbers(&|r| r.value(name)));
+    }
+    let names: BTreeSet<&String> = readings.iter().flat_map(|r| r.labels.keys()).collect();
+    for name in names {
+        frame = frame.with(name, texts(&|r| r.labels.get(name).cloned()));
     }
     frame
 }
@@ -108,6 +114,10 @@ pub fn from_frame(frame: &Frame) -> Result<Vec<Reading>> {
             .filter_map(|name| Some(((*name).to_owned(), frame.numbers(name)?[k])))
             .filter(|(_, value)| !value.is_nan())
             .collect(),
+        labels: others
+            .iter()
+            .filter_map(|name| Some(((*name).to_owned(), frame.texts(name)?[k].clone()?)))
+            .collect(),
     };
     Ok((0..frame.height()).map(reading).collect())
 }
@@ -140,6 +150,7 @@ mod tests {
                 ("humidity".to_owned(), 40.0),
             ]
             .into(),
+            labels: [("bench".to_owned(), format!("bench {k}"))].into(),
         };
         let readings = vec![reading(0), reading(1)];
         assert_eq!(from_frame(&to_frame(&readings)).unwrap(), readings);

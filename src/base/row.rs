@@ -64,6 +64,8 @@ pub struct Row {
     pub pressure_rel: f64,
     /// Every other column, by name: torque, angle, moment arm, temperature, extras.
     pub extras: BTreeMap<String, f64>,
+    /// Every column of words and every text of the set-up, by name.
+    pub labels: BTreeMap<String, String>,
 }
 
 type NumberField = (&'static str, fn(&Row) -> f64, fn(&mut Row, f64));
@@ -255,11 +257,30 @@ impl Row {
             contraction_rel: f64::NAN,
             pressure_rel: f64::NAN,
             extras: BTreeMap::new(),
+            labels: BTreeMap::new(),
         }
     }
 }
 
-/// The rows as a table: the fixed columns, then the extra ones by name.
+impl Row {
+    /// The label in a column that holds words in some rows: here perhaps a number, which then is the word for itself.
+    pub fn label(&self, name: &str) -> Option<String> {
+        let number = || self.extras.get(name).map(f64::to_string);
+        self.labels.get(name).cloned().or_else(number)
+    }
+}
+
+/// What stands for the label of a row that has none in a column where others have one.
+pub const NO_LABEL: &str = "not named";
+
+/// Names of the columns that hold words in any of the rows.
+pub fn label_names<'a>(rows: impl IntoIterator<Item = &'a Row>) -> BTreeSet<String> {
+    let names = rows.into_iter().flat_map(|r| r.labels.keys());
+    names.cloned().collect()
+}
+
+/// The rows as a table: the fixed columns, then the extra ones by name, then the labels by name. A column that holds words in some rows and
+/// numbers in others is one of words.
 pub fn to_frame(rows: &[Row]) -> Frame {
     let mut frame = Frame::default();
     for (name, get, _) in TEXTS {
@@ -271,10 +292,15 @@ pub fn to_frame(rows: &[Row]) -> Frame {
     for (name, get, _) in NUMBERS {
         frame = frame.with(name, Values::Number(rows.iter().map(get).collect()));
     }
+    let labels = label_names(rows);
     let names: BTreeSet<&String> = rows.iter().flat_map(|r| r.extras.keys()).collect();
-    for name in names {
+    for name in names.into_iter().filter(|n| !labels.contains(*n)) {
         let value = |r: &Row| r.extras.get(name).copied().unwrap_or(f64::NAN);
         frame = frame.with(name, Values::Number(rows.iter().map(value).collect()));
+    }
+    for name in &labels {
+        let words = rows.iter().map(|r| r.label(name)).collect();
+        frame = frame.with(name, Values::Text(words));
     }
     frame
 }
@@ -313,10 +339,20 @@ pub fn from_frame(frame: &Frame) -> Result<Vec<Row>> {
             || NUMBERS.iter().any(|f| f.0 == n)
     };
     for (name, values) in &frame.columns {
-        if let (false, Values::Number(values)) = (fixed(name), values) {
-            for (row, value) in rows.iter_mut().zip(values).filter(|(_, v)| !v.is_nan()) {
-                row.extras.insert(name.clone(), *value);
+        match values {
+            Values::Number(values) if !fixed(name) => {
+                for (row, value) in rows.iter_mut().zip(values).filter(|(_, v)| !v.is_nan()) {
+                    row.extras.insert(name.clone(), *value);
+                }
             }
+            Values::Text(words) if !fixed(name) => {
+                for (row, word) in rows.iter_mut().zip(words) {
+                    if let Some(word) = word {
+                        row.labels.insert(name.clone(), word.clone());
+                    }
+                }
+            }
+            _ => {}
         }
     }
     Ok(rows)

@@ -84,6 +84,18 @@ pub enum Position {
     Name(String),
 }
 
+/// What the cells of a column are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Cells {
+    /// Numbers, or the states of a phase.
+    Numbers,
+    /// Numbers or words, as most of a log's cells are: an extra column of which nothing was declared.
+    Either,
+    /// Words, even where they look like numbers.
+    Words,
+}
+
 /// How one column of the logs becomes a column inside: `inside = factor * raw + constant`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ColumnSpec {
@@ -91,6 +103,8 @@ pub struct ColumnSpec {
     pub column: String,
     /// Where it stands in the log.
     pub position: Position,
+    /// Whether it holds numbers or words.
+    pub cells: Cells,
     /// As written in `session.toml`; empty where an extra column has none.
     pub unit: String,
     /// Gain of the converter times the unit's factor.
@@ -182,7 +196,8 @@ pub struct Session {
     pub notes: Option<String>,
     /// The actuator.
     pub specimen: Specimen,
-    /// Constants of the set-up: known quantities in the unit used inside, by the name of their column; others as given.
+    /// Constants of the set-up: known quantities in the unit used inside, by the name of their column; others as given. A text is a label
+    /// of every reading.
     pub setup: BTreeMap<String, Constant>,
     /// The knee, for torque sessions.
     pub joint: Option<Joint>,

@@ -1,7 +1,7 @@
 //! The forward model with effects: from a set-up to what the sensor shows.
 
 use super::{Conditions, Link, Place, all, apply};
-use crate::numerics::real::Real;
+use crate::numerics::real::{Dual, Real};
 
 /// An effect in a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,8 +27,9 @@ pub trait Actuator {
     fn force<R: Real>(&self, coefficients: &[R], pressure: R, length: R, at: &Conditions) -> R;
 }
 
-/// Step of the length by which the slope of the force is taken, m.
-const STEP_M: f64 = 1e-6;
+/// A number with its derivative by the force that the frame carries.
+type Force = Dual<1>;
+
 const MOST_STEPS: usize = 40;
 /// The force balance is solved to this, N.
 const BALANCED_N: f64 = 1e-10;
@@ -90,9 +91,9 @@ fn pulled<A: Actuator, R: Real>(
 
 /// The force at which actuator and frame balance: F = A(P, l - s(F)).
 ///
-/// The balance is found with plain numbers (Newton's method within a bracket: A falls with a shorter length, so that g(F) = F - A(P, l - s(F))
-/// rises with F). The derivatives then follow from the theorem of implicit functions: one evaluation at the balance, with F held in
-/// s, and its gradient divided by g'(F).
+/// The balance is found by Newton's method within a bracket, the force the one variable: A falls with a shorter length, so that
+/// g(F) = F - A(P, l - s(F)) rises with F. The derivatives then follow from the theorem of implicit functions: one evaluation at the
+/// balance, with F held in s, and its gradient divided by g'(F).
 fn balanced<A: Actuator, R: Real>(
     actuator: &A,
     coefficients: &[R],
@@ -101,27 +102,24 @@ fn balanced<A: Actuator, R: Real>(
     at: &Conditions,
     link: Link<R>,
 ) -> R {
-    let values: Vec<f64> = coefficients.iter().map(|c| c.value()).collect();
-    let plain: Vec<Applied<f64>> = effects
+    let plain = |x: R| Force::constant(x.value());
+    let values: Vec<Force> = coefficients.iter().map(|c| plain(*c)).collect();
+    let held: Vec<Applied<Force>> = effects
         .iter()
         .map(|e| Applied {
             effect: e.effect,
             form: e.form,
-            parameters: e.parameters.map(R::value),
+            parameters: e.parameters.map(plain),
         })
         .collect();
-    let plain_link = Link {
-        pressure: link.pressure.value(),
-        length: link.length.value(),
-        force: 0.0,
-    };
     let at_force = |force: f64| {
         let mut yielded = Link {
-            force,
-            ..plain_link
+            force: Force::variable(force, 0),
+            pressure: plain(link.pressure),
+            length: plain(link.length),
         };
-        at_place(Place::Frame, &plain, at, &mut yielded);
-        pulled(actuator, &values, strength.value(), &plain, at, yielded)
+        at_place(Place::Frame, &held, at, &mut yielded);
+        pulled(actuator, &values, plain(strength), &held, at, yielded)
     };
     let (force, slope) = solve(at_force);
     let mut yielded = Link {
@@ -134,15 +132,15 @@ fn balanced<A: Actuator, R: Real>(
 }
 
 /// The root of g(F) = F - A(F) and g' there; A must not be negative.
-fn solve(pulled: impl Fn(f64) -> f64) -> (f64, f64) {
-    let stiff = pulled(0.0);
+fn solve(pulled: impl Fn(f64) -> Force) -> (f64, f64) {
+    let stiff = pulled(0.0).value;
     let (mut low, mut high) = (0.0_f64.min(stiff), stiff.max(0.0));
     let mut force = stiff;
     let mut slope = 1.0;
     for _ in 0..MOST_STEPS {
-        let g = force - pulled(force);
-        let step = (STEP_M * force.abs()).max(1e-4);
-        slope = (1.0 - (pulled(force + step) - pulled(force - step)) / (2.0 * step)).max(1e-3);
+        let there = pulled(force);
+        let g = force - there.value;
+        slope = (1.0 - there.gradient[0]).max(1e-3);
         if g.abs() < BALANCED_N {
             break;
         }

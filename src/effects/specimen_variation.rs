@@ -29,7 +29,7 @@ impl Effect for SpecimenVariation {
         "specimen_variation"
     }
     fn title(&self) -> &'static str {
-        "strengths of the specimens"
+        "scatter of the specimens' strengths"
     }
     fn forms(&self) -> &'static [Form] {
         FORMS

@@ -1,13 +1,15 @@
-//! Comma-separated logs: bytes in, numeric columns out.
+//! Comma-separated logs: bytes in, columns of numbers or words out.
 //!
 //! Parsing is polars'. Blanks around a number, as `printf("%f, %f")` leaves them, are taken off before; a blank line is a row without
 //! numbers, so that the rows of a table and the lines of its file keep in step. A cell that is not a number becomes NaN and is counted, with the first few quoted; what follows from it is for
 //! the clean stage to decide. Only what makes the whole file unreadable is an error here.
 
+use super::words::{are_words, number, words};
 use crate::base::diagnostics::{Diagnostic, Severity};
-use crate::base::session::Position;
+use crate::base::session::{Cells, Position};
 use polars::prelude::*;
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::io::Cursor;
 
 /// A line longer than this is no line of a log, bytes.
@@ -23,6 +25,8 @@ pub struct Request {
     pub name: String,
     /// Where it stands.
     pub position: Position,
+    /// Whether numbers or words stand there.
+    pub cells: Cells,
     /// Texts and the numbers that stand for them, where the column holds states and not numbers.
     pub codes: Vec<(String, f64)>,
 }
@@ -36,13 +40,17 @@ pub struct BadCell {
     pub column: String,
     /// What stands there.
     pub found: String,
+    /// How many such cells the column has in this log.
+    pub of: usize,
 }
 
 /// A log as read: one vector a requested column, all of one length.
 #[derive(Clone, Debug, Default)]
 pub struct RawLog {
-    /// Values in the order of the requests; NaN where the cell is no number.
+    /// Values in the order of the requests; NaN where the cell is no number. A column of words has none.
     pub columns: Vec<Vec<f64>>,
+    /// The columns of words, by the place of their request; none where the cell is empty.
+    pub words: BTreeMap<usize, Vec<Option<String>>>,
     /// The first bad cells.
     pub bad_cells: Vec<BadCell>,
     /// All bad cells.
@@ -248,7 +256,7 @@ fn parse(
         indices
             .iter()
             .zip(requests)
-            .any(|(i, r)| *i == k && has_text_codes(r))
+            .any(|(i, r)| *i == k && is_read_as_text(r))
     };
     let wanted = |k: usize| indices.contains(&k);
     let schema: Schema = (0..width)
@@ -280,6 +288,10 @@ fn parse(
         .finish()
 }
 
+fn is_read_as_text(request: &Request) -> bool {
+    has_text_codes(request) || request.cells != Cells::Numbers
+}
+
 /// Whether a column of states holds words; where every state is written as a number it is read as one.
 fn has_text_codes(request: &Request) -> bool {
     request
@@ -298,10 +310,18 @@ fn collect(
         first_line: lines.iter().next().map_or(1, |(line, _)| line),
         ..RawLog::default()
     };
-    for (index, request) in indices.iter().zip(requests) {
+    for (place, (index, request)) in indices.iter().zip(requests).enumerate() {
         let column = frame.column(&index.to_string())?;
         let mut values = if has_text_codes(request) {
             coded(column.str()?, request)
+        } else if request.cells != Cells::Numbers {
+            let texts = column.str()?;
+            if request.cells == Cells::Words || are_words(texts) {
+                log.words.insert(place, words(texts));
+                log.columns.push(Vec::new());
+                continue;
+            }
+            texts.iter().map(|t| t.map_or(f64::NAN, number)).collect()
         } else {
             let numbers = column.f64()?;
             numbers.iter().map(|x| x.unwrap_or(f64::NAN)).collect()
@@ -368,6 +388,7 @@ fn quote_bad_cells(
                 Some("") => "an empty field".to_owned(),
                 Some(cell) => format!("\"{}\"", cell.chars().take(40).collect::<String>()),
             },
+            of: bad,
         });
     log.bad_cells.extend(quoted);
 }
@@ -382,6 +403,7 @@ mod tests {
             .map(|i| Request {
                 name: format!("c{i}"),
                 position: Position::Index(*i),
+                cells: Cells::Numbers,
                 codes: Vec::new(),
             })
             .collect()
@@ -391,6 +413,7 @@ mod tests {
         vec![Request {
             name: name.to_owned(),
             position: Position::Name(name.to_owned()),
+            cells: Cells::Numbers,
             codes: Vec::new(),
         }]
     }

@@ -8,3 +8,4 @@ mod leg;
 mod session_columns;
 mod session_joint;
 pub mod session_toml;
+mod words;

@@ -2,7 +2,7 @@
 
 use crate::base::columns::{self, KnownColumn};
 use crate::base::diagnostics::nearest;
-use crate::base::session::{ColumnSpec, Phase, Position};
+use crate::base::session::{Cells, ColumnSpec, Phase, Position};
 use crate::base::toml_reader::{Entry, Section};
 use std::collections::BTreeMap;
 
@@ -41,7 +41,18 @@ fn column_spec(name: &str, entry: &Entry) -> Option<ColumnSpec> {
     let low = table.get("saturation_low").and_then(|e| e.number());
     let high = table.get("saturation_high").and_then(|e| e.number());
     let values = table.get("values");
+    let text = table.get("text");
+    let declared = [
+        "unit",
+        "gain",
+        "offset",
+        "saturation_low",
+        "saturation_high",
+    ]
+    .into_iter()
+    .find(|key| table.get(key).is_some());
     table.close();
+    let cells = cells(known, text, declared)?;
     let (unit, factor, constant) = unit_of(name, known, entry, unit_entry)?;
     let (gain, offset) = (gain?, offset?);
     if gain == 0.0 {
@@ -60,6 +71,7 @@ fn column_spec(name: &str, entry: &Entry) -> Option<ColumnSpec> {
     Some(ColumnSpec {
         column: known.map_or(name, |k| k.column).to_owned(),
         position: position?,
+        cells,
         unit,
         factor: gain * factor,
         constant: offset * factor + constant,
@@ -67,6 +79,37 @@ fn column_spec(name: &str, entry: &Entry) -> Option<ColumnSpec> {
         saturation_high: high.map(|x| x * factor + constant),
         values: phase_values(known, entry, values)?,
     })
+}
+
+/// What the cells of a column are; `declared` is a key that only numbers have.
+fn cells(
+    known: Option<&KnownColumn>,
+    text: Option<Entry>,
+    declared: Option<&str>,
+) -> Option<Cells> {
+    let is_text = match &text {
+        Some(text) => Some(text.boolean()?),
+        None => None,
+    };
+    match (is_text, known, declared, text) {
+        (Some(_), Some(_), _, Some(text)) => {
+            text.reject(
+                "`text` at columns of your own only",
+                "remove it, or name the column otherwise",
+            );
+            None
+        }
+        (Some(true), None, Some(key), Some(text)) => {
+            text.reject(
+                &format!("`text = true` without `{key}`, which only numbers have"),
+                "remove one of them",
+            );
+            None
+        }
+        (Some(true), ..) => Some(Cells::Words),
+        (Some(false), ..) | (_, Some(_), ..) | (_, _, Some(_), _) => Some(Cells::Numbers),
+        (None, None, None, _) => Some(Cells::Either),
+    }
 }
 
 fn position(entry: &Entry, table: &Section) -> Option<Position> {

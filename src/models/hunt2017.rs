@@ -60,7 +60,18 @@ pub fn force<R: Real>(c: [R; 7], pressure_kpa: R, eps: R, eps_max: R, s: f64) ->
 fn gap(c: [f64; 7], target: f64, force: f64, eps: f64, eps_max: f64, s: f64) -> (f64, f64) {
     let constant = Dual::<1>::constant;
     let force = Dual::<1>::variable(force, 0);
-    let p = pressure(c.map(constant), force, constant(eps), constant(eps_max), s);
+    // Written out: `array::map` is not unrolled, and a diagnosis with this model as its base spends its time here.
+    let [p0, a, w, q, k, g, h] = c;
+    let c = [
+        constant(p0),
+        constant(a),
+        constant(w),
+        constant(q),
+        constant(k),
+        constant(g),
+        constant(h),
+    ];
+    let p = pressure(c, force, constant(eps), constant(eps_max), s);
     (p.value - target, p.gradient[0])
 }
 

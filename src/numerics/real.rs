@@ -179,6 +179,7 @@ impl<const N: usize> Div for Dual<N> {
 }
 impl<const N: usize> Neg for Dual<N> {
     type Output = Self;
+    #[inline]
     fn neg(self) -> Self {
         self.chain(-self.value, -1.0)
     }

@@ -243,15 +243,11 @@ fn read_logs(engine: &Engine, ingest: &Step) -> Result<Vec<LogSamples>> {
         .iter()
         .map(|log| {
             let frame = Frame::from_parquet(&engine.read(ingest, &log.output)?)?;
-            let numbers = |(name, values)| match values {
-                crate::base::frame::Values::Number(x) => Some((name, x)),
-                _ => None,
-            };
-            Ok(LogSamples {
-                spec: log.spec.clone(),
-                first_line: log.first_line,
-                columns: frame.columns.into_iter().filter_map(numbers).collect(),
-            })
+            Ok(LogSamples::from_frame(
+                log.spec.clone(),
+                log.first_line,
+                frame,
+            ))
         })
         .collect()
 }

@@ -105,5 +105,6 @@ fn reading(drawn: &DrawnTruth, row: &SteadyRow) -> Reading {
         zero_force_n: f64::NAN,
         sd_pressure_kpa: sd(rig.pressure_noise_kpa, rig.pressure_quantum_kpa),
         values,
+        labels: BTreeMap::new(),
     }
 }

@@ -41,6 +41,8 @@ pub struct SteadyRow {
     /// What the generating model expects of a specimen and session that it has not seen, at the pressure as read: mean strength, every
     /// drawn size at its mean, N. The error of this is what no model can beat.
     pub expected_force_n: f64,
+    /// What the generating model says that knows what was drawn (the specimen's strength among it), at the pressure as read, N.
+    pub known_force_n: f64,
     /// The declared columns as they are shown, in the order of the truth file.
     pub columns: Vec<f64>,
 }
@@ -173,6 +175,7 @@ impl<'a> Reader<'a> {
             force_n: force + force_error - self.zero_error,
             true_force_n: force,
             expected_force_n: self.expected.force(as_read),
+            known_force_n: self.own.force(as_read),
             columns,
         })
     }

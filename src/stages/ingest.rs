@@ -1,9 +1,9 @@
 //! Ingest: the logs of one session, calibrated and in one unit a quantity.
 //!
-//! Every row of a log is kept, in its order; a cell that is no number is NaN. What follows from it is for the clean stage. A log that
+//! Every row of a log is kept, in its order; a cell that is no number is NaN. A column of words is kept as labels. What follows from it is for the clean stage. A log that
 //! cannot be read at all is left out here, with its diagnostic and a reject; a session without any usable log is left out.
 
-use crate::base::columns::PHASE;
+use crate::base::columns::{self, FORCE, LENGTH, PHASE, PRESSURE, TIME, TORQUE};
 use crate::base::diagnostics::{Diagnostic, Severity};
 use crate::base::frame::{Frame, Values};
 use crate::base::reject::{Extent, Reject};
@@ -23,6 +23,8 @@ pub struct LogSamples {
     pub first_line: u64,
     /// Column names and values in the units used inside.
     pub columns: Vec<(String, Vec<f64>)>,
+    /// Names and words of the columns that hold labels; none where a row has none.
+    pub labels: Vec<(String, Vec<Option<String>>)>,
 }
 
 impl LogSamples {
@@ -50,7 +52,28 @@ impl LogSamples {
         for (name, values) in &self.columns {
             frame = frame.with(name, Values::Number(values.clone()));
         }
+        for (name, words) in &self.labels {
+            frame = frame.with(name, Values::Text(words.clone()));
+        }
         frame
+    }
+
+    /// The log in a table written by [`LogSamples::to_frame`].
+    pub fn from_frame(spec: LogSpec, first_line: u64, frame: Frame) -> Self {
+        let mut log = Self {
+            spec,
+            first_line,
+            columns: Vec::new(),
+            labels: Vec::new(),
+        };
+        for (name, values) in frame.columns {
+            match values {
+                Values::Number(x) => log.columns.push((name, x)),
+                Values::Text(words) => log.labels.push((name, words)),
+                Values::Integer(_) => {}
+            }
+        }
+        log
     }
 }
 
@@ -98,6 +121,7 @@ pub fn ingest(session: &Session, relative: &str, files: Vec<LogBytes>) -> Ingest
         .map(|c| Request {
             name: c.column.clone(),
             position: c.position.clone(),
+            cells: c.cells,
             codes: c
                 .values
                 .iter()
@@ -127,15 +151,7 @@ pub fn ingest(session: &Session, relative: &str, files: Vec<LogBytes>) -> Ingest
 fn keep(ingested: &mut Ingested, index: usize, spec: &LogSpec, file: &str, raw: RawLog) {
     let session = &ingested.header.session;
     for cell in &raw.bad_cells {
-        let expected = if cell.column == PHASE {
-            "one of the states in `values`"
-        } else {
-            "a finite number"
-        };
-        let hint = format!(
-            "the row is left out ({} such cells in this log)",
-            raw.bad_cell_count
-        );
+        let (expected, hint) = what_follows(&cell.column, cell.of);
         ingested.header.diagnostics.push(
             Diagnostic::error(file, cell.found.clone(), expected, hint)
                 .with_severity(Severity::Warning)
@@ -143,19 +159,19 @@ fn keep(ingested: &mut Ingested, index: usize, spec: &LogSpec, file: &str, raw: 
                 .in_column(cell.column.as_str()),
         );
     }
-    let columns = session
-        .columns
-        .iter()
-        .zip(raw.columns)
-        .map(|(c, mut values)| {
-            if c.factor != 1.0 || c.constant != 0.0 {
-                values
-                    .iter_mut()
-                    .for_each(|x| *x = c.factor * *x + c.constant);
-            }
-            (c.column.clone(), values)
-        })
-        .collect();
+    let (mut columns, mut labels) = (Vec::new(), Vec::new());
+    for (k, (c, mut values)) in session.columns.iter().zip(raw.columns).enumerate() {
+        if let Some(words) = raw.words.get(&k) {
+            labels.push((c.column.clone(), words.clone()));
+            continue;
+        }
+        if c.factor != 1.0 || c.constant != 0.0 {
+            values
+                .iter_mut()
+                .for_each(|x| *x = c.factor * *x + c.constant);
+        }
+        columns.push((c.column.clone(), values));
+    }
     ingested.header.logs.push(LogHeader {
         spec: spec.clone(),
         first_line: raw.first_line,
@@ -165,7 +181,36 @@ fn keep(ingested: &mut Ingested, index: usize, spec: &LogSpec, file: &str, raw: 
         spec: spec.clone(),
         first_line: raw.first_line,
         columns,
+        labels,
     });
+}
+
+/// What is expected of a cell that is no number, and what becomes of its row: without a force, pressure or length it is no reading,
+/// anything else it may lack.
+fn what_follows(column: &str, cells: usize) -> (&'static str, String) {
+    let such = if cells == 1 {
+        "1 such cell of this column in this log".to_owned()
+    } else {
+        format!("{cells} such cells of this column in this log")
+    };
+    if column == PHASE {
+        return (
+            "one of the states in `values`",
+            format!("the row is left out ({such})"),
+        );
+    }
+    if [TIME, FORCE, TORQUE, PRESSURE, LENGTH].contains(&column) {
+        return ("a finite number", format!("the row is left out ({such})"));
+    }
+    let words = if columns::is_reserved(column) {
+        ""
+    } else {
+        "; if the column holds words, write `text = true` beside its name in [columns]"
+    };
+    (
+        "a finite number",
+        format!("the row stays, without a value of {column} ({such}){words}"),
+    )
 }
 
 fn leave_out(header: &mut IngestHeader, spec: &LogSpec, diagnostic: Diagnostic) {

@@ -8,6 +8,7 @@ mod coverage;
 mod golden;
 mod intervals;
 mod knee;
+mod labels;
 mod models;
 mod numerics;
 mod predict;

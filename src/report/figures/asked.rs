@@ -1,5 +1,6 @@
 //! The residual against every column that it was asked about, before and after the effects: two figures with the same axes.
 
+use crate::base::row::{NO_LABEL, Row, label_names};
 use crate::config::Config;
 use crate::report::answers::{SIGNIFICANT, p_words};
 use crate::report::figures::trend::{spread, trend};
@@ -11,6 +12,8 @@ use crate::stages::diagnose::Diagnosis;
 use crate::stages::diagnose::findings::Question;
 use std::collections::BTreeSet;
 
+/// The column of the diagnosis that says of which sessions the zero of the force is not known, 0 or 1.
+const ZERO_UNKNOWN: &str = "zero_unknown";
 /// Most readings drawn in a panel; the medians are those of all.
 const DRAWN: usize = 700;
 /// Panels beyond these are left out, the least explained first.
@@ -34,9 +37,9 @@ const COLOURS: [Ink; 6] = [
 /// The residual of the base model.
 pub fn before(group: &GroupInput, _config: &Config) -> Option<(&'static str, String, Figure)> {
     let diagnosis = group.diagnosis.as_ref()?;
-    let caption = caption(diagnosis, "the base model");
+    let caption = caption(group, diagnosis, "the base model");
     let title = format!("Residual before, {}", group.fit.group.campaign);
-    let figure = figure(diagnosis, &diagnosis.residuals.before, &title)?;
+    let figure = figure(group, diagnosis, &diagnosis.residuals.before, &title)?;
     Some(("residual-before", caption, figure))
 }
 
@@ -53,15 +56,20 @@ pub fn after(group: &GroupInput, _config: &Config) -> Option<(&'static str, Stri
     }
     let caption = format!(
         "{} Axes, grey strips and colours are those of the residual before.",
-        caption(diagnosis, &model)
+        caption(group, diagnosis, &model)
     );
     let title = format!("Residual after, {}", group.fit.group.campaign);
-    let figure = figure(diagnosis, &residuals.after, &title)?;
+    let figure = figure(group, diagnosis, &residuals.after, &title)?;
     Some(("residual-after", caption, figure))
 }
 
-fn figure(diagnosis: &Diagnosis, residuals: &[f64], title: &str) -> Option<Figure> {
-    let asked = panels(diagnosis);
+fn figure(
+    group: &GroupInput,
+    diagnosis: &Diagnosis,
+    residuals: &[f64],
+    title: &str,
+) -> Option<Figure> {
+    let asked = panels(group, diagnosis);
     if asked.is_empty() {
         return None;
     }
@@ -93,10 +101,12 @@ struct Asked<'a> {
     name: &'a str,
     values: &'a [f64],
     question: Option<&'a Question>,
+    /// What its values stand for, from the smallest, in a column of words.
+    words: Vec<String>,
 }
 
 /// The columns to show: what is not asked about and names no specimen says little.
-fn panels(diagnosis: &Diagnosis) -> Vec<Asked<'_>> {
+fn panels<'a>(group: &GroupInput, diagnosis: &'a Diagnosis) -> Vec<Asked<'a>> {
     let questions = &diagnosis.findings.questions;
     let columns = diagnosis.residuals.columns.iter();
     let mut asked: Vec<Asked> = columns
@@ -104,6 +114,7 @@ fn panels(diagnosis: &Diagnosis) -> Vec<Asked<'_>> {
             name,
             values,
             question: questions.iter().find(|q| q.column == *name),
+            words: words(&group.predictions.rows, name, values),
         })
         .filter(|a| a.name != "log" || a.is_significant())
         .collect();
@@ -115,6 +126,34 @@ fn panels(diagnosis: &Diagnosis) -> Vec<Asked<'_>> {
     asked
 }
 
+/// The words of a column of labels in their order, which is that of the numbers that stand for them; none if they do not match.
+fn words(rows: &[Row], name: &str, values: &[f64]) -> Vec<String> {
+    if name == ZERO_UNKNOWN {
+        return ["known", "not known"].map(str::to_owned).to_vec();
+    }
+    if !label_names(rows).contains(name) {
+        return Vec::new();
+    }
+    let mut words: BTreeSet<String> = rows.iter().filter_map(|r| r.label(name)).collect();
+    let levels = levels(values);
+    if levels.len() == words.len() + 1 {
+        words.insert(NO_LABEL.to_owned());
+    }
+    if levels.len() == words.len() {
+        words.into_iter().collect()
+    } else {
+        Vec::new()
+    }
+}
+
+/// The values that occur, rising.
+fn levels(values: &[f64]) -> Vec<f64> {
+    let mut levels = values.to_vec();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    levels
+}
+
 impl Asked<'_> {
     fn is_significant(&self) -> bool {
         self.question.is_some_and(|q| q.p_adjusted < SIGNIFICANT)
@@ -122,11 +161,16 @@ impl Asked<'_> {
 
     /// Whether its values stand for names.
     fn is_named(&self) -> bool {
-        ["direction", "session", "log"].contains(&self.name)
+        !self.words.is_empty() || ["direction", "session", "log"].contains(&self.name)
     }
 
     /// The values in the unit of the axis.
     fn shown(&self) -> Vec<f64> {
+        if !self.words.is_empty() {
+            let levels = levels(self.values);
+            let place = |v: &f64| levels.partition_point(|l| l < v) as f64;
+            return self.values.iter().map(place).collect();
+        }
         let factor = factor(self.name);
         // Sessions and logs are counted from 1.
         let first = f64::from(u8::from(self.is_named() && self.name != "direction"));
@@ -141,7 +185,11 @@ impl Asked<'_> {
     }
 
     fn axis(&self, (low, high): (f64, f64)) -> Axis {
-        let label = label(self.name);
+        let mut label = label(self.name);
+        // Columns of the user's own are asked about in standard deviations from their mean.
+        if label == plain(self.name) && self.words.is_empty() {
+            label.push_str(" (s.d.)");
+        }
         match self.name {
             "direction" => Axis {
                 span: Span::Fixed(-1.6, 1.6),
@@ -152,6 +200,11 @@ impl Asked<'_> {
                 ),
                 ..Axis::new(&label)
             },
+            _ if !self.words.is_empty() => {
+                let words: Vec<String> = self.words.iter().map(|w| plain(w)).collect();
+                let words: Vec<&str> = words.iter().map(String::as_str).collect();
+                Axis::categories(&label, &words)
+            }
             _ if self.is_named() => Axis::new(&label).fixed(low - 0.6, high + 0.6),
             _ => {
                 let margin = 0.04 * (high - low);
@@ -182,6 +235,7 @@ pub fn label(column: &str) -> String {
         "session" => "Session, by name",
         "log" => "Log",
         "rest_length_m" => "l_{rest} (mm)",
+        ZERO_UNKNOWN => "Zero of the force",
         other => return plain(other),
     };
     label.to_owned()
@@ -250,14 +304,17 @@ fn by_specimen(specimens: &[String], places: &[f64], residuals: &[f64]) -> Vec<C
     clouds
 }
 
-fn caption(diagnosis: &Diagnosis, model: &str) -> String {
+fn caption(group: &GroupInput, diagnosis: &Diagnosis, model: &str) -> String {
     let readings = diagnosis.residuals.before.len();
     let every = readings.div_ceil(DRAWN).max(1);
     let drawn = match every {
         1 => String::new(),
         n => format!(" One reading in {n} is drawn, the medians are those of all."),
     };
-    let unasked = if panels(diagnosis).iter().any(|a| a.question.is_none()) {
+    let unasked = if panels(group, diagnosis)
+        .iter()
+        .any(|a| a.question.is_none())
+    {
         " What is constant within every specimen is not asked: the strengths of the specimens answer for it."
     } else {
         ""

@@ -1,14 +1,16 @@
 //! `plateaus`: one line a steady reading.
 
-use crate::base::row::Row;
+use crate::base::row::{Row, label_names};
 use crate::base::session::Kind;
 use crate::report::input::ReportInput;
 use crate::report::table::{Cell, Column, Rounding, Table};
 use std::collections::BTreeSet;
 
-/// The table; extra columns follow the fixed ones by name. Torque sessions have theirs among the extra ones.
+/// The table; extra columns follow the fixed ones by name, then labels. Torque sessions have theirs among the extra ones.
 pub fn table(input: &ReportInput) -> Table {
-    let extras: BTreeSet<&String> = input.rows.iter().flat_map(|r| r.extras.keys()).collect();
+    let labels = label_names(&input.rows);
+    let names = input.rows.iter().flat_map(|r| r.extras.keys());
+    let extras: BTreeSet<&String> = names.filter(|n| !labels.contains(*n)).collect();
     let mut columns = vec![
         Column::text("session", "Session"),
         Column::text("specimen", "Specimen"),
@@ -30,12 +32,19 @@ pub fn table(input: &ReportInput) -> Table {
             .iter()
             .map(|name| Column::number(name, &name.replace('_', "\\_"), "")),
     );
+    columns.extend(
+        labels
+            .iter()
+            .map(|name| Column::text(name, &name.replace('_', "\\_"))),
+    );
     let mut table = Table::new("plateaus", "Steady readings", columns);
     for row in &input.rows {
         let mut cells = fixed(row);
         let extra =
             |name: &&String| Cell::number(row.extras.get(*name).copied(), Rounding::Digits(6));
         cells.extend(extras.iter().map(extra));
+        let label = |name: &String| row.label(name).map_or(Cell::Empty, |w| Cell::text(&w));
+        cells.extend(labels.iter().map(label));
         table.push(cells);
     }
     table

@@ -24,7 +24,7 @@ use crate::config::CleanOptions;
 use crate::stages::ingest::LogSamples;
 use screen::Screened;
 use serde::{Deserialize, Serialize};
-use zero::Zero;
+use zero::{Zero, ZeroSource};
 
 /// Raised when results change without a change of this stage's source files.
 pub const VERSION: u32 = 1;
@@ -86,7 +86,10 @@ pub fn clean(session: &Session, logs: &[LogSamples], options: &CleanOptions) -> 
         for reading in &mut readings {
             if let Some(force) = reading.values.get_mut(FORCE) {
                 *force -= zero.applied_n;
-                reading.zero_force_n = zero.applied_n;
+                reading.zero_force_n = match zero.source {
+                    ZeroSource::None => f64::NAN,
+                    _ => zero.applied_n,
+                };
             }
         }
     }

@@ -48,6 +48,12 @@ pub fn readings(
                 .map(|(name, values)| (name.clone(), values[*row]))
                 .filter(|(_, x)| x.is_finite())
                 .collect(),
+            labels: log
+                .log
+                .labels
+                .iter()
+                .filter_map(|(name, words)| Some((name.clone(), words[*row].clone()?)))
+                .collect(),
         });
     }
 }

@@ -12,6 +12,7 @@ use crate::numerics::plateaus::{Plateau, find_plateaus, rising};
 use crate::numerics::statistics::{mean, quantile_range, standard_deviation, sum};
 use crate::stages::clean::screen::Screened;
 use crate::stages::clean::zero::is_clipped;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 const TOO_SHORT: &str = "a steady stretch too short to be used";
@@ -171,10 +172,15 @@ impl<'a> Series<'a> {
 
     fn reading(&self, window: &Range<usize>, phase: Option<Phase>) -> Reading {
         let over = |values: &[f64]| mean(&values[window.clone()]);
-        let mut values: std::collections::BTreeMap<String, f64> = self
+        // Of a column beside force and pressure single cells may be missing.
+        let known = |values: &[f64]| {
+            let here = values[window.clone()].iter().copied();
+            mean(&here.filter(|x| x.is_finite()).collect::<Vec<f64>>())
+        };
+        let mut values: BTreeMap<String, f64> = self
             .others
             .iter()
-            .map(|(name, column)| ((*name).to_owned(), over(column)))
+            .map(|(name, column)| ((*name).to_owned(), known(column)))
             .filter(|(_, x)| x.is_finite())
             .collect();
         values.insert(TIME.to_owned(), over(&self.time));
@@ -198,7 +204,26 @@ impl<'a> Series<'a> {
             zero_force_n: f64::NAN,
             sd_pressure_kpa: scatter(&self.pressure),
             values,
+            labels: self.labels(window),
         }
+    }
+
+    /// The word that most rows of a window have in each column of labels, the first by name of equals.
+    fn labels(&self, window: &Range<usize>) -> BTreeMap<String, String> {
+        let rows = &self.log.rows[window.clone()];
+        let usual = |words: &[Option<String>]| {
+            let mut counts: BTreeMap<&String, usize> = BTreeMap::new();
+            for word in rows.iter().filter_map(|r| words[*r].as_ref()) {
+                *counts.entry(word).or_default() += 1;
+            }
+            let most = counts.values().copied().max()?;
+            let first = counts.into_iter().find(|(_, n)| *n == most)?;
+            Some(first.0.clone())
+        };
+        let columns = self.log.log.labels.iter();
+        columns
+            .filter_map(|(name, words)| Some((name.clone(), usual(words)?)))
+            .collect()
     }
 }
 

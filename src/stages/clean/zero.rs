@@ -179,6 +179,7 @@ mod tests {
             zero_force_n: f64::NAN,
             sd_pressure_kpa: f64::NAN,
             values: [(PRESSURE.to_owned(), pressure), (FORCE.to_owned(), force)].into(),
+            labels: std::collections::BTreeMap::new(),
         }
     }
 

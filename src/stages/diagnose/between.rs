@@ -4,9 +4,11 @@
 //! it; and counting readings would be wrong, because there are as many facts as specimens. The strengths are regressed on the
 //! trace of each such effect, and Student's t has K - 2 degrees of freedom.
 
+use super::data::{Data, PLACEBO};
 use super::model::Fitted;
 use super::search::Search;
 use super::term::{Scope, Term, What};
+use crate::base::columns::TEMPERATURE;
 use crate::effects::{self, Applied, Need};
 use crate::numerics::distributions::student_t_two_sided;
 
@@ -153,6 +155,81 @@ pub fn asked_for(search: &Search, fitted: &Fitted) -> Option<(usize, f64)> {
         .filter_map(|c| Some((c, regression(search, fitted, c, &weights)?)))
         .min_by(|a, b| a.1.p.total_cmp(&b.1.p))
         .map(|(c, r)| (c, (r.p * many).min(1.0)))
+}
+
+/// A column that has one value for each specimen, and what the strengths say of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// Its name.
+    pub name: String,
+    /// The strengths on it.
+    pub regression: Regression,
+    /// Its p, times the number of such columns.
+    pub p_adjusted: f64,
+    /// Sum of the squared strengths that the line through them leaves.
+    pub left: f64,
+    /// The line: value of the column, strength.
+    pub line: [(f64, f64); 2],
+}
+
+/// The extra columns (and the temperature) that have one value for each specimen, by their p: what the strengths of the specimens
+/// cannot be told from.
+pub fn columns(data: &Data, strengths: &[f64]) -> Vec<Column> {
+    let temperatures: Vec<f64> = data.conditions.iter().map(|c| c.temperature_c).collect();
+    let extras = data.extras.iter().filter(|e| e.name != PLACEBO).map(|e| {
+        let raw = e.values.iter().map(|x| e.scale.0 + e.scale.1 * x);
+        (e.name.clone(), raw.collect())
+    });
+    let all = std::iter::once((TEMPERATURE.to_owned(), temperatures)).chain(extras);
+    let mut list: Vec<Column> = all
+        .filter_map(|(name, values)| column(data, strengths, name, &values))
+        .collect();
+    let many = list.len() as f64;
+    for column in &mut list {
+        column.p_adjusted = (column.regression.p * many).min(1.0);
+    }
+    list.sort_by(|a, b| {
+        a.p_adjusted
+            .total_cmp(&b.p_adjusted)
+            .then(a.name.cmp(&b.name))
+    });
+    list
+}
+
+fn column(data: &Data, strengths: &[f64], name: String, values: &[f64]) -> Option<Column> {
+    let mut of: Vec<Option<f64>> = vec![None; data.specimens.len()];
+    for (x, k) in values.iter().zip(&data.specimen) {
+        if *of[*k].get_or_insert(*x) != *x {
+            return None;
+        }
+    }
+    let points: Vec<(f64, f64, f64)> = of
+        .iter()
+        .zip(strengths)
+        .filter_map(|(x, u)| Some(((*x)?, *u, 1.0)))
+        .collect();
+    let regression = straight_line(&points)?;
+    let n = points.len() as f64;
+    let (x0, y0) = (
+        points.iter().map(|p| p.0).sum::<f64>() / n,
+        points.iter().map(|p| p.1).sum::<f64>() / n,
+    );
+    let at = |x: f64| y0 + regression.slope * (x - x0);
+    let ends = points
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| {
+            (l.min(p.0), h.max(p.0))
+        });
+    Some(Column {
+        name,
+        regression,
+        p_adjusted: 1.0,
+        left: points
+            .iter()
+            .map(|p| (p.1 - at(p.0)) * (p.1 - at(p.0)))
+            .sum(),
+        line: [(ends.0, at(ends.0)), (ends.1, at(ends.1))],
+    })
 }
 
 /// In which part of the resamples, each a weight a specimen, the slope has its sign and explains most of the variance.

@@ -1,7 +1,9 @@
 //! The readings of one campaign as the search sees them: numbers, groups, and what is known of each reading.
 
+use super::labels;
 use crate::base::columns::TEMPERATURE;
-use crate::base::row::Row;
+use crate::base::random::Stream;
+use crate::base::row::{Row, label_names};
 use crate::base::session::Phase;
 use crate::effects::{Conditions, Need};
 use crate::numerics::statistics::{mean, median};
@@ -19,6 +21,11 @@ const SINCE_STEP: &[&str] = &["time_since_step", "since_step", "dwell", "hold"];
 const RATE: &[&str] = &["pressure_rate", "rate", "dp_dt", "dpdt", "ramp"];
 const CYCLES: &[&str] = &["cycle", "n_cycle", "cycles", "ncycles", "cycle_count"];
 
+/// Name of the shuffled copy of a column, which must never be chosen.
+pub const PLACEBO: &str = "placebo";
+/// Name of the column that says in which sessions the zero is not known: its second level.
+pub const ZERO_UNKNOWN: &str = "zero_unknown";
+
 /// An extra column that no effect of the library has a name for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extra {
@@ -28,8 +35,12 @@ pub struct Extra {
     pub values: Vec<f64>,
     /// Mean and standard deviation before that.
     pub scale: (f64, f64),
+    /// One value a session.
+    pub constant_in_sessions: bool,
     /// Few whole numbers, constant within a session: it names a group (a load cell, a bench), it does not measure.
     pub names_groups: bool,
+    /// The words that stand for the numbers 0, 1, 2, …; empty for a column of numbers.
+    pub words: Vec<String>,
 }
 
 /// The readings of a campaign.
@@ -53,6 +64,8 @@ pub struct Data {
     pub extras: Vec<Extra>,
     /// Why a quantity is not known.
     pub missing: BTreeMap<Need, String>,
+    /// Columns of words that are not searched, and why.
+    pub notes: Vec<String>,
 }
 
 impl Data {
@@ -96,8 +109,48 @@ impl Data {
             .collect();
         data.conditions = conditions(rows, &data, dates.len() > 1);
         data.extras = extras(rows, &data);
+        data.extras.extend(zero_unknown(rows, &data));
         data.note_what_is_missing(dates.len() > 1);
+        let (labels, notes) = labels::labels(rows, &data);
+        data.extras.extend(labels);
+        data.notes = notes;
         data
+    }
+
+    /// The same with a shuffled copy of a column, which must never be chosen: the first extra column, its values permuted among the
+    /// sessions if it has one a session and else within the logs; the pressure where there is none.
+    pub fn with_placebo(mut self, seed: u64) -> Self {
+        let mut stream = Stream::new(seed, &["placebo"]);
+        let copied = self.extras.iter().find(|e| !e.names_groups).cloned();
+        let mut extra = copied.unwrap_or_else(|| Extra {
+            name: String::new(),
+            values: standardised(self.conditions.iter().map(|c| c.pressure_kpa).collect()),
+            scale: (0.0, 1.0),
+            constant_in_sessions: false,
+            names_groups: false,
+            words: Vec::new(),
+        });
+        extra.name = PLACEBO.to_owned();
+        if extra.constant_in_sessions {
+            let mut of: Vec<f64> = vec![0.0; self.sessions.len()];
+            for (x, s) in extra.values.iter().zip(&self.session) {
+                of[*s] = *x;
+            }
+            shuffle(&mut of, &mut stream);
+            extra.values = self.session.iter().map(|s| of[*s]).collect();
+        } else {
+            let logs: BTreeSet<usize> = self.log.iter().copied().collect();
+            for log in logs {
+                let places: Vec<usize> = (0..self.len()).filter(|i| self.log[*i] == log).collect();
+                let mut of: Vec<f64> = places.iter().map(|i| extra.values[*i]).collect();
+                shuffle(&mut of, &mut stream);
+                for (i, x) in places.into_iter().zip(of) {
+                    extra.values[i] = x;
+                }
+            }
+        }
+        self.extras.push(extra);
+        self
     }
 
     /// Number of readings.
@@ -130,6 +183,7 @@ impl Data {
                 })
                 .collect(),
             missing: self.missing.clone(),
+            notes: self.notes.clone(),
         }
     }
 
@@ -165,21 +219,34 @@ impl Data {
 
     /// For each session the number of the level of an extra column that names groups (none for the first level), and how many.
     pub fn levels(&self, column: usize) -> (Vec<Option<usize>>, usize) {
-        let values = &self.extras[column].values;
-        let mut of_session: Vec<Option<u64>> = vec![None; self.sessions.len()];
-        for (x, s) in values.iter().zip(&self.session) {
-            of_session[*s] = Some(x.to_bits());
+        let levels = self.level_values(column);
+        let mut of_session = vec![None; self.sessions.len()];
+        for (x, s) in self.extras[column].values.iter().zip(&self.session) {
+            let place = levels.iter().position(|l| l == x);
+            of_session[*s] = place.and_then(|p| p.checked_sub(1));
         }
-        let levels: BTreeSet<u64> = of_session.iter().flatten().copied().collect();
-        let levels: Vec<u64> = levels.into_iter().collect();
-        let number = |bits: Option<u64>| {
-            let place = levels.iter().position(|l| Some(*l) == bits)?;
-            place.checked_sub(1)
+        (of_session, levels.len() - 1)
+    }
+
+    /// The levels of an extra column that names groups, as its author wrote them.
+    pub fn level_names(&self, column: usize) -> Vec<String> {
+        let extra = &self.extras[column];
+        let (middle, sd) = extra.scale;
+        let levels = self.level_values(column);
+        let name = |x: &f64| {
+            let number = format!("{:.0}", middle + sd * x);
+            let place: Option<usize> = number.parse().ok();
+            let word = place.and_then(|k| extra.words.get(k));
+            word.cloned().unwrap_or(number)
         };
-        (
-            of_session.into_iter().map(number).collect(),
-            levels.len() - 1,
-        )
+        levels.iter().map(name).collect()
+    }
+
+    fn level_values(&self, column: usize) -> Vec<f64> {
+        let mut levels = self.extras[column].values.clone();
+        levels.sort_by(f64::total_cmp);
+        levels.dedup();
+        levels
     }
 
     fn note_what_is_missing(&mut self, dated: bool) {
@@ -209,6 +276,29 @@ impl Data {
             .map(|(need, _)| (need, format!("the campaign lacks {}", need.words())))
             .collect();
     }
+}
+
+fn shuffle(values: &mut [f64], stream: &mut Stream) {
+    for k in (1..values.len()).rev() {
+        let other = stream.below(k + 1);
+        values.swap(k, other);
+    }
+}
+
+/// Less the mean, by the standard deviation.
+fn standardised(mut values: Vec<f64>) -> Vec<f64> {
+    let middle = mean(&values);
+    let n = values.len() as f64;
+    let variance = values
+        .iter()
+        .map(|x| (x - middle) * (x - middle))
+        .sum::<f64>()
+        / n;
+    let sd = variance.sqrt().max(f64::MIN_POSITIVE);
+    for x in &mut values {
+        *x = (*x - middle) / sd;
+    }
+    values
 }
 
 fn named(row: &Row, names: &[&str]) -> Option<f64> {
@@ -398,7 +488,9 @@ fn rate(rows: &[&Row], places: &[usize], k: usize) -> f64 {
 
 /// The columns that the user added and no effect claims, if they vary.
 fn extras(rows: &[&Row], data: &Data) -> Vec<Extra> {
-    let names: BTreeSet<&String> = rows.iter().flat_map(|r| r.extras.keys()).collect();
+    let words = label_names(rows.iter().copied());
+    let names = rows.iter().flat_map(|r| r.extras.keys());
+    let names: BTreeSet<&String> = names.filter(|n| !words.contains(*n)).collect();
     let claimed = |name: &str| {
         let lower = name.to_ascii_lowercase();
         name == TEMPERATURE
@@ -414,13 +506,26 @@ fn extras(rows: &[&Row], data: &Data) -> Vec<Extra> {
         .collect()
 }
 
+/// Whether a zero was taken off the force of a session, where that differs: of some sessions the zero is known (from a zero log, or because
+/// the actuator went slack), of others not.
+fn zero_unknown(rows: &[&Row], data: &Data) -> Option<Extra> {
+    let known = |r: &&Row| r.zero_force_n.is_finite();
+    // Whole numbers that are constant within sessions: they name two groups.
+    let unknown = rows.iter().map(|r| f64::from(u8::from(!known(r))));
+    column(data, ZERO_UNKNOWN, unknown.collect())
+}
+
 fn extra(rows: &[&Row], data: &Data, name: &str) -> Option<Extra> {
     let raw: Vec<f64> = rows
         .iter()
         .map(|r| r.extras.get(name).copied().unwrap_or(f64::NAN))
         .collect();
+    column(data, name, raw)
+}
+
+fn column(data: &Data, name: &str, raw: Vec<f64>) -> Option<Extra> {
     let known: Vec<f64> = raw.iter().copied().filter(|x| x.is_finite()).collect();
-    if known.len() < rows.len() / 2 {
+    if known.len() < raw.len() / 2 {
         return None;
     }
     let middle = mean(&known);
@@ -454,9 +559,11 @@ fn extra(rows: &[&Row], data: &Data, name: &str) -> Option<Extra> {
             })
             .collect(),
         scale: (middle, sd),
+        constant_in_sessions: constant,
         names_groups: whole
             && constant
             && distinct.len() <= 4
             && 3 * distinct.len() <= data.sessions.len(),
+        words: Vec::new(),
     })
 }

@@ -216,7 +216,7 @@ pub struct Errors {
     pub rmse_heldout: f64,
     /// Largest of them, N.
     pub max_abs_error_heldout: f64,
-    /// Held-out error after one factor for each held-out specimen, N: its strength does not count.
+    /// Held-out error with the strength that each held-out specimen shows itself, N: how strong it is does not count.
     pub rmse_heldout_own_strength: f64,
 }
 

@@ -82,7 +82,7 @@ fn by(train: &[usize], group: &[usize], name: impl Fn(usize) -> String) -> Vec<F
 pub struct Tally {
     /// Sum of squares, N^2.
     pub squares: f64,
-    /// Sum of squares after one factor on the prediction, N^2.
+    /// Sum of squares with each specimen's own strength, N^2.
     pub own_strength: f64,
     /// Largest absolute error, N.
     pub largest: f64,
@@ -91,18 +91,15 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// The errors of predictions of one held-out unit.
-    pub fn of(measured: &[f64], predicted: &[f64]) -> Self {
-        let product: f64 = measured.iter().zip(predicted).map(|(y, f)| y * f).sum();
-        let square: f64 = predicted.iter().map(|f| f * f).sum();
-        let factor = if square > 0.0 { product / square } else { 1.0 };
+    /// The errors of predictions: with mean strengths, and with each specimen's own.
+    pub fn of(measured: &[f64], predicted: &[f64], own: &[f64]) -> Self {
         let mut tally = Self {
             n: measured.len(),
             ..Self::default()
         };
-        for (y, f) in measured.iter().zip(predicted) {
+        for ((y, f), g) in measured.iter().zip(predicted).zip(own) {
             tally.squares += (y - f) * (y - f);
-            tally.own_strength += (y - factor * f) * (y - factor * f);
+            tally.own_strength += (y - g) * (y - g);
             tally.largest = tally.largest.max((y - f).abs());
         }
         tally
@@ -123,7 +120,7 @@ impl Tally {
         (self.squares / self.n.max(1) as f64).sqrt()
     }
 
-    /// The same after one factor for each unit, N.
+    /// The same with each specimen's own strength, N.
     pub fn rmse_own_strength(self) -> f64 {
         (self.own_strength / self.n.max(1) as f64).sqrt()
     }

@@ -81,6 +81,17 @@ pub fn limits(search: &Search, state: &State) -> Limits {
         } else {
             (by_noise.max(by_use), form.amplitude.unit)
         };
+        let (low, high) = form.amplitude.bounds;
+        if size > low.abs().max(high.abs()) {
+            limits.not_measurable.push(NotMeasurable {
+                id: effect.id().to_owned(),
+                why: format!(
+                    "it would have to be larger than is physically possible ({} = {size:.2} {})",
+                    form.amplitude.name, form.amplitude.unit
+                ),
+            });
+            continue;
+        }
         limits.detection.push(DetectionLimit {
             id: effect.id().to_owned(),
             form: form.name.to_owned(),

@@ -2,7 +2,7 @@
 //!
 //! Nobody tells this stage what is in the data. For each campaign and diameter:
 //!
-//! 1. [`data`]: the readings with everything that is known of each; [`base`]: the model to which effects are added.
+//! 1. [`data`]: the readings with everything that is known of each ([`labels`] are words); [`base`]: the model to which effects are added.
 //!    [`suspects`]: mistakes of recording, before anything is searched.
 //! 2. [`questions`]: is there anything at all? The residual against every column, by permutation.
 //! 3. [`candidates`], [`linear`], [`search`]: which additions explain it. Strengths of the specimens are in every model ([`model`]).
@@ -22,10 +22,13 @@ pub mod candidates;
 pub mod data;
 pub mod findings;
 pub mod folds;
+pub mod held_out;
 pub mod judge;
+pub mod labels;
 pub mod limits;
 pub mod linear;
 pub mod model;
+pub mod noise;
 pub mod questions;
 pub mod search;
 pub mod suspects;
@@ -41,14 +44,14 @@ use crate::numerics::statistics::mean;
 use crate::stages::fit::{Group, is_fitted, is_usable};
 use base::Base;
 use data::Data;
-use findings::{CampaignFindings, Errors, FoldErrors, Question, Rejected, Residuals, Suspect};
+use findings::{CampaignFindings, Errors, Question, Rejected, Residuals, Suspect};
 use folds::{Fold, Tally};
+use held_out::{HeldOut, held_out};
 use judge::Judgement;
 use model::{Fitted, Model};
-use rayon::prelude::*;
 use search::{Search, State};
 use std::collections::BTreeSet;
-use term::{Term, What};
+use term::{Scope, Term};
 
 /// Raised when results change without a change of this stage's source files.
 pub const VERSION: u32 = 1;
@@ -89,17 +92,6 @@ pub(crate) struct Work<'a> {
     suspects: Vec<Suspect>,
 }
 
-/// The held-out errors of base, effects, empirical corrections and black box.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct HeldOut {
-    before: Tally,
-    after: Tally,
-    empirical: Option<Tally>,
-    black_box: Option<f64>,
-    black_box_after: Option<f64>,
-    by_unit: Vec<FoldErrors>,
-}
-
 /// Searches the rows of a group; none where they are too few.
 pub fn diagnose(
     group: &Group,
@@ -117,7 +109,7 @@ pub fn diagnose(
         .collect();
     let passed_over = rows.len() - answered.len();
     let (suspects, answered) = without_mistakes(&base, group, answered, fit, options);
-    let all = Data::new(&answered);
+    let all = Data::new(&answered).with_placebo(options.seed);
     let kept_out: Vec<bool> = answered
         .iter()
         .map(|r| r.role == Some(Role::Holdout))
@@ -171,7 +163,9 @@ pub fn diagnose(
         passed_over,
         suspects,
     };
-    Some(answer::answer(&work))
+    let mut diagnosis = answer::answer(&work);
+    diagnosis.findings.notes.extend(all.notes.iter().cloned());
+    Some(diagnosis)
 }
 
 /// What is far off, and the rows without the sessions that are set aside for it.
@@ -213,6 +207,15 @@ fn believed(search: &Search, seed: u64) -> (State, Vec<Judgement>, Vec<Rejected>
     let (state, judgements, each) =
         judge::with_each_session(search, state, judgements, &inner, seed);
     rejected.extend(each);
+    // What the sessions' own values hid can be seen beside them.
+    let by_session = |c: &usize| search.candidates[*c].scope == Scope::EachSession;
+    if state.chosen.iter().any(by_session) {
+        let (further, more, failed) = judge::judged(search, &search.further(&state), &inner, seed);
+        if further.chosen.len() > state.chosen.len() {
+            rejected.extend(failed);
+            return (further, more, rejected);
+        }
+    }
     (state, judgements, rejected)
 }
 
@@ -262,218 +265,6 @@ fn ask(search: &Search, null: &State, options: &DiagnoseOptions) -> Vec<Question
         options.permutations,
         options.seed,
     )
-}
-
-/// The whole search in every fold (`search`), or the base model alone.
-fn held_out(
-    base: &Base,
-    all: &Data,
-    candidates: &[Term],
-    folds: &[Fold],
-    search: bool,
-    options: &DiagnoseOptions,
-) -> HeldOut {
-    let one = |fold: &Fold| one_fold(base, all, candidates, fold, search, options);
-    let holdout = folds.windows(2).all(|w| w[0].train == w[1].train);
-    let results: Vec<FoldResult> = if holdout && folds.len() > 1 {
-        // One search serves all: they leave out the same readings.
-        let joined = Fold {
-            unit: String::new(),
-            train: folds[0].train.clone(),
-            held_out: folds.iter().flat_map(|f| f.held_out.clone()).collect(),
-        };
-        let result = one(&joined);
-        folds.iter().map(|f| result.part(&joined, f, all)).collect()
-    } else {
-        folds.par_iter().map(one).collect()
-    };
-    gather(&results)
-}
-
-/// Predictions of one fold, one entry a held-out reading.
-struct FoldResult {
-    unit: String,
-    measured: Vec<f64>,
-    before: Vec<f64>,
-    after: Vec<f64>,
-    empirical: Option<Vec<f64>>,
-    boxes: Vec<Vec<f64>>,
-    boxes_after: Vec<Vec<f64>>,
-    chosen: Vec<String>,
-}
-
-impl FoldResult {
-    /// The part of it that belongs to one unit.
-    fn part(&self, joined: &Fold, fold: &Fold, all: &Data) -> FoldResult {
-        let places: Vec<usize> = fold
-            .held_out
-            .iter()
-            .filter_map(|i| joined.held_out.iter().position(|j| j == i))
-            .collect();
-        let pick = |v: &Vec<f64>| places.iter().map(|k| v[*k]).collect::<Vec<f64>>();
-        debug_assert!(all.len() >= places.len());
-        FoldResult {
-            unit: fold.unit.clone(),
-            measured: pick(&self.measured),
-            before: pick(&self.before),
-            after: pick(&self.after),
-            empirical: self.empirical.as_ref().map(pick),
-            boxes: self.boxes.iter().map(pick).collect(),
-            boxes_after: self.boxes_after.iter().map(pick).collect(),
-            chosen: self.chosen.clone(),
-        }
-    }
-}
-
-fn one_fold(
-    base: &Base,
-    all: &Data,
-    candidates: &[Term],
-    fold: &Fold,
-    search: bool,
-    options: &DiagnoseOptions,
-) -> FoldResult {
-    let train = all.select(&fold.train);
-    let thin = train.thinned(options.most_readings);
-    let held = all.select(&fold.held_out);
-    let here = Search::new(
-        base,
-        &thin,
-        candidates,
-        options.most_effects,
-        judge::SIGNIFICANT.1,
-    );
-    let null = here.state(Vec::new(), None);
-    let best = if search {
-        believed(&here, options.seed).0
-    } else {
-        null.clone()
-    };
-    let terms = |physical_only: bool| -> Vec<Term> {
-        let kept = |t: &Term| !physical_only || matches!(t.what, What::Effect { .. });
-        best.chosen
-            .iter()
-            .map(|c| candidates[*c].clone())
-            .filter(kept)
-            .collect()
-    };
-    let predict = |terms: Vec<Term>, data: &Data, fitted: &Fitted| {
-        Model { base, data, terms }.predict(fitted, false)
-    };
-    let fit = |terms: Vec<Term>| {
-        let model = Model {
-            base,
-            data: &thin,
-            terms,
-        };
-        model.fit(None, 1)
-    };
-    let before = predict(Vec::new(), &held, &null.fitted);
-    let physical = terms(true);
-    let fitted = if physical.len() == best.chosen.len() {
-        best.fitted.clone()
-    } else {
-        fit(physical.clone())
-    };
-    let after = predict(physical.clone(), &held, &fitted);
-    let empirical =
-        (physical.len() < best.chosen.len()).then(|| predict(terms(false), &held, &best.fitted));
-    let boxes = black_boxes(base, all, fold, &[], &null.fitted, options);
-    let boxes_after = if physical.is_empty() {
-        boxes.clone()
-    } else {
-        black_boxes(base, all, fold, &physical, &fitted, options)
-    };
-    let names = |t: &Term| match t.scope {
-        term::Scope::Whole => judge::name(t, &thin),
-        _ => format!("{} ({})", judge::name(t, &thin), judge::acts_on(t, &thin)),
-    };
-    FoldResult {
-        unit: fold.unit.clone(),
-        measured: held.force.clone(),
-        before,
-        after,
-        empirical,
-        boxes,
-        boxes_after,
-        chosen: terms(false).iter().map(names).collect(),
-    }
-}
-
-/// A model's prediction of the held-out readings with a black box on its residual, one for each of its noises.
-fn black_boxes(
-    base: &Base,
-    all: &Data,
-    fold: &Fold,
-    terms: &[Term],
-    fitted: &Fitted,
-    options: &DiagnoseOptions,
-) -> Vec<Vec<f64>> {
-    let model = Model {
-        base,
-        data: all,
-        terms: terms.to_vec(),
-    };
-    let plain = model.predict(fitted, false);
-    let residual: Vec<f64> = all.force.iter().zip(&plain).map(|(y, f)| y - f).collect();
-    let features = black_box::Features::new(all, &plain);
-    let step = (fold.train.len() / options.most_readings.max(1)).max(1);
-    let train: Vec<usize> = fold.train.iter().copied().step_by(step).collect();
-    black_box::predict(&features, &residual, &train, &fold.held_out)
-        .into_iter()
-        .map(|extra| {
-            fold.held_out
-                .iter()
-                .zip(extra)
-                .map(|(i, e)| plain[*i] + e)
-                .collect()
-        })
-        .collect()
-}
-
-fn gather(results: &[FoldResult]) -> HeldOut {
-    let tally = |of: &dyn Fn(&FoldResult) -> Vec<f64>| {
-        let parts = results.iter().map(|r| Tally::of(&r.measured, &of(r)));
-        parts.fold(Tally::default(), Tally::plus)
-    };
-    let best_box = |of: &dyn Fn(&FoldResult) -> Vec<Vec<f64>>| -> Option<(usize, f64)> {
-        let choices = black_box::NOISE.len();
-        let error = |k: usize| tally(&|r| of(r)[k].clone()).rmse();
-        (0..choices)
-            .map(|k| (k, error(k)))
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-    };
-    let boxed = if results.is_empty() {
-        None
-    } else {
-        best_box(&|r| r.boxes.clone())
-    };
-    let boxed_after = if results.is_empty() {
-        None
-    } else {
-        best_box(&|r| r.boxes_after.clone())
-    };
-    let by_unit = results
-        .iter()
-        .map(|r| FoldErrors {
-            unit: r.unit.clone(),
-            readings: r.measured.len(),
-            before: Tally::of(&r.measured, &r.before).rmse(),
-            after: Tally::of(&r.measured, &r.after).rmse(),
-            black_box: boxed.map(|(k, _)| Tally::of(&r.measured, &r.boxes[k]).rmse()),
-            chosen: r.chosen.clone(),
-        })
-        .collect();
-    let any_empirical = results.iter().any(|r| r.empirical.is_some());
-    HeldOut {
-        before: tally(&|r| r.before.clone()),
-        after: tally(&|r| r.after.clone()),
-        empirical: any_empirical
-            .then(|| tally(&|r| r.empirical.clone().unwrap_or_else(|| r.after.clone()))),
-        black_box: boxed.map(|(_, e)| e),
-        black_box_after: boxed_after.map(|(_, e)| e),
-        by_unit,
-    }
 }
 
 /// The errors of a tally beside the training error.

@@ -24,10 +24,11 @@ const SLOTS: usize = 16;
 pub const MOST_TERMS: usize = 5;
 /// The slot of the strength.
 pub const STRENGTH: usize = 5;
-type D = Dual<SLOTS>;
 
 /// Usual relative scatter of the strengths of one make: what the null model expects.
 pub const USUAL_SCATTER: f64 = 0.02;
+/// Where a strength may go.
+const STRENGTHS: (f64, f64) = (-0.8, 4.0);
 /// Scatter of strengths that are free.
 const FREE_SCATTER: f64 = 0.5;
 /// Where the estimate of the scatter may go.
@@ -203,7 +204,7 @@ impl<'a> Model<'a> {
             Place::Base(k) => self.base.coefficients[k].bounds,
             Place::Amplitude(t, _) => self.terms[t].amplitude_bounds(),
             Place::Shape(t) => self.terms[t].second().map_or((0.0, 1.0), |p| p.bounds),
-            Place::Strength(_) => (-0.8, 4.0),
+            Place::Strength(_) => STRENGTHS,
         }
     }
 
@@ -291,6 +292,44 @@ impl<'a> Model<'a> {
     }
 }
 
+/// Steps in which a specimen's own strength is found: the force is nearly linear in it.
+const STRENGTH_STEPS: usize = 6;
+
+impl Model<'_> {
+    /// The force of each reading, N, with the strength that its specimen shows in these very readings, all else as fitted: what is left is
+    /// what a model that knew how strong the specimen is would miss.
+    pub fn predict_with_own_strength(&self, fitted: &Fitted) -> Vec<f64> {
+        let base: Vec<Dual<1>> = fitted.base.iter().map(|c| Dual::constant(*c)).collect();
+        let specimens = self.data.specimens.len();
+        let at = |i: usize, strength: f64| {
+            let acting = |t: usize| {
+                let g = self.terms[t].acts_on[self.data.session[i]]?;
+                let (amplitudes, second) = &fitted.terms[t];
+                Some([Dual::constant(amplitudes[g]), Dual::constant(*second)])
+            };
+            force(self, &base, Dual::variable(1.0 + strength, 0), acting, i)
+        };
+        let mut strengths = vec![0.0; specimens];
+        for _ in 0..STRENGTH_STEPS {
+            let mut sums = vec![(0.0, 0.0); specimens];
+            for i in 0..self.data.len() {
+                let k = self.data.specimen[i];
+                let f = at(i, strengths[k]);
+                sums[k].0 += f.gradient[0] * (self.data.force[i] - f.value);
+                sums[k].1 += f.gradient[0] * f.gradient[0];
+            }
+            for (u, (slope, square)) in strengths.iter_mut().zip(sums) {
+                if square > 0.0 {
+                    *u = (*u + slope / square).clamp(STRENGTHS.0, STRENGTHS.1);
+                }
+            }
+        }
+        (0..self.data.len())
+            .map(|i| at(i, strengths[self.data.specimen[i]]).value)
+            .collect()
+    }
+}
+
 /// The force of reading `i`, N; `acting` gives the parameters of a term that acts on it.
 fn force<R: Real>(
     model: &Model,
@@ -330,9 +369,18 @@ struct Sums {
 }
 
 impl Sums {
+    /// The sums, with no more derivatives than the model has: they are most of the work.
     fn new(model: &Model, layout: &[Place], point: &[f64]) -> Self {
+        match model.terms.len() {
+            0..=1 => Self::with::<8>(model, layout, point),
+            2..=3 => Self::with::<12>(model, layout, point),
+            _ => Self::with::<SLOTS>(model, layout, point),
+        }
+    }
+
+    fn with<const N: usize>(model: &Model, layout: &[Place], point: &[f64]) -> Self {
         let data = model.data;
-        let mut at = Point::new(model);
+        let mut at = Point::<Dual<N>>::new(model);
         for (place, value) in layout.iter().zip(point) {
             at.set(*place, *value);
         }
@@ -456,7 +504,7 @@ fn normal_equations(model: &Model, layout: &[Place], sums: &Sums) -> (Matrix, Ve
 }
 
 /// All parameters of a model as dual numbers.
-struct Point<'a> {
+struct Point<'a, D> {
     model: &'a Model<'a>,
     base: Vec<D>,
     amplitudes: Vec<Vec<f64>>,
@@ -464,16 +512,16 @@ struct Point<'a> {
     strengths: Vec<f64>,
 }
 
-impl<'a> Point<'a> {
+impl<'a, const N: usize> Point<'a, Dual<N>> {
     fn new(model: &'a Model<'a>) -> Self {
         let coefficients = model.base.coefficients.iter().enumerate();
         Self {
             base: coefficients
                 .map(|(k, c)| {
                     if c.free {
-                        D::variable(c.start, k)
+                        Dual::variable(c.start, k)
                     } else {
-                        D::constant(c.start)
+                        Dual::constant(c.start)
                     }
                 })
                 .collect(),
@@ -497,20 +545,20 @@ impl<'a> Point<'a> {
         }
     }
 
-    fn force(&self, i: usize) -> D {
+    fn force(&self, i: usize) -> Dual<N> {
         let data = self.model.data;
         let acting = |t: usize| {
             let term = &self.model.terms[t];
             let g = term.acts_on[data.session[i]]?;
             let slot = STRENGTH + 1 + 2 * t;
             let second = if term.second().is_some() {
-                D::variable(self.shapes[t], slot + 1)
+                Dual::variable(self.shapes[t], slot + 1)
             } else {
-                D::constant(0.0)
+                Dual::constant(0.0)
             };
-            Some([D::variable(self.amplitudes[t][g], slot), second])
+            Some([Dual::variable(self.amplitudes[t][g], slot), second])
         };
-        let strength = D::variable(1.0 + self.strengths[data.specimen[i]], STRENGTH);
+        let strength = Dual::variable(1.0 + self.strengths[data.specimen[i]], STRENGTH);
         force(self.model, &self.base, strength, acting, i)
     }
 }

@@ -26,6 +26,9 @@ const LEAST_OF_ALL: f64 = 0.01;
 /// log declares, the converter's steps and the means over plateaus are not better than this (0.18 N from session to session in simulated
 /// logs without any effect, which a thousand samples make significant).
 pub const LEAST_OF_RANGE: f64 = 0.001;
+/// Or it explains this part of what can be explained: what is left beside noise that repeats show. A second effect may be small beside the
+/// first; the misfit of a shape is not explained to that part by anything else.
+const NEARLY_ALL: f64 = 0.8;
 /// The same for a value of every session: what these explain is in part the misfit of a shape.
 const LEAST_OF_ALL_EACH: f64 = 0.1;
 /// One session (specimen) is looked at by itself if its value stands out so many times above the median of the others'.
@@ -62,6 +65,8 @@ pub struct Search<'a> {
     pub most: usize,
     /// Largest corrected p of an addition.
     pub significance: f64,
+    /// Sum of squares that repeated readings show, N^2: no model explains it. 0 where nothing was repeated.
+    pub pure: f64,
     /// Least root mean square that an addition must take off, N: see [`LEAST_OF_RANGE`].
     pub least_n: f64,
 }
@@ -80,14 +85,19 @@ impl<'a> Search<'a> {
         } else {
             quantile(&data.force, 0.95)
         };
-        Self {
+        let mut search = Self {
             base,
             data,
             candidates,
             most,
             significance,
+            pure: 0.0,
             least_n: LEAST_OF_RANGE * range.max(0.0),
-        }
+        };
+        let null = search.model(&[]).fit(None, 0);
+        let noise = super::noise::noise_floor(data, &null.residuals).unwrap_or(0.0);
+        search.pure = noise * noise * data.len() as f64;
+        search
     }
 
     /// The model with these candidates.
@@ -154,8 +164,8 @@ impl<'a> Search<'a> {
             .collect()
     }
 
-    /// The best model with an effect that has a value for every session, on top of another; if that has several effects of single
-    /// sessions, which may be all of them, then in their place. None where it does not pay.
+    /// The best model with an effect that has a value for every session, on top of another; in place of its effects of single sessions, if
+    /// there are several, which may be all of them, and of dependences on columns with one value a session. None where it does not pay.
     pub fn with_each_session(&self, best: &State) -> Option<State> {
         let single: Vec<usize> = (0..self.candidates.len())
             .filter(|c| self.candidates[*c].scope == Scope::EachSession)
@@ -168,13 +178,19 @@ impl<'a> Search<'a> {
             )
         };
         let several = best.chosen.iter().filter(|c| part(c)).count() > 1;
+        let by_column = |c: &usize| match self.candidates[*c].what {
+            What::Empirical(Empirical::Gain(k) | Empirical::Offset(k)) => {
+                self.data.extras[k].constant_in_sessions
+            }
+            _ => false,
+        };
         let kept: Vec<usize> = best
             .chosen
             .iter()
             .copied()
-            .filter(|c| !several || !part(c))
+            .filter(|c| !(several && part(c) || by_column(c)))
             .collect();
-        let from = if several {
+        let from = if kept.len() < best.chosen.len() {
             self.state(kept, None)
         } else {
             best.clone()
@@ -182,6 +198,17 @@ impl<'a> Search<'a> {
         let grown = self.grow(&null, from.clone(), &single, 1).pop()?;
         let pays = self.criterion_gain(&null, &grown) > self.criterion_gain(&null, best);
         (grown.chosen.len() > from.chosen.len() && pays).then_some(grown)
+    }
+
+    /// The best models from one with a value for every session upwards, the largest first, that one last.
+    pub fn further(&self, from: &State) -> Vec<State> {
+        let null = self.state(Vec::new(), None);
+        let whole: Vec<usize> = (0..self.candidates.len())
+            .filter(|c| self.candidates[*c].scope == Scope::Whole)
+            .collect();
+        let mut grown = self.grow(&null, from.clone(), &whole, BEAM);
+        grown.reverse();
+        grown
     }
 
     /// The best models from a state upwards, with additions from a list: by size, in each size the best one last.
@@ -263,8 +290,10 @@ impl<'a> Search<'a> {
         let taken_off = ((rss(small) - rss(large)).max(0.0) / self.data.len() as f64).sqrt();
         let between =
             strengths(&model, &small.fitted) - strengths(&self.model(&large.chosen), &large.fitted);
+        let explained = (rss(small) - rss(large)) / (rss(small) - self.pure).max(f64::MIN_POSITIVE);
+        let matters = of_all > least || (explained > NEARLY_ALL && !each);
         self.criterion_gain(small, large) > 0.0
-            && ((fall > LEAST_FALL && of_all > least && taken_off > self.least_n) || between > 6.0)
+            && ((fall > LEAST_FALL && matters && taken_off > self.least_n) || between > 6.0)
     }
 
     /// The best model gives way to one of the same size that explains nearly as much and has more behind it: physics and not an
@@ -330,6 +359,7 @@ impl<'a> Search<'a> {
                 .iter()
                 .copied()
                 .filter(|c| !state.chosen.contains(c) && !between::is_between(&self.candidates[*c]))
+                .filter(|c| !self.is_another_form(*c, &state.chosen))
                 .filter_map(|c| {
                     let gain = stand.gain(c);
                     let term = &self.candidates[c];
@@ -348,6 +378,19 @@ impl<'a> Search<'a> {
             self.pick_different(&gains, &mut picked);
         }
         picked
+    }
+
+    /// Whether it is another form of an effect that is in the model already: forms are alternatives. Only what has evidence of its own beside
+    /// the force (a pull in the zero logs) is something else than the effect of the same name (a zero of the channel).
+    fn is_another_form(&self, candidate: usize, chosen: &[usize]) -> bool {
+        let term = &self.candidates[candidate];
+        chosen.iter().map(|c| &self.candidates[*c]).any(|other| {
+            other.id().is_some()
+                && other.id() == term.id()
+                && other.scope == Scope::Whole
+                && term.scope == Scope::Whole
+                && other.has_evidence() == term.has_evidence()
+        })
     }
 
     /// Whether a session or specimen that would get a value of its own differs from all others, and not only from the mean.

@@ -1,0 +1,230 @@
+//! What is said of each effect that was found, and of those that were not.
+
+use super::super::Work;
+use super::super::candidates::STRENGTHS;
+use super::super::data::{Data, ZERO_UNKNOWN};
+use super::super::findings::{EffectFinding, ParameterFinding, Rejected};
+use super::super::judge::{self, Judgement};
+use super::super::linear::Linear;
+use super::super::model::{Fitted, Model, Place};
+use super::super::search::Search;
+use super::super::term::{Scope, Term, What};
+use super::super::uncertainty::Uncertainty;
+use crate::effects;
+use std::collections::BTreeSet;
+
+pub(super) fn effects_found(
+    work: &Work,
+    search: &Search,
+    full: &Model,
+    fitted: &Fitted,
+    uncertain: &[Uncertainty],
+) -> Vec<EffectFinding> {
+    let layout = full.layout();
+    work.judgements
+        .iter()
+        .enumerate()
+        .filter_map(|(k, judgement)| {
+            let term = &work.candidates[judgement.candidate];
+            let What::Effect { effect, .. } = term.what else {
+                return None;
+            };
+            let form = term.form()?;
+            let described = effects::all()[effect];
+            Some(EffectFinding {
+                id: described.id().to_owned(),
+                title: described.title().to_owned(),
+                equation: form.equation.to_owned(),
+                form: form.name.to_owned(),
+                class: class(search, judgement, described.id(), work),
+                scope: scope_word(&term.scope).to_owned(),
+                acts_on: judge::acts_on(term, work.train),
+                parameters: parameters(k, term, fitted, &layout, uncertain, work.train),
+                p_adjusted: judgement.p_adjusted,
+                selected_in_folds: judgement.chosen_again,
+                helps_in_folds: judgement.helps,
+                rmse_before: judgement.train.0,
+                rmse_after: judgement.train.1,
+                rmse_heldout_before: judgement.held_out.0,
+                rmse_heldout_after: judgement.held_out.1,
+                criterion_gain: judgement.criterion_gain,
+                source: described.source().to_owned(),
+                measurement: described.measurement().to_owned(),
+            })
+        })
+        .collect()
+}
+
+fn scope_word(scope: &Scope) -> &'static str {
+    match scope {
+        Scope::Whole => "global",
+        Scope::Specimen(_) => "specimen",
+        _ => "session",
+    }
+}
+
+/// The ids of a class, the effect's own first.
+fn class(search: &Search, judgement: &Judgement, id: &str, work: &Work) -> Vec<String> {
+    let mut class = vec![id.to_owned()];
+    for c in &judgement.class {
+        if let Some(other) = search.candidates[*c].id() {
+            class.push(other.to_owned());
+        }
+    }
+    let term = &search.candidates[judgement.candidate];
+    // A gain of every reading of a specimen is its strength.
+    let gain = ["force_gain", "misalignment"].contains(&id);
+    if gain && follows_specimens(term, work.train) {
+        class.push(STRENGTHS.to_owned());
+    }
+    let mut seen = BTreeSet::new();
+    class.retain(|x| seen.insert(x.clone()));
+    class
+}
+
+/// Whether a term acts on all sessions of a specimen or on none.
+fn follows_specimens(term: &Term, data: &Data) -> bool {
+    let of = data.specimen_of_session();
+    let mut acts: Vec<Option<Option<usize>>> = vec![None; data.specimens.len()];
+    (0..of.len()).all(|s| *acts[of[s]].get_or_insert(term.acts_on[s]) == term.acts_on[s])
+}
+
+/// The numbers of a term: one with its shape, one a level, or mean and scatter of many.
+fn parameters(
+    k: usize,
+    term: &Term,
+    fitted: &Fitted,
+    layout: &[Place],
+    uncertain: &[Uncertainty],
+    data: &Data,
+) -> Vec<ParameterFinding> {
+    let Some(form) = term.form() else {
+        return Vec::new();
+    };
+    let (amplitudes, second) = &fitted.terms[k];
+    let of = |place: Place| {
+        layout
+            .iter()
+            .position(|p| *p == place)
+            .map(|i| uncertain[i])
+    };
+    let one = |name: String, value: f64, absent: f64, unit: &str, u: Option<Uncertainty>| {
+        let half = u.map_or(f64::NAN, Uncertainty::half_width);
+        ParameterFinding {
+            name,
+            value: absent + value,
+            ci_low: absent + value - half,
+            ci_high: absent + value + half,
+            unit: unit.to_owned(),
+        }
+    };
+    let a = form.amplitude;
+    if amplitudes.len() == 1 {
+        let mut list = vec![one(
+            a.name.to_owned(),
+            amplitudes[0],
+            a.absent,
+            a.unit,
+            of(Place::Amplitude(k, 0)),
+        )];
+        if let Some((shape, _)) = form.shape {
+            list.push(one(
+                shape.name.to_owned(),
+                *second,
+                0.0,
+                shape.unit,
+                of(Place::Shape(k)),
+            ));
+        }
+        return list;
+    }
+    if let Scope::Levels(column) = term.scope {
+        let name = &data.extras[column].name;
+        let levels = data.level_names(column);
+        return amplitudes
+            .iter()
+            .enumerate()
+            .map(|(g, value)| {
+                let title = if name == ZERO_UNKNOWN {
+                    a.name.to_owned()
+                } else {
+                    format!("{} at {name} = {}", a.name, levels[g + 1])
+                };
+                one(title, *value, a.absent, a.unit, of(Place::Amplitude(k, g)))
+            })
+            .collect();
+    }
+    let n = amplitudes.len() as f64;
+    let mean = amplitudes.iter().sum::<f64>() / n;
+    let sd = (amplitudes
+        .iter()
+        .map(|x| (x - mean) * (x - mean))
+        .sum::<f64>()
+        / (n - 1.0))
+        .sqrt();
+    // Normal values: the interval of a standard deviation (Wilson and Hilferty's chi-square).
+    let chi = |z: f64| {
+        let f = n - 1.0;
+        let cube = 1.0 - 2.0 / (9.0 * f) + z * (2.0 / (9.0 * f)).sqrt();
+        f * cube * cube * cube
+    };
+    let half = 2.07 * sd / n.sqrt();
+    vec![
+        ParameterFinding {
+            name: format!("sd of {}", a.name),
+            value: sd,
+            ci_low: sd * ((n - 1.0) / chi(1.96)).sqrt(),
+            ci_high: sd * ((n - 1.0) / chi(-1.96)).sqrt(),
+            unit: a.unit.to_owned(),
+        },
+        ParameterFinding {
+            name: format!("mean of {}", a.name),
+            value: a.absent + mean,
+            ci_low: a.absent + mean - half,
+            ci_high: a.absent + mean + half,
+            unit: a.unit.to_owned(),
+        },
+    ]
+}
+
+/// The best candidates that were not chosen, by what they would explain of the base model's residual.
+pub(super) fn rivals(search: &Search, work: &Work) -> Vec<Rejected> {
+    let model = search.model(&[]);
+    let linear = Linear::new(
+        &model,
+        &work.null.fitted,
+        work.null.fitted.scatter,
+        search.candidates,
+    );
+    let stand = linear.stand(&linear.all_sessions(), &[]);
+    let named: BTreeSet<String> = work
+        .best
+        .chosen
+        .iter()
+        .map(|c| judge::name(&search.candidates[*c], search.data))
+        .collect();
+    let mut gains: Vec<(f64, usize)> = (0..search.candidates.len())
+        .filter(|c| search.candidates[*c].scope == Scope::Whole)
+        .filter(|c| !named.contains(&judge::name(&search.candidates[*c], search.data)))
+        .map(|c| (stand.gain(c).fall / stand.left.max(f64::MIN_POSITIVE), c))
+        .filter(|(share, _)| *share > 0.01)
+        .collect();
+    gains.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let mut seen = BTreeSet::new();
+    gains
+        .into_iter()
+        .filter(|(_, c)| seen.insert(judge::name(&search.candidates[*c], search.data)))
+        .take(8)
+        .map(|(share, c)| Rejected {
+            id: judge::name(&search.candidates[c], search.data),
+            acts_on: judge::acts_on(&search.candidates[c], search.data),
+            share,
+            why: if work.best.chosen.is_empty() {
+                "explains too little, or not surely"
+            } else {
+                "explains less than what was chosen, or nothing beside it"
+            }
+            .to_owned(),
+        })
+        .collect()
+}

@@ -1,0 +1,308 @@
+//! From what was chosen to what is said.
+
+mod effects;
+mod next;
+mod readings;
+mod strengths;
+mod summary;
+mod unexplained;
+
+use super::data::PLACEBO;
+use super::findings::{
+    CampaignFindings, CoefficientChange, EffectFinding, Question, Residuals, Unexplained, Verdict,
+};
+use super::folds::Tally;
+use super::judge;
+use super::limits::limits;
+use super::model::{Fitted, Model, Place};
+use super::search::{Search, State};
+use super::term::{Term, What};
+use super::uncertainty::{Uncertainty, uncertainties};
+use super::{Diagnosis, Work, noise, questions, train_error};
+use crate::models::{ForceModel, new};
+use std::collections::BTreeSet;
+use strengths::Strengths;
+
+/// The answer.
+pub(super) fn answer(work: &Work) -> Diagnosis {
+    let thin = work.train.thinned(work.options.most_readings);
+    let search = Search::new(
+        work.base,
+        &thin,
+        work.candidates,
+        work.options.most_effects,
+        judge::SIGNIFICANT.0,
+    );
+    let all_terms: Vec<Term> = work
+        .best
+        .chosen
+        .iter()
+        .map(|c| work.candidates[*c].clone())
+        .collect();
+    let full = Model {
+        base: work.base,
+        data: work.train,
+        terms: all_terms,
+    };
+    let fitted = full.fit(Some(&work.best.fitted), 1);
+    let effective = work.best.effective
+        * (work.train.len() as f64 / thin.len() as f64).min(
+            if work.best.effective < 0.9 * thin.len() as f64 {
+                1.0
+            } else {
+                f64::INFINITY
+            },
+        );
+    let uncertain = uncertainties(&full, &fitted, effective.min(work.train.len() as f64), &[]);
+    let null_model = Model {
+        base: work.base,
+        data: work.train,
+        terms: Vec::new(),
+    };
+    let null = null_model.fit(Some(&work.null.fitted), 1);
+    let mut effects = effects::effects_found(work, &search, &full, &fitted, &uncertain);
+    let after_questions = questions_after(&search, &work.best, work);
+    let mut unexplained = unexplained::unexplained(work, &fitted, &after_questions, search.least_n);
+    let mut notes = notes(work);
+    match strengths::strengths(work, &fitted, &full) {
+        Strengths::Usual => {}
+        Strengths::Scatter(finding, note) => {
+            effects.push(*finding);
+            notes.extend(note);
+        }
+        Strengths::GoWith(column) => unexplained.push(column),
+    }
+    let verdict = verdict(work, &effects, &unexplained);
+    let mut limits = limits(&search, &work.best);
+    limits
+        .not_measurable
+        .retain(|n| !effects.iter().any(|e| e.id == n.id));
+    let physical = physical_only(work, &fitted);
+    let before = super::errors(train_error(&null_model, &null), work.held.before);
+    let (after_model, after_fit) = &physical;
+    let after = super::errors(train_error(after_model, after_fit), work.held.after);
+    let found = &after_model.terms;
+    let after_as_chosen = (!found.is_empty())
+        .then(|| readings::reading(work, &search, work.base, "", found.clone()).errors);
+    let after_empirical = work
+        .held
+        .empirical
+        .map(|t: Tally| super::errors(train_error(&full, &fitted), t));
+    let residuals = residuals(work, &null_model, &null, &full, &fitted);
+    let readings_of_the_base = readings::readings_of_the_base(work, &search);
+    let mut rejected = work.rejected.clone();
+    rejected.extend(effects::rivals(&search, work));
+    let findings = CampaignFindings {
+        campaign: work.group.campaign.clone(),
+        diameter_mm: work.group.diameter_mm,
+        simulated: work.group.simulated,
+        kind: "isometric".to_owned(),
+        base_model: work.base.id.clone(),
+        base_refitted: work.base.coefficients.iter().any(|c| c.free),
+        unit: "N".to_owned(),
+        verdict,
+        summary: summary::summary(verdict, &effects, &unexplained, work, after_as_chosen),
+        readings: work.train.len(),
+        sessions: work.train.session.iter().collect::<BTreeSet<_>>().len(),
+        specimens: work.train.specimen.iter().collect::<BTreeSet<_>>().len(),
+        readings_held_out: work.all.len() - work.train.len(),
+        held_out_by: work.held_out_by.to_owned(),
+        questions: work.questions.clone(),
+        next_measurement: next::next(&search, work, &effects, &limits, &readings_of_the_base),
+        effects,
+        unexplained,
+        suspects: work.suspects.clone(),
+        before,
+        after,
+        after_as_chosen,
+        after_empirical,
+        by_specimen: work.held.by_unit.clone(),
+        noise_floor: noise::noise_floor(work.train, &fitted.residuals),
+        black_box_rmse_heldout: work.held.black_box,
+        black_box_after_rmse_heldout: work.held.black_box_after,
+        rejected,
+        detection_limits: limits.detection,
+        not_measurable: limits.not_measurable,
+        aliases: limits.aliases,
+        readings_of_the_base,
+        coefficients: coefficients(work, &null, &full, &fitted, &uncertain),
+        notes,
+    };
+    Diagnosis {
+        findings,
+        residuals,
+    }
+}
+
+/// The base with the physical terms alone, fitted.
+fn physical_only<'a>(work: &'a Work, fitted: &Fitted) -> (Model<'a>, Fitted) {
+    let chosen: Vec<Term> = work
+        .best
+        .chosen
+        .iter()
+        .map(|c| work.candidates[*c].clone())
+        .collect();
+    let physical: Vec<Term> = chosen
+        .iter()
+        .filter(|t| matches!(t.what, What::Effect { .. }))
+        .cloned()
+        .collect();
+    let same = physical.len() == chosen.len();
+    let model = Model {
+        base: work.base,
+        data: work.train,
+        terms: physical,
+    };
+    let fit = if same {
+        fitted.clone()
+    } else {
+        model.fit(None, 1)
+    };
+    (model, fit)
+}
+
+/// The questions again, of what is left.
+fn questions_after(search: &Search, best: &State, work: &Work) -> Vec<Question> {
+    let predicted = search.model(&best.chosen).predict(&best.fitted, true);
+    let columns = questions::columns(search.data, &predicted);
+    questions::ask(
+        search.data,
+        &best.fitted.residuals,
+        &columns,
+        work.options.permutations,
+        work.options.seed,
+    )
+}
+
+fn verdict(work: &Work, effects: &[EffectFinding], unexplained: &[Unexplained]) -> Verdict {
+    let empirical = work
+        .judgements
+        .iter()
+        .filter(|j| matches!(work.candidates[j.candidate].what, What::Empirical(_)));
+    let strongest_empirical = empirical.map(|j| j.share).fold(0.0, f64::max);
+    if !effects.is_empty() {
+        Verdict::EffectFound
+    } else if strongest_empirical > 0.0 || !unexplained.is_empty() {
+        Verdict::Unexplained
+    } else {
+        Verdict::None
+    }
+}
+
+fn residuals(
+    work: &Work,
+    null_model: &Model,
+    null: &Fitted,
+    full: &Model,
+    fitted: &Fitted,
+) -> Residuals {
+    let data = work.train;
+    let predicted = null_model.predict(null, false);
+    let after = full.predict(fitted, false);
+    let minus = |f: &[f64]| {
+        data.force
+            .iter()
+            .zip(f)
+            .map(|(y, f)| y - f)
+            .collect::<Vec<f64>>()
+    };
+    Residuals {
+        session: data
+            .session
+            .iter()
+            .map(|s| data.sessions[*s].clone())
+            .collect(),
+        specimen: data
+            .specimen
+            .iter()
+            .map(|k| data.specimens[*k].clone())
+            .collect(),
+        before: minus(&predicted),
+        after: minus(&after),
+        columns: questions::columns(data, &predicted)
+            .into_iter()
+            .filter(|a| a.name != PLACEBO)
+            .map(|a| (a.name, a.values))
+            .collect(),
+        predicted,
+    }
+}
+
+fn coefficients(
+    work: &Work,
+    null: &Fitted,
+    full: &Model,
+    fitted: &Fitted,
+    uncertain: &[Uncertainty],
+) -> Vec<CoefficientChange> {
+    let layout = full.layout();
+    let published = new::NewPublished.coefficients(work.group.diameter_mm);
+    work.base
+        .coefficients
+        .iter()
+        .enumerate()
+        .map(|(k, c)| {
+            let place = layout.iter().position(|p| *p == Place::Base(k));
+            let half = place.map_or(0.0, |i| uncertain[i].half_width());
+            let after = fitted.base[k];
+            let (low, high) = c.bounds;
+            let remark = if !c.free {
+                "held"
+            } else if after <= low || after >= high {
+                "at its bound: not needed"
+            } else if c.name == "1/b2" && after - half <= low {
+                "interval reaches 0: the dependence on the resting length is not needed"
+            } else {
+                ""
+            };
+            let value = |symbol: &str| {
+                published
+                    .iter()
+                    .find(|p| p.symbol == symbol)
+                    .map(|p| p.value)
+            };
+            CoefficientChange {
+                name: c.name.clone(),
+                unit: c.unit.clone(),
+                before: null.base[k],
+                after,
+                ci_low: after - half,
+                ci_high: after + half,
+                published: if c.name == "1/b2" {
+                    value("b2").map(|b| 1.0 / b)
+                } else {
+                    value(&c.name)
+                },
+                remark: remark.to_owned(),
+            }
+        })
+        .collect()
+}
+
+fn notes(work: &Work) -> Vec<String> {
+    let mut notes = Vec::new();
+    if work.passed_over > 0 {
+        notes.push(format!(
+            "{} readings for which the base model has no force took no part",
+            work.passed_over
+        ));
+    }
+    let chance = work.rejected.iter().any(|r| r.id == PLACEBO);
+    notes.push(
+        if chance {
+            "A shuffled copy of a column was offered to the search, which chose it at first and rejected it: some of what is said here may be \
+             chance."
+        } else {
+            "A shuffled copy of a column (placebo) was offered to the search and not chosen."
+        }
+        .to_owned(),
+    );
+    if work.train.len() > work.options.most_readings {
+        notes.push(format!(
+            "The search saw {} of {} readings, an equal share of each session; errors and intervals are those of all.",
+            work.train.thinned(work.options.most_readings).len(),
+            work.train.len()
+        ));
+    }
+    notes
+}
