@@ -37,16 +37,22 @@ const STAGES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "TORQUE",
+        &["base", "knee", "models", "numerics", "stages/torque"],
+    ),
+    (
         "REPORT",
         &[
             "audit",
             "base",
             "effects",
+            "knee",
             "models",
             "numerics",
             "report",
             "stages/diagnose/findings.rs",
             "stages/report.rs",
+            "stages/torque",
         ],
     ),
 ];

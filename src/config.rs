@@ -38,6 +38,8 @@ pub struct Config {
     pub compare: CompareOptions,
     /// The residual search.
     pub diagnose: DiagnoseOptions,
+    /// Torque about a knee.
+    pub torque: TorqueOptions,
     /// The reports.
     pub report: ReportOptions,
 }
@@ -264,6 +266,22 @@ impl Default for DiagnoseOptions {
 }
 
 documented! {
+/// Options of the torque stage.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TorqueOptions {
+    /// Length of one end fitting where a session states none, mm.
+    pub fitting_mm: f64,
+}
+}
+
+impl Default for TorqueOptions {
+    fn default() -> Self {
+        Self { fitting_mm: 25.4 }
+    }
+}
+
+documented! {
 /// Options of the report stage.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -327,6 +345,7 @@ impl Config {
             "fit" => FitOptions::COMMENTS,
             "compare" => CompareOptions::COMMENTS,
             "diagnose" => DiagnoseOptions::COMMENTS,
+            "torque" => TorqueOptions::COMMENTS,
             "report" => ReportOptions::COMMENTS,
             _ => &[],
         }
@@ -400,6 +419,7 @@ impl Config {
             ("fit.near_620_kpa", self.fit.near_620_kpa),
             ("fit.huber_at_rmse", self.fit.huber_at_rmse),
             ("report.png_dpi", self.report.png_dpi),
+            ("torque.fitting_mm", self.torque.fitting_mm),
         ];
         let mut mistakes: Vec<Diagnostic> = positive
             .iter()

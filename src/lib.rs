@@ -15,12 +15,14 @@
 //!   compare    every model on the same rows                       stages::compare    models
 //!   diagnose   what the residual of the base model depends on,    stages::diagnose   effects, models, numerics
 //!              the effects that explain it, the held-out error
-//!   report     tables, figures, force.pdf, residual.pdf,          stages::report     report
-//!              findings.json, summary.json
+//!   torque     torque about a knee: geometry, every model, the    stages::torque     knee, models, numerics
+//!              length of the end fittings
+//!   report     tables, figures, force.pdf, knee.pdf,              stages::report     report
+//!              residual.pdf, findings.json, summary.json
 //! derived/  the cache and the tidy data        reports/  for people
 //! ```
 //! The first three stages work on one session at a time, `fit` and `compare` on one group of rows (a campaign and diameter, or a
-//! diameter over all measured campaigns), `diagnose` on one campaign and diameter, `report` on everything.
+//! diameter over all measured campaigns), `diagnose` on one campaign and diameter, `torque` on one campaign of torque, `report` on everything.
 //!
 //! # Where things are
 //! | folder | idea | to add to it |
@@ -31,20 +33,22 @@
 //! | [`models`] | one file a force model: pure equations, published coefficients, domain | one file, one line in `models/mod.rs` |
 //! | [`effects`] | one file an effect: what a force model or a rig may lack, as an operator on the forward model | one file, one line in `effects/mod.rs` |
 //! | [`numerics`] | least squares, robust losses, statistics, plateaus: slices in, vectors out | |
+//! | [`knee`] | joints, routes, moment arms, torque of actuators and of human muscles | a knee: one TOML file |
 //! | [`simulate`] | the test rig in software | |
 //! | [`stages`] | one file or folder a stage, pure | |
 //! | [`audit`] | the papers' numeric claims, recomputed | a claim: a few lines of TOML |
 //! | [`report`] | tables, figures, pages | a table or figure: one file, one line in its folder's `mod.rs` |
-//! | [`predict`] | the force of a muscle that somebody describes, with its interval | |
+//! | [`predict`] | the force of a muscle that somebody describes, with its interval; its torque in a described leg | |
 //! | [`golden`] | fresh tables against blessed ones | a table: one entry in `tests/golden/golden.toml` |
 //! | [`run`] | drives the stages through the cache | |
 //! | [`config`] | `pipeline.toml` | |
 //! | [`cli`] | arguments, and all printing | |
 //!
 //! # Invariants
-//! - **Directions**: `main -> cli -> run -> stages -> {formats, effects, models, numerics, report, audit, simulate} -> base`, and `run -> cache -> base`;
-//!   beside `run`, `cli -> predict -> {stages::fit, models, numerics}`, drawn by `report`, and `cli -> golden -> base`.
-//!   `cache` knows no stage; stages know no cache and no command line; `effects`, `models` and `numerics` do no I/O and see no data frame; only
+//! - **Directions**: `main -> cli -> run -> stages -> {formats, effects, knee, models, numerics, report, audit, simulate} -> base`, and `run -> cache -> base`;
+//!   beside `run`, `cli -> predict -> {stages::fit, knee, models, numerics}`, drawn by `report`, and `cli -> golden -> base`;
+//!   `formats -> knee`, which reads the description of a leg.
+//!   `cache` knows no stage; stages know no cache and no command line; `effects`, `knee`, `models` and `numerics` do no I/O and see no data frame; only
 //!   `report` knows plotters and Typst, and it computes no statistic: every number comes from a stage, every
 //!   curve, band and running median from `models` and `numerics`.
 //! - **Nothing below `raw/` is ever written**, and nothing is left out without a line in `rejects.csv`.
@@ -65,6 +69,7 @@ pub mod config;
 pub mod effects;
 pub mod formats;
 pub mod golden;
+pub mod knee;
 pub mod models;
 pub mod numerics;
 pub mod predict;

@@ -51,12 +51,27 @@ pub struct Specimen {
 /// The knee of a torque session.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Joint {
-    /// "pinned" or "biomimetic".
+    /// "pinned", "biomimetic", or "described": by a file of the laboratory's own.
     pub knee: String,
     /// "flexor" or "extensor".
     pub muscle: String,
     /// Artificial tendon, m, where it was recorded.
     pub tendon_m: Option<f64>,
+    /// One end fitting, m, where it was recorded.
+    pub fitting_m: Option<f64>,
+    /// The route over the knee, where it is not the usual one of the muscle.
+    pub route: Option<String>,
+    /// The laboratory's own leg.
+    pub description: Option<Description>,
+}
+
+/// A file that describes a leg ([`crate::knee::description`]).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Description {
+    /// Path relative to the session's folder, with forward slashes.
+    pub file: String,
+    /// What stands in it.
+    pub text: String,
 }
 
 /// Where in a log a column stands.

@@ -14,7 +14,7 @@ use std::path::PathBuf;
     about,
     subcommand_required = true,
     arg_required_else_help = true,
-    after_help = "Example:\n  pipeline run --raw my-sessions --reports my-reports\n\nStages, in order: ingest, clean, normalize, fit, compare, diagnose, report. Results are cached by content in derived/; a second run does nothing."
+    after_help = "Example:\n  pipeline run --raw my-sessions --reports my-reports\n\nStages, in order: ingest, clean, normalize, fit, compare, diagnose, torque, report. Results are cached by content in derived/; a second run does nothing."
 )]
 pub struct Args {
     /// What to do.
@@ -41,11 +41,11 @@ pub enum Command {
         after_help = "Examples:\n  pipeline check\n  pipeline check --bless --reason \"the zero of clipped logs is now the slack force\"\n\nExit codes: 0 equal; 1 a difference; 2 usage, or no golden tables; 4 internal."
     )]
     Check(CheckArgs),
-    /// Predict the force of a muscle, with the interval for one that was not measured
+    /// Predict the force of a muscle, or its torque about a knee, with the interval for one that was not measured
     #[command(
-        after_help = "Examples:\n  pipeline predict --diameter 10 --rest-length 182mm --contracted-length 152mm --pressure 300kPa --contraction 5%\n  pipeline predict --diameter 20 --rest-length 12in --contraction-620 0.24 --pressure 4bar --sweep contraction --plot force.svg\n  pipeline predict --diameter 10 --rest-length 250mm --contraction-620 16.5% --table --csv force.csv\n\nUnits: m, cm, mm, in; kPa, Pa, MPa, bar, psi; contractions as 5% or 0.05. Pressures are gauge pressures."
+        after_help = "Examples:\n  pipeline predict --diameter 10 --rest-length 182mm --contracted-length 152mm --pressure 300kPa --contraction 5%\n  pipeline predict --diameter 20 --rest-length 12in --contraction-620 0.24 --pressure 4bar --sweep contraction --plot force.svg\n  pipeline predict --diameter 10 --rest-length 250mm --contraction-620 16.5% --table --csv force.csv\n  pipeline predict --diameter 10 --rest-length 485mm --contracted-length 398mm --pressure 606kPa --knee pinned --route flexor --fitting 35.2mm --plot torque.svg\n\nUnits: m, cm, mm, in; kPa, Pa, MPa, bar, psi; contractions as 5% or 0.05. Pressures are gauge pressures."
     )]
-    Predict(PredictArgs),
+    Predict(Box<PredictArgs>),
     /// Write a simulated campaign of raw sessions from a truth file
     #[command(after_help = simulate_help())]
     Simulate(SimulateArgs),

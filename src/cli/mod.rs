@@ -7,6 +7,7 @@ mod args;
 mod check;
 mod columns;
 mod predict;
+mod predict_leg;
 mod predict_print;
 mod print;
 mod progress;

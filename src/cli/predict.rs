@@ -2,6 +2,7 @@
 
 use crate::base::error::{Error, Result};
 use crate::base::units::Quantity;
+use crate::cli::predict_leg::{self, LegArgs};
 use crate::cli::{DONE, predict_print, values};
 use crate::predict::law::choose;
 use crate::predict::sweep::{self, Around, Axis, Steps};
@@ -109,6 +110,9 @@ pub struct PredictArgs {
     /// Print everything as JSON
     #[arg(long)]
     pub json: bool,
+    /// Where the muscle is built in
+    #[command(flatten)]
+    pub leg: LegArgs,
 }
 
 /// Predicts, and prints or writes what was asked for.
@@ -122,6 +126,10 @@ pub fn command(args: &PredictArgs) -> Result<u8> {
         muscle.diameter_mm,
     )?;
     let predictor = Predictor::new(choice, muscle)?;
+    if let Some(knee) = &args.leg.knee {
+        predict_leg::command(args, knee, &predictor)?;
+        return Ok(DONE);
+    }
     let around = around(args)?;
     match (args.sweep, args.table) {
         (Some(swept), _) => sweep_command(args, predictor, axis(swept), around)?,
@@ -257,14 +265,16 @@ fn fits(derived: &Path) -> Result<Vec<GroupFit>> {
     })
 }
 
-fn write_csv(args: &PredictArgs, table: &Table) -> Result<()> {
+/// Writes a table where one was asked for.
+pub fn write_csv(args: &PredictArgs, table: &Table) -> Result<()> {
     match &args.csv {
         Some(file) => std::fs::write(file, Csv.render(table)).map_err(Error::io("write", file)),
         None => Ok(()),
     }
 }
 
-fn draw(file: &Path, figure: Named) -> Result<()> {
+/// Draws a figure in the format that the name of the file asks for.
+pub fn draw(file: &Path, figure: Named) -> Result<()> {
     let extension = file
         .extension()
         .unwrap_or_default()

@@ -129,7 +129,7 @@ fn star(answer: &Answer) -> &'static str {
 }
 
 /// The muscle and the law, and how both were chosen.
-fn head(predictor: &Predictor) {
+pub fn head(predictor: &Predictor) {
     let muscle = &predictor.muscle;
     let free = match (muscle.contraction_620, predictor.free) {
         (Some(e), FreeContraction::MeanOfSpecimens { specimens, .. }) => format!(
@@ -289,7 +289,7 @@ fn footnotes(predictor: &Predictor, answers: &[Answer], with_intervals: bool) {
 }
 
 /// One object with the muscle and the law first.
-fn with_head(predictor: &Predictor, key: &str, value: Value) -> Value {
+pub fn with_head(predictor: &Predictor, key: &str, value: Value) -> Value {
     let law = predictor.choice.law;
     let mut object = json!({
         "model": law.id(),

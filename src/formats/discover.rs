@@ -2,7 +2,7 @@
 
 use crate::base::diagnostics::{Diagnostic, Severity};
 use crate::base::session::Session;
-use crate::formats::session_toml;
+use crate::formats::{leg, session_toml};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use walkdir::WalkDir;
@@ -140,6 +140,7 @@ fn read_session(root: &Path, directory: &Path, found: &mut Discovery) {
     match read_text(&directory.join(SESSION_FILE), &file)
         .map_err(|d| vec![d])
         .and_then(|text| session_toml::read(&file, &text))
+        .and_then(|session| leg::complete(session, directory, &relative))
     {
         Ok(session) => found.sessions.push(Located {
             session,
@@ -154,7 +155,8 @@ fn read_session(root: &Path, directory: &Path, found: &mut Discovery) {
     }
 }
 
-fn read_text(path: &Path, file: &str) -> Result<String, Diagnostic> {
+/// The text of a small file that describes something; messages call it `file`.
+pub(super) fn read_text(path: &Path, file: &str) -> Result<String, Diagnostic> {
     let fail =
         |found: String, hint: &str| Diagnostic::error(file, found, "a readable TOML file", hint);
     let size = std::fs::metadata(path)

@@ -4,6 +4,8 @@
 
 pub mod csv;
 pub mod discover;
+mod leg;
 mod session_columns;
+mod session_joint;
 pub mod session_toml;
 mod words;

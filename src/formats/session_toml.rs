@@ -3,11 +3,11 @@
 use crate::base::columns::{self, KnownColumn};
 use crate::base::diagnostics::Diagnostic;
 use crate::base::session::{
-    ColumnSpec, Constant, Joint, Kind, LogSpec, Position, Role, Sampling, Session, Specimen,
+    ColumnSpec, Constant, Kind, LogSpec, Position, Role, Sampling, Session, Specimen,
 };
 use crate::base::toml_reader::{Entry, Reader, Section, parse};
 use crate::base::units::{Quantity, Unit};
-use crate::formats::session_columns;
+use crate::formats::{session_columns, session_joint};
 use std::collections::BTreeMap;
 
 /// The only schema that is understood.
@@ -110,7 +110,7 @@ fn session(root: &Section) -> Option<Session> {
         .and_then(|e| e.list())
         .map(|l| l.iter().filter_map(log).collect::<Vec<_>>());
     root.close();
-    let joint = joint(root, head.kind, joint_entry);
+    let joint = session_joint::joint(root, head.kind, joint_entry);
     let session = Session {
         id: head.id?,
         kind: head.kind?,
@@ -268,52 +268,21 @@ fn quantity_value(entry: &Entry, known: &KnownColumn, value: f64) -> Option<f64>
     Some(value)
 }
 
-fn joint(root: &Section, kind: Option<Kind>, entry: Option<Entry>) -> Option<Joint> {
-    match (kind, entry) {
-        (Some(Kind::KneeTorque), Some(entry)) => joint_table(&entry.table()?),
-        (Some(Kind::KneeTorque), None) => {
-            root.require(
-                "joint",
-                "a table [joint]",
-                "a knee-torque session needs knee and muscle",
-            );
-            None
-        }
-        (Some(Kind::Isometric), Some(entry)) => {
-            entry.reject(
-                "no [joint] in an isometric session",
-                "remove it, or correct `kind`",
-            );
-            None
-        }
-        _ => None,
+/// A path that does not leave the session's folder.
+pub(super) fn path_below(entry: &Entry) -> Option<String> {
+    let text = entry.string()?;
+    let inside = !text.is_empty()
+        && !text.starts_with('/')
+        && !text.contains('\\')
+        && !text.split('/').any(|part| part == ".." || part.is_empty());
+    if !inside {
+        entry.reject(
+            "a path below the session's folder, with forward slashes",
+            "put the file beside session.toml",
+        );
+        return None;
     }
-}
-
-fn joint_table(table: &Section) -> Option<Joint> {
-    let knee = table
-        .require("knee", "pinned or biomimetic", "name the knee")
-        .and_then(|e| e.choice(&[("pinned", "pinned"), ("biomimetic", "biomimetic")]));
-    let muscle = table
-        .require("muscle", "flexor or extensor", "name the muscle")
-        .and_then(|e| e.choice(&[("flexor", "flexor"), ("extensor", "extensor")]));
-    let tendon = table.get("tendon_mm").and_then(|e| {
-        let mm = e.number()?;
-        if mm < 0.0 {
-            e.reject(
-                "a length of at least 0 mm",
-                "leave it out where it was not recorded",
-            );
-            return None;
-        }
-        Some(mm * 1e-3)
-    });
-    table.close();
-    Some(Joint {
-        knee: knee?.to_owned(),
-        muscle: muscle?.to_owned(),
-        tendon_m: tendon,
-    })
+    Some(text)
 }
 
 fn log(entry: &Entry) -> Option<LogSpec> {
@@ -322,23 +291,8 @@ fn log(entry: &Entry) -> Option<LogSpec> {
     let role = table.get("role").map(|e| e.choice(&[("zero", ())]));
     let run = table.get("run").and_then(|e| e.integer());
     table.close();
-    let file = file.and_then(|e| {
-        let text = e.string()?;
-        let inside = !text.is_empty()
-            && !text.starts_with('/')
-            && !text.contains('\\')
-            && !text.split('/').any(|part| part == ".." || part.is_empty());
-        if !inside {
-            e.reject(
-                "a path below the session's folder, with forward slashes",
-                "put the log beside session.toml",
-            );
-            return None;
-        }
-        Some(text)
-    });
     Some(LogSpec {
-        file: file?,
+        file: file.and_then(|e| path_below(&e))?,
         is_zero: role.is_some(),
         run,
     })
@@ -348,7 +302,7 @@ fn log(entry: &Entry) -> Option<LogSpec> {
 fn check_columns(root: &Section, session: &Session) {
     let mut needed: Vec<&str> = match session.kind {
         Kind::Isometric => vec![columns::FORCE, columns::PRESSURE],
-        Kind::KneeTorque => vec![columns::TORQUE, columns::ANGLE],
+        Kind::KneeTorque => vec![columns::TORQUE, columns::ANGLE, columns::PRESSURE],
     };
     if session.sampling == Sampling::Timeseries {
         needed.push(columns::TIME);

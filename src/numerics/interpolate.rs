@@ -1,4 +1,5 @@
-//! Curves through knots: piecewise linear, and the monotone piecewise cubic. Neither extrapolates.
+//! Curves through knots: piecewise linear, and the monotone piecewise cubic (for a twice differentiable one see
+//! [`super::cubic_spline`]). Neither extrapolates.
 //!
 //! The monotone cubic has no extremum that the knots do not have, which makes it right for calibration and area curves where a
 //! natural spline would ring. Slopes are the weighted harmonic means of Fritsch and Butland with the three-point formula at the
@@ -12,8 +13,10 @@ use std::fmt;
 /// Why knots do not make a curve.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum KnotError {
-    /// Fewer than two knots, or as many abscissae as ordinates not given.
+    /// Fewer knots than the curve needs, or not as many abscissae as ordinates.
     Count {
+        /// Number of knots that the curve needs.
+        needed: usize,
         /// Number of abscissae.
         abscissae: usize,
         /// Number of ordinates.
@@ -30,11 +33,12 @@ impl fmt::Display for KnotError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             KnotError::Count {
+                needed,
                 abscissae,
                 ordinates,
             } => write!(
                 f,
-                "a curve needs two knots or more, each with both coordinates; got {abscissae} abscissae and {ordinates} ordinates"
+                "the curve needs {needed} knots or more, each with both coordinates; got {abscissae} abscissae and {ordinates} ordinates"
             ),
             KnotError::Order { index } => write!(
                 f,
@@ -46,10 +50,11 @@ impl fmt::Display for KnotError {
 
 impl std::error::Error for KnotError {}
 
-/// Checks that the knots are two or more, finite, and strictly increasing.
-fn check_knots(x: &[f64], y: &[f64]) -> Result<(), KnotError> {
-    if x.len() != y.len() || x.len() < 2 {
+/// Checks that the knots are as many as needed, finite, and strictly increasing.
+pub(super) fn check_knots(x: &[f64], y: &[f64], needed: usize) -> Result<(), KnotError> {
+    if x.len() != y.len() || x.len() < needed {
         return Err(KnotError::Count {
+            needed,
             abscissae: x.len(),
             ordinates: y.len(),
         });
@@ -65,7 +70,7 @@ fn check_knots(x: &[f64], y: &[f64]) -> Result<(), KnotError> {
 }
 
 /// The interval `[x[k], x[k+1]]` that contains `at`; `None` outside all of them.
-fn interval(x: &[f64], at: f64) -> Option<usize> {
+pub(super) fn interval(x: &[f64], at: f64) -> Option<usize> {
     let inside = x[0] <= at && at <= x[x.len() - 1];
     inside.then(|| (x.partition_point(|&knot| knot <= at).max(1) - 1).min(x.len() - 2))
 }
@@ -83,7 +88,7 @@ impl Linear {
     /// # Errors
     /// If the knots do not make a curve.
     pub fn new(x: &[f64], y: &[f64]) -> Result<Self, KnotError> {
-        check_knots(x, y)?;
+        check_knots(x, y, 2)?;
         Ok(Self {
             x: x.to_vec(),
             y: y.to_vec(),
@@ -112,7 +117,7 @@ impl MonotoneCubic {
     /// # Errors
     /// If the knots do not make a curve.
     pub fn new(x: &[f64], y: &[f64]) -> Result<Self, KnotError> {
-        check_knots(x, y)?;
+        check_knots(x, y, 2)?;
         Ok(Self {
             x: x.to_vec(),
             y: y.to_vec(),

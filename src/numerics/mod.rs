@@ -9,7 +9,8 @@
 //! | [`lar`] | the statistics that the papers printed, reproduced under their own name |
 //! | [`plateaus`] | the steady stretches of a staircase of pressure |
 //! | [`special`], [`distributions`] | incomplete beta and gamma functions, and the distributions made of them |
-//! | [`statistics`], [`interpolate`] | sums, quantiles, goodness of fit; curves through knots |
+//! | [`statistics`] | sums, quantiles, goodness of fit |
+//! | [`interpolate`], [`cubic_spline`] | curves through knots |
 //! | [`jackknife`], [`running`] | intervals from refits without a group; running medians and the normal quantile plot |
 //!
 //! Architecture invariant: nothing here does I/O, sees a data frame, keeps a global, starts a thread or draws a random number.
@@ -18,6 +19,7 @@
 pub mod bounds;
 pub mod cholesky;
 pub mod covariance;
+pub mod cubic_spline;
 pub mod distributions;
 pub mod dual_problem;
 pub mod fit;

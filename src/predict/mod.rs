@@ -7,6 +7,7 @@
 //! | [`interval`] | the interval |
 //! | [`answer`] | the answer at one state: force, interval, what lies outside of what was measured, every other model |
 //! | [`sweep`] | answers along one quantity, and the designer's table |
+//! | [`torque`] | the torque over the range of a knee, beside a human muscle |
 //!
 //! Pure: fits in, numbers out. Reading `derived/fits.json`, units and printing are the command line's ([`crate::cli`]).
 //!
@@ -43,6 +44,7 @@ pub mod interval;
 pub mod law;
 pub mod muscle;
 pub mod sweep;
+pub mod torque;
 
 pub use answer::{Answer, Predictor};
 pub use law::{Choice, Law};

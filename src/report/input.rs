@@ -10,6 +10,8 @@ use crate::stages::diagnose::Diagnosis;
 use crate::stages::diagnose::findings::CampaignFindings;
 use crate::stages::fit::GroupFit;
 use crate::stages::ingest::IngestHeader;
+use crate::stages::torque::CampaignTorque;
+use crate::stages::torque::reference::Reference;
 
 /// One session as the stages left it.
 #[derive(Clone, Debug)]
@@ -63,12 +65,21 @@ pub struct Trace {
     pub samples: Frame,
 }
 
+/// What was measured of torque, and what stands of the knees by themselves.
+#[derive(Clone, Debug)]
+pub struct KneeInput {
+    /// By campaign id.
+    pub campaigns: Vec<CampaignTorque>,
+    /// What needs no session.
+    pub reference: Reference,
+}
+
 /// Where the numbers of a session or of a group of rows come from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Provenance {
     /// Session id, or the group's campaign and diameter.
     pub unit: String,
-    /// "session" or "fit".
+    /// "session", "fit" or "torque".
     pub kind: &'static str,
     /// Digest over what went in: the session as it was read, or the rows of a group.
     pub inputs: String,
@@ -89,6 +100,8 @@ pub struct ReportInput {
     pub rows: Vec<Row>,
     /// The groups, by campaign.
     pub groups: Vec<GroupInput>,
+    /// Torque; none where nobody measured any.
+    pub knee: Option<KneeInput>,
     /// The logs to draw.
     pub traces: Vec<Trace>,
     /// Sessions, then groups.
@@ -102,6 +115,11 @@ impl ReportInput {
     pub fn findings(&self) -> impl Iterator<Item = &CampaignFindings> {
         let diagnoses = self.groups.iter().filter_map(|g| g.diagnosis.as_ref());
         diagnoses.map(|d| &d.findings)
+    }
+
+    /// The campaigns of torque.
+    pub fn torque(&self) -> impl Iterator<Item = &CampaignTorque> {
+        self.knee.iter().flat_map(|k| &k.campaigns)
     }
 
     /// Whether a session's data are simulated, by its id.

@@ -12,6 +12,7 @@
 //! | [`force`] | the pages of `force.pdf` |
 //! | [`audit`] | the pages of `audit.pdf` |
 //! | [`residual`] | the pages of `residual.pdf` |
+//! | [`knee`] | the pages of `knee.pdf` |
 //! | [`typeset`], [`raster`], [`fonts`] | pages through Typst, figures as PNG, the bundled fonts |
 //!
 //! Architecture invariant: only this folder knows plotters and Typst, and it computes no statistic: every number comes from a stage.
@@ -22,6 +23,7 @@ pub mod figures;
 pub mod fonts;
 pub mod force;
 pub mod input;
+pub mod knee;
 pub mod markup;
 pub mod number;
 pub mod plot;

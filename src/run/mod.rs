@@ -4,6 +4,7 @@
 //! raw/…/session.toml + logs ── ingest ── clean ── normalize ──┐   one unit a session, in parallel
 //!                                                             ├── fit ── compare ──┐   one unit a group
 //!                                                             ├── diagnose ────────┤   one unit a campaign and diameter
+//!                                                             ├── torque ──────────┤   one unit a campaign of torque
 //!                                                             └────────────────────┴── report   one unit
 //! ```
 //! Everything that a stage reads comes through [`engine::Engine::step`], which derives its key; a stage function itself is pure: values
@@ -15,6 +16,7 @@ pub mod groups;
 pub mod materialize;
 pub mod reports;
 pub mod sessions;
+pub mod torque;
 
 use crate::base::diagnostics::{Diagnostic, Severity};
 use crate::base::error::{Error, Result};
@@ -36,6 +38,7 @@ pub const STAGES: &[&str] = &[
     "fit",
     "compare",
     "diagnose",
+    "torque",
     "report",
 ];
 
@@ -169,8 +172,14 @@ fn drive(
             result
         })
         .collect::<Result<_>>()?;
+    let torque = torque::process(engine, discovery, &results, &options.config)?;
     progress.begin("report", 1);
-    let written = reports::process(engine, discovery, &results, &group_results, options)?;
+    let done = reports::Done {
+        sessions: &results,
+        groups: &group_results,
+        torque: &torque,
+    };
+    let written = reports::process(engine, discovery, &done, options)?;
     progress.tick();
     let mut outcome = summary(engine, discovery, &results)?;
     outcome.pdfs = written.pdfs;

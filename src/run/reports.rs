@@ -11,7 +11,10 @@ use crate::run::engine::{self, Engine, Stage, Step};
 use crate::run::groups::GroupResult;
 use crate::run::materialize::{Written, materialize};
 use crate::run::sessions::SessionResult;
-use crate::stages::report::{self, GroupInput, Provenance, ReportInput, SessionInput, Trace};
+use crate::run::torque::TorqueResult;
+use crate::stages::report::{
+    self, GroupInput, KneeInput, Provenance, ReportInput, SessionInput, Trace,
+};
 use std::collections::BTreeMap;
 
 const REPORT: Stage = Stage {
@@ -20,6 +23,17 @@ const REPORT: Stage = Stage {
     code: engine::REPORT,
 };
 
+/// What the other stages have done.
+#[derive(Clone, Copy)]
+pub struct Done<'a> {
+    /// Session by session.
+    pub sessions: &'a [SessionResult],
+    /// Group by group.
+    pub groups: &'a [GroupResult],
+    /// Campaign by campaign of torque.
+    pub torque: &'a TorqueResult,
+}
+
 /// Brings tables, figures and reports up to date, and puts them where people look for them.
 ///
 /// # Errors
@@ -27,10 +41,10 @@ const REPORT: Stage = Stage {
 pub fn process(
     engine: &Engine,
     discovery: &Discovery,
-    sessions: &[SessionResult],
-    groups: &[GroupResult],
+    done: &Done,
     options: &RunOptions,
 ) -> Result<Written> {
+    let (sessions, groups) = (done.sessions, done.groups);
     const UNIT: &str = "reports";
     let discovered = discovery_digest(discovery)?;
     let mut inputs = BTreeMap::from([("sessions found".to_owned(), discovered)]);
@@ -63,11 +77,20 @@ pub fn process(
             inputs.insert(format!("{name} diagnose"), digest_of(d));
         }
     }
+    let knee = done.torque.campaigns.iter().map(|(id, s)| (id.as_str(), s));
+    let shipped = done.torque.reference.iter().map(|s| ("shipped knees", s));
+    for (name, step) in knee.chain(shipped) {
+        let Some(entry) = step.entry() else {
+            engine.waits(REPORT, UNIT, &format!("torque of {name}"))?;
+            return Ok(Written::default());
+        };
+        inputs.insert(format!("{name} torque"), digest_of(entry));
+    }
     let mut keyed = flatten("report", &options.config.report)?;
     keyed.extend(flatten("fit", &options.config.fit)?);
     let input_digest = combined(&inputs);
     let step = engine.step(REPORT, UNIT, keyed, inputs, || {
-        let input = gather(engine, discovery, sessions, groups, &input_digest)?;
+        let input = gather(engine, discovery, done, &input_digest)?;
         report::report(&input, &options.config)
     })?;
     if step.entry().is_none() {
@@ -77,7 +100,7 @@ pub fn process(
 }
 
 /// What went into every session and fit, and what came out.
-fn provenance(sessions: &[SessionResult], groups: &[GroupResult]) -> Vec<Provenance> {
+fn provenance(done: &Done) -> Vec<Provenance> {
     let row = |unit: String, kind, inputs: Digest, last: &Step| {
         Some(Provenance {
             unit,
@@ -86,15 +109,19 @@ fn provenance(sessions: &[SessionResult], groups: &[GroupResult]) -> Vec<Provena
             outputs: digest_of(last.entry()?).to_string(),
         })
     };
-    let of_sessions = sessions.iter().filter_map(|s| {
+    let of_sessions = done.sessions.iter().filter_map(|s| {
         let read = digest_of(s.ingest.entry()?);
         row(s.id.clone(), "session", read, &s.normalize)
     });
-    let of_groups = groups.iter().filter_map(|g| {
+    let of_groups = done.groups.iter().filter_map(|g| {
         let unit = format!("{}, {} mm", g.group.campaign, g.group.diameter_mm);
         row(unit, "fit", combined(&g.fit.entry()?.parts.inputs), &g.fit)
     });
-    of_sessions.chain(of_groups).collect()
+    let of_torque = done.torque.campaigns.iter().filter_map(|(campaign, step)| {
+        let inputs = combined(&step.entry()?.parts.inputs);
+        row(campaign.clone(), "torque", inputs, step)
+    });
+    of_sessions.chain(of_groups).chain(of_torque).collect()
 }
 
 fn discovery_digest(discovery: &Discovery) -> Result<Digest> {
@@ -129,10 +156,10 @@ fn combined(digests: &BTreeMap<String, Digest>) -> Digest {
 fn gather(
     engine: &Engine,
     discovery: &Discovery,
-    sessions: &[SessionResult],
-    groups: &[GroupResult],
+    done: &Done,
     input_digest: &Digest,
 ) -> Result<ReportInput> {
+    let (sessions, groups) = (done.sessions, done.groups);
     let mut inputs = Vec::with_capacity(sessions.len());
     let mut rows: Vec<Row> = Vec::new();
     for result in sessions {
@@ -149,7 +176,13 @@ fn gather(
         rows.extend(session_rows);
     }
     let traces = traces(engine, sessions, &inputs, &rows)?;
-    let provenance = provenance(sessions, groups);
+    let provenance = provenance(done);
+    let reference = done.torque.reference(engine)?;
+    let campaigns = done.torque.campaigns(engine)?;
+    let knee = reference.map(|reference| KneeInput {
+        campaigns,
+        reference,
+    });
     let groups = groups
         .iter()
         .map(|g| {
@@ -176,6 +209,7 @@ fn gather(
         sessions: inputs,
         rows,
         groups,
+        knee,
         traces,
         provenance,
         input_digest: input_digest.to_string(),

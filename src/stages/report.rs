@@ -11,6 +11,7 @@ use crate::config::Config;
 use crate::report::audit::audit_pdf;
 use crate::report::figures::{self, Drawn, Named};
 use crate::report::force::{Figures, date_of, force_pdf};
+use crate::report::knee::{self, knee_pdf};
 use crate::report::render::{self, Renderer};
 use crate::report::residual::residual_pdf;
 use crate::report::table::{Cell, Column, Table};
@@ -19,11 +20,14 @@ use crate::report::typeset::Pdf;
 use crate::stages::compare::GroupComparison;
 use crate::stages::diagnose::findings::{Findings, SCHEMA};
 use crate::stages::fit::{GroupFit, is_usable, split};
+use crate::stages::torque::tidy;
 use rayon::prelude::*;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 
-pub use crate::report::input::{GroupInput, Provenance, ReportInput, SessionInput, Trace};
+pub use crate::report::input::{
+    GroupInput, KneeInput, Provenance, ReportInput, SessionInput, Trace,
+};
 
 /// Raised when results change without a change of this stage's source files.
 pub const VERSION: u32 = 1;
@@ -44,6 +48,19 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
         .par_iter()
         .map(|g| draw(&figures::of_diagnosis(g, config)))
         .collect::<Result<_>>()?;
+    let torque: Vec<Vec<Drawn>> = input
+        .torque()
+        .map(|c| draw(&figures::knee::of_campaign(c)))
+        .collect::<Result<_>>()?;
+    let (legs, once) = (
+        draw(&figures::knee::legs(input))?,
+        draw(&figures::knee::once(input))?,
+    );
+    let knees = knee::Figures {
+        campaigns: &torque,
+        legs: &legs,
+        once: &once,
+    };
     let shown = Figures {
         traces: &traces,
         groups: &groups,
@@ -58,18 +75,20 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
         || {
             rayon::join(
                 || force_pdf(input, &shown, config, &split_digest),
-                || -> Result<(Pdf, Option<Pdf>)> {
+                || -> Result<(Pdf, Option<Pdf>, Option<Pdf>)> {
                     let audit = audit_pdf(&audit, &input.input_digest, date)?;
-                    Ok((audit, residual_pdf(input, &diagnoses, date)?))
+                    let residual = residual_pdf(input, &diagnoses, date)?;
+                    Ok((audit, residual, knee_pdf(input, &knees, date)?))
                 },
             )
         },
         || {
-            let all = [&groups, &diagnoses].into_iter().flatten().flatten();
+            let all = [&groups, &diagnoses, &torque].into_iter().flatten();
+            let all = all.flatten().chain(&legs).chain(&once);
             figure_files(traces.iter().chain(all), config.report.png_dpi)
         },
     );
-    let (force_pages, (audit_pages, residual_pages)) = (pages.0?, pages.1?);
+    let (force_pages, (audit_pages, residual_pages, knee_pages)) = (pages.0?, pages.1?);
     let mut outputs = Outputs::from([
         ("reports/force.pdf".to_owned(), force_pages.bytes),
         ("reports/audit.pdf".to_owned(), audit_pages.bytes),
@@ -81,11 +100,17 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
     if let Some(pages) = residual_pages {
         outputs.insert("reports/residual.pdf".to_owned(), pages.bytes);
     }
+    if let Some(pages) = knee_pages {
+        let readings = tidy::frame(input.torque()).to_parquet()?;
+        outputs.insert("reports/knee.pdf".to_owned(), pages.bytes);
+        outputs.insert("derived/torque.parquet".to_owned(), readings);
+    }
     outputs.insert("derived/fits.json".to_owned(), fits_json(&fits)?);
     outputs.insert("derived/split.csv".to_owned(), split);
     outputs.extend(files?);
     let mut names = Vec::new();
-    let made = tables::ALL.iter().map(|make| make(input));
+    let every = tables::ALL.iter().chain(tables::knee::ALL);
+    let made = every.map(|make| make(input));
     for table in made.chain([tables::audit(&audit)]) {
         let table = tables::naming_groups(table);
         for renderer in render::ALL {

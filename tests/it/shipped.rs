@@ -88,7 +88,9 @@ fn the_main_job_gives_tables_figures_and_a_report_and_recovers_the_truth() {
     }
     let summary: serde_json::Value =
         serde_json::from_slice(&std::fs::read(reports.join("summary.json")).unwrap()).unwrap();
-    assert_eq!(summary["sessions_used"].as_array().unwrap().len(), 42);
+    assert_eq!(summary["sessions_used"].as_array().unwrap().len(), 52);
+    let torque = std::fs::read(reports.join("knee.pdf")).unwrap();
+    assert!(torque.starts_with(b"%PDF") && torque.len() > 100_000);
     answers(&said.out, &reports, &summary);
     let coefficients = read_table(&reports.join("tables/coefficients.csv"));
     let joint: Vec<_> = coefficients

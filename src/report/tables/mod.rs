@@ -8,6 +8,8 @@ mod detection_limits;
 mod findings;
 mod fits;
 mod intervals;
+pub mod knee;
+pub mod leg_prediction;
 mod model_comparison;
 mod paper;
 mod plateaus;

@@ -5,7 +5,7 @@
 //! does not decrease, which drops a single wrong stamp as well as a tail of nonsense, whichever is less. A log of which more than a
 //! small fraction is unusable is left out whole: such logs are broken in ways that the remaining rows may share.
 
-use crate::base::columns::{FORCE, LENGTH, PHASE, PRESSURE, TIME, TORQUE};
+use crate::base::columns::{ANGLE, FORCE, LENGTH, PHASE, PRESSURE, TIME, TORQUE};
 use crate::base::reject::{Extent, Reject};
 use crate::base::session::{Sampling, Session};
 use crate::config::CleanOptions;
@@ -101,7 +101,7 @@ fn impossible_values(
     options: &CleanOptions,
     reasons: &mut [Option<&'static str>],
 ) {
-    for name in [TIME, FORCE, TORQUE, PRESSURE, LENGTH] {
+    for name in [TIME, FORCE, TORQUE, ANGLE, PRESSURE, LENGTH] {
         if let Some(values) = log.column(name) {
             mark(reasons, values, NOT_A_NUMBER, |x| !x.is_finite());
         }

@@ -1,0 +1,220 @@
+//! The pages of `knee.pdf`: torque about a knee, the geometry behind it, and the human muscles beside it.
+
+use crate::base::error::Result;
+use crate::base::names::file_name;
+use crate::report::figures::Drawn;
+use crate::report::input::ReportInput;
+use crate::report::number::Rounding;
+use crate::report::render::{Renderer, typst::Typst};
+use crate::report::table::Table;
+use crate::report::tables::knee as tables;
+use crate::report::typeset::{Document, Pdf};
+use crate::stages::torque::errors::Size;
+use crate::stages::torque::fitting::{FittingFit, LAWS, Origin};
+use crate::stages::torque::{CampaignTorque, Configuration, Test};
+use serde::Serialize;
+
+const TEMPLATE: &str = include_str!("templates/knee.typ");
+
+/// The figures that the pages show.
+pub struct Figures<'a> {
+    /// By campaign, in the order of the input.
+    pub campaigns: &'a [Vec<Drawn>],
+    /// The legs.
+    pub legs: &'a [Drawn],
+    /// The laws of force, the human muscles, the design.
+    pub once: &'a [Drawn],
+}
+
+/// What the template is told.
+#[derive(Serialize)]
+struct Data {
+    only_simulated: bool,
+    simulated: bool,
+    campaigns: Vec<Campaign>,
+    legs: Vec<Picture>,
+    once: Vec<Picture>,
+    version: &'static str,
+    input: String,
+}
+
+#[derive(Serialize)]
+struct Campaign {
+    id: String,
+    slug: String,
+    simulated: bool,
+    tests: usize,
+    configurations: usize,
+    readings: usize,
+    beyond: usize,
+    excluded: Vec<(String, String)>,
+    notes: Vec<(String, String)>,
+    fits: Vec<Fit>,
+    figures: Vec<Picture>,
+}
+
+/// The fit to the configuration with most readings, beside the stated length.
+#[derive(Serialize)]
+struct Fit {
+    muscle: String,
+    diameter_mm: u32,
+    specimen: String,
+    stated: String,
+    fitted: String,
+    interval: Option<[String; 2]>,
+    interval_by: String,
+    before: Errors,
+    after: Errors,
+    held_out_before: Option<Errors>,
+    held_out_after: Option<Errors>,
+}
+
+#[derive(Serialize)]
+struct Errors {
+    n: usize,
+    sse: String,
+    rmse: String,
+}
+
+#[derive(Serialize)]
+struct Picture {
+    name: String,
+    file: String,
+    caption: String,
+    alt: String,
+}
+
+/// Typesets `knee.pdf`; none where nobody measured torque.
+///
+/// # Errors
+/// A template that does not compile.
+pub fn knee_pdf(
+    input: &ReportInput,
+    figures: &Figures,
+    date: Option<(i32, u8, u8)>,
+) -> Result<Option<Pdf>> {
+    if input.knee.is_none() {
+        return Ok(None);
+    }
+    let campaigns: Vec<&CampaignTorque> = input.torque().collect();
+    let told = campaigns.iter().zip(figures.campaigns);
+    let data = Data {
+        only_simulated: campaigns.iter().all(|c| c.simulated),
+        simulated: campaigns.iter().any(|c| c.simulated),
+        campaigns: told.map(|(c, f)| campaign(c, f)).collect(),
+        legs: figures.legs.iter().map(picture).collect(),
+        once: figures.once.iter().map(picture).collect(),
+        version: env!("CARGO_PKG_VERSION"),
+        input: input.input_digest.clone(),
+    };
+    let mut document = Document::new(TEMPLATE)
+        .data("data.json", &data)?
+        .dated(date);
+    let of_campaigns = campaigns
+        .iter()
+        .flat_map(|c| tables::OF_CAMPAIGN.iter().map(|make| make(c)));
+    let once = tables::ONCE.iter().map(|make| make(input));
+    for table in of_campaigns.chain(once) {
+        document = with_table(document, &table);
+    }
+    let drawn = figures.campaigns.iter().flatten();
+    for drawn in drawn.chain(figures.legs).chain(figures.once) {
+        document = document.file(&format!("figures/{}.svg", drawn.name), &drawn.svg);
+    }
+    document.compile().map(Some)
+}
+
+fn with_table(document: Document, table: &Table) -> Document {
+    document.file(&format!("tables/{}.typ", table.id), Typst.render(table))
+}
+
+fn picture(drawn: &Drawn) -> Picture {
+    Picture {
+        name: drawn.name.clone(),
+        file: format!("figures/{}.svg", drawn.name),
+        caption: drawn.caption.clone(),
+        alt: drawn.title.clone(),
+    }
+}
+
+fn campaign(c: &CampaignTorque, figures: &[Drawn]) -> Campaign {
+    let tests = || c.configurations.iter().flat_map(|c| &c.tests);
+    let points = || tests().flat_map(|t| &t.points);
+    let said = |of: fn(&Test) -> &Option<String>| {
+        let some = tests().filter_map(move |t| Some((t.session.clone(), of(t).clone()?)));
+        some.collect::<Vec<_>>()
+    };
+    Campaign {
+        id: c.campaign.clone(),
+        slug: file_name(&c.campaign),
+        simulated: c.simulated,
+        tests: tests().count(),
+        configurations: c.configurations.len(),
+        readings: points().count(),
+        beyond: points().filter(|p| p.beyond.is_some()).count(),
+        excluded: said(|t| &t.excluded),
+        notes: said(|t| &t.notes),
+        fits: c.fits.iter().filter_map(|f| fit(c, f)).collect(),
+        figures: figures.iter().map(picture).collect(),
+    }
+}
+
+/// What a fit to the largest configuration, with the first law, has changed.
+fn fit(c: &CampaignTorque, fit: &FittingFit) -> Option<Fit> {
+    if fit.origin != Origin::Largest || fit.law != LAWS[0] {
+        return None;
+    }
+    let same = |f: &&FittingFit| {
+        f.origin == Origin::Stated
+            && (f.diameter_mm, &f.muscle, &f.law) == (fit.diameter_mm, &fit.muscle, &fit.law)
+    };
+    let stated = c.fits.iter().find(same)?;
+    let fitted_on = fit.on.iter().find(|o| o.fitted)?;
+    let before = stated
+        .on
+        .iter()
+        .find(|o| o.configuration == fitted_on.configuration)?;
+    let others = |f: &FittingFit| -> Option<Errors> {
+        let all = f.on.iter();
+        let others = all.filter(|o| o.configuration != fitted_on.configuration);
+        let (n, sse) = others.fold((0, 0.0), |(n, sse), o| (n + o.size.n, sse + o.size.sse));
+        (n > 0).then(|| Errors {
+            n,
+            sse: decimals(sse, 1),
+            rmse: decimals((sse / n as f64).sqrt(), 2),
+        })
+    };
+    let configuration = |id: &str| {
+        c.configurations
+            .iter()
+            .find(|c: &&Configuration| c.id == id)
+    };
+    Some(Fit {
+        muscle: fit.muscle.clone(),
+        diameter_mm: fit.diameter_mm,
+        specimen: fit.specimen.clone(),
+        stated: decimals(1e3 * configuration(&fitted_on.configuration)?.fitting_m, 1),
+        fitted: decimals(1e3 * fit.fitting_m, 1),
+        interval: fit
+            .interval_m
+            .map(|(low, high)| [low, high].map(|x| decimals(1e3 * x, 1))),
+        interval_by: fit.interval_by.clone(),
+        before: errors(&before.size),
+        after: errors(&fitted_on.size),
+        held_out_before: others(stated),
+        held_out_after: others(fit),
+    })
+}
+
+fn errors(size: &Size) -> Errors {
+    Errors {
+        n: size.n,
+        sse: decimals(size.sse, 1),
+        rmse: decimals(size.rmse, 2),
+    }
+}
+
+fn decimals(value: f64, decimals: usize) -> String {
+    let rounded = Rounding::Decimals(decimals).round(value);
+    rounded.map_or_else(|| "–".to_owned(), |n| n.typeset())
+}

@@ -1,0 +1,79 @@
+//! The readings of all campaigns as one tidy table, units in the names of the columns.
+
+use super::point::{Expected, Point};
+use super::{CampaignTorque, Configuration, Test};
+use crate::base::columns::{ANGLE, MOMENT_ARM, MUSCLE_LENGTH, PRESSURE, TORQUE, derived};
+use crate::base::frame::{Frame, Values};
+use crate::models::published;
+
+/// A reading with everything that it belongs to.
+struct Reading<'a> {
+    campaign: &'a CampaignTorque,
+    configuration: &'a Configuration,
+    test: &'a Test,
+    point: &'a Point,
+}
+
+/// One row a reading: measured, expected, and the torque of every model from the geometry and from what was measured by hand.
+pub fn frame<'a>(campaigns: impl Iterator<Item = &'a CampaignTorque>) -> Frame {
+    let mut all: Vec<Reading<'a>> = Vec::new();
+    for campaign in campaigns {
+        for configuration in &campaign.configurations {
+            for test in &configuration.tests {
+                all.extend(test.points.iter().map(|point| Reading {
+                    campaign,
+                    configuration,
+                    test,
+                    point,
+                }));
+            }
+        }
+    }
+    let texts = |f: fn(&Reading<'a>) -> &'a str| {
+        Values::Text(all.iter().map(|r| Some(f(r).to_owned())).collect())
+    };
+    let integers =
+        |f: fn(&Reading) -> i64| Values::Integer(all.iter().map(|r| Some(f(r))).collect());
+    let numbers = |f: &dyn Fn(&Point) -> Option<f64>| {
+        let value = |r: &Reading| f(r.point).unwrap_or(f64::NAN);
+        Values::Number(all.iter().map(value).collect())
+    };
+    let expected = |f: fn(&Expected) -> f64| numbers(&move |p: &Point| p.expected.as_ref().map(f));
+    let mut frame = Frame::default()
+        .with(derived::SESSION, texts(|r| &r.test.session))
+        .with(derived::CAMPAIGN, texts(|r| &r.campaign.campaign))
+        .with("configuration", texts(|r| &r.configuration.id))
+        .with(derived::SPECIMEN, texts(|r| &r.configuration.specimen))
+        .with("knee", texts(|r| &r.configuration.knee))
+        .with("muscle", texts(|r| &r.configuration.muscle))
+        .with(derived::LOG, texts(|r| &r.point.log))
+        .with(derived::ROW, integers(|r| r.point.row))
+        .with(
+            "excluded",
+            integers(|r| i64::from(r.test.excluded.is_some())),
+        )
+        .with("fitted", integers(|r| i64::from(r.test.is_fitted())))
+        .with("simulated", integers(|r| i64::from(r.campaign.simulated)))
+        .with(ANGLE, numbers(&|p| Some(p.angle_rad)))
+        .with(PRESSURE, numbers(&|p| Some(p.pressure_kpa)))
+        .with(TORQUE, numbers(&|p| Some(p.torque_nm)))
+        .with(MUSCLE_LENGTH, numbers(&|p| p.by_hand.length_m))
+        .with(MOMENT_ARM, numbers(&|p| p.by_hand.arm_m))
+        .with(
+            derived::CONTRACTION_REL,
+            numbers(&|p| p.by_hand.contraction_rel),
+        )
+        .with("expected_path_length_m", expected(|e| e.path_length_m))
+        .with("expected_length_m", expected(|e| e.length_m))
+        .with("expected_contraction_rel", expected(|e| e.contraction_rel))
+        .with("expected_arm_m", expected(|e| e.arm_m))
+        .with("projected_arm_m", expected(|e| e.projected_arm_m));
+    for (k, model) in published().iter().enumerate() {
+        let predicted = numbers(&|p| p.predicted[k].torque_nm);
+        let back = numbers(&|p| p.back_calculated[k]);
+        frame = frame
+            .with(&format!("{}_{TORQUE}", model.id()), predicted)
+            .with(&format!("{}_by_hand_{TORQUE}", model.id()), back);
+    }
+    frame
+}
