@@ -7,6 +7,8 @@ use crate::effects;
 /// A held-out error that falls by less than this share does not fall.
 const FALLS: f64 = 0.005;
 
+/// An effect that fewer of the folds found by themselves is not sure.
+const HALF: f64 = 0.5;
 /// Share of the residual above which an effect that failed is worth a word.
 const MUCH: f64 = 0.3;
 
@@ -85,6 +87,14 @@ fn effect(e: &EffectFinding) -> String {
         "all readings" => String::new(),
         place => format!(" in {place}"),
     };
+    let folds = if e.chosen_in_folds < HALF {
+        format!(
+            ", chosen in {:.0}% of the folds only",
+            100.0 * e.chosen_in_folds
+        )
+    } else {
+        String::new()
+    };
     let class: Vec<&str> = e
         .class
         .iter()
@@ -96,7 +106,7 @@ fn effect(e: &EffectFinding) -> String {
     } else {
         format!(", not to be told from {} here", class.join(", "))
     };
-    format!("{}{size}{place}{or}", e.title)
+    format!("{}{size}{place}{folds}{or}", e.title)
 }
 
 /// Held-out errors before and after, and what is to be thought of them.
