@@ -36,8 +36,6 @@ const STANDS_OUT: f64 = 6.0;
 /// A physical effect is preferred to an empirical dependence if it explains this part of what that does: of the shape of a sensor or of
 /// an offset (a constant and a slope), of a gain with an extra column.
 pub const PREFERENCE: (f64, f64) = (0.85, 0.97);
-/// What the strengths ask for is kept unless the criterion is better without it by more than this.
-const STRENGTHS_ASK: f64 = 10.0;
 /// An offset with a column has a constant in it. Where that alone, the zero of the channel, explains half of it, the zero comes first,
 /// and the column may follow.
 const HALF: f64 = 0.5;
@@ -152,18 +150,11 @@ impl<'a> Search<'a> {
             .collect();
         // What the strengths ask for comes first: left out, its traces within the specimens would be credited to others.
         let asked = between::asked_for(self, &null.fitted).filter(|(_, p)| *p < self.significance);
-        let mut grown = self.grow(&null, null.clone(), &shared, BEAM);
-        if let Some((c, _)) = asked {
-            // Or what the strengths ask for is itself the trace of something else (a yielding frame costs a short actuator more): then
-            // the model without it explains more.
-            let from = self.state(vec![c], Some(&null.fitted));
-            let with = self.grow(&null, from, &shared, BEAM);
-            let evidence =
-                |path: &[State]| path.last().map_or(0.0, |s| self.criterion_gain(&null, s));
-            if evidence(&with) + STRENGTHS_ASK > evidence(&grown) {
-                grown = with;
-            }
-        }
+        let from = asked.map_or_else(
+            || null.clone(),
+            |(c, _)| self.state(vec![c], Some(&null.fitted)),
+        );
+        let grown = self.grow(&null, from, &shared, BEAM);
         let Some((largest, smaller)) = grown.split_last() else {
             return vec![null];
         };
