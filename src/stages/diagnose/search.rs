@@ -480,7 +480,8 @@ impl<'a> Search<'a> {
     }
 }
 
-fn sorted(chosen: &[usize]) -> Vec<usize> {
+/// The candidates of a model, whatever the order in which they came in.
+pub fn sorted(chosen: &[usize]) -> Vec<usize> {
     let mut sorted = chosen.to_vec();
     sorted.sort_unstable();
     sorted
