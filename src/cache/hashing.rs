@@ -20,6 +20,12 @@ impl Digest {
         Self::tagged(Sha256::digest(bytes).as_slice())
     }
 
+    /// One digest over digests with names, in the order given.
+    pub fn of_named<'a>(digests: impl Iterator<Item = (&'a String, &'a Digest)>) -> Self {
+        let lines: Vec<String> = digests.map(|(name, d)| format!("{name:?} {d}\n")).collect();
+        Self::of(lines.concat().as_bytes())
+    }
+
     fn tagged(hash: &[u8]) -> Self {
         let hex: String = hash.iter().map(|b| format!("{b:02x}")).collect();
         Self(format!("sha256:{hex}"))

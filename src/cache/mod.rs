@@ -12,6 +12,7 @@
 //!
 //! Architecture invariant: the cache knows no stage and no format; it moves bytes.
 
+pub mod collect;
 pub mod hashing;
 pub mod key;
 pub mod reason;

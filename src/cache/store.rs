@@ -34,6 +34,14 @@ pub struct Entry {
     pub outputs: BTreeMap<String, Object>,
 }
 
+impl Entry {
+    /// One digest over all outputs.
+    pub fn digest(&self) -> Digest {
+        let outputs = self.outputs.iter();
+        Digest::of_named(outputs.map(|(name, object)| (name, &object.digest)))
+    }
+}
+
 /// Objects and entries below one directory.
 #[derive(Debug)]
 pub struct Store {
@@ -46,6 +54,11 @@ impl Store {
         Self {
             root: root.to_path_buf(),
         }
+    }
+
+    /// Where it is.
+    pub fn root(&self) -> &Path {
+        &self.root
     }
 
     fn path(&self, folder: &str, digest: &Digest, suffix: &str) -> PathBuf {
@@ -88,12 +101,10 @@ impl Store {
         Ok(Some(entry))
     }
 
-    /// The parts of an earlier key, whether or not its outputs are still there.
-    pub fn parts(&self, key: &Digest) -> Option<KeyParts> {
+    /// The entry of an earlier key, whether or not its outputs are still there.
+    pub fn recorded(&self, key: &Digest) -> Option<Entry> {
         let bytes = std::fs::read(self.path("entries", key, ".json")).ok()?;
-        serde_json::from_slice::<Entry>(&bytes)
-            .ok()
-            .map(|e| e.parts)
+        serde_json::from_slice(&bytes).ok()
     }
 
     /// The bytes of an object, checked against its digest.
@@ -157,6 +168,9 @@ impl Store {
     }
 }
 
+/// How the names of files begin that are being written, or were when a run was killed.
+pub const UNFINISHED: &str = ".writing-";
+
 /// Writes a file so that a reader sees the old contents or the new, never a part: temporary file beside it, then rename.
 ///
 /// # Errors
@@ -165,7 +179,7 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).map_err(Error::io("create the folder", folder))?;
     let mut temporary = tempfile::Builder::new()
-        .prefix(".writing-")
+        .prefix(UNFINISHED)
         .tempfile_in(folder)
         .map_err(Error::io("write in", folder))?;
     temporary

@@ -1,6 +1,9 @@
 //! The arguments, with their help.
 
 use crate::cli::check::CheckArgs;
+use crate::cli::explain::ExplainArgs;
+use crate::cli::gc::GcArgs;
+use crate::cli::graph::GraphArgs;
 use crate::cli::predict::PredictArgs;
 use crate::simulate::effects::EFFECTS;
 use clap::{ArgAction, Parser, Subcommand};
@@ -49,6 +52,21 @@ pub enum Command {
     /// Write a simulated campaign of raw sessions from a truth file
     #[command(after_help = simulate_help())]
     Simulate(SimulateArgs),
+    /// Say where a table, figure, report or single number comes from: stages, options, files, digests
+    #[command(
+        after_help = "Examples:\n  pipeline explain reports/tables/coefficients.csv\n  pipeline explain coefficients.csv:2:value\n  pipeline explain force.pdf --json\n\nA number is FILE:LINE:COLUMN, the line as an editor counts it; what its row says of campaign and session narrows the answer."
+    )]
+    Explain(ExplainArgs),
+    /// Draw the stages and artifacts of the last run as Mermaid or Graphviz
+    #[command(
+        after_help = "Examples:\n  pipeline graph\n  pipeline graph --format dot --units | dot -Tsvg > graph.svg"
+    )]
+    Graph(GraphArgs),
+    /// Throw away cache entries that the last run did not use
+    #[command(
+        after_help = "Examples:\n  pipeline gc --dry-run\n  pipeline gc --older-than 7 --max-size 2GB\n\nWhat the last run used always stays; so does what lies in reports/ and derived/sessions/."
+    )]
+    Gc(GcArgs),
     /// Print all options with their defaults, as a pipeline.toml
     #[command(after_help = "Example:\n  pipeline config > pipeline.toml")]
     Config,

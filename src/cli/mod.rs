@@ -6,6 +6,9 @@
 mod args;
 mod check;
 mod columns;
+mod explain;
+mod gc;
+mod graph;
 mod predict;
 mod predict_leg;
 mod predict_print;
@@ -41,6 +44,9 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Check(args) => check::command(args),
         Command::Predict(args) => predict::command(args),
         Command::Simulate(simulate) => simulate_command(simulate),
+        Command::Explain(args) => explain::command(args),
+        Command::Graph(args) => graph::command(args),
+        Command::Gc(args) => gc::command(args),
         Command::Config => Config::default().to_commented_toml().map(|text| {
             print::config(&text);
             DONE

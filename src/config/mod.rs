@@ -354,6 +354,19 @@ impl Config {
         }
     }
 
+    /// Every option by dotted name, as it enters cache keys.
+    ///
+    /// # Errors
+    /// A value that TOML cannot hold.
+    pub fn flattened(&self) -> Result<BTreeMap<String, String>> {
+        let sections = toml::Table::try_from(self).map_err(Error::internal)?;
+        let mut all = BTreeMap::new();
+        for (section, options) in &sections {
+            all.extend(flatten(section, options)?);
+        }
+        Ok(all)
+    }
+
     /// Reads a configuration file, or the defaults where there is none at the default place.
     ///
     /// # Errors

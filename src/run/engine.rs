@@ -3,11 +3,11 @@
 use crate::base::error::{Error, Result};
 use crate::cache::key::KeyParts;
 use crate::cache::reason::{Reason, differences};
-use crate::cache::store::{Entry, Object, Outputs, Store};
+use crate::cache::store::{Entry, Object, Outputs};
 use crate::cache::{Digest, FileHashes};
+use crate::run::cache::{Cache, STATE};
 use crate::run::{Progress, RunOptions};
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -59,21 +59,17 @@ impl Step {
 
 /// The cache of a run, with what it has done so far.
 pub struct Engine {
-    store: Store,
+    cache: Cache,
     /// Digests of raw files.
     pub hashes: FileHashes,
-    last: BTreeMap<String, Digest>,
     now: Mutex<BTreeMap<String, Digest>>,
     work: Mutex<Vec<Work>>,
     fresh: Mutex<usize>,
     force: Option<String>,
     dry_run: bool,
-    _lock: Option<File>,
 }
 
-const STATE: &str = "state.json";
 const HASHES: &str = "hashes.json";
-const LOCK: &str = "lock";
 
 impl Engine {
     /// Opens the cache below `derived/`; waits for another run on it to end.
@@ -81,24 +77,15 @@ impl Engine {
     /// # Errors
     /// The directory cannot be made or written.
     pub fn open(options: &RunOptions, progress: &dyn Progress) -> Result<Self> {
-        let root = options.derived.join("cache");
-        let lock = if options.dry_run {
-            None
-        } else {
-            std::fs::create_dir_all(&root).map_err(Error::io("create the folder", &root))?;
-            Some(lock(&root.join(LOCK), progress)?)
-        };
-        let store = Store::new(&root);
+        let cache = Cache::open(&options.derived, options.dry_run, progress)?;
         Ok(Self {
-            hashes: FileHashes::from_json(&store.read_aside(HASHES)),
-            last: serde_json::from_slice(&store.read_aside(STATE)).unwrap_or_default(),
-            store,
+            hashes: FileHashes::from_json(&cache.store().read_aside(HASHES)),
+            cache,
             now: Mutex::default(),
             work: Mutex::default(),
             fresh: Mutex::default(),
             force: options.force.clone(),
             dry_run: options.dry_run,
-            _lock: lock,
         })
     }
 
@@ -122,7 +109,7 @@ impl Engine {
             inputs,
         };
         let key = parts.key();
-        let reasons = match self.store.entry(&key) {
+        let reasons = match self.cache.store().entry(&key) {
             Ok(Some(entry)) if self.force.as_deref() != Some(stage.name) => {
                 *self.fresh.lock().map_err(Error::internal)? += 1;
                 self.remember(stage, unit, key)?;
@@ -138,7 +125,7 @@ impl Engine {
         }
         let started = Instant::now();
         let outputs = compute()?;
-        let entry = self.store.put(parts, &outputs)?;
+        let entry = self.cache.store().put(parts, &outputs)?;
         self.record(stage, unit, reasons, started.elapsed())?;
         self.remember(stage, unit, key)?;
         Ok(Step::Done(entry, outputs))
@@ -167,8 +154,8 @@ impl Engine {
             Step::Done(_, outputs) => outputs.get(name).cloned().ok_or_else(|| missing(name)),
             Step::Fresh(entry) => {
                 let object = entry.outputs.get(name).ok_or_else(|| missing(name))?;
-                self.store.read(object).map_err(|damage| {
-                    self.store.forget(&entry.parts.key());
+                self.cache.store().read(object).map_err(|damage| {
+                    self.cache.store().forget(&entry.parts.key());
                     Error::Damaged(format!("{name} of {}: {damage}", entry.parts.stage))
                 })
             }
@@ -178,7 +165,7 @@ impl Engine {
 
     /// A small file of the cache, empty where it is not there.
     pub fn read_aside(&self, name: &str) -> Vec<u8> {
-        self.store.read_aside(name)
+        self.cache.store().read_aside(name)
     }
 
     /// Replaces a small file of the cache.
@@ -186,21 +173,21 @@ impl Engine {
     /// # Errors
     /// What the system says.
     pub fn write_aside(&self, name: &str, bytes: &[u8]) -> Result<()> {
-        self.store.write_aside(name, bytes)
+        self.cache.store().write_aside(name, bytes)
     }
 
     /// Path of an object's file, for links.
     pub fn object_path(&self, object: &Object) -> std::path::PathBuf {
-        self.store.object_path(&object.digest)
+        self.cache.store().object_path(&object.digest)
     }
 
     fn why(&self, stage: Stage, unit: &str, parts: &KeyParts) -> Vec<Reason> {
-        let Some(last) = self.last.get(&name_of(stage, unit)) else {
+        let Some(last) = self.cache.last().get(&name_of(stage, unit)) else {
             return vec![Reason::FirstTime];
         };
-        match self.store.parts(last) {
+        match self.cache.store().recorded(last) {
             Some(old) => {
-                let reasons = differences(&old, parts);
+                let reasons = differences(&old.parts, parts);
                 if reasons.is_empty() {
                     vec![Reason::Damaged("the entry is missing".to_owned())]
                 } else {
@@ -235,12 +222,12 @@ impl Engine {
     /// System errors of the store.
     pub fn close(&self) -> Result<()> {
         let now = self.now.lock().map_err(Error::internal)?;
-        if *now != self.last {
+        if *now != *self.cache.last() {
             let json = serde_json::to_vec(&*now).map_err(Error::internal)?;
-            self.store.write_aside(STATE, &json)?;
+            self.cache.store().write_aside(STATE, &json)?;
         }
         if let Some(json) = self.hashes.to_json() {
-            self.store.write_aside(HASHES, &json)?;
+            self.cache.store().write_aside(HASHES, &json)?;
         }
         Ok(())
     }
@@ -269,23 +256,4 @@ fn name_of(stage: Stage, unit: &str) -> String {
 
 fn missing(name: &str) -> Error {
     Error::Internal(format!("output {name} is missing"))
-}
-
-/// Takes the lock of a cache; it dies with the process.
-fn lock(path: &std::path::Path, progress: &dyn Progress) -> Result<File> {
-    let file = File::options()
-        .create(true)
-        .truncate(false)
-        .write(true)
-        .open(path)
-        .map_err(Error::io("open the lock", path))?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(std::fs::TryLockError::WouldBlock) => {
-            progress.note("another run works on this directory; waiting for it to end");
-            file.lock().map_err(Error::io("lock", path))?;
-            Ok(file)
-        }
-        Err(std::fs::TryLockError::Error(e)) => Err(Error::io("lock", path)(e)),
-    }
 }

@@ -6,11 +6,11 @@
 use crate::base::error::{Error, Result};
 use crate::base::names::file_name;
 use crate::cache::hashing::{self, Digest};
-use crate::cache::store::{Object, write_atomically};
+use crate::cache::store::{Object, UNFINISHED, write_atomically};
 use crate::run::RunOptions;
 use crate::run::engine::{Engine, Step};
 use crate::run::sessions::{READINGS, ROWS, SessionResult};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Files put in place.
@@ -80,6 +80,7 @@ pub fn materialize(
         link_session(engine, session, options)?;
     }
     remove_stale(engine, &present, options)?;
+    remove_unfinished(&present, options);
     Ok(written)
 }
 
@@ -128,6 +129,21 @@ fn remove_stale(
     Ok(())
 }
 
+/// Removes what a killed run has begun to write. A file that cannot be removed hurts nobody.
+fn remove_unfinished(present: &BTreeMap<String, Digest>, options: &RunOptions) {
+    let places = present.keys().filter_map(|name| place(name, options));
+    let folders: BTreeSet<PathBuf> = places
+        .filter_map(|path| path.parent().map(Path::to_path_buf))
+        .collect();
+    for folder in folders {
+        let files = std::fs::read_dir(&folder).into_iter().flatten().flatten();
+        let begun = files.filter(|f| f.file_name().to_string_lossy().starts_with(UNFINISHED));
+        for file in begun {
+            let _ = std::fs::remove_file(file.path());
+        }
+    }
+}
+
 /// `derived/sessions/<id>/`: the calibrated logs, the readings and the normalised rows of one session, as links to the cache's objects
 /// (copies where the file system has no links).
 fn link_session(engine: &Engine, session: &SessionResult, options: &RunOptions) -> Result<()> {
@@ -168,9 +184,11 @@ fn link(object: &Path, path: &Path, size: u64) -> Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).map_err(Error::io("create the folder", folder))?;
     let _ = std::fs::remove_file(path);
-    std::fs::hard_link(object, path)
-        .or_else(|_| std::fs::copy(object, path).map(|_| ()))
-        .map_err(Error::io("write", path))
+    if std::fs::hard_link(object, path).is_ok() {
+        return Ok(());
+    }
+    let bytes = std::fs::read(object).map_err(Error::io("read", object))?;
+    write_atomically(path, &bytes)
 }
 
 #[cfg(unix)]

@@ -10,6 +10,8 @@
 //! Everything that a stage reads comes through [`engine::Engine::step`], which derives its key; a stage function itself is pure: values
 //! in, values out. The result is independent of the number of jobs, because units meet only in sorted collections.
 
+pub mod ancestry;
+pub mod cache;
 pub mod diagnosis;
 pub mod engine;
 pub mod groups;

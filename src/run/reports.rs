@@ -3,7 +3,6 @@
 use crate::base::error::{Error, Result};
 use crate::base::row::Row;
 use crate::cache::Digest;
-use crate::cache::store::Entry;
 use crate::config::flatten;
 use crate::formats::discover::Discovery;
 use crate::run::RunOptions;
@@ -58,7 +57,7 @@ pub fn process(
             return Ok(Written::default());
         };
         for (stage, entry) in [("ingest", i), ("clean", c), ("normalize", n)] {
-            inputs.insert(format!("{} {stage}", session.id), digest_of(entry));
+            inputs.insert(format!("{} {stage}", session.id), entry.digest());
         }
     }
     for result in groups {
@@ -67,14 +66,14 @@ pub fn process(
             return Ok(Written::default());
         };
         let name = format!("{} {} mm", result.group.campaign, result.group.diameter_mm);
-        inputs.insert(format!("{name} fit"), digest_of(f));
-        inputs.insert(format!("{name} compare"), digest_of(c));
+        inputs.insert(format!("{name} fit"), f.digest());
+        inputs.insert(format!("{name} compare"), c.digest());
         if let Some(diagnose) = &result.diagnose {
             let Some(d) = diagnose.entry() else {
                 engine.waits(REPORT, UNIT, &format!("diagnose of {name}"))?;
                 return Ok(Written::default());
             };
-            inputs.insert(format!("{name} diagnose"), digest_of(d));
+            inputs.insert(format!("{name} diagnose"), d.digest());
         }
     }
     let knee = done.torque.campaigns.iter().map(|(id, s)| (id.as_str(), s));
@@ -84,11 +83,11 @@ pub fn process(
             engine.waits(REPORT, UNIT, &format!("torque of {name}"))?;
             return Ok(Written::default());
         };
-        inputs.insert(format!("{name} torque"), digest_of(entry));
+        inputs.insert(format!("{name} torque"), entry.digest());
     }
     let mut keyed = flatten("report", &options.config.report)?;
     keyed.extend(flatten("fit", &options.config.fit)?);
-    let input_digest = combined(&inputs);
+    let input_digest = Digest::of_named(inputs.iter());
     let step = engine.step(REPORT, UNIT, keyed, inputs, || {
         let input = gather(engine, discovery, done, &input_digest)?;
         report::report(&input, &options.config)
@@ -106,19 +105,24 @@ fn provenance(done: &Done) -> Vec<Provenance> {
             unit,
             kind,
             inputs: inputs.to_string(),
-            outputs: digest_of(last.entry()?).to_string(),
+            outputs: last.entry()?.digest().to_string(),
         })
     };
     let of_sessions = done.sessions.iter().filter_map(|s| {
-        let read = digest_of(s.ingest.entry()?);
+        let read = s.ingest.entry()?.digest();
         row(s.id.clone(), "session", read, &s.normalize)
     });
     let of_groups = done.groups.iter().filter_map(|g| {
         let unit = format!("{}, {} mm", g.group.campaign, g.group.diameter_mm);
-        row(unit, "fit", combined(&g.fit.entry()?.parts.inputs), &g.fit)
+        row(
+            unit,
+            "fit",
+            Digest::of_named(g.fit.entry()?.parts.inputs.iter()),
+            &g.fit,
+        )
     });
     let of_torque = done.torque.campaigns.iter().filter_map(|(campaign, step)| {
-        let inputs = combined(&step.entry()?.parts.inputs);
+        let inputs = Digest::of_named(step.entry()?.parts.inputs.iter());
         row(campaign.clone(), "torque", inputs, step)
     });
     of_sessions.chain(of_groups).chain(of_torque).collect()
@@ -132,25 +136,6 @@ fn discovery_digest(discovery: &Discovery) -> Result<Digest> {
         .collect();
     let json = serde_json::to_vec(&(unusable, &discovery.diagnostics)).map_err(Error::internal)?;
     Ok(Digest::of(&json))
-}
-
-/// One digest over all outputs of an entry.
-fn digest_of(entry: &Entry) -> Digest {
-    combined(
-        &entry
-            .outputs
-            .iter()
-            .map(|(n, o)| (n.clone(), o.digest.clone()))
-            .collect(),
-    )
-}
-
-fn combined(digests: &BTreeMap<String, Digest>) -> Digest {
-    let lines: Vec<String> = digests
-        .iter()
-        .map(|(name, d)| format!("{name:?} {d}\n"))
-        .collect();
-    Digest::of(lines.concat().as_bytes())
 }
 
 fn gather(

@@ -94,7 +94,7 @@ fn an_undeclared_effect_is_found_with_its_size_and_the_held_out_error_falls() {
             "{id}: {} for {truth}",
             p.value
         );
-        assert!(effect.p_adjusted < 1e-3 && effect.selected_in_folds >= 0.9);
+        assert!(effect.p_adjusted < 1e-3 && effect.selected_in_resamples >= 0.9);
         assert!(
             found.after.rmse_heldout_own_strength < 0.9 * found.before.rmse_heldout_own_strength,
             "{id}: {:?} {:?}",

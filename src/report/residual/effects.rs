@@ -31,10 +31,10 @@ fn facts(e: &EffectFinding) -> Vec<(&'static str, String)> {
     let mut facts = vec![("p, corrected", p.trim_start_matches("= ").to_owned())];
     if e.criterion_gain != 0.0 {
         let gain = rounded(e.criterion_gain, Rounding::Decimals(1));
-        let again = format!("{} of the resamples", percent(e.selected_in_folds));
+        let again = format!("{} of the resamples", percent(e.selected_in_resamples));
         let helps = format!("in {} of the folds", percent(e.helps_in_folds));
         facts.push(("gain in the criterion", gain));
-        let folds = format!("in {} of the folds", percent(e.chosen_in_folds));
+        let folds = format!("in {} of the folds", percent(e.selected_in_folds));
         facts.push(("chosen again", again));
         facts.push(("chosen by their own search", folds));
         facts.push(("helps", helps));

@@ -53,7 +53,7 @@ fn columns() -> Vec<Column> {
         Column::interval("ci", "95%", ""),
         Column::text("unit", "Unit"),
         Column::number("p_adjusted", "\\v{p}", ""),
-        machines(Column::number("selected_in_folds", "Chosen again", "")),
+        machines(Column::number("selected_in_folds", "Chosen in folds", "")),
         machines(Column::number("helps_in_folds", "Helps", "")),
         Column::number("rmse_heldout_before", "Without", "N"),
         Column::number("rmse_heldout_after", "With", "N"),

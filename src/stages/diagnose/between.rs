@@ -2,8 +2,10 @@
 //!
 //! A dependence of the force on the resting length that the base model lacks is taken up by the strengths, so no sum over readings shows
 //! it; and counting readings would be wrong, because there are as many facts as specimens. The strengths are regressed on the
-//! trace of each such effect, and Student's t has K - 2 degrees of freedom.
+//! trace of each such effect, and Student's t has K - 2 degrees of freedom. A gain of all readings is a mean of the strengths that is not that
+//! of the base model: nothing but the strengths shows it where no coefficient of the base is fitted, and t has K - 1 degrees.
 
+use super::base::Base;
 use super::data::{Data, PLACEBO};
 use super::model::Fitted;
 use super::search::Search;
@@ -12,13 +14,23 @@ use crate::base::columns::TEMPERATURE;
 use crate::effects::{self, Applied, Need};
 use crate::numerics::distributions::student_t_two_sided;
 
+/// The effect that is a gain of all readings.
+const COMMON_GAIN: &str = "force_gain";
 /// Fewest specimens of such a regression.
 const FEWEST: usize = 4;
 
 /// Whether an effect acts alike on all readings of a specimen.
-pub fn is_between(term: &Term) -> bool {
-    term.form()
-        .is_some_and(|f| f.needs.contains(&Need::RestLengths))
+pub fn is_between(base: &Base, term: &Term) -> bool {
+    is_common_gain(base, term)
+        || term
+            .form()
+            .is_some_and(|f| f.needs.contains(&Need::RestLengths))
+}
+
+/// Whether a term is one gain of all readings, beside a base of which nothing is fitted.
+pub fn is_common_gain(base: &Base, term: &Term) -> bool {
+    let fitted = base.coefficients.iter().any(|c| c.free);
+    !fitted && term.scope == Scope::Whole && term.id() == Some(COMMON_GAIN)
 }
 
 /// The strengths on a trace: slope, its p, and the share of the strengths' variance that it explains.
@@ -39,7 +51,12 @@ pub fn regression(
     candidate: usize,
     weights: &[f64],
 ) -> Option<Regression> {
-    straight_line(&points(search, fitted, candidate, weights))
+    let points = points(search, fitted, candidate, weights);
+    if is_common_gain(search.base, &search.candidates[candidate]) {
+        through_the_origin(&points)
+    } else {
+        straight_line(&points)
+    }
 }
 
 /// Trace, strength and weight of each specimen that has a weight.
@@ -104,6 +121,27 @@ fn straight_line(points: &[(f64, f64, f64)]) -> Option<Regression> {
     })
 }
 
+/// The strengths as a multiple of the trace: what a gain of all readings does.
+fn through_the_origin(points: &[(f64, f64, f64)]) -> Option<Regression> {
+    let n = points.len() as f64;
+    if points.len() < FEWEST - 1 {
+        return None;
+    }
+    let sum = |f: &dyn Fn(&(f64, f64, f64)) -> f64| points.iter().map(|p| p.2 * f(p)).sum::<f64>();
+    let (xx, xy) = (sum(&|p| p.0 * p.0), sum(&|p| p.0 * p.1));
+    let yy = sum(&|p| p.1 * p.1);
+    if xx <= 0.0 || yy <= 0.0 {
+        return None;
+    }
+    let share = xy * xy / (xx * yy);
+    let t = (share * (n - 1.0) / (1.0 - share).max(1e-12)).sqrt();
+    Some(Regression {
+        slope: xy / xx,
+        p: student_t_two_sided(t, n - 1.0),
+        share,
+    })
+}
+
 /// In which part of the specimens the strength is nearer to what the others' regression says of it than to the others' mean.
 pub fn helps(search: &Search, fitted: &Fitted, candidate: usize) -> f64 {
     let points = points(
@@ -119,11 +157,14 @@ pub fn helps(search: &Search, fitted: &Fitted, candidate: usize) -> f64 {
             .filter(|(j, _)| j != k)
             .map(|(_, p)| *p)
             .collect();
+        let (x, y, _) = points[*k];
+        if is_common_gain(search.base, &search.candidates[candidate]) {
+            return through_the_origin(&others).is_some_and(|r| (y - r.slope * x).abs() < y.abs());
+        }
         let mean = |f: fn(&(f64, f64, f64)) -> f64| {
             others.iter().map(f).sum::<f64>() / others.len().max(1) as f64
         };
         let (x0, y0) = (mean(|p| p.0), mean(|p| p.1));
-        let (x, y, _) = points[*k];
         straight_line(&others).is_some_and(|r| (y - y0 - r.slope * (x - x0)).abs() < (y - y0).abs())
     });
     nearer.count() as f64 / points.len().max(1) as f64
@@ -133,7 +174,8 @@ pub fn helps(search: &Search, fitted: &Fitted, candidate: usize) -> f64 {
 fn candidates(search: &Search) -> (Vec<usize>, f64) {
     let list: Vec<usize> = (0..search.candidates.len())
         .filter(|c| {
-            search.candidates[*c].scope == Scope::Whole && is_between(&search.candidates[*c])
+            search.candidates[*c].scope == Scope::Whole
+                && is_between(search.base, &search.candidates[*c])
         })
         .collect();
     (list.clone(), list.len() as f64)

@@ -1,15 +1,19 @@
 //! The whole search inside each fold: errors of base, effects, empirical corrections and black box on readings that took no part.
 
 use super::base::Base;
+use super::belief::believed;
 use super::data::Data;
 use super::findings::FoldErrors;
 use super::folds::{Fold, Tally};
 use super::model::{Fitted, Model};
 use super::search::Search;
 use super::term::{Scope, Term, What};
-use super::{believed, black_box, judge};
+use super::{black_box, judge};
 use crate::config::DiagnoseOptions;
 use rayon::prelude::*;
+
+/// A held-out error that falls by less than this share does not fall.
+pub(crate) const FALLS: f64 = 0.005;
 
 /// The held-out errors of base, effects, empirical corrections and black box.
 #[derive(Clone, Debug, Default)]
@@ -20,6 +24,28 @@ pub(crate) struct HeldOut {
     pub black_box: Option<f64>,
     pub black_box_after: Option<f64>,
     pub by_unit: Vec<FoldErrors>,
+}
+
+impl HeldOut {
+    /// Part of the folds whose own search chose one of some effects.
+    pub fn share_that_chose(&self, ids: &[String]) -> f64 {
+        let is_one = |chosen: &String| {
+            let id = chosen.split(' ').next().unwrap_or_default();
+            ids.iter().any(|i| i == id)
+        };
+        let chose = self.by_unit.iter().filter(|u| u.chosen.iter().any(is_one));
+        chose.count() as f64 / self.by_unit.len().max(1) as f64
+    }
+
+    /// Whether the error of what the folds chose is smaller than that of the base model: in total, or with each unit's own strength.
+    pub fn falls(&self) -> bool {
+        let falls = |a: f64, b: f64| b < (1.0 - FALLS) * a;
+        falls(self.before.rmse(), self.after.rmse())
+            || falls(
+                self.before.rmse_own_strength(),
+                self.after.rmse_own_strength(),
+            )
+    }
 }
 
 /// The whole search in every fold (`search`), or the base model alone.

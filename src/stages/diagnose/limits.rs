@@ -4,12 +4,14 @@
 //! refitted, and from the residual that is left.
 
 use super::answer::summary::with_unit;
+use super::between;
 use super::findings::{Alias, DetectionLimit, NotMeasurable};
 use super::judge::ALIKE;
 use super::linear::{BLIND, Information, Linear, Stand};
 use super::search::{LEAST_FALL, Search, State};
 use super::term::Scope;
 use crate::effects::{self, Effect};
+use std::collections::BTreeSet;
 
 /// Standard errors at which an effect passes all guards.
 const SURE: f64 = 6.0;
@@ -49,6 +51,13 @@ pub fn limits(search: &Search, state: &State) -> Limits {
             why,
         };
         let whole = on_all_readings(search, *effect);
+        if let Some(c) = whole
+            .iter()
+            .find(|c| between::is_common_gain(search.base, &search.candidates[**c]))
+        {
+            limits.detection.extend(limit_of_gain(search, state, *c));
+            continue;
+        }
         let Some((candidate, information)) = most_visible(&stand, &whole) else {
             let why = why_not(search, e, &whole);
             limits.not_measurable.push(not_measurable(why));
@@ -78,6 +87,20 @@ pub fn limits(search: &Search, state: &State) -> Limits {
     }
     limits.aliases = aliases(search, &stand, &shown);
     limits
+}
+
+/// The smallest gain of all readings that the strengths of the specimens would show beside a base that is not fitted.
+fn limit_of_gain(search: &Search, state: &State, candidate: usize) -> Option<DetectionLimit> {
+    let term = &search.candidates[candidate];
+    let form = term.form()?;
+    let specimens: BTreeSet<usize> = search.data.specimen.iter().copied().collect();
+    Some(DetectionLimit {
+        id: term.id()?.to_owned(),
+        form: form.name.to_owned(),
+        smallest: SURE * state.fitted.scatter / (specimens.len() as f64).sqrt(),
+        unit: form.amplitude.unit.to_owned(),
+        visible: 1.0,
+    })
 }
 
 /// The candidates of an effect with one value for all readings. One unit for an effect, that of its first form, so that campaigns can be

@@ -16,6 +16,7 @@
 
 pub mod answer;
 pub mod base;
+mod belief;
 pub mod between;
 pub mod black_box;
 pub mod candidates;
@@ -53,7 +54,7 @@ use judge::Judgement;
 use model::{Fitted, Model};
 use search::{Search, State};
 use std::collections::BTreeSet;
-use term::{Scope, Term};
+use term::Term;
 
 /// Raised when results change without a change of this stage's source files.
 pub const VERSION: u32 = 1;
@@ -69,6 +70,8 @@ pub struct Diagnosis {
 
 /// Fewest readings that are searched.
 const FEWEST_READINGS: usize = 20;
+/// What a zero log shows if the first is so, and does not if the second is.
+const ZERO_OR_THRESHOLD: [&str; 2] = ["pressure_zero_offset", "bladder_threshold"];
 /// Largest corrected p of a question at which the search goes on.
 const WORTH_ASKING: f64 = 0.05;
 
@@ -134,21 +137,34 @@ pub fn diagnose(
         judge::SIGNIFICANT.0,
     );
     let null = search.state(Vec::new(), None);
-    let questions = ask(&search, &null, options);
-    let something = questions.iter().any(|q| q.p_adjusted < WORTH_ASKING);
+    let mut questions = ask(&search, &null, options);
+    questions.extend(noise::between_set_points(&thin, &null.fitted.residuals));
+    // What acts alike on all readings of a specimen is no question of a column: the strengths answer.
+    let by_strengths = between::asked_for(&search, &null.fitted);
+    let something = questions.iter().any(|q| q.p_adjusted < WORTH_ASKING)
+        || by_strengths.is_some_and(|(_, p)| p < judge::SIGNIFICANT.0);
     let (best, judgements, rejected) = if something {
-        believed(&search, options.seed)
+        belief::by_zero_logs(&search, belief::believed(&search, options.seed))
     } else {
         (null.clone(), Vec::new(), Vec::new())
     };
-    let held = held_out(
-        &base,
-        &all,
-        &candidates,
-        &folds,
-        something && !best.chosen.is_empty(),
-        options,
-    );
+    let held_by = |search: bool| held_out(&base, &all, &candidates, &folds, search, options);
+    let mut found = belief::Found {
+        held: held_by(something && !best.chosen.is_empty()),
+        best,
+        judgements,
+        rejected,
+    };
+    if found.was_not_found_again(&search) {
+        found.drop_effects(&search);
+        found.held = held_by(false);
+    }
+    let belief::Found {
+        held,
+        best,
+        judgements,
+        rejected,
+    } = found;
     let work = Work {
         group,
         options,
@@ -203,30 +219,6 @@ fn without_mistakes<'a>(
         .filter(|r| !aside.contains(r.session.as_str()))
         .collect();
     (suspects, rows)
-}
-
-/// The additions that pass every guard.
-fn believed(search: &Search, seed: u64) -> (State, Vec<Judgement>, Vec<Rejected>) {
-    let inner = inner_folds(search.data);
-    let (state, judgements, mut rejected) = judge::judged(search, &search.run(), &inner, seed);
-    let (state, judgements, each) =
-        judge::with_each_session(search, state, judgements, &inner, seed);
-    rejected.extend(each);
-    // What the sessions' own values hid can be seen beside them.
-    let by_session = |c: &usize| search.candidates[*c].scope == Scope::EachSession;
-    if state.chosen.iter().any(by_session) {
-        let (further, more, failed) = judge::judged(search, &search.further(&state), &inner, seed);
-        if further.chosen.len() > state.chosen.len() {
-            rejected.extend(failed);
-            return (further, more, rejected);
-        }
-    }
-    (state, judgements, rejected)
-}
-
-/// Specimens left out one at a time (or sessions, logs): the folds in which a single addition is judged.
-fn inner_folds(data: &Data) -> Vec<Fold> {
-    folds::folds(data, &vec![false; data.len()]).0
 }
 
 fn base_model(

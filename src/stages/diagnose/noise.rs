@@ -1,9 +1,41 @@
 //! What repeated readings show: the error that no model explains.
 
 use super::data::Data;
+use super::findings::Question;
+use crate::numerics::distributions::f_upper_tail;
+
+/// Name of the question whether the residual differs between set points by more than readings of one set point do.
+pub const SET_POINT: &str = "set_point";
+/// Residuals of up to so many times the scatter of repeats are no matter of this question: mountings and zeros differ a little from
+/// session to session.
+const MISFIT: f64 = 2.0;
+/// Fewest pairs of repeated readings.
+const FEWEST: usize = 10;
+
+/// The question of misfit: mean square of the residual against that of repeats, as an F of which so much is allowed ([`MISFIT`]). A residual
+/// whose sign changes from specimen to specimen may depend on no column and yet be no noise. None without repeats.
+pub fn between_set_points(data: &Data, residuals: &[f64]) -> Option<Question> {
+    let (sd, pairs) = repeats(data, residuals)?;
+    let readings = residuals.len() as f64;
+    let mean_square = residuals.iter().map(|r| r * r).sum::<f64>() / readings;
+    let ratio = mean_square / (sd * sd).max(f64::MIN_POSITIVE);
+    let p = f_upper_tail(ratio / (MISFIT * MISFIT), readings, pairs as f64);
+    Some(Question {
+        column: SET_POINT.to_owned(),
+        blocks: format!("nothing: F, beyond {MISFIT} times the scatter of repeats"),
+        share: (1.0 - 1.0 / ratio).max(0.0),
+        p,
+        p_adjusted: p,
+    })
+}
 
 /// Standard deviation of a reading about its neighbours in pressure from other logs of the same session and direction, N.
 pub fn noise_floor(data: &Data, residuals: &[f64]) -> Option<f64> {
+    repeats(data, residuals).map(|(sd, _)| sd)
+}
+
+/// The same with the number of pairs.
+fn repeats(data: &Data, residuals: &[f64]) -> Option<(f64, usize)> {
     let mut keyed: Vec<(usize, i64, f64, usize)> = (0..data.len())
         .map(|i| {
             (
@@ -32,5 +64,6 @@ pub fn noise_floor(data: &Data, residuals: &[f64]) -> Option<f64> {
             0.5 * d * d
         })
         .collect();
-    (squares.len() >= 10).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
+    let pairs = squares.len();
+    (pairs >= FEWEST).then(|| ((squares.iter().sum::<f64>() / pairs as f64).sqrt(), pairs))
 }

@@ -369,7 +369,10 @@ impl<'a> Search<'a> {
             let mut gains: Vec<(f64, usize)> = list
                 .iter()
                 .copied()
-                .filter(|c| !state.chosen.contains(c) && !between::is_between(&self.candidates[*c]))
+                .filter(|c| {
+                    !state.chosen.contains(c)
+                        && !between::is_between(self.base, &self.candidates[*c])
+                })
                 .filter(|c| !self.is_another_form(*c, &state.chosen))
                 .filter_map(|c| {
                     let gain = stand.gain(c);
@@ -463,7 +466,7 @@ impl<'a> Search<'a> {
     fn prune(&self, mut best: State, all: f64) -> State {
         loop {
             let within = (0..best.chosen.len())
-                .filter(|k| !between::is_between(&self.candidates[best.chosen[*k]]));
+                .filter(|k| !between::is_between(self.base, &self.candidates[best.chosen[*k]]));
             let smaller = within.map(|k| {
                 let mut chosen = best.chosen.clone();
                 chosen.remove(k);

@@ -45,11 +45,32 @@ pub fn suspects(base: &Base, data: &Data, published: Option<&Base>) -> Vec<Suspe
     let whole = specimens(base, data, true, &mut found);
     let rest = part(data, |i| !whole.contains(&data.specimen[i]));
     let left = sessions(base, &rest, &mut found);
-    specimens(base, &rest.select(&left), false, &mut found);
+    let bent = specimens(base, &rest.select(&left), false, &mut found);
+    without_sessions_of(&bent, data, &mut found);
     if let Some(published) = published {
         against_published(published, data, &mut found);
     }
     found
+}
+
+/// Drops the sessions of specimens whose own mistake says more; what an effect could not explain stays set aside.
+fn without_sessions_of(specimens: &[usize], data: &Data, found: &mut Vec<Suspect>) {
+    let explained: BTreeSet<&str> = specimens
+        .iter()
+        .map(|k| data.specimens[*k].as_str())
+        .filter(|name| {
+            let what = format!("specimen {name}");
+            found
+                .iter()
+                .any(|s| s.what == what && s.error_then_n.is_some())
+        })
+        .collect();
+    let of = data.specimen_of_session();
+    let sessions: BTreeSet<String> = (0..of.len())
+        .filter(|s| explained.contains(data.specimens[of[*s]].as_str()))
+        .map(|s| format!("session {}", data.sessions[s]))
+        .collect();
+    found.retain(|s| s.set_aside || !sessions.contains(&s.what));
 }
 
 /// Sessions, the worst first and the others then judged without it; returns the readings of those that are not far off.

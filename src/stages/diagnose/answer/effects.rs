@@ -32,18 +32,19 @@ pub(super) fn effects_found(
             };
             let form = term.form()?;
             let described = effects::all()[effect];
+            let class = class(search, judgement, described.id(), work);
             Some(EffectFinding {
                 id: described.id().to_owned(),
                 title: described.title().to_owned(),
                 equation: form.equation.to_owned(),
                 form: form.name.to_owned(),
-                class: class(search, judgement, described.id(), work),
                 scope: scope_word(&term.scope).to_owned(),
                 acts_on: judge::acts_on(term, work.train),
                 parameters: parameters(k, term, fitted, &layout, uncertain, work.train),
                 p_adjusted: judgement.p_adjusted,
-                selected_in_folds: judgement.chosen_again,
-                chosen_in_folds: chosen_in_folds(work, described.id()),
+                selected_in_resamples: judgement.chosen_again,
+                selected_in_folds: work.held.share_that_chose(&class),
+                class,
                 helps_in_folds: judgement.helps,
                 rmse_before: judgement.train.0,
                 rmse_after: judgement.train.1,
@@ -55,14 +56,6 @@ pub(super) fn effects_found(
             })
         })
         .collect()
-}
-
-/// Part of the outer folds that chose an effect.
-fn chosen_in_folds(work: &Work, id: &str) -> f64 {
-    let names = |chosen: &String| chosen.split(' ').next() == Some(id);
-    let units = &work.held.by_unit;
-    let chose = units.iter().filter(|u| u.chosen.iter().any(names)).count();
-    chose as f64 / units.len().max(1) as f64
 }
 
 fn scope_word(scope: &Scope) -> &'static str {

@@ -2,6 +2,7 @@
 
 mod effects;
 mod next;
+mod notes;
 mod readings;
 mod strengths;
 pub(super) mod summary;
@@ -83,8 +84,8 @@ pub(super) fn answer(work: &Work) -> Diagnosis {
     let mut effects = effects::effects_found(work, &search, full, fitted, &fits.uncertain);
     let questions_after = questions_after(&search, &work.best, work);
     let mut unexplained = unexplained::unexplained(work, fitted, &questions_after, search.least_n);
-    let mut notes = notes(work);
-    let by_zero_logs = zero_logs::zero_logs_say(&effects, &work.train.zero_pressures_kpa);
+    let mut notes = notes::notes(work);
+    let by_zero_logs = zero_logs::zero_logs_say(&effects, &work.train.zero_pressures());
     match strengths::strengths(work, fitted, full) {
         Strengths::Usual => {}
         Strengths::Scatter(finding, note) => {
@@ -136,7 +137,7 @@ pub(super) fn answer(work: &Work) -> Diagnosis {
         next_measurement,
         effects,
         unexplained,
-        suspects: work.suspects.clone(),
+        suspects: notes::suspects(work, &fits),
         before: errors.before,
         after: errors.after,
         after_as_chosen: errors.as_chosen,
@@ -209,13 +210,18 @@ fn physical_only<'a>(work: &'a Work, fitted: &Fitted) -> (Model<'a>, Fitted) {
 fn questions_after(search: &Search, best: &State, work: &Work) -> Vec<Question> {
     let predicted = search.model(&best.chosen).predict(&best.fitted, true);
     let columns = questions::columns(search.data, &predicted);
-    questions::ask(
+    let mut list = questions::ask(
         search.data,
         &best.fitted.residuals,
         &columns,
         work.options.permutations,
         work.options.seed,
-    )
+    );
+    list.extend(noise::between_set_points(
+        search.data,
+        &best.fitted.residuals,
+    ));
+    list
 }
 
 fn verdict(work: &Work, effects: &[EffectFinding], unexplained: &[Unexplained]) -> Verdict {
@@ -315,34 +321,4 @@ fn coefficients(
             }
         })
         .collect()
-}
-
-fn notes(work: &Work) -> Vec<String> {
-    let mut notes = Vec::new();
-    if work.passed_over > 0 {
-        notes.push(format!(
-            "{} readings for which the base model has no force took no part",
-            work.passed_over
-        ));
-    }
-    let chance = work.rejected.iter().any(|r| r.id == PLACEBO);
-    notes.push(
-        if !work.searched {
-            "No question was significant, so that nothing was searched."
-        } else if chance {
-            "A shuffled copy of a column was offered to the search, which chose it at first and rejected it: some of what is said here may be \
-             chance."
-        } else {
-            "A shuffled copy of a column (placebo) was offered to the search and not chosen."
-        }
-        .to_owned(),
-    );
-    if work.train.len() > work.options.most_readings {
-        notes.push(format!(
-            "The search saw {} of {} readings, an equal share of each session; errors and intervals are those of all.",
-            work.train.thinned(work.options.most_readings).len(),
-            work.train.len()
-        ));
-    }
-    notes
 }

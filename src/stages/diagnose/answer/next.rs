@@ -1,6 +1,5 @@
 //! What to measure next: the set points at which two explanations that remain differ most, and what would measure an effect by itself.
 
-use super::super::Work;
 use super::super::data::Data;
 use super::super::findings::{Alias, EffectFinding, NextMeasurement, Reading, Unexplained};
 use super::super::limits::Limits;
@@ -8,6 +7,7 @@ use super::super::linear::Linear;
 use super::super::model::Model;
 use super::super::search::{Search, State};
 use super::super::term::Scope;
+use super::super::{Work, noise};
 use super::readings::AS_GOOD;
 use crate::effects;
 
@@ -88,6 +88,11 @@ fn of_column(unexplained: &Unexplained) -> NextMeasurement {
         }
         "session" | "session_order" | "log" | "cycles" => {
             "repeat the first session at the end of the campaign, and one session on two days without taking the actuator out".to_owned()
+        }
+        noise::SET_POINT => {
+            "readings of one set point repeat far better than the model describes them: measure a second specimen at the same set points, and \
+             more contractions, so that its shape can be seen"
+                .to_owned()
         }
         other => format!("repeat a few set points at two values of {other}, everything else as it was, in an order that is drawn"),
     };

@@ -64,7 +64,9 @@ fn beside_no_law(
     reduced: &Base,
     physical: &[Term],
 ) -> Option<Vec<Term>> {
-    let whole = |t: &&Term| t.scope == Scope::Whole && t.id().is_some() && !between::is_between(t);
+    let whole = |t: &&Term| {
+        t.scope == Scope::Whole && t.id().is_some() && !between::is_between(work.base, t)
+    };
     let found: BTreeSet<Option<&str>> = physical.iter().map(Term::id).collect();
     let with =
         |more: Option<&Term>| -> Vec<Term> { physical.iter().chain(more).cloned().collect() };

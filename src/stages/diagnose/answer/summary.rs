@@ -2,10 +2,8 @@
 
 use super::super::Work;
 use super::super::findings::{EffectFinding, Errors, Rejected, Suspect, Unexplained, Verdict};
+use super::super::held_out::FALLS;
 use crate::effects;
-
-/// A held-out error that falls by less than this share does not fall.
-const FALLS: f64 = 0.005;
 
 /// An effect that fewer of the folds found by themselves is not sure.
 const HALF: f64 = 0.5;
@@ -45,7 +43,7 @@ pub(super) fn summary(
         }
         Verdict::Unexplained if !columns.is_empty() => {
             sentences.push(format!(
-                "Something is missing: the residual depends on {columns}, and no effect of the library explains it."
+                "Something is missing: the residual depends on {columns}, and no effect of the library is sure enough to explain it."
             ));
             sentences.extend(nearest(work));
         }
@@ -72,7 +70,7 @@ fn nearest(work: &Work) -> Option<String> {
         .max_by(|a, b| a.share.total_cmp(&b.share))?;
     let title = effects::index(&near.id).map(|k| effects::all()[k].title())?;
     Some(format!(
-        "Nearest comes {title}, which would explain {:.0}% of it: {}.",
+        "Nearest comes {title}, which would explain {:.0}% of it and was not taken: {}.",
         100.0 * near.share,
         near.why
     ))
@@ -87,10 +85,10 @@ fn effect(e: &EffectFinding) -> String {
         "all readings" => String::new(),
         place => format!(" in {place}"),
     };
-    let folds = if e.chosen_in_folds < HALF {
+    let folds = if e.selected_in_folds < HALF {
         format!(
             ", chosen in {:.0}% of the folds only",
-            100.0 * e.chosen_in_folds
+            100.0 * e.selected_in_folds
         )
     } else {
         String::new()

@@ -1,10 +1,10 @@
 //! What depends on a column and has no name in the library.
 
-use super::super::Work;
 use super::super::data::PLACEBO;
 use super::super::findings::{Question, Suspect, Unexplained};
 use super::super::model::Fitted;
 use super::super::term::What;
+use super::super::{Work, noise};
 use crate::numerics::distributions::f_upper_tail;
 use std::collections::BTreeSet;
 
@@ -61,6 +61,9 @@ pub(super) fn unexplained(
             .filter(|s| s.set_aside)
             .map(|s| set_aside(s, work)),
     );
+    // Misfit without a column is worth a word only where nothing else is.
+    let found = !work.judgements.is_empty() || others.len() + list.len() > 1;
+    others.retain(|q| q.column != noise::SET_POINT || !found);
     for question in others {
         if !list.iter().any(|u| u.column == question.column) {
             list.push(Unexplained {

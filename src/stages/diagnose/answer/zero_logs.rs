@@ -1,9 +1,7 @@
 //! What the zero logs say of a zero of the pressure channel: a measurement that the search did not use, and that can decide for it.
 
+use super::super::ZERO_OR_THRESHOLD;
 use super::super::findings::{EffectFinding, ParameterFinding};
-
-/// What a zero log shows if the first is so, and does not if the second is.
-const ZERO_OR_THRESHOLD: [&str; 2] = ["pressure_zero_offset", "bladder_threshold"];
 
 /// A sentence on an effect that is a zero of the pressure channel or the bladder's threshold; none where none of the two was found, or no
 /// zero log shows the pressure. `zero_logs`: one value a session, rising, kPa.

@@ -41,8 +41,8 @@ pub struct Data {
     pub missing: BTreeMap<Need, String>,
     /// Columns of words that are not searched, and why.
     pub notes: Vec<String>,
-    /// What the pressure channel shows without pressure, one value a session that has a zero log, rising, kPa.
-    pub zero_pressures_kpa: Vec<f64>,
+    /// What each session's zero log shows of the pressure, kPa; not a number where there is none.
+    pub zero_pressure_kpa: Vec<f64>,
 }
 
 impl Data {
@@ -87,12 +87,20 @@ impl Data {
         data.conditions = conditions(rows, &data, dates.len() > 1);
         data.extras = extras::extras(rows, &data);
         data.extras.extend(extras::zero_unknown(rows, &data));
-        data.zero_pressures_kpa = zero_pressures(rows, &data);
+        data.zero_pressure_kpa = zero_pressures(rows, &data);
         data.note_what_is_missing(dates.len() > 1);
         let (labels, notes) = labels::labels(rows, &data);
         data.extras.extend(labels);
         data.notes = notes;
         data
+    }
+
+    /// What the zero logs show of the pressure, one value a session that has one, rising, kPa.
+    pub fn zero_pressures(&self) -> Vec<f64> {
+        let known = self.zero_pressure_kpa.iter().copied();
+        let mut known: Vec<f64> = known.filter(|p| p.is_finite()).collect();
+        known.sort_by(f64::total_cmp);
+        known
     }
 
     /// Number of readings.
@@ -126,7 +134,7 @@ impl Data {
                 .collect(),
             missing: self.missing.clone(),
             notes: self.notes.clone(),
-            zero_pressures_kpa: self.zero_pressures_kpa.clone(),
+            zero_pressure_kpa: self.zero_pressure_kpa.clone(),
         }
     }
 
@@ -249,14 +257,12 @@ impl Data {
     }
 }
 
-/// What the zero logs show of the pressure channel, one value a session, rising, kPa.
+/// What each session's zero log shows of the pressure, kPa.
 fn zero_pressures(rows: &[&Row], data: &Data) -> Vec<f64> {
     let mut of_session = vec![f64::NAN; data.sessions.len()];
     for (r, s) in rows.iter().zip(&data.session) {
         of_session[*s] = r.zero_pressure_kpa;
     }
-    of_session.retain(|p| p.is_finite());
-    of_session.sort_by(f64::total_cmp);
     of_session
 }
 

@@ -136,7 +136,7 @@ fn judge(search: &Search, state: &State, k: usize, folds: &[Fold], seed: u64) ->
     others.remove(k);
     let without = search.state(others, None);
     let model = search.model(&state.chosen);
-    let between = between::is_between(term);
+    let between = between::is_between(search.base, term);
     let everyone = vec![1.0; search.data.specimens.len()];
     let p = if between {
         between::regression(search, &without.fitted, candidate, &everyone).map_or(1.0, |r| r.p)

@@ -1,0 +1,332 @@
+//! `pipeline explain`: where a table, figure, report or single number comes from.
+
+use crate::base::diagnostics::nearest;
+use crate::base::error::{Error, Result};
+use crate::cache::hashing;
+use crate::cli::DONE;
+use crate::cli::print::{line, print_json};
+use crate::config::Config;
+use crate::golden::table::Table;
+use crate::run::STAGES;
+use crate::run::ancestry::{Ancestry, Unit};
+use serde_json::json;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+/// Names listed of a stage or of the raw files before the rest is counted.
+const SHOWN: usize = 6;
+
+/// Arguments of `explain`.
+#[derive(Debug, clap::Args)]
+pub struct ExplainArgs {
+    /// A file below reports/ or derived/, a session, or a stage with its unit; `FILE:LINE:COLUMN` for one number of a table
+    pub artifact: String,
+    /// Where the cache and the tidy data are
+    #[arg(long, value_name = "DIR", default_value = "derived")]
+    pub derived: PathBuf,
+    /// Where reports, tables and figures are
+    #[arg(long, value_name = "DIR", default_value = "reports")]
+    pub reports: PathBuf,
+    /// List every session and every raw file
+    #[arg(long, short)]
+    pub verbose: bool,
+    /// Print as JSON, everything
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// One number of a table, with what its row says of where it belongs.
+struct Number {
+    line: usize,
+    column: String,
+    value: String,
+    /// Campaign, session and so on, by column.
+    row: BTreeMap<String, String>,
+}
+
+/// Looks up the artifact and prints its ancestry.
+pub fn command(args: &ExplainArgs) -> Result<u8> {
+    let ancestry = Ancestry::load(&args.derived)?;
+    let (artifact, place) = place(&args.artifact);
+    let (unit, output) = ancestry.find(artifact)?;
+    let number = match (place, &output) {
+        (Some(place), Some(output)) => Some(number(args, output, place)?),
+        (Some(_), None) => {
+            return Err(Error::Usage(format!(
+                "{artifact} is no table; a line and a column need one"
+            )));
+        }
+        (None, _) => None,
+    };
+    let through: BTreeSet<usize> = match &number {
+        Some(number) => narrowed(&ancestry, unit, &number.row),
+        None => ancestry.upstream([unit]),
+    };
+    let told = Told {
+        args,
+        ancestry: &ancestry,
+        unit: &ancestry.units[unit],
+        output,
+        number,
+        through,
+    };
+    if args.json {
+        told.json()?;
+    } else {
+        told.print()?;
+    }
+    Ok(DONE)
+}
+
+/// `FILE:LINE:COLUMN` in its parts.
+fn place(artifact: &str) -> (&str, Option<(usize, &str)>) {
+    let mut parts = artifact.rsplitn(3, ':');
+    if let (Some(column), Some(line), Some(file)) = (parts.next(), parts.next(), parts.next())
+        && let Ok(line) = line.parse()
+    {
+        return (file, Some((line, column)));
+    }
+    (artifact, None)
+}
+
+/// The cell of a table at a line of its file, counted from 1 with the header.
+fn number(args: &ExplainArgs, output: &str, (line, column): (usize, &str)) -> Result<Number> {
+    let path = on_disk(args, output);
+    let table = Table::read(&path)?;
+    let no_column = || {
+        let near = nearest(column, table.columns.iter().map(String::as_str));
+        let hint = near.map_or_else(String::new, |near| format!("; did you mean {near}?"));
+        Error::Usage(format!("{} has no column {column}{hint}", path.display()))
+    };
+    let at = table.column(column).ok_or_else(no_column)?;
+    let row = line.checked_sub(2).and_then(|k| table.rows.get(k));
+    let row = row.ok_or_else(|| {
+        Error::Usage(format!(
+            "{} has lines 2 to {} below its header, and none {line}",
+            path.display(),
+            table.rows.len() + 1
+        ))
+    })?;
+    Ok(Number {
+        line,
+        column: column.to_owned(),
+        value: row[at].clone(),
+        row: table
+            .columns
+            .iter()
+            .cloned()
+            .zip(row.iter().cloned())
+            .collect(),
+    })
+}
+
+fn on_disk(args: &ExplainArgs, output: &str) -> PathBuf {
+    match (
+        output.strip_prefix("reports/"),
+        output.strip_prefix("derived/"),
+    ) {
+        (Some(rest), _) => args.reports.join(rest),
+        (_, Some(rest)) => args.derived.join(rest),
+        _ => PathBuf::from(output),
+    }
+}
+
+/// What a row of a table can depend on: the unit that wrote it, and upstream only what belongs to the session or the campaign that the row
+/// names. A row that names none depends on everything.
+fn narrowed(ancestry: &Ancestry, unit: usize, row: &BTreeMap<String, String>) -> BTreeSet<usize> {
+    let of = |column: &str| row.get(column).filter(|v| !v.is_empty());
+    let units = &ancestry.units;
+    let belongs = |k: &usize| {
+        let name = &units[*k].name;
+        match (of("session"), of("campaign")) {
+            (Some(session), _) => name == session,
+            (None, Some(campaign)) => {
+                let rest = name.strip_prefix(campaign.as_str());
+                let same_diameter =
+                    |rest: &str| of("diameter_mm").is_none_or(|d| rest.trim() == format!("{d} mm"));
+                rest.is_some_and(|rest| {
+                    rest.is_empty() || (rest.starts_with(' ') && same_diameter(rest))
+                })
+            }
+            (None, None) => true,
+        }
+    };
+    let meant: Vec<usize> = units[unit].from.iter().copied().filter(belongs).collect();
+    let mut through = ancestry.upstream(meant);
+    through.insert(unit);
+    through
+}
+
+/// All that is said of an artifact.
+struct Told<'a> {
+    args: &'a ExplainArgs,
+    ancestry: &'a Ancestry,
+    unit: &'a Unit,
+    output: Option<String>,
+    number: Option<Number>,
+    through: BTreeSet<usize>,
+}
+
+impl Told<'_> {
+    fn print(&self) -> Result<()> {
+        if let Some(output) = &self.output {
+            let object = &self.unit.entry.outputs[output];
+            line(format!(
+                "{} ({}, sha256 {})",
+                on_disk(self.args, output).display(),
+                self.state(output),
+                object.digest.short()
+            ));
+        }
+        if let Some(n) = &self.number {
+            line(format!("  line {}, {} = {}", n.line, n.column, n.value));
+        }
+        let set = options_set(self.units())?;
+        for stage in (0..STAGES.len()).rev() {
+            let units: Vec<&Unit> = self.units().filter(|u| u.stage == stage).collect();
+            if units.is_empty() {
+                continue;
+            }
+            line(format!(
+                "{}: {}",
+                STAGES[stage],
+                self.listed(units.iter().map(|u| u.name.as_str()))
+            ));
+            for unit in units.iter().take(1) {
+                line(format!(
+                    "  code {}, version {}",
+                    short(&unit.entry.parts.code),
+                    unit.entry.parts.version
+                ));
+            }
+            for option in set.get(STAGES[stage]).into_iter().flatten() {
+                line(format!("  {option}"));
+            }
+        }
+        let raw = self.raw();
+        line(format!("raw files: {}", raw.len()));
+        let shown = if self.args.verbose { raw.len() } else { SHOWN };
+        for (name, digest) in raw.iter().take(shown) {
+            line(format!("  {name}  sha256 {digest}"));
+        }
+        if raw.len() > shown {
+            line(format!(
+                "  and {} more; --verbose lists all",
+                raw.len() - shown
+            ));
+        }
+        Ok(())
+    }
+
+    fn json(&self) -> Result<()> {
+        let units: Vec<_> = self
+            .units()
+            .map(|u| {
+                let from: Vec<String> = u.from.iter().map(|k| &self.ancestry.units[*k]).map(label).collect();
+                json!({
+                    "stage": u.stage_name(), "unit": u.name, "key": u.key, "code": u.entry.parts.code, "version": u.entry.parts.version,
+                    "options": u.entry.parts.options, "from": from, "given": u.given,
+                })
+            })
+            .collect();
+        let number = self
+            .number
+            .as_ref()
+            .map(|n| json!({ "line": n.line, "column": n.column, "value": n.value, "row": n.row }));
+        let file = self.output.as_ref().map(|o| {
+            json!({ "path": on_disk(self.args, o), "state": self.state(o), "sha256": self.unit.entry.outputs[o].digest.hex() })
+        });
+        let raw: BTreeMap<String, String> = self.raw();
+        print_json(
+            &json!({ "artifact": file, "number": number, "made_by": label(self.unit), "units": units, "raw_files": raw }),
+        )
+    }
+
+    fn units(&self) -> impl Iterator<Item = &Unit> {
+        self.through.iter().map(|k| &self.ancestry.units[*k])
+    }
+
+    /// Whether the file is as the run made it.
+    fn state(&self, output: &str) -> &'static str {
+        match hashing::of_file(&on_disk(self.args, output)) {
+            Ok(digest) if digest == self.unit.entry.outputs[output].digest => "as it was made",
+            Ok(_) => "changed since it was made; `pipeline run` puts it back",
+            Err(_) => "not there; `pipeline run` puts it back",
+        }
+    }
+
+    /// Raw files by folder and name.
+    fn raw(&self) -> BTreeMap<String, String> {
+        let ingest = self.units().filter(|u| u.stage_name() == "ingest");
+        ingest
+            .flat_map(|u| {
+                let folder = u
+                    .entry
+                    .parts
+                    .options
+                    .get("folder")
+                    .map_or("", String::as_str);
+                let file = move |(name, digest): (&String, &crate::cache::Digest)| {
+                    (format!("{folder}/{name}"), digest.hex().to_owned())
+                };
+                u.given.iter().map(file)
+            })
+            .collect()
+    }
+
+    fn listed<'a>(&self, names: impl Iterator<Item = &'a str>) -> String {
+        let names: Vec<&str> = names.collect();
+        let shown = if self.args.verbose {
+            names.len()
+        } else {
+            SHOWN
+        };
+        let mut text = names[..names.len().min(shown)].join(", ");
+        if names.len() > shown {
+            text.push_str(&format!(" and {} more", names.len() - shown));
+        }
+        text
+    }
+}
+
+fn label(unit: &Unit) -> String {
+    format!("{} {}", unit.stage_name(), unit.name)
+}
+
+/// The first digits of a fingerprint.
+fn short(fingerprint: &str) -> &str {
+    let hex = fingerprint.strip_prefix("sha256:").unwrap_or(fingerprint);
+    &hex[..hex.len().min(12)]
+}
+
+/// The options of each stage that differ from the defaults, in words.
+fn options_set<'a>(
+    units: impl Iterator<Item = &'a Unit>,
+) -> Result<BTreeMap<&'static str, BTreeSet<String>>> {
+    let defaults = Config::default().flattened()?;
+    let mut set: BTreeMap<&'static str, BTreeSet<String>> = BTreeMap::new();
+    for unit in units {
+        for (name, value) in &unit.entry.parts.options {
+            if defaults.get(name).is_some_and(|usual| usual != value) {
+                let words = format!("{name} = {value} (default {})", defaults[name]);
+                set.entry(unit.stage_name()).or_default().insert(words);
+            }
+        }
+    }
+    Ok(set)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_is_a_line_and_a_column_behind_the_file() {
+        assert_eq!(
+            place("tables/a.csv:12:rmse"),
+            ("tables/a.csv", Some((12, "rmse")))
+        );
+        assert_eq!(place("tables/a.csv"), ("tables/a.csv", None));
+        assert_eq!(place("C:\\x:y"), ("C:\\x:y", None));
+    }
+}

@@ -1,0 +1,190 @@
+//! `pipeline graph`: the stages and artifacts of the last run as a drawing for Mermaid or Graphviz.
+
+use crate::base::error::Result;
+use crate::cli::DONE;
+use crate::cli::print::{line, print_json};
+use crate::run::STAGES;
+use crate::run::ancestry::{Ancestry, Unit};
+use clap::ValueEnum;
+use serde_json::json;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+/// Arguments of `graph`.
+#[derive(Debug, clap::Args)]
+pub struct GraphArgs {
+    /// Where the cache and the tidy data are
+    #[arg(long, value_name = "DIR", default_value = "derived")]
+    pub derived: PathBuf,
+    /// Language of the drawing
+    #[arg(long, value_enum, default_value = "mermaid")]
+    pub format: Format,
+    /// A node for every session, group and report, not one for a stage
+    #[arg(long)]
+    pub units: bool,
+    /// Print nodes and edges as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What draws it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// Mermaid, as in Markdown
+    Mermaid,
+    /// Graphviz
+    Dot,
+}
+
+/// Nodes with their words, and edges between them.
+#[derive(Debug, Default, PartialEq, Eq)]
+struct Drawing {
+    nodes: BTreeMap<String, String>,
+    edges: BTreeSet<(String, String)>,
+}
+
+/// Prints the drawing.
+pub fn command(args: &GraphArgs) -> Result<u8> {
+    let ancestry = Ancestry::load(&args.derived)?;
+    let drawing = drawing(&ancestry, args.units);
+    if args.json {
+        print_json(&json!({ "nodes": drawing.nodes, "edges": drawing.edges }))?;
+        return Ok(DONE);
+    }
+    line(match args.format {
+        Format::Mermaid => drawing.mermaid(),
+        Format::Dot => drawing.dot(),
+    });
+    Ok(DONE)
+}
+
+fn drawing(ancestry: &Ancestry, each_unit: bool) -> Drawing {
+    let id = |k: usize| {
+        if each_unit {
+            format!("u{k}")
+        } else {
+            ancestry.units[k].stage_name().to_owned()
+        }
+    };
+    let mut drawing = Drawing::default();
+    for (k, unit) in ancestry.units.iter().enumerate() {
+        let words = if each_unit {
+            format!("{} {}", unit.stage_name(), unit.name)
+        } else {
+            let units = ancestry
+                .units
+                .iter()
+                .filter(|u| u.stage == unit.stage)
+                .count();
+            format!("{} ({units})", unit.stage_name())
+        };
+        drawing.nodes.insert(id(k), words);
+        drawing
+            .edges
+            .extend(unit.from.iter().map(|from| (id(*from), id(k))));
+        if unit.stage == 0 {
+            drawing.nodes.insert(
+                "raw".to_owned(),
+                format!("raw ({} files)", raw_files(ancestry)),
+            );
+            drawing.edges.insert(("raw".to_owned(), id(k)));
+        }
+        if unit.stage + 1 == STAGES.len() {
+            for (node, words) in artifacts(unit) {
+                drawing.edges.insert((id(k), node.clone()));
+                drawing.nodes.insert(node, words);
+            }
+        }
+    }
+    drawing
+}
+
+fn raw_files(ancestry: &Ancestry) -> usize {
+    let ingest = ancestry.units.iter().filter(|u| u.stage == 0);
+    ingest.map(|u| u.given.len()).sum()
+}
+
+/// What stands below `reports/`: each report, and the tables and figures by number.
+fn artifacts(report: &Unit) -> Vec<(String, String)> {
+    let names: Vec<&str> = report
+        .entry
+        .outputs
+        .keys()
+        .filter_map(|n| n.strip_prefix("reports/"))
+        .collect();
+    let mut list: Vec<(String, String)> = Vec::new();
+    for folder in ["tables", "figures"] {
+        let stems: BTreeSet<&str> = names
+            .iter()
+            .filter_map(|n| n.strip_prefix(folder)?.strip_prefix('/'))
+            .map(|n| n.rsplit_once('.').map_or(n, |(stem, _)| stem))
+            .collect();
+        list.push((folder.to_owned(), format!("{folder} ({})", stems.len())));
+    }
+    let files = names.iter().filter(|n| !n.contains('/'));
+    list.extend(files.map(|n| (n.replace('.', "_"), (*n).to_owned())));
+    list
+}
+
+impl Drawing {
+    fn mermaid(&self) -> String {
+        let nodes = self
+            .nodes
+            .iter()
+            .map(|(id, words)| format!("  {id}[\"{}\"]", words.replace('"', "'")));
+        let edges = self
+            .edges
+            .iter()
+            .map(|(from, to)| format!("  {from} --> {to}"));
+        let lines: Vec<String> = std::iter::once("flowchart LR".to_owned())
+            .chain(nodes)
+            .chain(edges)
+            .collect();
+        lines.join("\n")
+    }
+
+    fn dot(&self) -> String {
+        let nodes = self
+            .nodes
+            .iter()
+            .map(|(id, words)| format!("  {id} [label={words:?}];"));
+        let edges = self
+            .edges
+            .iter()
+            .map(|(from, to)| format!("  {from} -> {to};"));
+        let first = [
+            "digraph pipeline {".to_owned(),
+            "  rankdir=LR; node [shape=box];".to_owned(),
+        ];
+        let lines: Vec<String> = first
+            .into_iter()
+            .chain(nodes)
+            .chain(edges)
+            .chain(["}".to_owned()])
+            .collect();
+        lines.join("\n")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drawing_has_its_nodes_and_edges_in_both_languages() {
+        let drawing = Drawing {
+            nodes: [("a", "ingest (2)"), ("b", "clean (2)")]
+                .map(|(k, v)| (k.to_owned(), v.to_owned()))
+                .into(),
+            edges: [("a".to_owned(), "b".to_owned())].into(),
+        };
+        assert_eq!(
+            drawing.mermaid(),
+            "flowchart LR\n  a[\"ingest (2)\"]\n  b[\"clean (2)\"]\n  a --> b"
+        );
+        assert!(
+            drawing.dot().contains("a [label=\"ingest (2)\"];")
+                && drawing.dot().ends_with("a -> b;\n}")
+        );
+    }
+}

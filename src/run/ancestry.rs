@@ -1,0 +1,216 @@
+//! Where an artifact comes from: the units of the last run, joined by the digests of what they read and made.
+//!
+//! Nothing is recorded for this beside the cache itself. An input of a unit is an output of another one if their digests agree, and a raw
+//! file if no unit made it, so that an ancestry is what the keys say and no second opinion.
+
+use crate::base::error::{Error, Result};
+use crate::cache::Digest;
+use crate::cache::store::{Entry, Store};
+use crate::run::STAGES;
+use crate::run::cache::STATE;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// A unit of the last run.
+#[derive(Clone, Debug)]
+pub struct Unit {
+    /// Place of its stage in [`STAGES`].
+    pub stage: usize,
+    /// Session, group or report.
+    pub name: String,
+    /// Key of its computation.
+    pub key: Digest,
+    /// What it read and made.
+    pub entry: Entry,
+    /// The units whose outputs it read, by their places.
+    pub from: BTreeSet<usize>,
+    /// Inputs that no unit made, by name: raw files, descriptions.
+    pub given: BTreeMap<String, Digest>,
+}
+
+impl Unit {
+    /// Name of its stage.
+    pub fn stage_name(&self) -> &'static str {
+        STAGES[self.stage]
+    }
+}
+
+/// The units of the last run, in the order of stages and names.
+#[derive(Clone, Debug, Default)]
+pub struct Ancestry {
+    /// All of them.
+    pub units: Vec<Unit>,
+}
+
+impl Ancestry {
+    /// What the last run on `derived/` left.
+    ///
+    /// # Errors
+    /// Nothing has been run there, or an entry is no longer there.
+    pub fn load(derived: &Path) -> Result<Self> {
+        let store = Store::new(&derived.join("cache"));
+        let state: BTreeMap<String, Digest> =
+            serde_json::from_slice(&store.read_aside(STATE)).unwrap_or_default();
+        if state.is_empty() {
+            let place = derived.display();
+            return Err(Error::Usage(format!(
+                "nothing has been run in {place} yet; `pipeline run` does, and --derived DIR names another place"
+            )));
+        }
+        let mut units = Vec::with_capacity(state.len());
+        for (name, key) in state {
+            let (stage, unit) = name.split_once('/').unwrap_or((name.as_str(), ""));
+            let Some(stage) = STAGES.iter().position(|s| *s == stage) else {
+                continue;
+            };
+            let entry = store.recorded(&key).ok_or_else(|| {
+                Error::Usage(format!(
+                    "the cache entry of {name} is no longer there; `pipeline run` mends it"
+                ))
+            })?;
+            units.push(Unit {
+                stage,
+                name: unit.to_owned(),
+                key,
+                entry,
+                from: BTreeSet::new(),
+                given: BTreeMap::new(),
+            });
+        }
+        units.sort_by(|a, b| (a.stage, &a.name).cmp(&(b.stage, &b.name)));
+        let mut ancestry = Ancestry { units };
+        ancestry.join();
+        Ok(ancestry)
+    }
+
+    /// Finds out which unit made which input.
+    fn join(&mut self) {
+        let mut made: BTreeMap<Digest, Vec<usize>> = BTreeMap::new();
+        for (k, unit) in self.units.iter().enumerate() {
+            let outputs = unit.entry.outputs.values().map(|o| o.digest.clone());
+            for digest in outputs.chain([unit.entry.digest()]) {
+                made.entry(digest).or_default().push(k);
+            }
+        }
+        for k in 0..self.units.len() {
+            let (mut from, mut given) = (BTreeSet::new(), BTreeMap::new());
+            for (name, digest) in &self.units[k].entry.parts.inputs {
+                let makers = made.get(digest).map_or(&[][..], Vec::as_slice);
+                match self.maker(k, name, makers) {
+                    Some(maker) => {
+                        from.insert(maker);
+                    }
+                    None => {
+                        given.insert(name.clone(), digest.clone());
+                    }
+                }
+            }
+            self.units[k].from = from;
+            self.units[k].given = given;
+        }
+    }
+
+    /// Of the units that made something with an input's digest (equal results have one), the one that the input's name means: the same unit
+    /// in an earlier stage, or one whose name stands in it.
+    fn maker(&self, reader: usize, input: &str, makers: &[usize]) -> Option<usize> {
+        let reader = &self.units[reader];
+        let meant = |k: usize| {
+            let maker = &self.units[k];
+            (
+                maker.stage < reader.stage,
+                maker.name == reader.name || input.contains(&maker.name),
+                input.contains(maker.stage_name()),
+                maker.stage,
+            )
+        };
+        let best = makers.iter().copied().max_by_key(|k| meant(*k))?;
+        (self.units[best].stage < reader.stage).then_some(best)
+    }
+
+    /// Units on which some units depend, themselves included.
+    pub fn upstream(&self, of: impl IntoIterator<Item = usize>) -> BTreeSet<usize> {
+        let mut all = BTreeSet::new();
+        let mut open: Vec<usize> = of.into_iter().collect();
+        while let Some(k) = open.pop() {
+            if all.insert(k) {
+                open.extend(self.units[k].from.iter().copied());
+            }
+        }
+        all
+    }
+
+    /// The unit and the output that an artifact is: a file below `reports/` or `derived/` as people name it, with or without folders before
+    /// it, or a unit.
+    ///
+    /// # Errors
+    /// No artifact has that name, or several have.
+    pub fn find(&self, artifact: &str) -> Result<(usize, Option<String>)> {
+        let artifact = artifact.trim_start_matches("./");
+        let mut found: Vec<(usize, Option<String>)> = Vec::new();
+        let ends = |name: &str| {
+            name == artifact
+                || name
+                    .strip_suffix(artifact)
+                    .is_some_and(|rest| rest.ends_with('/'))
+                || artifact
+                    .strip_suffix(name)
+                    .is_some_and(|rest| rest.ends_with('/'))
+        };
+        for (k, unit) in self.units.iter().enumerate() {
+            let in_place =
+                |name: &&String| name.starts_with("reports/") || name.starts_with("derived/");
+            let outputs = unit.entry.outputs.keys().filter(in_place);
+            found.extend(
+                outputs
+                    .filter(|n| ends(n) || stem(n) == artifact)
+                    .map(|n| (k, Some(n.clone()))),
+            );
+        }
+        if found.len() > 1 && !artifact.contains('.') {
+            // A bare name means the table as data: every table has four formats.
+            found.retain(|(_, n)| {
+                n.as_ref()
+                    .is_some_and(|n| n.ends_with(".csv") || n.ends_with(".svg"))
+            });
+        }
+        if found.is_empty() {
+            let last = |unit: &Unit| {
+                unit.name == artifact || format!("{} {}", unit.stage_name(), unit.name) == artifact
+            };
+            let named = (0..self.units.len()).filter(|k| last(&self.units[*k]));
+            found.extend(named.last().map(|k| (k, None)));
+        }
+        match found.len() {
+            1 => Ok(found.swap_remove(0)),
+            0 => Err(Error::Usage(self.no_such(artifact))),
+            n => {
+                let names: Vec<&str> = found
+                    .iter()
+                    .filter_map(|(_, n)| n.as_deref())
+                    .take(5)
+                    .collect();
+                Err(Error::Usage(format!(
+                    "{n} artifacts are called {artifact}: {}; give more of the path",
+                    names.join(", ")
+                )))
+            }
+        }
+    }
+
+    fn no_such(&self, artifact: &str) -> String {
+        let all = self.units.iter().flat_map(|u| u.entry.outputs.keys());
+        let names: BTreeSet<&str> = all.filter_map(|n| n.rsplit('/').next()).collect();
+        let file = artifact.rsplit('/').next().unwrap_or(artifact);
+        let hint = crate::base::diagnostics::nearest(file, names.iter().copied())
+            .map_or_else(String::new, |near| format!("; did you mean {near}?"));
+        format!(
+            "the last run made no {artifact}; give a file below reports/, such as tables/coefficients.csv, or a session or campaign{hint}"
+        )
+    }
+}
+
+/// The file name without folders and ending.
+fn stem(name: &str) -> &str {
+    let file = name.rsplit('/').next().unwrap_or(name);
+    file.rsplit_once('.').map_or(file, |(stem, _)| stem)
+}

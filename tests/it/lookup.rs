@@ -1,0 +1,123 @@
+//! `explain`, `graph` and `gc` on what a run left.
+
+use crate::support::Bench;
+
+fn done() -> Bench {
+    let bench = Bench::small();
+    assert_eq!(bench.run(&["run"]).code, 0);
+    bench
+}
+
+#[test]
+fn a_number_leads_back_to_the_files_of_its_session() {
+    let bench = done();
+    let rows = bench.table("plateaus");
+    let line = rows
+        .iter()
+        .position(|r| r["session"] == "small-b-c50")
+        .unwrap()
+        + 2;
+    let cell = format!("reports/tables/plateaus.csv:{line}:force_n");
+    let said = bench.run(&["explain", &cell]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(
+        said.out.contains(&format!(
+            "line {line}, force_n = {}",
+            rows[line - 2]["force_n"]
+        )),
+        "{}",
+        said.out
+    );
+    assert!(
+        said.out.contains("small/b/c50/test8.csv") && !said.out.contains("small/a/"),
+        "{}",
+        said.out
+    );
+    assert!(said.out.contains("as it was made"), "{}", said.out);
+    assert!(
+        !said.out.contains("diagnose:"),
+        "a reading depends on no search: {}",
+        said.out
+    );
+}
+
+#[test]
+fn a_report_leads_back_to_every_raw_file_and_json_says_it_all() {
+    let bench = done();
+    let said = bench.run(&["explain", "force.pdf", "--json"]);
+    let told: serde_json::Value = serde_json::from_str(&said.out).unwrap();
+    let raw = bench.snapshot("raw").len();
+    assert_eq!(told["raw_files"].as_object().unwrap().len(), raw);
+    assert_eq!(told["units"].as_array().unwrap().len(), 22);
+    assert_eq!(told["made_by"], "report reports");
+}
+
+#[test]
+fn a_changed_file_an_option_and_a_wrong_name_are_said() {
+    let bench = Bench::small();
+    std::fs::write(
+        bench.root().join("pipeline.toml"),
+        "[clean]\nsettle_s = 0.2\n",
+    )
+    .unwrap();
+    assert_eq!(bench.run(&["run"]).code, 0);
+    std::fs::write(bench.root().join("reports/tables/zeros.csv"), "mine\n").unwrap();
+    let said = bench.run(&["explain", "tables/zeros.csv"]);
+    assert!(
+        said.out.contains("changed since it was made"),
+        "{}",
+        said.out
+    );
+    assert!(
+        said.out.contains("clean.settle_s = 0.2 (default 0.15)"),
+        "{}",
+        said.out
+    );
+    let said = bench.run(&["explain", "zeroes.csv"]);
+    assert_eq!(said.code, 2);
+    assert!(said.err.contains("did you mean zeros.csv?"), "{}", said.err);
+    let said = Bench::empty().run(&["explain", "zeros.csv"]);
+    assert_eq!(said.code, 2);
+    assert!(said.err.contains("pipeline run"), "{}", said.err);
+}
+
+#[test]
+fn the_graph_joins_the_stages_from_raw_files_to_reports() {
+    let bench = done();
+    let said = bench.run(&["graph"]);
+    for edge in [
+        "raw --> ingest",
+        "ingest --> clean",
+        "clean --> normalize",
+        "normalize --> fit",
+        "fit --> compare",
+        "compare --> report",
+        "report --> force_pdf",
+    ] {
+        assert!(said.out.contains(edge), "{edge} in {}", said.out);
+    }
+    let units = bench.run(&["graph", "--format", "dot", "--units"]);
+    assert!(units.out.contains("clean small-b-c50"), "{}", units.out);
+}
+
+#[test]
+fn rubbish_goes_and_what_is_needed_stays() {
+    let bench = done();
+    std::fs::write(
+        bench.root().join("pipeline.toml"),
+        "[clean]\nsettle_s = 0.2\n",
+    )
+    .unwrap();
+    assert_eq!(bench.run(&["run"]).code, 0);
+    let before = bench.snapshot("derived/cache").len();
+    let reports = bench.snapshot("reports");
+    let dry = bench.run(&["gc", "--older-than", "0", "--dry-run"]);
+    assert!(dry.out.starts_with("would go: "), "{}", dry.out);
+    assert_eq!(bench.snapshot("derived/cache").len(), before);
+    let gone = bench.run(&["gc", "--older-than", "0"]);
+    assert!(gone.out.starts_with("gone: "), "{}", gone.out);
+    assert!(bench.snapshot("derived/cache").len() < before);
+    let again = bench.run(&["run"]);
+    assert!(again.out.starts_with("nothing to do"), "{}", again.out);
+    assert_eq!(bench.snapshot("reports"), reports);
+}
