@@ -118,12 +118,38 @@ impl Leg<'_> {
         pull: &impl Pull,
         angle: f64,
     ) -> Result<Option<Balance<R>>, Beyond> {
+        let taken = 2.0 * setup.fitting_m + setup.tendon_m;
+        let balance = self.balanced(
+            series,
+            angle,
+            |free: Dual<1>| pull.force(free - taken),
+            |free: R| pull.force(free - taken),
+        )?;
+        Ok(balance.map(|b| Balance {
+            actuator_length: b.actuator_length - taken,
+            ..b
+        }))
+    }
+
+    /// The balance with any law of force, given as a function of the length in m that path and series leave for actuator, fittings and tendon
+    /// ([`Balance::actuator_length`] is that length here): once with the derivative by this length, for Newton's method, and once with those
+    /// of its own parameters, which the balance passes on.
+    ///
+    /// # Errors
+    /// As [`Leg::balance`].
+    pub fn balanced<R: Real>(
+        &self,
+        series: &Series<R>,
+        angle: f64,
+        plain_pull: impl Fn(Dual<1>) -> Dual<1>,
+        pull: impl Fn(R) -> R,
+    ) -> Result<Option<Balance<R>>, Beyond> {
         let plain = series.map(R::value).map(Dual::<1>::constant);
         let yielding = self.yielding(&plain, angle)?;
         let pulled = |force: f64| -> Result<Dual<1>, Beyond> {
             let force = Dual::<1>::variable(force, 0);
             let (path, _) = self.loaded(&yielding, force, angle)?;
-            Ok(pull.force(length_left(setup, &plain, path, force)))
+            Ok(plain_pull(path - plain.axial * force))
         };
         let Some((force, slope)) = solve(pulled)? else {
             return Ok(None);
@@ -131,13 +157,13 @@ impl Leg<'_> {
         let yielding = self.yielding(series, angle)?;
         let held = R::constant(force);
         let (path, _) = self.loaded(&yielding, held, angle)?;
-        let at_held = pull.force(length_left(setup, series, path, held));
+        let at_held = pull(path - series.axial * held);
         let force = at_held.chain(force, 1.0 / slope);
         let (path_length, arm) = self.loaded(&yielding, force, angle)?;
         Ok(Some(Balance {
             force,
             path_length,
-            actuator_length: length_left(setup, series, path_length, force),
+            actuator_length: path_length - series.axial * force,
             arm,
             torque: arm * force,
         }))
@@ -177,11 +203,6 @@ impl Leg<'_> {
         let path = self.path(angle, moved)?;
         Ok((path.length(), path.arm()))
     }
-}
-
-/// l_m under a force, m.
-fn length_left<R: Real>(setup: &Setup, series: &Series<R>, path: R, force: R) -> R {
-    path - 2.0 * setup.fitting_m - setup.tendon_m - series.axial * force
 }
 
 impl<R: Real> Series<R> {

@@ -3,6 +3,7 @@
 mod arms;
 mod centres;
 mod design;
+mod effects;
 mod errors;
 mod fitting_errors;
 mod fittings;
@@ -27,6 +28,7 @@ pub const ALL: &[fn(&ReportInput) -> Table] = &[
     errors::table,
     fittings::table,
     fitting_errors::table,
+    effects::table,
     table1::table,
     arms::table,
     switches::table,
@@ -42,6 +44,7 @@ pub const OF_CAMPAIGN: &[fn(&CampaignTorque) -> Table] = &[
     laws::of_campaign,
     models::of_campaign,
     fittings::of_campaign,
+    effects::of_campaign,
 ];
 
 /// The tables that the pages show once.

@@ -94,6 +94,7 @@ pub(super) fn answer(work: &Work) -> Diagnosis {
     rejected.extend(effects::rivals(&search, work));
     let findings = CampaignFindings {
         campaign: work.group.campaign.clone(),
+        part: None,
         diameter_mm: work.group.diameter_mm,
         simulated: work.group.simulated,
         kind: "isometric".to_owned(),

@@ -1,0 +1,164 @@
+//! What the findings of a joint say in words: summary, notes, and the sets that do nearly as well.
+
+use super::answer::{Answered, label};
+use super::judge::Task;
+use super::refit::Sizes;
+use super::terms::{ALL, place};
+use crate::stages::diagnose::findings::{EffectFinding, Errors, Reading as Alternative, Verdict};
+use std::collections::BTreeSet;
+
+/// Sets whose criterion is within this of the best are shown.
+const NEAR: f64 = 6.0;
+const MOST_SHOWN: usize = 8;
+
+impl Answered<'_, '_> {
+    pub(super) fn summary(
+        &self,
+        verdict: Verdict,
+        effects: &[EffectFinding],
+        before: &Errors,
+        after: &Errors,
+    ) -> String {
+        match verdict {
+            Verdict::EffectFound => {
+                let named: Vec<String> = effects
+                    .iter()
+                    .map(|e| {
+                        let p = &e.parameters[0];
+                        format!("{} ({} = {:.1} {})", e.title, p.name, p.value, p.unit)
+                    })
+                    .collect();
+                format!(
+                    "{}; held-out error {:.2} -> {:.2} N.m",
+                    named.join(" and "),
+                    before.rmse_heldout,
+                    after.rmse_heldout
+                )
+            }
+            Verdict::None => "no structure beyond the scatter between tests".to_owned(),
+            Verdict::Unexplained => {
+                "the residual follows the knee angle, and no effect of the joint stands".to_owned()
+            }
+        }
+    }
+
+    /// The sets that do nearly as well as the best one, with held-out errors and numbers.
+    pub(super) fn alternatives(&self) -> Vec<Alternative> {
+        let best = self.whole.sets.first().map_or(f64::NAN, |s| s.criterion);
+        let task = self.task();
+        let n = self.readings.len() as f64;
+        let near = self.whole.sets.iter();
+        let near = near.filter(|s| {
+            s.criterion < best + NEAR && !s.sizes.terms.contains(&place::PLACEBO)
+        });
+        near.take(MOST_SHOWN)
+            .map(|set| {
+                let sizes = &set.sizes;
+                let held_out: f64 = task.held_out(&sizes.terms, sizes).iter().sum();
+                let names: Vec<&str> = sizes.terms.iter().map(|t| ALL[*t].form).collect();
+                let residuals = sizes.residuals(self.readings);
+                Alternative {
+                    model: format!("rigid + {}", names.join(" + ")),
+                    parameters: sizes.terms.len(),
+                    errors: Errors {
+                        rmse_train: (sizes.sse / n).sqrt(),
+                        rmse_heldout: (held_out / n).sqrt(),
+                        max_abs_error_heldout: residuals.iter().fold(0.0, |m, r| m.max(r.abs())),
+                        rmse_heldout_own_strength: (held_out / n).sqrt(),
+                    },
+                    numbers: sizes.terms.iter().map(|t| label(*t, sizes)).collect(),
+                }
+            })
+            .collect()
+    }
+
+    fn task(&self) -> Task<'_, '_> {
+        Task {
+            readings: self.readings,
+            candidates: self.candidates,
+            confidence: self.confidence,
+        }
+    }
+
+    pub(super) fn notes(&self, tests: &BTreeSet<usize>) -> Vec<String> {
+        let mut notes = Vec::new();
+        if !self.group.by_test {
+            notes.push(format!(
+                "{} of the joint: units are stretches of the angle, and what belongs to the mounting of a test cannot be told from the joint",
+                match tests.len() {
+                    1 => "one test".to_owned(),
+                    n => format!("{n} tests"),
+                }
+            ));
+        }
+        notes.extend(self.both_brackets());
+        if let Some(largest) = self.largest {
+            let named: Vec<String> = largest.terms.iter().map(|t| label(*t, largest)).collect();
+            notes.push(match named.is_empty() {
+                true => "the configuration with most readings alone shows no effect".to_owned(),
+                false => format!(
+                    "the configuration with most readings alone gives {}",
+                    named.join(" and ")
+                ),
+            });
+        }
+        let own: Vec<f64> = self
+            .tests
+            .iter()
+            .filter(|t| t.fitted && t.own_offset_mm.is_finite())
+            .map(|t| t.own_offset_mm)
+            .collect();
+        if own.len() > 1 {
+            let (low, high) = own
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+            notes.push(format!(
+                "tests differ by offsets of the length from {low:.1} to {high:.1} mm: no value for all of them can do better than that allows"
+            ));
+        }
+        let placebo = self.whole.again.iter().filter(|s| s.contains(&place::PLACEBO));
+        let placebo = placebo.count();
+        if placebo > 0 {
+            notes.push(format!(
+                "the shuffled column was chosen in {placebo} of {} searches without one unit: too few readings for the search",
+                self.whole.again.len()
+            ));
+        }
+        notes
+    }
+
+    /// Whether the readings determine the stiffness of both brackets, beside an offset of the length.
+    fn both_brackets(&self) -> Option<String> {
+        let both = [place::LENGTH, place::ORIGIN, place::INSERTION];
+        if !both.iter().all(|t| self.candidates.contains(t)) {
+            return None;
+        }
+        let sizes = Sizes::of(&both, self.readings, None);
+        let judged = self.task().judged(&sizes, &[]);
+        let interval = |term: usize| {
+            let half = judged.iter().find(|j| j.term == term)?.half_width?;
+            let value = sizes.values[term];
+            Some((value - half, value, value + half))
+        };
+        let words = |term: usize| match interval(term) {
+            Some((low, value, high)) => format!(
+                "{} {value:.0} um/N (95% interval {:.0} to {high:.0})",
+                ALL[term].form,
+                low.max(0.0)
+            ),
+            None => format!("{} without an interval", ALL[term].form),
+        };
+        let open = |term: usize| interval(term).is_none_or(|(low, ..)| low <= 0.0);
+        let undetermined = open(place::ORIGIN) || open(place::INSERTION) || !sizes.inside;
+        Some(format!(
+            "both brackets at once: {} and {}; {}",
+            words(place::ORIGIN),
+            words(place::INSERTION),
+            if undetermined {
+                "the torques do not determine both stiffnesses"
+            } else {
+                "the torques determine both"
+            }
+        ))
+    }
+}
