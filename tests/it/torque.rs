@@ -433,3 +433,55 @@ fn the_laboratorys_tests_give_the_known_errors() {
         }
     }
 }
+
+/// The findings of one joint.
+fn joint(findings: &serde_json::Value, part: &str, diameter_mm: u64) -> serde_json::Value {
+    let campaigns = findings["campaigns"].as_array().unwrap();
+    let is = |c: &&serde_json::Value| c["part"] == part && c["diameter_mm"] == diameter_mm;
+    campaigns.iter().find(is).unwrap().clone()
+}
+
+fn findings(bench: &Bench) -> serde_json::Value {
+    let text = std::fs::read_to_string(bench.root().join("reports/findings.json")).unwrap();
+    serde_json::from_str(&text).unwrap()
+}
+
+/// The simulated campaign has fittings that are 15.2 mm longer than stated in all, and a frame that gives way by up to 6 mm; its equations are not
+/// those of the search. The two leave nearly one trace, so that the class has to hold one of them.
+#[test]
+fn the_loop_finds_the_length_that_the_simulated_legs_lack() {
+    let bench = Bench::empty();
+    let raw = Path::new(env!("CARGO_MANIFEST_DIR")).join("raw/simulated-knee");
+    let said = bench.run(&["run", "--raw", raw.to_str().unwrap()]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let found = joint(&findings(&bench), "pinned knee, flexor", 10);
+    assert_eq!(found["verdict"], "effect_found", "{found}");
+    let class = &found["effects"][0]["class"];
+    let holds = |id: &str| class.as_array().unwrap().iter().any(|c| c == id);
+    assert!(
+        holds("length_offset") || holds("series_compliance"),
+        "{found}"
+    );
+    assert!(
+        found["after"]["rmse_heldout"].as_f64().unwrap() < 1.0,
+        "{found}"
+    );
+}
+
+/// The closed-form leg with its own fittings stated is what the rigid model says: nothing is to be found.
+#[test]
+fn the_loop_finds_nothing_in_a_rigid_leg() {
+    let bench = Bench::empty();
+    for (k, id) in ["t1", "t2", "t3", "t4", "t5"].iter().enumerate() {
+        write(&bench, id, "", 0.02 * (k as f64 - 2.0));
+        let file = bench.root().join("raw").join(id).join("session.toml");
+        let text = std::fs::read_to_string(&file).unwrap();
+        let stated = format!("tendon_mm = 0\nfitting_mm = {}", 1e3 * FITTING_M);
+        std::fs::write(&file, text.replace("tendon_mm = 0", &stated)).unwrap();
+    }
+    bench.age();
+    let said = bench.run(&["run"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let found = joint(&findings(&bench), "described knee, flexor", 10);
+    assert_eq!(found["verdict"], "none", "{found}");
+}

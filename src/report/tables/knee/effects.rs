@@ -68,7 +68,7 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
     )
     .note(
         "Held out: effects and sizes found without the actuator (with one actuator, without the test or the stretch of angles). From largest: \
-         found on the configuration with most readings alone. Own offset: by how much the length of the test differs from what was fitted to all. \
+         effects found on all, their sizes fitted to the configuration with most readings alone. Own offset: by how much the length of the test differs from what was fitted to all. \
          Δ\\v{r}: root mean square of the arm measured by hand less the expected one; no fit knows it.",
     );
     for campaign in campaigns {

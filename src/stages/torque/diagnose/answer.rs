@@ -23,6 +23,7 @@ pub(super) struct Answered<'s, 'a> {
     pub group: &'s Group<'a>,
     pub readings: &'s [Reading<'a>],
     pub candidates: &'s [usize],
+    pub most: usize,
     pub whole: &'s Searched,
     pub held_out: &'s [(usize, Sizes)],
     pub largest: Option<&'s Sizes>,
@@ -80,7 +81,8 @@ impl Answered<'_, '_> {
             .map(|j| self.effect(j, &traces))
             .collect();
         let (now, then) = if effects.is_empty() {
-            (rms(&rigid), rms(&smooth))
+            // Effects may stand without an actuator and fall with it: that is structure, too.
+            (rms(&rigid), rms(&smooth).min(rms(&held_out)))
         } else {
             (rms(&held_out), rms(&smooth_after))
         };
@@ -212,7 +214,10 @@ impl Answered<'_, '_> {
         let fold = fold_of(self.readings);
         let of = |out: usize, all: &[f64]| {
             let own = self.readings.iter().zip(all);
-            let own: Vec<f64> = own.filter(|(r, _)| fold(r) == out).map(|(_, e)| *e).collect();
+            let own: Vec<f64> = own
+                .filter(|(r, _)| fold(r) == out)
+                .map(|(_, e)| *e)
+                .collect();
             own
         };
         let one = |(out, sizes): &(usize, Sizes)| {

@@ -4,6 +4,7 @@
 use super::refit::{Reading, Sizes};
 use super::search::{Known, Ranked, ranked};
 use super::terms::{ALL, place};
+use super::traces::{ALIKE, Traces};
 use crate::numerics::distributions::student_t_two_sided;
 use crate::numerics::jackknife::{FEWEST_GROUPS, half_width, standard_error};
 use crate::numerics::statistics::sum_of_squares;
@@ -12,8 +13,8 @@ use std::collections::BTreeSet;
 
 /// Largest corrected probability.
 const SIGNIFICANT: f64 = 0.05;
-/// Sets that are looked at, best first.
-const LOOKED_AT: usize = 12;
+/// Sets of each number of terms that are looked at, best first.
+const LOOKED_AT: usize = 8;
 
 /// The readings of a joint, and what may be chosen.
 #[derive(Clone, Copy)]
@@ -22,6 +23,8 @@ pub struct Task<'r, 'a> {
     pub readings: &'r [Reading<'a>],
     /// Terms.
     pub candidates: &'r [usize],
+    /// Most terms of a set.
+    pub most: usize,
     /// Confidence of intervals.
     pub confidence: f64,
 }
@@ -33,9 +36,9 @@ pub struct Judged {
     pub term: usize,
     /// Half the width of its interval; none with too few units.
     pub half_width: Option<f64>,
-    /// Probability, times the number of candidates.
+    /// Probability, times the number of effects that were asked for.
     pub p_adjusted: f64,
-    /// Part of the searches without one unit that choose its effect.
+    /// Part of the searches without one unit that choose its effect, or one that leaves its trace.
     pub chosen_again: f64,
     /// Part of the folds in which it helps.
     pub helps: f64,
@@ -70,9 +73,15 @@ impl<'r, 'a> Task<'r, 'a> {
             judged: Vec::new(),
         };
         let allowed = (0.1 * again.len() as f64).max(1.0);
-        for set in sets.iter().take(LOOKED_AT) {
-            if set.sizes.terms.is_empty() {
+        let mut looked_at = [0; 3];
+        for set in sets {
+            let terms = set.sizes.terms.len();
+            if terms == 0 {
                 break;
+            }
+            looked_at[terms] += 1;
+            if looked_at[terms] > LOOKED_AT {
+                continue;
             }
             let judged = self.judged(&set.sizes, again);
             let stable = |j: &Judged| (1.0 - j.chosen_again) * again.len() as f64 <= allowed + 1e-9;
@@ -90,7 +99,7 @@ impl<'r, 'a> Task<'r, 'a> {
         let units: Vec<usize> = units.into_iter().collect();
         let without = |unit: &usize| {
             let rest = self.keeping(|r| r.unit != *unit);
-            let sets = ranked(&rest, self.candidates, known);
+            let sets = ranked(&rest, self.candidates, self.most, known);
             sets.first().map_or(Vec::new(), |s| s.sizes.terms.clone())
         };
         units.par_iter().map(without).collect()
@@ -127,6 +136,10 @@ impl<'r, 'a> Task<'r, 'a> {
     pub fn judged(&self, sizes: &Sizes, again: &[Vec<usize>]) -> Vec<Judged> {
         let refits = self.refits(sizes);
         let with = self.held_out(&sizes.terms, sizes);
+        let traces = Traces::new(self.readings, sizes);
+        // Forms of one effect are one question.
+        let ids: BTreeSet<&str> = self.candidates.iter().map(|t| ALL[*t].id).collect();
+        let questions = ids.len() as f64;
         let one = |t: &usize| {
             let values: Vec<f64> = refits.iter().map(|s| s.values[*t]).collect();
             let value = sizes.values[*t];
@@ -140,12 +153,13 @@ impl<'r, 'a> Task<'r, 'a> {
             let others: Vec<usize> = sizes.terms.iter().filter(|o| *o != t).copied().collect();
             let without = self.held_out(&others, sizes);
             let better = with.iter().zip(&without).filter(|(w, o)| w < o).count();
-            let same = |set: &&Vec<usize>| set.iter().any(|o| ALL[*o].id == ALL[*t].id);
+            let alike = |o: &usize| ALL[*o].id == ALL[*t].id || traces.cosine(*t, *o).abs() > ALIKE;
+            let same = |set: &&Vec<usize>| set.iter().any(alike);
             let times = again.iter().filter(same).count();
             Judged {
                 term: *t,
                 half_width: half_width(value, &values, self.confidence),
-                p_adjusted: (p * self.candidates.len() as f64).min(1.0),
+                p_adjusted: (p * questions).min(1.0),
                 chosen_again: if again.is_empty() {
                     1.0
                 } else {

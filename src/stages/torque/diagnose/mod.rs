@@ -8,11 +8,11 @@
 //! | [`terms`] | the effects, with unit, bounds and source |
 //! | [`operator`] | the torque with effects, force in balance at every angle, with derivatives |
 //! | [`refit`] | least squares of any set of effects on any part of the readings |
-//! | [`search`] | every set of up to three, by BIC with the effective number of readings |
+//! | [`search`] | every set of one or two, by BIC with the effective number of readings |
 //! | [`judge`] | what of it stands: jackknife, held-out actuators, chosen again without any one test |
 //! | [`traces`] | which effects the design can tell apart, and the smallest sizes that it can show |
 //! | [`black_box`] | what a smooth curve over the angle would explain |
-//! | [`tests`] | errors of every test: rigid, fitted, held out, and from the largest configuration alone |
+//! | [`tests`] | errors of every test: rigid, fitted, held out, and with sizes from the largest configuration alone |
 //! | [`answer`], `words` | the findings |
 
 pub mod answer;
@@ -116,17 +116,17 @@ pub(crate) struct Searched {
 /// The whole search on readings. Within folds (`outer` false) terms need not be chosen again: the folds are that question.
 pub(crate) fn searched(
     readings: &[Reading],
-    candidates: &[usize],
-    confidence: f64,
     known: &Known,
     outer: bool,
+    (candidates, most, confidence): (&[usize], usize, f64),
 ) -> Searched {
     let task = Task {
         readings,
         candidates,
+        most,
         confidence,
     };
-    let sets = search::ranked(readings, candidates, known);
+    let sets = search::ranked(readings, candidates, most, known);
     let own: Known = sets
         .iter()
         .map(|s| (s.sizes.terms.clone(), s.sizes.clone()))
@@ -139,19 +139,17 @@ pub(crate) fn searched(
     }
 }
 
-fn one(
-    campaign: &str,
-    simulated: bool,
-    group: &Group,
-    confidence: f64,
-) -> Option<JointDiagnosis> {
+fn one(campaign: &str, simulated: bool, group: &Group, confidence: f64) -> Option<JointDiagnosis> {
     let readings = group.searched_readings();
     if readings.len() < FEWEST_READINGS {
         return None;
     }
     let joint = &readings[0].joint;
     let candidates: Vec<usize> = (0..TERMS).filter(|t| joint.has(*t)).collect();
-    let whole = searched(&readings, &candidates, confidence, &Known::new(), true);
+    // Stretches of one test determine one number.
+    let most = if group.by_test { 2 } else { 1 };
+    let asked = (&candidates[..], most, confidence);
+    let whole = searched(&readings, &Known::new(), true, asked);
     let known: Known = whole
         .sets
         .iter()
@@ -161,27 +159,38 @@ fn one(
     let folds: BTreeSet<usize> = readings.iter().map(fold).collect();
     let folds: Vec<usize> = folds.into_iter().collect();
     let without = |out: &usize| {
-        let rest: Vec<Reading> = readings.iter().filter(|r| fold(r) != *out).copied().collect();
-        let found = searched(&rest, &candidates, confidence, &known, false);
+        let rest: Vec<Reading> = readings
+            .iter()
+            .filter(|r| fold(r) != *out)
+            .copied()
+            .collect();
+        let found = searched(&rest, &known, false, asked);
         (*out, found.accepted.sizes)
     };
     let held_out: Vec<(usize, Sizes)> = folds.par_iter().map(without).collect();
-    let largest = group.largest().map(|actuators_tests| {
+    let largest = group.largest().map(|own_tests| {
         let part: Vec<Reading> = readings
             .iter()
-            .filter(|r| actuators_tests.contains(&r.test))
+            .filter(|r| own_tests.contains(&r.test))
             .copied()
             .collect();
-        let found = searched(&part, &candidates, confidence, &known, false);
-        (actuators_tests, found.accepted.sizes)
+        let chosen = &whole.accepted.sizes;
+        (own_tests, Sizes::of(&chosen.terms, &part, Some(chosen)))
     });
-    let tests = tests::errors(group, &whole.accepted.sizes, &held_out, fold, largest.as_ref());
+    let tests = tests::errors(
+        group,
+        &whole.accepted.sizes,
+        &held_out,
+        fold,
+        largest.as_ref(),
+    );
     let answered = answer::Answered {
         campaign,
         simulated,
         group,
         readings: &readings,
         candidates: &candidates,
+        most,
         whole: &whole,
         held_out: &held_out,
         largest: largest.as_ref().map(|(_, sizes)| sizes),
@@ -258,8 +267,9 @@ impl<'a> Group<'a> {
             return;
         }
         for test in 0..self.sessions.len() {
-            let mut places: Vec<usize> =
-                (0..self.all.len()).filter(|k| self.all[*k].test == test).collect();
+            let mut places: Vec<usize> = (0..self.all.len())
+                .filter(|k| self.all[*k].test == test)
+                .collect();
             places.sort_by(|a, b| {
                 let angle = |k: &usize| self.all[*k].at.angle_rad;
                 angle(a).total_cmp(&angle(b)).then(a.cmp(b))
@@ -298,7 +308,9 @@ fn shuffled<'a>(mut readings: Vec<Reading<'a>>, session: &str) -> Vec<Reading<'a
     }
     let (low, high) = angles
         .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), a| (l.min(*a), h.max(*a)));
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), a| {
+            (l.min(*a), h.max(*a))
+        });
     for (reading, angle) in readings.iter_mut().zip(angles) {
         let width = (high - low).max(f64::MIN_POSITIVE);
         reading.at.placebo = 2.0 * (angle - low) / width - 1.0;

@@ -1,14 +1,11 @@
-//! Which set of terms a part of the readings asks for: every set of up to two, and the best of those with a third.
+//! Which set of terms a part of the readings asks for: every set of one or two. No set of three did better on actuators that were held out.
 //!
 //! Sets are ranked by BIC with the effective number of readings: those of one unit share how the actuator was mounted, which leaves about
 //! n / (1 + (m - 1) rho) independent ones, with m readings a unit and rho the share of the variance between units in what the best set leaves.
 
 use super::refit::{Reading, Sizes};
 use crate::numerics::statistics::{mean, sum_of_squares};
-use std::collections::{BTreeMap, BTreeSet};
-
-/// Sets of two that a third term is tried with.
-const EXTENDED: usize = 3;
+use std::collections::BTreeMap;
 
 /// A set of terms with its criterion, smaller is better.
 #[derive(Clone, Debug)]
@@ -22,8 +19,13 @@ pub struct Ranked {
 /// Fits of sets of terms to all readings, from which those to parts of them start.
 pub type Known = BTreeMap<Vec<usize>, Sizes>;
 
-/// Every set that was looked at, best first; the rigid leg is among them.
-pub fn ranked(readings: &[Reading], candidates: &[usize], known: &Known) -> Vec<Ranked> {
+/// Every set of up to `most` terms (1 or 2), best first; the rigid leg is among them.
+pub fn ranked(
+    readings: &[Reading],
+    candidates: &[usize],
+    most: usize,
+    known: &Known,
+) -> Vec<Ranked> {
     let fit = |terms: Vec<usize>| Sizes::of(&terms, readings, known.get(&terms));
     let mut all = vec![fit(Vec::new())];
     all.extend(candidates.iter().map(|t| fit(vec![*t])));
@@ -31,27 +33,16 @@ pub fn ranked(readings: &[Reading], candidates: &[usize], known: &Known) -> Vec<
         let others = candidates[k + 1..].iter();
         others.map(move |b| vec![*a, *b])
     });
-    let mut pairs: Vec<Sizes> = pairs.map(fit).filter(|s| s.inside).collect();
-    pairs.sort_by(|a, b| a.sse.total_cmp(&b.sse));
-    let mut triples = BTreeSet::new();
-    for pair in pairs.iter().take(EXTENDED) {
-        for third in candidates.iter().filter(|t| !pair.terms.contains(t)) {
-            let mut terms = pair.terms.clone();
-            terms.push(*third);
-            terms.sort_unstable();
-            triples.insert(terms);
-        }
+    if most > 1 {
+        all.extend(pairs.map(fit));
     }
-    all.extend(pairs);
-    all.extend(triples.into_iter().map(fit));
     all.retain(|s| s.inside && s.sse.is_finite());
     let best = all.iter().min_by(|a, b| a.sse.total_cmp(&b.sse));
     let left = best.map_or(Vec::new(), |s| s.residuals(readings));
     let effective = effective(readings, &left);
     let n = readings.len() as f64;
-    let criterion = |s: &Sizes| {
-        effective * libm::log(s.sse / n) + s.terms.len() as f64 * libm::log(effective)
-    };
+    let criterion =
+        |s: &Sizes| effective * libm::log(s.sse / n) + s.terms.len() as f64 * libm::log(effective);
     let mut ranked: Vec<Ranked> = all
         .into_iter()
         .map(|sizes| Ranked {

@@ -1,4 +1,4 @@
-//! Errors of every test: rigid, with the effects, held out, and as the measurers did it, from the configuration with most readings alone.
+//! Errors of every test: rigid, with the effects, held out, and as the measurers did it, with sizes from the configuration with most readings alone.
 
 use super::Group;
 use super::refit::{Reading, Sizes};
@@ -22,7 +22,7 @@ pub struct TestErrors {
     pub after: Option<Size>,
     /// With the effects that the search finds without the actuator (or stretch of the angle); none for tests that take no part.
     pub held_out: Option<Size>,
-    /// With the effects that the search finds on the configuration with most readings alone.
+    /// With the effects found on all tests, their sizes fitted to the configuration with most readings alone, as the measurers did.
     pub from_largest: Option<Size>,
     /// Whether it is of that configuration.
     pub in_largest: bool,
@@ -48,8 +48,10 @@ pub(super) fn errors(
         let (readings, arms): (Vec<Reading>, Vec<Option<f64>>) =
             with_arms.filter(|(r, _)| r.test == number).unzip();
         let size = |of: &dyn Fn(&Reading) -> Option<f64>| {
-            let pairs: Option<Vec<(f64, f64)>> =
-                readings.iter().map(|r| Some((r.torque_nm, of(r)?))).collect();
+            let pairs: Option<Vec<(f64, f64)>> = readings
+                .iter()
+                .map(|r| Some((r.torque_nm, of(r)?)))
+                .collect();
             Size::new(&pairs?)
         };
         let arm = |sizes: &Sizes| {

@@ -48,9 +48,8 @@ impl Answered<'_, '_> {
         let task = self.task();
         let n = self.readings.len() as f64;
         let near = self.whole.sets.iter();
-        let near = near.filter(|s| {
-            s.criterion < best + NEAR && !s.sizes.terms.contains(&place::PLACEBO)
-        });
+        let near =
+            near.filter(|s| s.criterion < best + NEAR && !s.sizes.terms.contains(&place::PLACEBO));
         near.take(MOST_SHOWN)
             .map(|set| {
                 let sizes = &set.sizes;
@@ -76,6 +75,7 @@ impl Answered<'_, '_> {
         Task {
             readings: self.readings,
             candidates: self.candidates,
+            most: self.most,
             confidence: self.confidence,
         }
     }
@@ -95,9 +95,10 @@ impl Answered<'_, '_> {
         if let Some(largest) = self.largest {
             let named: Vec<String> = largest.terms.iter().map(|t| label(*t, largest)).collect();
             notes.push(match named.is_empty() {
-                true => "the configuration with most readings alone shows no effect".to_owned(),
+                true => "no size could be fitted to the configuration with most readings alone"
+                    .to_owned(),
                 false => format!(
-                    "the configuration with most readings alone gives {}",
+                    "fitted to the configuration with most readings alone: {}",
                     named.join(" and ")
                 ),
             });
@@ -111,12 +112,18 @@ impl Answered<'_, '_> {
         if own.len() > 1 {
             let (low, high) = own
                 .iter()
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
+                    (l.min(*x), h.max(*x))
+                });
             notes.push(format!(
                 "tests differ by offsets of the length from {low:.1} to {high:.1} mm: no value for all of them can do better than that allows"
             ));
         }
-        let placebo = self.whole.again.iter().filter(|s| s.contains(&place::PLACEBO));
+        let placebo = self
+            .whole
+            .again
+            .iter()
+            .filter(|s| s.contains(&place::PLACEBO));
         let placebo = placebo.count();
         if placebo > 0 {
             notes.push(format!(
