@@ -239,7 +239,8 @@ documented! {
 pub struct DiagnoseOptions {
     /// The model whose residual is searched: "new", "new_published", or the id of another published model.
     pub base_model: String,
-    /// Whether its coefficients are fitted anew with every effect (of a published model other than the new one: a factor on its force).
+    /// Whether its coefficients are fitted anew with every effect (of a published model: a factor on its force; those of "new_published" are
+    /// held in any case).
     pub refit: bool,
     /// Most effects in one answer, at most 5.
     pub most_effects: usize,

@@ -19,6 +19,8 @@
 
 mod chain;
 mod conditions;
+#[cfg(test)]
+mod tests;
 
 pub use chain::{Actuator, Applied, force, scale};
 pub use conditions::{Conditions, Need};

@@ -3,42 +3,22 @@
 use super::{Conditions, Effect, Form, Link, Parameter, Place};
 use crate::numerics::real::Real;
 
-/// l_m = l_nominal - s(F).
+/// l_m = l_nominal - C F.
 pub struct SeriesCompliance;
 
-const COMPLIANCE: Parameter = Parameter {
-    name: "C",
-    unit: "um/N",
-    absent: 0.0,
-    bounds: (0.0, 200.0),
-};
-
-const FORMS: &[Form] = &[
-    Form {
-        name: "linear",
-        place: Place::Frame,
-        equation: "l_m = l_nominal - C F",
-        amplitude: COMPLIANCE,
-        shape: None,
-        needs: &[],
+const FORMS: &[Form] = &[Form {
+    name: "linear",
+    place: Place::Frame,
+    equation: "l_m = l_nominal - C F",
+    amplitude: Parameter {
+        name: "C",
+        unit: "um/N",
+        absent: 0.0,
+        bounds: (0.0, 200.0),
     },
-    Form {
-        name: "stiffening",
-        place: Place::Frame,
-        equation: "l_m = l_nominal - C F_s ln(1 + F/F_s)",
-        amplitude: COMPLIANCE,
-        shape: Some((
-            Parameter {
-                name: "F_s",
-                unit: "N",
-                absent: 0.0,
-                bounds: (10.0, 1e4),
-            },
-            &[100.0, 400.0],
-        )),
-        needs: &[],
-    },
-];
+    shape: None,
+    needs: &[],
+}];
 
 impl Effect for SeriesCompliance {
     fn id(&self) -> &'static str {
@@ -58,12 +38,7 @@ impl Effect for SeriesCompliance {
     }
 }
 
-/// The operator. Where the force is negative (a guess on the way to the balance) the frame is linear.
-pub fn apply<R: Real>(form: usize, [c, scale]: [R; 2], _at: &Conditions, link: &mut Link<R>) {
-    let yields = if form == 1 && link.force.value() > 0.0 {
-        (link.force / scale + 1.0).ln() * scale
-    } else {
-        link.force
-    };
-    link.length = link.length - c * yields * 1e-6;
+/// The operator.
+pub fn apply<R: Real>(_form: usize, [c, _]: [R; 2], _at: &Conditions, link: &mut Link<R>) {
+    link.length = link.length - c * link.force * 1e-6;
 }

@@ -9,6 +9,7 @@ mod golden;
 mod intervals;
 mod knee;
 mod labels;
+mod mistakes;
 mod models;
 mod numerics;
 mod predict;

@@ -33,7 +33,9 @@ fn facts(e: &EffectFinding) -> Vec<(&'static str, String)> {
         let again = format!("{} of the resamples", percent(e.selected_in_folds));
         let helps = format!("in {} of the folds", percent(e.helps_in_folds));
         facts.push(("gain in the criterion", gain));
+        let folds = format!("in {} of the folds", percent(e.chosen_in_folds));
         facts.push(("chosen again", again));
+        facts.push(("chosen by their own search", folds));
         facts.push(("helps", helps));
     }
     let held_out = arrow(e.rmse_heldout_before, e.rmse_heldout_after);

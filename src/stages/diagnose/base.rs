@@ -131,6 +131,13 @@ impl Base {
     }
 }
 
+impl Base {
+    /// Whether it knows how the force depends on the resting length: the strengths of specimens are then comparable.
+    pub fn knows_lengths(&self) -> bool {
+        matches!(self.equation, Equation::New { .. })
+    }
+}
+
 impl Actuator for Base {
     fn force<R: Real>(&self, coefficients: &[R], pressure: R, length: R, at: &Conditions) -> R {
         match self.equation {

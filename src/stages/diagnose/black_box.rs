@@ -4,7 +4,7 @@
 //! plus one for each other column times the predicted force, on up to 150 inducing readings (subset of regressors). Its noise is chosen
 //! from a short grid by the held-out error itself, which favours it: it is a limit, not a competitor.
 
-use super::data::Data;
+use super::data::{Data, PLACEBO};
 use crate::effects::Conditions;
 use crate::numerics::cholesky::Cholesky;
 use crate::numerics::matrix::Matrix;
@@ -44,7 +44,8 @@ impl Features {
             column(&|c| c.temperature_c),
             column(&|c| c.cycles),
         ];
-        others.extend(data.extras.iter().map(|e| e.values.clone()));
+        let extras = data.extras.iter().filter(|e| e.name != PLACEBO);
+        others.extend(extras.map(|e| e.values.clone()));
         others.retain(|v| v.iter().any(|x| *x != 0.0));
         let largest = predicted.iter().copied().fold(1e-9, f64::max);
         Self {

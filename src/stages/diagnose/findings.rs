@@ -141,6 +141,8 @@ pub struct EffectFinding {
     pub p_adjusted: f64,
     /// Part of the resamples of specimens in which it (or its class) was chosen again.
     pub selected_in_folds: f64,
+    /// Part of the outer folds (see `by_specimen`) whose own search chose it.
+    pub chosen_in_folds: f64,
     /// Part of the folds in which it lowers the held-out error.
     pub helps_in_folds: f64,
     /// Training error without it, the others kept, N.

@@ -33,6 +33,8 @@ pub mod questions;
 pub mod search;
 pub mod suspects;
 pub mod term;
+#[cfg(test)]
+mod tests;
 pub mod uncertainty;
 
 use crate::base::row::Row;

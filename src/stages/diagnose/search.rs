@@ -36,6 +36,9 @@ const STANDS_OUT: f64 = 6.0;
 /// A physical effect is preferred to an empirical dependence if it explains this part of what that does: of the shape of a sensor or of
 /// an offset (a constant and a slope), of a gain with an extra column.
 pub const PREFERENCE: (f64, f64) = (0.85, 0.97);
+/// An offset with a column has a constant in it. Where that alone, the zero of the channel, explains half of it, the zero comes first,
+/// and the column may follow.
+const HALF: f64 = 0.5;
 /// An effect for which something beside the force speaks (zero logs that stand out) is preferred if it explains this part of what
 /// another does.
 pub const EVIDENCE: f64 = 0.8;
@@ -327,7 +330,15 @@ impl<'a> Search<'a> {
             s.chosen.iter().filter_map(share).reduce(f64::max)
         };
         let evidence = |s: &State| s.chosen.iter().any(|c| self.candidates[*c].has_evidence());
+        let has = |s: &State, is: &dyn Fn(&Term) -> bool| {
+            s.chosen.iter().any(|c| is(&self.candidates[*c]))
+        };
+        let offset = |t: &Term| matches!(t.what, What::Empirical(Empirical::Offset(_)));
+        let zero = |t: &Term| {
+            t.id() == Some("force_zero_offset") && t.scope == Scope::Whole && !t.has_evidence()
+        };
         match (empirical(first), empirical(other)) {
+            (Some(_), None) if has(first, &offset) && has(other, &zero) => HALF,
             (Some(share), None) => share,
             (None, None) if evidence(other) && !evidence(first) => EVIDENCE,
             _ => f64::INFINITY,
@@ -469,7 +480,8 @@ impl<'a> Search<'a> {
     }
 }
 
-fn sorted(chosen: &[usize]) -> Vec<usize> {
+/// The candidates of a model, whatever the order in which they came in.
+pub fn sorted(chosen: &[usize]) -> Vec<usize> {
     let mut sorted = chosen.to_vec();
     sorted.sort_unstable();
     sorted

@@ -143,7 +143,7 @@ fn specimens(base: &Base, data: &Data, explained: bool, found: &mut Vec<Suspect>
             FAR_OFF_SPECIMEN.1
         };
         let far = off > least * usual && off > FAR_OFF_SPECIMEN.2 * scale;
-        let odd = !(STRENGTHS.0..=STRENGTHS.1).contains(&relative);
+        let odd = base.knows_lengths() && !(STRENGTHS.0..=STRENGTHS.1).contains(&relative);
         if (!far && !odd) || (explained && then.is_none()) {
             continue;
         }

@@ -42,6 +42,7 @@ pub(super) fn effects_found(
                 parameters: parameters(k, term, fitted, &layout, uncertain, work.train),
                 p_adjusted: judgement.p_adjusted,
                 selected_in_folds: judgement.chosen_again,
+                chosen_in_folds: chosen_in_folds(work, described.id()),
                 helps_in_folds: judgement.helps,
                 rmse_before: judgement.train.0,
                 rmse_after: judgement.train.1,
@@ -53,6 +54,14 @@ pub(super) fn effects_found(
             })
         })
         .collect()
+}
+
+/// Part of the outer folds that chose an effect.
+fn chosen_in_folds(work: &Work, id: &str) -> f64 {
+    let names = |chosen: &String| chosen.split(' ').next() == Some(id);
+    let units = &work.held.by_unit;
+    let chose = units.iter().filter(|u| u.chosen.iter().any(names)).count();
+    chose as f64 / units.len().max(1) as f64
 }
 
 fn scope_word(scope: &Scope) -> &'static str {

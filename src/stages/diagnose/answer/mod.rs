@@ -252,7 +252,7 @@ fn coefficients(
             } else if after <= low || after >= high {
                 "at its bound: not needed"
             } else if c.name == "1/b2" && after - half <= low {
-                "interval reaches 0: the dependence on the resting length is not needed"
+                "the interval reaches 0: these specimens do not show the dependence on the resting length by themselves"
             } else {
                 ""
             };

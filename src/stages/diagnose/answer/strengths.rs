@@ -127,6 +127,7 @@ fn finding(
         }],
         p_adjusted: p,
         selected_in_folds: 1.0,
+        chosen_in_folds: 1.0,
         helps_in_folds: 0.0,
         rmse_before: rmse(false),
         rmse_after: rmse(true),

@@ -1,11 +1,18 @@
 //! The answer in a few sentences.
 
 use super::super::Work;
-use super::super::findings::{EffectFinding, Errors, Suspect, Unexplained, Verdict};
+use super::super::findings::{EffectFinding, Errors, Rejected, Suspect, Unexplained, Verdict};
+use crate::effects;
 
 /// A held-out error that falls by less than this share does not fall.
 const FALLS: f64 = 0.005;
 
+/// An effect that fewer of the folds found by themselves is not sure.
+const HALF: f64 = 0.5;
+/// Share of the residual above which an effect that failed is worth a word.
+const MUCH: f64 = 0.3;
+
+/// What is missing, how sure that is, and what it does to the error.
 pub(super) fn summary(
     verdict: Verdict,
     effects: &[EffectFinding],
@@ -26,7 +33,9 @@ pub(super) fn summary(
             let found: Vec<String> = effects.iter().map(effect).collect();
             sentences.push(format!("Found: {}.", found.join("; ")));
             if work.judgements.is_empty() {
-                sentences.push("It says nothing of another specimen: the held-out error stays.".to_owned());
+                sentences.push(
+                    "It says nothing of another specimen: the held-out error stays.".to_owned(),
+                );
             } else {
                 sentences.push(errors(work, as_chosen));
             }
@@ -34,15 +43,39 @@ pub(super) fn summary(
                 sentences.push(format!("The residual still depends on {columns}, which no effect of the library explains."));
             }
         }
-        Verdict::Unexplained if !columns.is_empty() => sentences.push(format!(
-            "Something is missing: the residual depends on {columns}, and no effect of the library explains it."
-        )),
+        Verdict::Unexplained if !columns.is_empty() => {
+            sentences.push(format!(
+                "Something is missing: the residual depends on {columns}, and no effect of the library explains it."
+            ));
+            sentences.extend(nearest(work));
+        }
         Verdict::Unexplained => {
             sentences.push("Nothing else is missing that this campaign could show.".to_owned());
         }
-        Verdict::None => sentences.push("Nothing is missing that this campaign could show.".to_owned()),
+        Verdict::None => {
+            sentences.push("Nothing is missing that this campaign could show.".to_owned())
+        }
     }
     sentences.join(" ")
+}
+
+/// The effect that came nearest, where one explains much and yet failed a guard.
+fn nearest(work: &Work) -> Option<String> {
+    // What acts on parts of a campaign explains much of anything.
+    let effect = |r: &&Rejected| {
+        effects::index(&r.id).is_some() && r.share > MUCH && r.acts_on == "all readings"
+    };
+    let near = work
+        .rejected
+        .iter()
+        .filter(effect)
+        .max_by(|a, b| a.share.total_cmp(&b.share))?;
+    let title = effects::index(&near.id).map(|k| effects::all()[k].title())?;
+    Some(format!(
+        "Nearest comes {title}, which would explain {:.0}% of it: {}.",
+        100.0 * near.share,
+        near.why
+    ))
 }
 
 /// An effect with its first size, where it acts, and what it may be instead.
@@ -53,6 +86,14 @@ fn effect(e: &EffectFinding) -> String {
     let place = match e.acts_on.as_str() {
         "all readings" => String::new(),
         place => format!(" in {place}"),
+    };
+    let folds = if e.chosen_in_folds < HALF {
+        format!(
+            ", chosen in {:.0}% of the folds only",
+            100.0 * e.chosen_in_folds
+        )
+    } else {
+        String::new()
     };
     let class: Vec<&str> = e
         .class
@@ -65,7 +106,7 @@ fn effect(e: &EffectFinding) -> String {
     } else {
         format!(", not to be told from {} here", class.join(", "))
     };
-    format!("{}{size}{place}{or}", e.title)
+    format!("{}{size}{place}{folds}{or}", e.title)
 }
 
 /// Held-out errors before and after, and what is to be thought of them.

@@ -1,13 +1,18 @@
-//! Whether an addition is chosen again in resamples of the specimens.
+//! Whether an addition is chosen again in resamples of the specimens (of the sessions, where there are hardly any specimens).
 
 use super::super::data::Data;
-use super::super::linear::Linear;
+use super::super::folds::folds;
+use super::super::linear::{Linear, Stand};
+use super::super::model::Model;
 use super::super::search::{EVIDENCE, PREFERENCE, Search, State, rss};
 use super::super::term::{Empirical, Scope, What};
+use super::held_out::refit;
 use crate::base::random::Stream;
 use std::collections::{BTreeMap, BTreeSet};
 
 const RESAMPLES: usize = 40;
+/// Fewest specimens that are drawn; below, sessions are, and with fewer of these, folds are counted.
+const FEWEST: usize = 3;
 /// Rivals that explain this part of what the candidate does are fitted in full; and at most so many.
 const CONTENDS: (f64, usize) = (0.7, 4);
 
@@ -75,28 +80,68 @@ pub(super) fn chosen_again(
             (c, scale(c, &search.state(chosen, Some(&without.fitted))))
         }));
     }
-    let mut again = 0;
-    for mut count in resamples(data, seed) {
-        // What one part shows cannot be seen without that part.
-        if let Scope::Specimen(k) = term.scope {
-            count[k] = f64::max(count[k], 1.0);
-        }
-        if let Scope::Session(s) = term.scope {
-            count[of[s]] = f64::max(count[of[s]], 1.0);
-        }
-        let weights: Vec<f64> = of.iter().map(|k| count[*k]).collect();
-        let stand = linear.stand(&weights, &[]);
+    let wins = |stand: &Stand| {
         let own = own_scale * stand.gain(candidate).fall;
         let needs = |c: &usize| share(c) * scales.get(c).unwrap_or(&1.0) * stand.gain(*c).fall;
-        again += usize::from(own > 0.0 && rivals.iter().all(|c| needs(c) <= own));
+        own > 0.0 && rivals.iter().all(|c| needs(c) <= own)
+    };
+    let seen = |group: &[usize]| group.iter().collect::<BTreeSet<_>>().len();
+    if seen(&data.session) < FEWEST {
+        // That there is structure is asked elsewhere. Folds of one session ask for its name, and an empirical dependence has none.
+        if term.id().is_none() {
+            return 1.0;
+        }
+        return in_folds(search, without, &wins);
     }
-    again as f64 / RESAMPLES as f64
+    let by_specimen = seen(&data.specimen) >= FEWEST;
+    let lists: Vec<Vec<f64>> = if by_specimen {
+        let counts = resamples(data, seed).into_iter();
+        counts
+            .map(|count| of.iter().map(|k| count[*k]).collect())
+            .collect()
+    } else {
+        drawn(&data.session, data.sessions.len(), seed)
+    };
+    let again = lists.into_iter().filter_map(|mut weights| {
+        // What one part shows cannot be seen without that part.
+        for (s, weight) in weights.iter_mut().enumerate() {
+            if matches!(term.scope, Scope::Session(_) | Scope::Specimen(_))
+                && term.acts_on[s].is_some()
+            {
+                *weight = weight.max(1.0);
+            }
+        }
+        wins(&linear.stand(&weights, &[])).then_some(())
+    });
+    again.count() as f64 / RESAMPLES as f64
+}
+
+/// The same where there are too few sessions to be drawn: in which part of the folds (a log or a set length left out at a time).
+fn in_folds(search: &Search, without: &State, wins: &dyn Fn(&Stand) -> bool) -> f64 {
+    let (folds, _) = folds(search.data, &vec![false; search.data.len()]);
+    let again = folds.iter().filter(|fold| {
+        let train = search.data.select(&fold.train);
+        let terms = search.model(&without.chosen).terms;
+        let fitted = refit(search, terms.clone(), &without.fitted, &train);
+        let model = Model {
+            base: search.base,
+            data: &train,
+            terms,
+        };
+        let linear = Linear::new(&model, &fitted, fitted.scatter, search.candidates);
+        wins(&linear.stand(&linear.all_sessions(), &[]))
+    });
+    again.count() as f64 / folds.len().max(1) as f64
 }
 
 /// Specimens drawn with replacement: how often each, one list a resample.
 pub(super) fn resamples(data: &Data, seed: u64) -> Vec<Vec<f64>> {
-    let specimens: Vec<usize> = data
-        .specimen
+    drawn(&data.specimen, data.specimens.len(), seed)
+}
+
+/// Groups drawn with replacement from those that occur: how often each of `all`.
+fn drawn(group: &[usize], all: usize, seed: u64) -> Vec<Vec<f64>> {
+    let present: Vec<usize> = group
         .iter()
         .copied()
         .collect::<BTreeSet<usize>>()
@@ -105,9 +150,9 @@ pub(super) fn resamples(data: &Data, seed: u64) -> Vec<Vec<f64>> {
     let mut stream = Stream::new(seed, &["resamples of specimens"]);
     (0..RESAMPLES)
         .map(|_| {
-            let mut count = vec![0.0; data.specimens.len()];
-            for _ in 0..specimens.len() {
-                count[specimens[stream.below(specimens.len())]] += 1.0;
+            let mut count = vec![0.0; all];
+            for _ in 0..present.len() {
+                count[present[stream.below(present.len())]] += 1.0;
             }
             count
         })

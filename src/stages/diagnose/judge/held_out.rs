@@ -134,7 +134,7 @@ pub fn refit(search: &Search, terms: Vec<Term>, from: &Fitted, train: &Data) -> 
 }
 
 /// Whether the mean gain over sessions (over logs, where there are fewer than three sessions) exceeds its standard error.
-fn more_than_its_error(gains: &[f64], held: &Data) -> bool {
+pub(super) fn more_than_its_error(gains: &[f64], held: &Data) -> bool {
     let sessions: BTreeSet<usize> = held.session.iter().copied().collect();
     let group = if sessions.len() >= 3 {
         &held.session

@@ -17,7 +17,7 @@ use super::findings::Rejected;
 use super::folds::Fold;
 use super::linear::Linear;
 use super::model::{Fitted, Model, Place};
-use super::search::{Search, State, relative_fall, rss};
+use super::search::{Search, State, relative_fall, rss, sorted};
 use super::term::{Scope, Term, What};
 use super::uncertainty::{Uncertainty, uncertainties};
 use crate::numerics::distributions::f_upper_tail;
@@ -64,69 +64,68 @@ pub struct Judgement {
     pub fails: Option<String>,
 }
 
-/// The largest of some models, the best of their sizes, of which every addition passes; if there is none, what is left of the
-/// first after what fails was removed, worst first.
+/// The model with the most evidence of which every addition passes: of some models, and of what is left of each when what fails was
+/// removed. Without the last step a worse model would pass where the best one has one addition too many.
 pub fn judged(
     search: &Search,
     states: &[State],
     folds: &[Fold],
     seed: u64,
 ) -> (State, Vec<Judgement>, Vec<Rejected>) {
-    let all_of = |state: &State| -> Vec<Judgement> {
-        (0..state.chosen.len())
-            .map(|k| judge(search, state, k, folds, seed))
-            .collect()
-    };
+    let null = search.state(Vec::new(), None);
+    let mut open: Vec<State> = states.to_vec();
+    let mut seen: BTreeSet<Vec<usize>> = open.iter().map(|s| sorted(&s.chosen)).collect();
     let mut rejected: Vec<Rejected> = Vec::new();
-    for state in states.iter().filter(|s| !s.chosen.is_empty()) {
-        // The last one in is the likeliest to fail, and one failure is enough.
-        let mut judgements = Vec::new();
-        for k in (0..state.chosen.len()).rev() {
-            let judgement = judge(search, state, k, folds, seed);
-            let why = judgement.fails.clone();
-            judgements.insert(0, judgement);
-            if let Some(why) = why {
-                let term = &search.candidates[state.chosen[k]];
-                let failed = Rejected {
-                    id: name(term, search.data),
-                    acts_on: acts_on(term, search.data),
-                    share: judgements[0].share,
-                    why,
-                };
+    let evidence = |s: &State| search.criterion_gain(&null, s);
+    loop {
+        open.retain(|s| !s.chosen.is_empty());
+        // The first of equals: `max_by` would take the last.
+        let best = (0..open.len()).rev();
+        let best = best.max_by(|a, b| evidence(&open[*a]).total_cmp(&evidence(&open[*b])));
+        let Some(best) = best else {
+            return (null, Vec::new(), rejected);
+        };
+        let state = open.remove(best);
+        match until_one_fails(search, &state, folds, seed) {
+            Ok(judgements) => return (state, judgements, rejected),
+            Err((k, failed)) => {
                 // What is said of it in the smallest model says most.
                 rejected.retain(|q| q.id != failed.id || q.acts_on != failed.acts_on);
                 rejected.push(failed);
-                break;
+                let mut chosen = state.chosen;
+                chosen.remove(k);
+                if seen.insert(sorted(&chosen)) {
+                    open.push(search.state(chosen, None));
+                }
             }
         }
-        if judgements.iter().all(|j| j.fails.is_none()) {
-            return (state.clone(), judgements, rejected);
+    }
+}
+
+/// Judges every addition of a model, or up to the first that fails: its place, and why.
+fn until_one_fails(
+    search: &Search,
+    state: &State,
+    folds: &[Fold],
+    seed: u64,
+) -> Result<Vec<Judgement>, (usize, Rejected)> {
+    let mut judgements = Vec::new();
+    // The last one in is the likeliest to fail, and one failure is enough.
+    for k in (0..state.chosen.len()).rev() {
+        let judgement = judge(search, state, k, folds, seed);
+        if let Some(why) = judgement.fails {
+            let term = &search.candidates[state.chosen[k]];
+            let failed = Rejected {
+                id: name(term, search.data),
+                acts_on: acts_on(term, search.data),
+                share: judgement.share,
+                why,
+            };
+            return Err((k, failed));
         }
+        judgements.insert(0, judgement);
     }
-    let Some(mut state) = states.first().cloned() else {
-        return (search.state(Vec::new(), None), Vec::new(), rejected);
-    };
-    loop {
-        let judgements = all_of(&state);
-        let worst = judgements
-            .iter()
-            .enumerate()
-            .filter(|(_, j)| j.fails.is_some())
-            .min_by(|a, b| {
-                // What acts on a part of the campaign goes first: it can imitate anything there.
-                let whole = |j: &Judgement| search.candidates[j.candidate].scope == Scope::Whole;
-                whole(a.1)
-                    .cmp(&whole(b.1))
-                    .then(a.1.share.total_cmp(&b.1.share))
-            })
-            .map(|(k, _)| k);
-        let Some(k) = worst else {
-            return (state, judgements, rejected);
-        };
-        let mut chosen = state.chosen.clone();
-        chosen.remove(k);
-        state = search.state(chosen, None);
-    }
+    Ok(judgements)
 }
 
 fn judge(search: &Search, state: &State, k: usize, folds: &[Fold], seed: u64) -> Judgement {
@@ -229,7 +228,7 @@ fn failure_outside(j: &Judgement, between: bool) -> Option<String> {
         Some("the held-out error over all folds does not fall".to_owned())
     } else if j.chosen_again < CHOSEN_AGAIN {
         Some(format!(
-            "chosen again in {:.0}% of the resamples of the specimens only",
+            "chosen again in {:.0}% of the resamples only",
             100.0 * j.chosen_again
         ))
     } else {

@@ -1,0 +1,127 @@
+//! What a laboratory does wrong, done to copies of the real rig sessions where they are present: the loop has to point at it.
+
+use crate::support::{Bench, rig};
+use std::path::Path;
+
+/// A copy of some sessions, their `session.toml` changed by `edit` (the session's directory relative to the campaign, the text).
+fn campaign(rig: &Path, name: &str, edit: impl Fn(&str, String) -> String) -> Bench {
+    let bench = Bench::empty();
+    let from = rig.join(name);
+    let mut copied = 0;
+    for entry in walkdir::WalkDir::new(&from) {
+        let entry = entry.unwrap();
+        if !entry.file_type().is_file() {
+            continue;
+        }
+        let path = entry.path().strip_prefix(&from).unwrap();
+        let mut bytes = std::fs::read(entry.path()).unwrap();
+        if path.ends_with("session.toml") {
+            let session = path.parent().unwrap().to_str().unwrap();
+            let before = String::from_utf8(bytes).unwrap();
+            let after = edit(session, before.clone());
+            copied += usize::from(after != before);
+            bytes = after.into_bytes();
+        }
+        bench.write(&format!("{name}/{}", path.display()), bytes);
+    }
+    assert!(copied > 0, "nothing was changed");
+    bench.age();
+    bench
+}
+
+/// What the first campaign's summary says after a run.
+fn summary(bench: &Bench) -> String {
+    let said = bench.run(&["run"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let text = std::fs::read_to_string(bench.root().join("reports/findings.json")).unwrap();
+    let findings: serde_json::Value = serde_json::from_str(&text).unwrap();
+    findings["campaigns"][0]["summary"]
+        .as_str()
+        .unwrap()
+        .to_owned()
+}
+
+const TEN: &str = "isometric-10mm-2022-11";
+const TWENTY: &str = "isometric-20mm-2022-01";
+
+#[test]
+fn swapped_columns_of_one_session_are_named() {
+    let Some(rig) = rig("mistakes in real sessions") else {
+        return;
+    };
+    let bench = campaign(&rig, TEN, |session, text| {
+        if session != "l182/c50" {
+            return text;
+        }
+        text.replace("force = { index = 0", "force = { index = 9")
+            .replace("pressure = { index = 1", "pressure = { index = 0")
+            .replace("force = { index = 9", "force = { index = 1")
+    });
+    let said = summary(&bench);
+    assert!(
+        said.starts_with("Look at session iso10-2022-11-l182-c50 first"),
+        "{said}"
+    );
+    assert!(said.contains("swapped"), "{said}");
+}
+
+#[test]
+fn a_wrong_resting_length_of_one_specimen_is_named_with_its_size() {
+    let Some(rig) = rig("mistakes in real sessions") else {
+        return;
+    };
+    let bench = campaign(&rig, TEN, |session, text| {
+        if session.starts_with("l182/") {
+            text.replace("rest_length_mm = 182", "rest_length_mm = 192")
+        } else {
+            text
+        }
+    });
+    let said = summary(&bench);
+    assert!(
+        said.contains("Look at specimen") && said.contains("l182"),
+        "{said}"
+    );
+    assert!(said.contains("a resting length that is -"), "{said}");
+}
+
+#[test]
+fn logs_read_with_the_other_load_cell_s_calibration_are_named() {
+    let Some(rig) = rig("mistakes in real sessions") else {
+        return;
+    };
+    let bench = campaign(&rig, TWENTY, |_, text| {
+        text.replace(
+            "gain = 1.7444, offset = -18.59477, saturation_low = -18.59477",
+            "gain = 0.683, offset = -8.7354, saturation_low = -8.7354",
+        )
+    });
+    let said = summary(&bench);
+    assert!(
+        said.contains("the whole campaign") && said.contains("calibration"),
+        "{said}"
+    );
+}
+
+/// Without its zero log, a session has the zero of its own slack state, which is as good.
+#[test]
+fn a_zero_log_that_is_ignored_changes_no_answer() {
+    let Some(rig) = rig("mistakes in real sessions") else {
+        return;
+    };
+    let bench = campaign(&rig, TEN, |session, text| {
+        if session == "l382/c50" {
+            text.replace("[[log]]\nfile = \"offset.csv\"\nrole = \"zero\"\n", "")
+        } else {
+            text
+        }
+    });
+    let said = summary(&bench);
+    assert!(said.contains("zero of the pressure sensor"), "{said}");
+    let zeros = bench.table("zeros");
+    let session = zeros
+        .iter()
+        .find(|z| z["session"].ends_with("l382-c50"))
+        .unwrap();
+    assert_eq!(session["source"], "slack");
+}
