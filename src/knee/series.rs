@@ -144,6 +144,9 @@ impl Leg<'_> {
         plain_pull: impl Fn(Dual<1>) -> Dual<1>,
         pull: impl Fn(R) -> R,
     ) -> Result<Option<Balance<R>>, Beyond> {
+        if series.origin.is_none() && series.insertion.is_none() {
+            return self.balanced_along(series.axial, angle, plain_pull, pull);
+        }
         let plain = series.map(R::value).map(Dual::<1>::constant);
         let yielding = self.yielding(&plain, angle)?;
         let pulled = |force: f64| -> Result<Dual<1>, Beyond> {
@@ -166,6 +169,42 @@ impl Leg<'_> {
             actuator_length: path_length - series.axial * force,
             arm,
             torque: arm * force,
+        }))
+    }
+
+    /// [`Leg::balanced`] where nothing but `axial` yields, in m/N: the path stays where it is.
+    fn balanced_along<R: Real>(
+        &self,
+        axial: R,
+        angle: f64,
+        plain_pull: impl Fn(Dual<1>) -> Dual<1>,
+        pull: impl Fn(R) -> R,
+    ) -> Result<Option<Balance<R>>, Beyond> {
+        let path = self.path(angle, Yield::<f64>::none())?;
+        let (length, arm) = (path.length(), path.arm());
+        let rigid = axial.is_constant() && axial.value() == 0.0;
+        let force = if rigid {
+            pull(R::constant(length))
+        } else {
+            let stretched = |force: f64| {
+                let force = Dual::<1>::variable(force, 0);
+                Ok(plain_pull(-(force * axial.value()) + length))
+            };
+            let Some((force, slope)) = solve(stretched)? else {
+                return Ok(None);
+            };
+            let at_held = pull(-(axial * force) + length);
+            at_held.chain(force, 1.0 / slope)
+        };
+        if !force.value().is_finite() {
+            return Ok(None);
+        }
+        Ok(Some(Balance {
+            force,
+            path_length: R::constant(length),
+            actuator_length: -(axial * force) + length,
+            arm: R::constant(arm),
+            torque: force * arm,
         }))
     }
 

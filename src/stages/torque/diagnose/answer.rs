@@ -1,11 +1,12 @@
 //! The findings of one joint.
 
 use super::judge::{Judged, fold_of};
+use super::questions::Asked;
 use super::refit::{Reading, Sizes};
 use super::terms::{ALL, place};
 use super::tests::TestErrors;
 use super::traces::{ALIKE, Traces, VISIBLE};
-use super::{Group, Searched, black_box};
+use super::{Group, Searched, black_box, questions};
 use crate::numerics::statistics::sum_of_squares;
 use crate::stages::diagnose::findings::{
     Alias, CampaignFindings, DetectionLimit, EffectFinding, Errors, FoldErrors, NextMeasurement,
@@ -13,7 +14,7 @@ use crate::stages::diagnose::findings::{
 };
 use std::collections::BTreeSet;
 
-/// Share of the held-out error that a smooth curve has to take away to count as structure.
+/// Part of the error that is left where searches without a fold found something, for it to count as structure.
 const STRUCTURE: f64 = 0.8;
 
 /// Everything that the findings are made of.
@@ -21,10 +22,7 @@ pub(super) struct Answered<'s, 'a> {
     pub campaign: &'s str,
     pub simulated: bool,
     pub group: &'s Group<'a>,
-    pub readings: &'s [Reading<'a>],
-    pub candidates: &'s [usize],
-    pub most: usize,
-    pub whole: &'s Searched,
+    pub whole: &'s Searched<'a>,
     pub held_out: &'s [(usize, Sizes)],
     pub largest: Option<&'s Sizes>,
     pub tests: &'s [TestErrors],
@@ -39,30 +37,34 @@ fn largest(residuals: &[f64]) -> f64 {
     residuals.iter().fold(0.0, |m: f64, r| m.max(r.abs()))
 }
 
-impl Answered<'_, '_> {
+impl<'a> Answered<'_, 'a> {
+    pub(super) fn readings(&self) -> &[Reading<'a>] {
+        &self.whole.readings
+    }
+
     fn sizes(&self) -> &Sizes {
         &self.whole.accepted.sizes
     }
 
     /// Residuals of readings by the search without their fold.
     fn held_out_residuals(&self) -> Vec<f64> {
-        let fold = fold_of(self.readings);
+        let fold = fold_of(self.readings());
         let of = |r: &Reading| {
             let found = self.held_out.iter().find(|(f, _)| *f == fold(r));
             found.map_or(f64::NAN, |(_, sizes)| r.torque_nm - sizes.predict(r).0)
         };
-        self.readings.iter().map(of).collect()
+        self.readings().iter().map(of).collect()
     }
 
     pub fn findings(&self) -> CampaignFindings {
-        let rigid = Sizes::rigid(self.readings).residuals(self.readings);
+        let rigid = Sizes::rigid(self.readings(), &self.whole.spreads).residuals(self.readings());
         let (fitted, held_out) = (
-            self.sizes().residuals(self.readings),
+            self.sizes().residuals(self.readings()),
             self.held_out_residuals(),
         );
-        let fold = fold_of(self.readings);
-        let folds: Vec<usize> = self.readings.iter().map(fold).collect();
-        let angles: Vec<f64> = self.readings.iter().map(|r| r.at.angle_rad).collect();
+        let fold = fold_of(self.readings());
+        let folds: Vec<usize> = self.readings().iter().map(fold).collect();
+        let angles: Vec<f64> = self.readings().iter().map(|r| r.at.angle_rad).collect();
         let smooth = black_box::left(&angles, &rigid, &folds);
         let smooth_after = black_box::left(&angles, &held_out, &folds);
         let errors = |train: &[f64], out: &[f64]| Errors {
@@ -72,32 +74,13 @@ impl Answered<'_, '_> {
             rmse_heldout_own_strength: rms(out),
         };
         let (before, after) = (errors(&rigid, &rigid), errors(&fitted, &held_out));
-        let traces = Traces::new(self.readings, self.sizes());
-        let effects: Vec<EffectFinding> = self
-            .whole
-            .accepted
-            .judged
-            .iter()
-            .map(|j| self.effect(j, &traces))
-            .collect();
-        let (now, then) = if effects.is_empty() {
-            // Effects may stand without an actuator and fall with it: that is structure, too.
-            (rms(&rigid), rms(&smooth).min(rms(&held_out)))
-        } else {
-            (rms(&held_out), rms(&smooth_after))
-        };
-        let mut unexplained = Vec::new();
-        if then < STRUCTURE * now {
-            unexplained.push(Unexplained {
-                column: "angle".to_owned(),
-                shape: "offset".to_owned(),
-                p_adjusted: f64::NAN,
-                share_of_residual: 1.0 - then * then / (now * now),
-                rmse_heldout_before: Some(now),
-                rmse_heldout_after: Some(then),
-                curve: Vec::new(),
-            });
-        }
+        let traces = Traces::new(&self.task().sample(), self.sizes());
+        let judged = self.whole.accepted.judged.iter();
+        let effects: Vec<EffectFinding> = judged.map(|j| self.effect(j, &traces)).collect();
+        let asked = self.asked();
+        let sample = self.task().sample();
+        let nothing = Sizes::rigid(self.readings(), &self.whole.spreads);
+        let unexplained = self.unexplained(&asked, &held_out, &folds);
         let verdict = match (effects.is_empty(), unexplained.is_empty()) {
             (false, _) => Verdict::EffectFound,
             (true, false) => Verdict::Unexplained,
@@ -105,8 +88,8 @@ impl Answered<'_, '_> {
         };
         let configuration = &self.group.members[0].1;
         let part = format!("{} knee, {}", configuration.knee, configuration.muscle);
-        let tests: BTreeSet<usize> = self.readings.iter().map(|r| r.test).collect();
-        let actuators: BTreeSet<usize> = self.readings.iter().map(|r| r.actuator).collect();
+        let tests: BTreeSet<usize> = self.readings().iter().map(|r| r.test).collect();
+        let actuators: BTreeSet<usize> = self.readings().iter().map(|r| r.actuator).collect();
         CampaignFindings {
             campaign: self.campaign.to_owned(),
             part: Some(part),
@@ -118,12 +101,12 @@ impl Answered<'_, '_> {
             unit: "N.m".to_owned(),
             verdict,
             summary: self.summary(verdict, &effects, &before, &after),
-            readings: self.readings.len(),
+            readings: self.readings().len(),
             sessions: tests.len(),
             specimens: actuators.len(),
-            readings_held_out: self.group.all.len() - self.readings.len(),
+            readings_held_out: self.group.all.len() - self.readings().len(),
             held_out_by: self.held_out_by(actuators.len()).to_owned(),
-            questions: Vec::new(),
+            questions: questions::ask(&sample, &nothing, &asked),
             unexplained,
             suspects: Vec::new(),
             before,
@@ -147,21 +130,82 @@ impl Answered<'_, '_> {
     }
 
     fn held_out_by(&self, actuators: usize) -> &'static str {
-        match (actuators, self.group.by_test) {
-            (1, true) => "leave-one-test-out",
-            (1, false) => "leave-one-stretch-of-the-angle-out",
+        let tests: BTreeSet<usize> = self.readings().iter().map(|r| r.test).collect();
+        let folds = self.held_out.len();
+        match (actuators, folds == tests.len()) {
+            (1, true) if folds > 1 => "leave-one-test-out",
+            (1, _) => "leave-one-stretch-of-the-angle-out",
             _ => "leave-one-actuator-out",
         }
+    }
+
+    /// The columns on which what is left may depend.
+    fn asked(&self) -> Vec<Asked> {
+        let extras = self.group.searched_extras();
+        questions::columns(self.readings(), self.sizes(), &extras)
+    }
+
+    /// The columns on which what the effects leave still depends, the strongest first, with the error that a curve over each would take off what
+    /// was held out.
+    fn unexplained(&self, asked: &[Asked], held_out: &[f64], folds: &[usize]) -> Vec<Unexplained> {
+        let sample = self.task().sample();
+        let answers = questions::ask(&sample, self.sizes(), asked);
+        let left = sample.conditional(self.sizes());
+        let mut found: Vec<Unexplained> = answers
+            .iter()
+            .zip(asked)
+            .filter(|(q, _)| questions::is_structure(q))
+            .map(|(q, a)| Unexplained {
+                column: q.column.clone(),
+                shape: "offset".to_owned(),
+                p_adjusted: q.p_adjusted,
+                share_of_residual: q.share,
+                rmse_heldout_before: Some(rms(held_out)),
+                rmse_heldout_after: Some(rms(&black_box::left(&a.values, held_out, folds))),
+                curve: black_box::curve(&a.values, &left),
+            })
+            .collect();
+        found.sort_by(|a, b| b.share_of_residual.total_cmp(&a.share_of_residual));
+        if !self.sizes().terms.is_empty() {
+            // Beside effects only what would help where nothing was fitted.
+            found.retain(|u| u.rmse_heldout_after < u.rmse_heldout_before);
+        }
+        let nothing = self.sizes().terms.is_empty() && found.is_empty();
+        let p_adjusted = answers.iter().map(|q| q.p_adjusted).fold(1.0, f64::min);
+        let seen = self.seen_in_parts(held_out, p_adjusted);
+        found.extend(seen.filter(|_| nothing));
+        found
+    }
+
+    /// Effects may stand without an actuator and fall with it: that is structure, too.
+    fn seen_in_parts(&self, held_out: &[f64], p_adjusted: f64) -> Option<Unexplained> {
+        let rigid = Sizes::rigid(self.readings(), &self.whole.spreads);
+        let rigid = rigid.residuals(self.readings());
+        let (before, after) = (rms(&rigid), rms(held_out));
+        let angles: Vec<f64> = self
+            .readings()
+            .iter()
+            .map(|r| r.at.angle_rad.to_degrees())
+            .collect();
+        (after < STRUCTURE * before).then(|| Unexplained {
+            column: "angle".to_owned(),
+            shape: "offset".to_owned(),
+            p_adjusted,
+            share_of_residual: 1.0 - after * after / (before * before),
+            rmse_heldout_before: Some(before),
+            rmse_heldout_after: Some(after),
+            curve: black_box::curve(&angles, &rigid),
+        })
     }
 
     fn effect(&self, judged: &Judged, traces: &Traces) -> EffectFinding {
         let (term, sizes) = (&ALL[judged.term], self.sizes());
         let value = sizes.values[judged.term];
-        let half = judged.half_width.unwrap_or(f64::NAN);
+        let half = judged.half_width;
         let mut others = sizes.terms.clone();
         others.retain(|t| *t != judged.term);
-        let without = Sizes::of(&others, self.readings, Some(sizes));
-        let n = self.readings.len() as f64;
+        let without = Sizes::of(&others, self.readings(), &self.whole.spreads, Some(sizes));
+        let n = self.readings().len() as f64;
         let criterion = |terms: &[usize]| {
             let set = self.whole.sets.iter().find(|s| s.sizes.terms == terms);
             set.map_or(f64::NAN, |s| s.criterion)
@@ -183,6 +227,7 @@ impl Answered<'_, '_> {
             }],
             p_adjusted: judged.p_adjusted,
             selected_in_folds: judged.chosen_again,
+            chosen_in_folds: self.chosen_in_folds(judged.term, traces),
             helps_in_folds: judged.helps,
             rmse_before: (without.sse / n).sqrt(),
             rmse_after: (sizes.sse / n).sqrt(),
@@ -194,10 +239,22 @@ impl Answered<'_, '_> {
         }
     }
 
+    /// Part of the folds whose own search found the effect, or one that leaves its trace.
+    fn chosen_in_folds(&self, term: usize, traces: &Traces) -> f64 {
+        let alike = |t: &usize| ALL[*t].id == ALL[term].id || traces.cosine(term, *t).abs() > ALIKE;
+        let folds = self.held_out.iter();
+        let chose = folds.filter(|(_, sizes)| sizes.terms.iter().any(alike));
+        chose.count() as f64 / self.held_out.len() as f64
+    }
+
     /// The effect and all that leave its trace; a force that is not along the sensor shrinks as one of a weaker actuator.
     fn class(&self, term: usize, traces: &Traces) -> Vec<String> {
         let alike = |t: &&usize| **t == term || traces.cosine(term, **t).abs() > ALIKE;
-        let candidates = self.candidates.iter().filter(|t| **t != place::PLACEBO);
+        let candidates = self
+            .whole
+            .candidates
+            .iter()
+            .filter(|t| **t != place::PLACEBO);
         let mut ids = vec![ALL[term].id.to_owned()];
         for other in candidates.filter(alike) {
             ids.push(ALL[*other].id.to_owned());
@@ -211,9 +268,9 @@ impl Answered<'_, '_> {
     }
 
     fn by_fold(&self, rigid: &[f64], held_out: &[f64], smooth: &[f64]) -> Vec<FoldErrors> {
-        let fold = fold_of(self.readings);
+        let fold = fold_of(self.readings());
         let of = |out: usize, all: &[f64]| {
-            let own = self.readings.iter().zip(all);
+            let own = self.readings().iter().zip(all);
             let own: Vec<f64> = own
                 .filter(|(r, _)| fold(r) == out)
                 .map(|(_, e)| *e)
@@ -221,7 +278,7 @@ impl Answered<'_, '_> {
             own
         };
         let one = |(out, sizes): &(usize, Sizes)| {
-            let first = self.readings.iter().find(|r| fold(r) == *out);
+            let first = self.readings().iter().find(|r| fold(r) == *out);
             let unit = first.map_or(String::new(), |r| {
                 let actuator = self.group.actuators[r.actuator];
                 match fold(r) == r.actuator {
@@ -242,31 +299,48 @@ impl Answered<'_, '_> {
         self.held_out.iter().map(one).collect()
     }
 
-    /// Single terms that were not taken: what they would explain by themselves.
+    /// Sets that came before what was taken and do not stand, then every single term, with what it would explain by itself.
     fn rejected(&self) -> Vec<Rejected> {
-        let rigid = Sizes::rigid(self.readings).sse;
-        let taken = |t: &&usize| !self.sizes().terms.contains(t);
-        let one = |t: &usize| {
-            let alone = Sizes::of(&[*t], self.readings, None);
-            let why = if alone.inside {
-                "another set of effects explains more, or it does not stand beside it"
-            } else {
-                "runs to a bound of what is physically possible"
-            };
+        let rigid = Sizes::rigid(self.readings(), &self.whole.spreads).sse;
+        let named = |terms: &[usize]| {
+            let names = terms
+                .iter()
+                .map(|t| format!("{} ({})", ALL[*t].id, ALL[*t].form));
+            names.collect::<Vec<String>>().join(" + ")
+        };
+        let rejected = |terms: &[usize], why: String| {
+            let sizes = Sizes::of(terms, self.readings(), &self.whole.spreads, None);
             Rejected {
-                id: format!("{} ({})", ALL[*t].id, ALL[*t].form),
+                id: named(terms),
                 acts_on: "all readings".to_owned(),
-                share: 1.0 - alone.sse / rigid,
-                why: why.to_owned(),
+                share: 1.0 - sizes.sse / rigid,
+                why,
             }
         };
-        let mut all: Vec<Rejected> = self.candidates.iter().filter(taken).map(one).collect();
-        all.sort_by(|a, b| b.share.total_cmp(&a.share));
+        let refused = &self.whole.accepted.refused;
+        let together = refused.iter().filter(|r| r.terms.len() > 1);
+        let mut all: Vec<Rejected> = together
+            .map(|r| rejected(&r.terms, format!("{}: {}", ALL[r.because_of].id, r.why)))
+            .collect();
+        let taken = |t: &&usize| !self.sizes().terms.contains(t);
+        let why = |t: usize| {
+            let own = refused.iter().find(|r| r.terms == [t]);
+            let inside = self.whole.sets.iter().any(|s| s.sizes.terms == [t]);
+            match (own, inside) {
+                (Some(own), _) => own.why.clone(),
+                (None, true) => "explains less than what was taken".to_owned(),
+                (None, false) => "runs to a bound of what is physically possible".to_owned(),
+            }
+        };
+        let alone = self.whole.candidates.iter().filter(taken);
+        let mut alone: Vec<Rejected> = alone.map(|t| rejected(&[*t], why(*t))).collect();
+        alone.sort_by(|a, b| b.share.total_cmp(&a.share));
+        all.extend(alone);
         all
     }
 
     fn measurable(&self, term: usize, traces: &Traces) -> Result<f64, &'static str> {
-        let smallest = traces.smallest(term, self.candidates.len());
+        let smallest = traces.smallest(term, self.whole.candidates.len());
         if !smallest.is_finite() {
             return Err("leaves no trace in these readings");
         }
@@ -280,7 +354,11 @@ impl Answered<'_, '_> {
     }
 
     fn limits(&self, traces: &Traces) -> Vec<DetectionLimit> {
-        let candidates = self.candidates.iter().filter(|t| **t != place::PLACEBO);
+        let candidates = self
+            .whole
+            .candidates
+            .iter()
+            .filter(|t| **t != place::PLACEBO);
         let limit = |t: &usize| {
             let smallest = self.measurable(*t, traces).ok()?;
             Some(DetectionLimit {
@@ -295,7 +373,11 @@ impl Answered<'_, '_> {
     }
 
     fn not_measurable(&self, traces: &Traces) -> Vec<NotMeasurable> {
-        let candidates = self.candidates.iter().filter(|t| **t != place::PLACEBO);
+        let candidates = self
+            .whole
+            .candidates
+            .iter()
+            .filter(|t| **t != place::PLACEBO);
         let of = |id: &str, why: &str| NotMeasurable {
             id: id.to_owned(),
             why: why.to_owned(),
@@ -306,16 +388,16 @@ impl Answered<'_, '_> {
                 Some(of(ALL[*t].id, &format!("{}: {why}", ALL[*t].form)))
             })
             .collect();
-        all.push(of(
-            "joint_friction",
-            "no reading says in which direction the joint moved before it",
-        ));
+        if !self.whole.candidates.contains(&place::FRICTION) {
+            let why = "the joint came to too few of the angles from the other side";
+            all.push(of("joint_friction", why));
+        }
         all.push(of("misalignment", "leaves the trace of force_gain"));
-        if !self.candidates.contains(&place::WRAPPING) {
+        if !self.whole.candidates.contains(&place::WRAPPING) {
             all.push(of("wrapping_loss", "the route does not touch the knee"));
         }
         for (term, end) in [(place::ORIGIN, "origin"), (place::INSERTION, "insertion")] {
-            if !self.candidates.contains(&term) {
+            if !self.whole.candidates.contains(&term) {
                 let why = format!("{end} bracket: its foot on the bone is not known");
                 all.push(of("series_compliance", &why));
             }
@@ -324,7 +406,7 @@ impl Answered<'_, '_> {
     }
 
     fn aliases(&self, traces: &Traces) -> Vec<Alias> {
-        let all: Vec<usize> = self.candidates.to_vec();
+        let all: Vec<usize> = self.whole.candidates.to_vec();
         let mut found = Vec::new();
         for (k, a) in all.iter().enumerate() {
             for b in &all[k + 1..] {

@@ -7,18 +7,22 @@
 //! |---|---|
 //! | [`terms`] | the effects, with unit, bounds and source |
 //! | [`operator`] | the torque with effects, force in balance at every angle, with derivatives |
+//! | [`nuisance`] | what is a test's or an actuator's own and no effect: how it was mounted, how strong it is |
 //! | [`refit`] | least squares of any set of effects on any part of the readings |
 //! | [`search`] | every set of one or two, by BIC with the effective number of readings |
-//! | [`judge`] | what of it stands: jackknife, held-out actuators, chosen again without any one test |
+//! | [`judge`] | what of it stands: intervals, held-out actuators, chosen again without any one test |
 //! | [`traces`] | which effects the design can tell apart, and the smallest sizes that it can show |
-//! | [`black_box`] | what a smooth curve over the angle would explain |
+//! | [`questions`] | whether what is left depends on any column |
+//! | [`black_box`] | what a smooth curve over a column would explain |
 //! | [`tests`] | errors of every test: rigid, fitted, held out, and with sizes from the largest configuration alone |
 //! | [`answer`], `words` | the findings |
 
 pub mod answer;
 pub mod black_box;
 pub mod judge;
+pub mod nuisance;
 pub mod operator;
+pub mod questions;
 pub mod refit;
 pub mod search;
 pub mod terms;
@@ -31,21 +35,28 @@ use crate::models::{ForceModel, published};
 use crate::stages::diagnose::findings::CampaignFindings;
 use crate::stages::torque::Configuration;
 use crate::stages::torque::build::Build;
+use crate::stages::torque::point::Point;
 use judge::{Accepted, Task};
+use nuisance::Spreads;
 use operator::{At, Joint};
 use rayon::prelude::*;
 use refit::{Reading, Sizes, is_answered};
-use search::Known;
+use search::{Known, Sample};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
-use terms::TERMS;
+use std::collections::{BTreeMap, BTreeSet};
+use terms::{MOST, TERMS, place};
 use tests::TestErrors;
 
 /// Fewest readings that are searched.
 const FEWEST_READINGS: usize = 8;
-/// Fewest tests that are units of resampling; with fewer, stretches of the angle are.
-const FEWEST_TESTS: usize = 4;
-/// Stretches of the angle, where tests are too few.
+/// Fewest readings for each term of the set that tells how much tests differ.
+const READINGS_A_TERM: usize = 10;
+/// Sets, best first, among which one is chosen again without a test: what is far behind with all tests is not first without one.
+const SEARCHED_AGAIN: usize = 32;
+/// Fewest readings after the joint turned either way, for friction to be asked for.
+const FEWEST_EACH_WAY: usize = 3;
+/// Stretches of the angle in a test, fewer where each would have less than two readings: units of resampling, because what a law of force lacks
+/// at an angle is in all readings near to it.
 const STRETCHES: usize = 5;
 
 /// What was found of one joint.
@@ -73,8 +84,8 @@ pub(crate) struct Group<'a> {
     pub actuators: Vec<&'a str>,
     /// Measured arm of each reading in `all`, m.
     pub arms_by_hand: Vec<Option<f64>>,
-    /// Whether the units are tests.
-    pub by_test: bool,
+    /// Other columns of each reading in `all`.
+    pub extras: Vec<&'a BTreeMap<String, f64>>,
 }
 
 /// The findings of every joint of a campaign.
@@ -104,39 +115,100 @@ pub fn diagnose(
 }
 
 /// The search on some of the readings: the accepted set, and all that were looked at.
-pub(crate) struct Searched {
+pub(crate) struct Searched<'a> {
     /// What stands.
     pub accepted: Accepted,
     /// Every set, best first.
     pub sets: Vec<search::Ranked>,
-    /// Sets that were chosen without one unit each.
+    /// Sets that were chosen without one test each (or stretch).
     pub again: Vec<Vec<usize>>,
+    /// Terms that were asked for.
+    pub candidates: Vec<usize>,
+    /// Most terms that were looked for at once.
+    pub most: usize,
+    /// The readings, with what is their tests' and actuators' own.
+    pub readings: Vec<Reading<'a>>,
+    /// By how much tests and actuators differ.
+    pub spreads: Spreads,
 }
 
-/// The whole search on readings. Within folds (`outer` false) terms need not be chosen again: the folds are that question.
-pub(crate) fn searched(
-    readings: &[Reading],
+/// The whole search on readings: the same on all of them and within every fold.
+pub(crate) fn searched<'a>(
+    readings: &[Reading<'a>],
     known: &Known,
-    outer: bool,
-    (candidates, most, confidence): (&[usize], usize, f64),
-) -> Searched {
+    confidence: f64,
+) -> Searched<'a> {
+    let candidates = candidates(readings);
+    let tests: BTreeSet<usize> = readings.iter().map(|r| r.test).collect();
+    // Stretches of one test determine one number.
+    let most = if tests.len() > 1 { 2 } else { 1 };
+    let (readings, spreads) = with_spreads(readings, &candidates, known);
     let task = Task {
-        readings,
-        candidates,
+        readings: &readings,
+        spreads: &spreads,
+        candidates: &candidates,
         most,
         confidence,
     };
-    let sets = search::ranked(readings, candidates, most, known);
-    let own: Known = sets
-        .iter()
-        .map(|s| (s.sizes.terms.clone(), s.sizes.clone()))
-        .collect();
-    let again = if outer { task.again(&own) } else { Vec::new() };
+    let sets = task.sample().ranked(&candidates, most, known);
+    let own = known_of(&sets);
+    let near: Vec<Vec<usize>> = sets.iter().map(|s| s.sizes.terms.clone()).collect();
+    let near = &near[..near.len().min(SEARCHED_AGAIN)];
+    let again = task.again(|sample| sample.of(near, &own));
+    let accepted = task.accepted(&sets, &again, &own);
     Searched {
-        accepted: task.accepted(&sets, &again),
+        accepted,
         sets,
         again,
+        candidates,
+        most,
+        readings,
+        spreads,
     }
+}
+
+/// The terms that mean anything for some readings.
+fn candidates(readings: &[Reading]) -> Vec<usize> {
+    let turned = |sense: f64| readings.iter().filter(|r| r.at.sense == sense).count();
+    let both_ways = turned(1.0).min(turned(-1.0)) >= FEWEST_EACH_WAY;
+    let has = |t: &usize| match *t {
+        place::FRICTION => both_ways,
+        other => readings.iter().all(|r| r.joint.has(other)),
+    };
+    (0..TERMS).filter(has).collect()
+}
+
+/// The readings with what is their tests' and actuators' own, and how much these differ: as the effects that explain most, one after the
+/// other, leave them. That search takes all of the rigid leg's residual for noise, so that nothing is put down to the tests before effects were tried.
+fn with_spreads<'a>(
+    readings: &[Reading<'a>],
+    candidates: &[usize],
+    known: &Known,
+) -> (Vec<Reading<'a>>, Spreads) {
+    let rigid = Sizes::rigid(readings, &Spreads::before(1.0));
+    let first = rigid.with_own(readings);
+    let spreads = Spreads::before((rigid.sse / readings.len() as f64).sqrt());
+    let sample = Sample {
+        readings: &first,
+        spreads: &spreads,
+    };
+    let mut best = rigid;
+    let most = (readings.len() / READINGS_A_TERM).clamp(1, MOST);
+    for _ in 0..most {
+        let larger = sample.extended(&best.terms, candidates, known);
+        let least = larger
+            .iter()
+            .min_by(|a, b| a.sizes.left.total_cmp(&b.sizes.left));
+        best = least.map_or(best, |s| s.sizes.clone());
+    }
+    let own = best.with_own(readings);
+    let spreads = Spreads::of(&own, &best);
+    (own, spreads)
+}
+
+fn known_of(sets: &[search::Ranked]) -> Known {
+    let named = |s: &search::Ranked| (s.sizes.terms.clone(), s.sizes.clone());
+    sets.iter().map(named).collect()
 }
 
 fn one(campaign: &str, simulated: bool, group: &Group, confidence: f64) -> Option<JointDiagnosis> {
@@ -144,17 +216,8 @@ fn one(campaign: &str, simulated: bool, group: &Group, confidence: f64) -> Optio
     if readings.len() < FEWEST_READINGS {
         return None;
     }
-    let joint = &readings[0].joint;
-    let candidates: Vec<usize> = (0..TERMS).filter(|t| joint.has(*t)).collect();
-    // Stretches of one test determine one number.
-    let most = if group.by_test { 2 } else { 1 };
-    let asked = (&candidates[..], most, confidence);
-    let whole = searched(&readings, &Known::new(), true, asked);
-    let known: Known = whole
-        .sets
-        .iter()
-        .map(|s| (s.sizes.terms.clone(), s.sizes.clone()))
-        .collect();
+    let whole = searched(&readings, &Known::new(), confidence);
+    let known = known_of(&whole.sets);
     let fold = judge::fold_of(&readings);
     let folds: BTreeSet<usize> = readings.iter().map(fold).collect();
     let folds: Vec<usize> = folds.into_iter().collect();
@@ -164,18 +227,19 @@ fn one(campaign: &str, simulated: bool, group: &Group, confidence: f64) -> Optio
             .filter(|r| fold(r) != *out)
             .copied()
             .collect();
-        let found = searched(&rest, &known, false, asked);
+        let found = searched(&rest, &known, confidence);
         (*out, found.accepted.sizes)
     };
     let held_out: Vec<(usize, Sizes)> = folds.par_iter().map(without).collect();
     let largest = group.largest().map(|own_tests| {
-        let part: Vec<Reading> = readings
-            .iter()
+        let of = whole.readings.iter();
+        let part: Vec<Reading> = of
             .filter(|r| own_tests.contains(&r.test))
             .copied()
             .collect();
         let chosen = &whole.accepted.sizes;
-        (own_tests, Sizes::of(&chosen.terms, &part, Some(chosen)))
+        let sizes = Sizes::of(&chosen.terms, &part, &whole.spreads, Some(chosen));
+        (own_tests, sizes)
     });
     let tests = tests::errors(
         group,
@@ -188,9 +252,6 @@ fn one(campaign: &str, simulated: bool, group: &Group, confidence: f64) -> Optio
         campaign,
         simulated,
         group,
-        readings: &readings,
-        candidates: &candidates,
-        most,
         whole: &whole,
         held_out: &held_out,
         largest: largest.as_ref().map(|(_, sizes)| sizes),
@@ -217,12 +278,11 @@ impl<'a> Group<'a> {
             fitted: Vec::new(),
             actuators: Vec::new(),
             arms_by_hand: Vec::new(),
-            by_test: true,
+            extras: Vec::new(),
         };
         for (build, configuration) in group.members.clone() {
             group.add(build, configuration);
         }
-        group.by_test = group.fitted.iter().filter(|f| **f).count() >= FEWEST_TESTS;
         group.number_units();
         Some(group)
     }
@@ -237,35 +297,39 @@ impl<'a> Group<'a> {
         }
         for test in &configuration.tests {
             let number = self.sessions.len();
-            let points = test.points.iter().filter_map(|p| {
+            let senses = senses(&test.points);
+            let mut readings = Vec::new();
+            for (order, (p, sense)) in test.points.iter().zip(senses).enumerate() {
                 let reading = Reading {
                     joint,
                     at: At {
                         angle_rad: p.angle_rad,
                         pressure_kpa: p.pressure_kpa,
+                        sense,
+                        order: order as f64,
                         placebo: 0.0,
                     },
                     torque_nm: p.torque_nm,
                     actuator,
                     test: number,
                     unit: number,
+                    own: [0.0; 2],
                 };
                 let usable = p.expected.is_some() && p.pressure_kpa.is_finite();
-                (usable && is_answered(&reading)).then_some((reading, p.by_hand.arm_m))
-            });
-            let (readings, arms): (Vec<Reading>, Vec<Option<f64>>) = points.unzip();
+                if usable && is_answered(&reading) {
+                    readings.push(reading);
+                    self.arms_by_hand.push(p.by_hand.arm_m);
+                    self.extras.push(&p.extras);
+                }
+            }
             self.all.extend(shuffled(readings, &test.session));
-            self.arms_by_hand.extend(arms);
             self.sessions.push(&test.session);
             self.fitted.push(test.is_fitted());
         }
     }
 
-    /// Where tests are too few, a unit is a stretch of the angle of one test.
+    /// A unit is a stretch of the angle of one test.
     fn number_units(&mut self) {
-        if self.by_test {
-            return;
-        }
         for test in 0..self.sessions.len() {
             let mut places: Vec<usize> = (0..self.all.len())
                 .filter(|k| self.all[*k].test == test)
@@ -275,8 +339,9 @@ impl<'a> Group<'a> {
                 angle(a).total_cmp(&angle(b)).then(a.cmp(b))
             });
             let n = places.len();
+            let stretches = STRETCHES.min(n / 2).max(1);
             for (rank, place) in places.into_iter().enumerate() {
-                self.all[place].unit = test * STRETCHES + rank * STRETCHES / n;
+                self.all[place].unit = test * STRETCHES + rank * stretches / n;
             }
         }
     }
@@ -285,6 +350,19 @@ impl<'a> Group<'a> {
     pub fn searched_readings(&self) -> Vec<Reading<'a>> {
         let fitted = self.all.iter().filter(|r| self.fitted[r.test]);
         fitted.copied().collect()
+    }
+
+    /// The other columns that all readings of the tests that are fitted have.
+    fn searched_extras(&self) -> Vec<(String, Vec<f64>)> {
+        let all = self.all.iter().zip(&self.extras);
+        let searched = all.filter(|(r, _)| self.fitted[r.test]);
+        let extras: Vec<&BTreeMap<String, f64>> = searched.map(|(_, extras)| *extras).collect();
+        let names = extras.first().into_iter().flat_map(|first| first.keys());
+        let column = |name: &String| {
+            let values: Option<Vec<f64>> = extras.iter().map(|e| e.get(name).copied()).collect();
+            Some((name.clone(), values?))
+        };
+        names.filter_map(column).collect()
     }
 
     /// The tests of the configuration with most fitted readings, where there are others.
@@ -297,6 +375,21 @@ impl<'a> Group<'a> {
         let tests = self.sessions.iter().enumerate().filter(|(_, s)| of(s));
         Some(tests.map(|(k, _)| k).filter(|k| self.fitted[*k]).collect())
     }
+}
+
+/// In which sense the joint turned before each reading, from their order; before the first, as before the second.
+fn senses(points: &[Point]) -> Vec<f64> {
+    let turned = |from: &Point, to: &Point| {
+        let by = to.angle_rad - from.angle_rad;
+        if by == 0.0 || by.is_nan() {
+            0.0
+        } else {
+            by.signum()
+        }
+    };
+    let mut senses: Vec<f64> = points.windows(2).map(|w| turned(&w[0], &w[1])).collect();
+    senses.insert(0, senses.first().copied().unwrap_or(0.0));
+    senses
 }
 
 /// The readings of a test with a shuffled copy of their angles, from -1 to 1: a column that must never be chosen.

@@ -2,7 +2,8 @@
 //!
 //! At an angle the force balances everything that yields to it (theorem of implicit functions, [`crate::knee::series`]):
 //! F = g A(P - p, l_m), l_m = L_MT(theta, F) - 2 l_fit - l_tendon - d - C F - dl, with attachments that their brackets let go, and
-//! M = r(theta, F) F (1 - c (|theta| - theta_0)+) + z. The arm is that of the moved attachments.
+//! M = r(theta, F) F (1 - c (|theta| - theta_0)+) + z - f s, with s the sense in which the joint turned before the reading. The arm is that of
+//! the moved attachments.
 
 use super::terms::{KINKS_FROM_RAD, TERMS, place};
 use crate::knee::{Bracket, Leg, Point, Series, data, route::Place};
@@ -34,6 +35,10 @@ pub struct At {
     pub angle_rad: f64,
     /// Gauge pressure, kPa.
     pub pressure_kpa: f64,
+    /// In which sense the joint turned before the reading: 1 in extension, -1 in flexion, 0 where nobody knows.
+    pub sense: f64,
+    /// Place in the order of its test's readings.
+    pub order: f64,
     /// Shuffled column.
     pub placebo: f64,
 }
@@ -96,7 +101,8 @@ impl<'a> Joint<'a> {
         let kinked = (0..2).fold(R::constant(1.0), |left, k| {
             left - sizes[place::KINKING + k] * beyond(KINKS_FROM_RAD[k])
         });
-        let sensor = sizes[place::ZERO] + sizes[place::PLACEBO] * at.placebo;
+        let rubs = sizes[place::FRICTION] * at.sense;
+        let sensor = sizes[place::ZERO] - rubs + sizes[place::PLACEBO] * at.placebo;
         (balance.torque * kinked + sensor, balance.arm)
     }
 
@@ -122,7 +128,10 @@ impl<'a> Joint<'a> {
             if slope.is_nan() { 0.0 } else { slope }
         };
         let (dl, dp) = STEPS;
-        let by_length = slope(force(l - dl, p), force(l + dl, p), dl);
+        let by_length = match length.is_constant() {
+            true => 0.0,
+            false => slope(force(l - dl, p), force(l + dl, p), dl),
+        };
         let mut pulled = length.chain(force(l, p), by_length);
         if !pressure.is_constant() {
             let by_pressure = slope(force(l, p - dp), force(l, p + dp), dp);

@@ -1,17 +1,20 @@
 //! Readings of one joint, and least squares of any set of terms on any part of them.
 
+use super::nuisance::{Nuisance, Spreads};
 use super::operator::{At, Joint};
-use super::terms::{ALL, TERMS};
-use crate::numerics::dual_problem::DualProblem;
+use super::terms::{ALL, MOST, TERMS, place};
 use crate::numerics::fit::{Options, ParameterState, fit};
+use crate::numerics::levenberg_marquardt::LeastSquaresProblem;
+use crate::numerics::matrix::Matrix;
 use crate::numerics::real::{Dual, Real};
+use crate::numerics::statistics::sum_of_squares;
 
 /// A reading of torque.
 #[derive(Clone, Copy)]
 pub struct Reading<'a> {
     /// The joint.
     pub joint: Joint<'a>,
-    /// Angle and pressure.
+    /// Angle, pressure and how the joint came there.
     pub at: At,
     /// Measured torque, N.m.
     pub torque_nm: f64,
@@ -19,8 +22,10 @@ pub struct Reading<'a> {
     pub actuator: usize,
     /// See `actuator`.
     pub test: usize,
-    /// See `actuator`: the test, or a stretch of angles where there are too few tests.
+    /// See `actuator`: a stretch of the angles of one test.
     pub unit: usize,
+    /// Torque for a millimetre of the test's own length (N.m/mm), and for the actuator's own strength (N.m): see [`super::nuisance`].
+    pub own: [f64; 2],
 }
 
 /// Sizes of a set of terms.
@@ -34,38 +39,42 @@ pub struct Sizes {
     pub inside: bool,
     /// Sum of squares of what was fitted, (N.m)^2.
     pub sse: f64,
+    /// The same after tests and actuators have been given what is their own, with what that costs, (N.m)^2.
+    pub left: f64,
 }
 
 impl Sizes {
     /// The rigid leg.
-    pub fn rigid(readings: &[Reading]) -> Self {
-        let mut rigid = Self {
+    pub fn rigid(readings: &[Reading], spreads: &Spreads) -> Self {
+        let rigid = Self {
             terms: Vec::new(),
             values: [0.0; TERMS],
             inside: true,
             sse: 0.0,
+            left: 0.0,
         };
-        rigid.sse = rigid.residuals(readings).iter().map(|r| r * r).sum();
-        rigid
+        rigid.judged(readings, spreads)
     }
 
-    /// The least-squares sizes of `terms`, a descent from each of their starts or from `from`.
-    pub fn of(terms: &[usize], readings: &[Reading], from: Option<&Sizes>) -> Self {
+    /// The sizes of `terms` that leave least, a descent from `from` or from the terms' starts.
+    pub fn of(
+        terms: &[usize],
+        readings: &[Reading],
+        spreads: &Spreads,
+        from: Option<&Sizes>,
+    ) -> Self {
         if terms.is_empty() {
-            return Self::rigid(readings);
+            return Self::rigid(readings, spreads);
         }
-        let measured: Vec<f64> = readings.iter().map(|r| r.torque_nm).collect();
-        let mut held = [Some(0.0); TERMS];
-        terms.iter().for_each(|t| held[*t] = None);
-        let model = |k: usize, p: &[Dual<TERMS>; TERMS]| {
-            let reading = &readings[k];
-            reading.joint.torque(&reading.at, p).0
+        let problem = Problem {
+            terms,
+            readings,
+            nuisance: Nuisance::of(readings, spreads),
         };
-        let problem = DualProblem::new(&measured, model).with_held(held);
         let options = Options {
             bounds: Some(terms.iter().map(|t| ALL[*t].bounds).collect()),
             max_iterations: 60,
-            tolerance: 1e-7,
+            tolerance: 1e-6,
             polish: false,
             ..Options::default()
         };
@@ -80,16 +89,24 @@ impl Sizes {
             values[*t] = *value;
         }
         let determined = |s: &ParameterState| *s == ParameterState::Ok;
-        Self {
+        let sizes = Self {
             terms: terms.to_vec(),
             values,
             inside: found.states.iter().all(determined),
-            sse: if found.sse.is_finite() {
-                found.sse
-            } else {
-                f64::INFINITY
-            },
-        }
+            sse: 0.0,
+            left: 0.0,
+        };
+        sizes.judged(readings, spreads)
+    }
+
+    /// With the sums of squares that it leaves.
+    fn judged(mut self, readings: &[Reading], spreads: &Spreads) -> Self {
+        let residuals = self.residuals(readings);
+        let finite = |x: f64| if x.is_finite() { x } else { f64::INFINITY };
+        self.sse = finite(sum_of_squares(&residuals));
+        let left = Nuisance::of(readings, spreads).left(&residuals);
+        self.left = finite(sum_of_squares(&left));
+        self
     }
 
     /// Predicted torque and arm of a reading, N.m and m.
@@ -113,6 +130,63 @@ impl Sizes {
             .collect();
         let of = |t: usize| all.iter().map(|d| d.gradient[t]).collect();
         (0..TERMS).map(of).collect()
+    }
+
+    /// The readings with what a test's own length and an actuator's own strength give to them, here.
+    pub fn with_own<'a>(&self, readings: &[Reading<'a>]) -> Vec<Reading<'a>> {
+        let traces = self.traces(readings);
+        let own = |k: usize| [traces[place::LENGTH][k], traces[place::GAIN][k]];
+        let numbered = readings.iter().enumerate();
+        numbered
+            .map(|(k, r)| Reading { own: own(k), ..*r })
+            .collect()
+    }
+}
+
+/// The sizes of some terms on some readings.
+struct Problem<'r, 'a> {
+    terms: &'r [usize],
+    readings: &'r [Reading<'a>],
+    nuisance: Nuisance,
+}
+
+impl Problem<'_, '_> {
+    fn predicted(&self, p: &[f64]) -> Vec<Dual<MOST>> {
+        let mut sizes = [Dual::<MOST>::constant(0.0); TERMS];
+        for (k, t) in self.terms.iter().enumerate() {
+            sizes[*t] = Dual::variable(p[k], k);
+        }
+        let all = self.readings.iter();
+        all.map(|r| r.joint.torque(&r.at, &sizes).0).collect()
+    }
+}
+
+impl LeastSquaresProblem for Problem<'_, '_> {
+    fn parameters(&self) -> usize {
+        self.terms.len()
+    }
+
+    fn observations(&self) -> usize {
+        self.readings.len() + self.nuisance.effects()
+    }
+
+    fn residuals(&self, p: &[f64], r: &mut [f64]) {
+        let mut values = [0.0; TERMS];
+        for (t, value) in self.terms.iter().zip(p) {
+            values[*t] = *value;
+        }
+        let residual = |o: &Reading| o.torque_nm - o.joint.torque(&o.at, &values).0;
+        let residuals: Vec<f64> = self.readings.iter().map(residual).collect();
+        r.copy_from_slice(&self.nuisance.left(&residuals));
+    }
+
+    fn jacobian(&self, p: &[f64], j: &mut Matrix) {
+        let predicted = self.predicted(p);
+        for k in 0..p.len() {
+            let trace: Vec<f64> = predicted.iter().map(|d| d.gradient[k]).collect();
+            let left = self.nuisance.left(&trace);
+            j.column_mut(k).copy_from_slice(&left);
+        }
     }
 }
 

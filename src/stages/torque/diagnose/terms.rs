@@ -28,7 +28,9 @@ pub struct Term {
 }
 
 /// Number of terms.
-pub const TERMS: usize = 11;
+pub const TERMS: usize = 12;
+/// Most terms of a set.
+pub const MOST: usize = 3;
 
 /// Places in [`ALL`] that [`super::operator`] needs by name.
 pub mod place {
@@ -50,8 +52,10 @@ pub mod place {
     pub const KINKING: usize = 7;
     /// Wrapping.
     pub const WRAPPING: usize = 9;
+    /// Friction.
+    pub const FRICTION: usize = 10;
     /// A shuffled column, which must never be chosen.
-    pub const PLACEBO: usize = 10;
+    pub const PLACEBO: usize = 11;
 }
 
 /// Sizes of the knee angle beyond which an actuator may kink, rad (30 and 75 degrees).
@@ -182,6 +186,19 @@ pub static ALL: [Term; TERMS] = [
         start: 0.1,
         source: "series model of the measurers, after the knee paper",
         measurement: "mark the actuator and photograph which part lies on the knee",
+    },
+    Term {
+        id: "joint_friction",
+        form: "dry",
+        title: "friction of the joint, against the way it turned last",
+        equation: "M_meas = M - f s, s = 1 after extension, -1 after flexion",
+        symbol: "f",
+        unit: "N.m",
+        // An actuator's own hysteresis is friction of the other sign where it drives the joint.
+        bounds: (-10.0, 10.0),
+        start: 0.1,
+        source: "Coulomb friction; sense of motion from the order of the readings",
+        measurement: "come to every angle from both sides, and turn the joint with the actuator vented",
     },
     Term {
         id: "placebo",

@@ -1,6 +1,7 @@
 //! Errors of every test: rigid, with the effects, held out, and as the measurers did it, with sizes from the configuration with most readings alone.
 
 use super::Group;
+use super::nuisance::Spreads;
 use super::refit::{Reading, Sizes};
 use super::terms::{ALL, place};
 use crate::numerics::real::Real;
@@ -42,7 +43,7 @@ pub(super) fn errors(
     fold: fn(&Reading) -> usize,
     largest: Option<&(Vec<usize>, Sizes)>,
 ) -> Vec<TestErrors> {
-    let rigid = Sizes::rigid(&[]);
+    let rigid = Sizes::rigid(&[], &Spreads::before(1.0));
     let one = |(number, session): (usize, &&str)| {
         let with_arms = group.all.iter().zip(&group.arms_by_hand);
         let (readings, arms): (Vec<Reading>, Vec<Option<f64>>) =

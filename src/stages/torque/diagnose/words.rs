@@ -46,7 +46,7 @@ impl Answered<'_, '_> {
     pub(super) fn alternatives(&self) -> Vec<Alternative> {
         let best = self.whole.sets.first().map_or(f64::NAN, |s| s.criterion);
         let task = self.task();
-        let n = self.readings.len() as f64;
+        let n = self.readings().len() as f64;
         let near = self.whole.sets.iter();
         let near =
             near.filter(|s| s.criterion < best + NEAR && !s.sizes.terms.contains(&place::PLACEBO));
@@ -55,7 +55,7 @@ impl Answered<'_, '_> {
                 let sizes = &set.sizes;
                 let held_out: f64 = task.held_out(&sizes.terms, sizes).iter().sum();
                 let names: Vec<&str> = sizes.terms.iter().map(|t| ALL[*t].form).collect();
-                let residuals = sizes.residuals(self.readings);
+                let residuals = sizes.residuals(self.readings());
                 Alternative {
                     model: format!("rigid + {}", names.join(" + ")),
                     parameters: sizes.terms.len(),
@@ -71,26 +71,30 @@ impl Answered<'_, '_> {
             .collect()
     }
 
-    fn task(&self) -> Task<'_, '_> {
+    pub(super) fn task(&self) -> Task<'_, '_> {
         Task {
-            readings: self.readings,
-            candidates: self.candidates,
-            most: self.most,
+            readings: self.readings(),
+            spreads: &self.whole.spreads,
+            candidates: &self.whole.candidates,
+            most: self.whole.most,
             confidence: self.confidence,
         }
     }
 
     pub(super) fn notes(&self, tests: &BTreeSet<usize>) -> Vec<String> {
         let mut notes = Vec::new();
-        if !self.group.by_test {
-            notes.push(format!(
-                "{} of the joint: units are stretches of the angle, and what belongs to the mounting of a test cannot be told from the joint",
-                match tests.len() {
-                    1 => "one test".to_owned(),
-                    n => format!("{n} tests"),
-                }
-            ));
+        if tests.len() == 1 {
+            notes.push(
+                "one test of the joint: how it was mounted cannot be told from what belongs to the joint, but for its size"
+                    .to_owned(),
+            );
         }
+        let [mounting, strength] = self.whole.spreads.between;
+        notes.push(format!(
+            "taken as each test's and actuator's own: offsets of the length with a standard deviation of {mounting:.1} mm, strengths with one of {:.1} %; noise {:.2} N.m",
+            100.0 * strength,
+            self.whole.spreads.noise_nm
+        ));
         notes.extend(self.both_brackets());
         if let Some(largest) = self.largest {
             let named: Vec<String> = largest.terms.iter().map(|t| label(*t, largest)).collect();
@@ -127,7 +131,7 @@ impl Answered<'_, '_> {
         let placebo = placebo.count();
         if placebo > 0 {
             notes.push(format!(
-                "the shuffled column was chosen in {placebo} of {} searches without one unit: too few readings for the search",
+                "the shuffled column was chosen in {placebo} of {} searches without one test or stretch: too few readings for the search",
                 self.whole.again.len()
             ));
         }
@@ -137,30 +141,29 @@ impl Answered<'_, '_> {
     /// Whether the readings determine the stiffness of both brackets, beside an offset of the length.
     fn both_brackets(&self) -> Option<String> {
         let both = [place::LENGTH, place::ORIGIN, place::INSERTION];
-        if !both.iter().all(|t| self.candidates.contains(t)) {
+        if !both.iter().all(|t| self.whole.candidates.contains(t)) {
             return None;
         }
-        let sizes = Sizes::of(&both, self.readings, None);
-        let judged = self.task().judged(&sizes, &[]);
-        let interval = |term: usize| {
-            let half = judged.iter().find(|j| j.term == term)?.half_width?;
-            let value = sizes.values[term];
-            Some((value - half, value, value + half))
+        let sizes = Sizes::of(&both, self.readings(), &self.whole.spreads, None);
+        let halves = self.task().half_widths(&sizes);
+        let interval = |place: usize| {
+            let value = sizes.values[both[place]];
+            (value - halves[place], value, value + halves[place])
         };
-        let words = |term: usize| match interval(term) {
-            Some((low, value, high)) => format!(
+        let words = |place: usize| {
+            let (low, value, high) = interval(place);
+            format!(
                 "{} {value:.0} um/N (95% interval {:.0} to {high:.0})",
-                ALL[term].form,
+                ALL[both[place]].form,
                 low.max(0.0)
-            ),
-            None => format!("{} without an interval", ALL[term].form),
+            )
         };
-        let open = |term: usize| interval(term).is_none_or(|(low, ..)| low <= 0.0);
-        let undetermined = open(place::ORIGIN) || open(place::INSERTION) || !sizes.inside;
+        let open = |place: usize| interval(place).0.is_nan() || interval(place).0 <= 0.0;
+        let undetermined = open(1) || open(2) || !sizes.inside;
         Some(format!(
             "both brackets at once: {} and {}; {}",
-            words(place::ORIGIN),
-            words(place::INSERTION),
+            words(1),
+            words(2),
             if undetermined {
                 "the torques do not determine both stiffnesses"
             } else {
