@@ -15,11 +15,15 @@
 //! | [`questions`] | whether what is left depends on any column |
 //! | [`black_box`] | what a smooth curve over a column would explain |
 //! | [`tests`] | errors of every test: rigid, fitted, held out, and with sizes from the largest configuration alone |
+//! | [`measurers`] | beside what was reached by hand |
+//! | [`curves`] | torque over the angle before and after, for figures |
 //! | [`answer`], `words` | the findings |
 
 pub mod answer;
 pub mod black_box;
+pub mod curves;
 pub mod judge;
+pub mod measurers;
 pub mod nuisance;
 pub mod operator;
 pub mod questions;
@@ -36,7 +40,9 @@ use crate::stages::diagnose::findings::CampaignFindings;
 use crate::stages::torque::Configuration;
 use crate::stages::torque::build::Build;
 use crate::stages::torque::point::Point;
+use curves::BeforeAfter;
 use judge::{Accepted, Task};
+use measurers::ByHand;
 use nuisance::Spreads;
 use operator::{At, Joint};
 use rayon::prelude::*;
@@ -52,7 +58,7 @@ const FEWEST_READINGS: usize = 8;
 /// Fewest readings for each term of the set that tells how much tests differ.
 const READINGS_A_TERM: usize = 10;
 /// Sets, best first, among which one is chosen again without a test: what is far behind with all tests is not first without one.
-const SEARCHED_AGAIN: usize = 32;
+const SEARCHED_AGAIN: usize = 20;
 /// Fewest readings after the joint turned either way, for friction to be asked for.
 const FEWEST_EACH_WAY: usize = 3;
 /// Stretches of the angle in a test, fewer where each would have less than two readings: units of resampling, because what a law of force lacks
@@ -66,6 +72,10 @@ pub struct JointDiagnosis {
     pub findings: CampaignFindings,
     /// Errors by test.
     pub tests: Vec<TestErrors>,
+    /// What the measurers reached by hand, where they had the actuator.
+    pub by_hand: Vec<ByHand>,
+    /// Torques over the angle, before and after.
+    pub curves: Vec<BeforeAfter>,
 }
 
 /// Everything of one joint, ready to be searched.
@@ -259,7 +269,13 @@ fn one(campaign: &str, simulated: bool, group: &Group, confidence: f64) -> Optio
         confidence,
     };
     let findings = answered.findings();
-    Some(JointDiagnosis { findings, tests })
+    let curves = curves::curves(group, &whole.accepted.sizes, &held_out, fold);
+    Some(JointDiagnosis {
+        findings,
+        by_hand: measurers::beside(group, &tests),
+        tests,
+        curves,
+    })
 }
 
 impl<'a> Group<'a> {

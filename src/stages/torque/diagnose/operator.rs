@@ -43,6 +43,19 @@ pub struct At {
     pub placebo: f64,
 }
 
+impl At {
+    /// At an angle in rad and a gauge pressure in kPa, and nothing known of how the joint came there.
+    pub fn still(angle_rad: f64, pressure_kpa: f64) -> Self {
+        Self {
+            angle_rad,
+            pressure_kpa,
+            sense: 0.0,
+            order: 0.0,
+            placebo: 0.0,
+        }
+    }
+}
+
 impl<'a> Joint<'a> {
     /// The joint of a build, under a law of force.
     pub fn new(build: &'a Build, law: &'a dyn ForceModel) -> Self {

@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 const SIGNIFICANT: f64 = 0.05;
 const FLIPS: usize = 999;
 /// Powers of a column beside the constant.
-const POWERS: usize = 3;
+const POWERS: usize = 5;
 
 /// A column and its values, one a reading.
 pub struct Asked {
