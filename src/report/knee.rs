@@ -211,13 +211,18 @@ fn joints(c: &CampaignTorque, figures: &[Drawn]) -> Vec<Joint> {
         .collect()
 }
 
+/// Units and arrows as people read them.
+fn said(text: &str) -> String {
+    text.replace("um/N", "µm/N").replace("->", "→")
+}
+
 fn joint(found: &CampaignFindings) -> Joint {
     let class = |e: &EffectFinding| {
         let others = e.class.iter().filter(|id| **id != e.id);
         (e.title.clone(), others.map(|id| title(id)).collect())
     };
     let alternative = |r: &Reading| Alternative {
-        numbers: r.numbers.join(" and "),
+        numbers: said(&r.numbers.join(" and ")),
         fitted: decimals(r.errors.rmse_train, 2),
         held_out: decimals(r.errors.rmse_heldout, 2),
     };
@@ -243,7 +248,7 @@ fn joint(found: &CampaignFindings) -> Joint {
             found.part.as_deref().unwrap_or_default(),
             found.diameter_mm
         ),
-        summary: found.summary.clone(),
+        summary: said(&found.summary),
         classes: found.effects.iter().map(class).collect(),
         unexplained: unexplained.map(|u| u.column.clone()).collect(),
         alternatives: found.readings_of_the_base.iter().map(alternative).collect(),
@@ -254,7 +259,7 @@ fn joint(found: &CampaignFindings) -> Joint {
             .map(rejected)
             .collect(),
         limits: found.detection_limits.iter().map(limit).collect(),
-        notes: found.notes.clone(),
+        notes: found.notes.iter().map(|n| said(n)).collect(),
         next,
         figure: None,
     }

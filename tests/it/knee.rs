@@ -434,6 +434,7 @@ fn brackets<R: Real>(c: [R; 4]) -> Series<R> {
     let [along, across, out, axial] = c;
     Series {
         axial,
+        loose: R::constant(0.0),
         origin: Some(Bracket {
             foot: [-0.02, 0.1, 0.0],
             compliance: [along, across, out],

@@ -18,19 +18,21 @@ pub fn of_campaign(campaign: &CampaignTorque) -> Table {
     named(build([campaign]), campaign)
 }
 
-/// By what a test is predicted: name in files, heading.
-const PREDICTED: [(&str, &str); 4] = [
-    ("rigid", "rigid"),
-    ("fitted", "with effects"),
-    ("held_out", "held out"),
-    ("from_largest", "from largest"),
+/// By what a test is predicted: name in files, heading, statistics that people see.
+const PREDICTED: [(&str, &str, &[&str]); 4] = [
+    ("rigid", "rigid", &["rmse_nm", "fvu", "max_nm"]),
+    ("fitted", "loop", &["rmse_nm", "fvu", "max_nm"]),
+    ("held_out", "held out", &["rmse_nm", "max_nm"]),
+    ("from_largest", "largest", &["rmse_nm"]),
 ];
+/// Statistics: name in files, unit.
+const STATISTICS: [(&str, &str); 3] = [("rmse_nm", "N.m"), ("fvu", ""), ("max_nm", "N.m")];
 
 fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
     let machines = |c: Column| c.seen_by(Audience::Machines);
     let mut columns = vec![
         machines(Column::text("campaign", "Campaign")),
-        Column::text("joint", "Joint"),
+        machines(Column::text("joint", "Joint")),
         machines(Column::number("diameter_mm", "⌀", "mm")),
         Column::text("session", "Test"),
         machines(Column::text("specimen", "Specimen")),
@@ -39,37 +41,32 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
         machines(Column::text("verdict", "Verdict")),
         Column::number("n", "\\v{n}", ""),
     ];
-    for (id, heading) in PREDICTED {
-        columns.push(Column::number(
-            &format!("{id}_rmse_nm"),
-            &format!("RMSE {heading}"),
-            "N.m",
-        ));
-        columns.push(machines(Column::number(
-            &format!("{id}_fvu"),
-            &format!("FVU {heading}"),
-            "",
-        )));
-        columns.push(machines(Column::number(
-            &format!("{id}_max_nm"),
-            &format!("Max. {heading}"),
-            "N.m",
-        )));
+    for (statistic, unit) in STATISTICS {
+        for (id, heading, shown) in PREDICTED {
+            let column = Column::number(&format!("{id}_{statistic}"), heading, unit);
+            let seen = shown.contains(&statistic);
+            columns.push(if seen { column } else { machines(column) });
+        }
     }
     columns.extend([
-        Column::number("own_offset_mm", "Own offset", "mm"),
-        Column::number("arm_rigid_mm", "Δ\\v{r} rigid", "mm"),
-        Column::number("arm_fitted_mm", "Δ\\v{r} after", "mm"),
+        Column::number("own_offset_mm", "offset", "mm"),
+        Column::number("own_rmse_nm", "RMSE", "N.m"),
+        machines(Column::number("arm_rigid_mm", "Δ\\v{r} rigid", "mm")),
+        machines(Column::number("arm_fitted_mm", "Δ\\v{r} after", "mm")),
     ]);
     let mut table = Table::new(
         "knee_effects",
         "Errors of torque, rigid and with the effects that the loop found",
         columns,
     )
+    .span("RMSE", "rigid_rmse_nm", "from_largest_rmse_nm")
+    .span("FVU", "rigid_fvu", "fitted_fvu")
+    .span("Largest error", "rigid_max_nm", "held_out_max_nm")
+    .span("Its own", "own_offset_mm", "own_rmse_nm")
     .note(
-        "Held out: effects and sizes found without the actuator (with one actuator, without the test or the stretch of angles). From largest: \
-         effects found on all, their sizes fitted to the configuration with most readings alone. Own offset: by how much the length of the test differs from what was fitted to all. \
-         Δ\\v{r}: root mean square of the arm measured by hand less the expected one; no fit knows it.",
+        "Held out: effects and sizes found without the actuator (with one actuator, without the test or the stretch of angles). Largest: \
+         effects found on all, their sizes fitted to the configuration with most readings alone. Its own: by how much the length of the test differs from what was fitted \
+         to all, and the error with that, which no value for all tests can do better than. FVU: share of the variance that is not explained. Tests without a yes take part in no fit.",
     );
     for campaign in campaigns {
         for joint in &campaign.diagnoses {
@@ -97,16 +94,19 @@ fn row(joint: &JointDiagnosis, test: &TestErrors) -> Vec<Cell> {
         test.before
             .map_or(Cell::Empty, |s| Cell::Integer(s.n as i64)),
     ];
-    for size in [test.before, test.after, test.held_out, test.from_largest] {
-        let of = |f: fn(&Size) -> Option<f64>| size.as_ref().and_then(f);
-        row.extend([
-            decimals(of(|s| Some(s.rmse)), 2),
-            decimals(of(|s| s.fvu), 3),
-            decimals(of(|s| Some(s.max_abs)), 2),
-        ]);
+    let sizes = [test.before, test.after, test.held_out, test.from_largest];
+    type Of = fn(&Size) -> Option<f64>;
+    let statistics: [(Of, usize); 3] = [
+        (|s| Some(s.rmse), 2),
+        (|s| s.fvu, 3),
+        (|s| Some(s.max_abs), 2),
+    ];
+    for (of, digits) in statistics {
+        row.extend(sizes.map(|size| decimals(size.as_ref().and_then(of), digits)));
     }
     row.extend([
         decimals(test.own_offset_mm, 1),
+        decimals(test.with_own_offset.map(|s| s.rmse), 2),
         mm(test.arm_before_m, 1),
         mm(test.arm_after_m, 1),
     ]);

@@ -442,8 +442,16 @@ impl<'a> Answered<'_, 'a> {
     }
 }
 
-/// A term with its size in words: "series_compliance (insertion bracket) 94 um/N".
+/// A term with its size in words: "series_compliance (insertion bracket) 94.1 um/N".
 pub(super) fn label(term: usize, sizes: &Sizes) -> String {
     let t = &ALL[term];
-    format!("{} ({}) {:.3} {}", t.id, t.form, sizes.values[term], t.unit)
+    let value = sizes.values[term];
+    // Three digits, whatever the unit.
+    let decimals = match value.abs() {
+        v if v >= 100.0 => 0,
+        v if v >= 10.0 => 1,
+        v if v >= 1.0 => 2,
+        _ => 3,
+    };
+    format!("{} ({}) {value:.decimals$} {}", t.id, t.form, t.unit)
 }

@@ -272,7 +272,10 @@ fn one(campaign: &str, simulated: bool, group: &Group, confidence: f64) -> Optio
     let curves = curves::curves(group, &whole.accepted.sizes, &held_out, fold);
     Some(JointDiagnosis {
         findings,
-        by_hand: measurers::beside(group, &tests),
+        by_hand: match simulated {
+            true => Vec::new(),
+            false => measurers::beside(group, &tests),
+        },
         tests,
         curves,
     })

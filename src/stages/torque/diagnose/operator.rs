@@ -1,7 +1,7 @@
 //! The forward model with the joint's effects: torque of a reading, with exact derivatives by every size.
 //!
 //! At an angle the force balances everything that yields to it (theorem of implicit functions, [`crate::knee::series`]):
-//! F = g A(P - p, l_m), l_m = L_MT(theta, F) - 2 l_fit - l_tendon - d - C F - dl, with attachments that their brackets let go, and
+//! F = g A(P - p, l_m), l_m = L_MT(theta, F) - 2 l_fit - l_tendon - d - C F - s F/(F + 100 N) - dl, with attachments that their brackets let go, and
 //! M = r(theta, F) F (1 - c (|theta| - theta_0)+) + z - f s, with s the sense in which the joint turned before the reading. The arm is that of
 //! the moved attachments.
 
@@ -97,6 +97,7 @@ impl<'a> Joint<'a> {
         };
         let series = Series {
             axial: sizes[place::AXIAL] * 1e-6,
+            loose: sizes[place::LOOSE] * 1e-3,
             origin: bracket(0, place::ORIGIN),
             insertion: bracket(1, place::INSERTION),
         };

@@ -28,7 +28,7 @@ pub struct Term {
 }
 
 /// Number of terms.
-pub const TERMS: usize = 12;
+pub const TERMS: usize = 13;
 /// Most terms of a set.
 pub const MOST: usize = 3;
 
@@ -38,24 +38,26 @@ pub mod place {
     pub const LENGTH: usize = 0;
     /// Compliance along the actuator.
     pub const AXIAL: usize = 1;
+    /// What is loose along the actuator.
+    pub const LOOSE: usize = 2;
     /// Bending of the bracket at the origin.
-    pub const ORIGIN: usize = 2;
+    pub const ORIGIN: usize = 3;
     /// Bending of the bracket at the insertion.
-    pub const INSERTION: usize = 3;
+    pub const INSERTION: usize = 4;
     /// Zero of the pressure.
-    pub const PRESSURE: usize = 4;
+    pub const PRESSURE: usize = 5;
     /// Strength.
-    pub const GAIN: usize = 5;
+    pub const GAIN: usize = 6;
     /// Zero of the torque.
-    pub const ZERO: usize = 6;
+    pub const ZERO: usize = 7;
     /// Kinking from [`super::KINKS_FROM_RAD`] on: two places.
-    pub const KINKING: usize = 7;
+    pub const KINKING: usize = 8;
     /// Wrapping.
-    pub const WRAPPING: usize = 9;
+    pub const WRAPPING: usize = 10;
     /// Friction.
-    pub const FRICTION: usize = 10;
+    pub const FRICTION: usize = 11;
     /// A shuffled column, which must never be chosen.
-    pub const PLACEBO: usize = 11;
+    pub const PLACEBO: usize = 12;
 }
 
 /// Sizes of the knee angle beyond which an actuator may kink, rad (30 and 75 degrees).
@@ -89,6 +91,18 @@ pub static ALL: [Term; TERMS] = [
         bounds: (0.0, 400.0),
         start: 30.0,
         source: BRACKETS,
+        measurement: LOADED,
+    },
+    Term {
+        id: "series_compliance",
+        form: "loose",
+        title: "what is loose along the actuator and is taken up",
+        equation: "l_m = L_MT - 2 l_fit - l_tendon - s F/(F + 100 N)",
+        symbol: "s",
+        unit: "mm",
+        bounds: (0.0, 60.0),
+        start: 5.0,
+        source: "series model of the measurers, stiffening: knots, bolts in their holes, a tendon that straightens",
         measurement: LOADED,
     },
     Term {

@@ -4,7 +4,6 @@ use super::Group;
 use super::nuisance::Spreads;
 use super::refit::{Reading, Sizes};
 use super::terms::{ALL, place};
-use crate::numerics::real::Real;
 use crate::stages::torque::errors::Size;
 use serde::{Deserialize, Serialize};
 
@@ -29,6 +28,8 @@ pub struct TestErrors {
     pub in_largest: bool,
     /// By how much the test's own offset of the length differs from what was fitted to all, mm: how it was mounted, or how long the actuator is.
     pub own_offset_mm: f64,
+    /// With that offset of its own: what no value for all tests can do better than.
+    pub with_own_offset: Option<Size>,
     /// Root mean square of the arm measured by hand less the rigid one, m; no hand-measured arm enters any fit.
     pub arm_before_m: Option<f64>,
     /// The same with the attachments as the effects move them.
@@ -68,6 +69,8 @@ pub(super) fn errors(
         };
         let without = |r: &Reading| held_out.iter().find(|(f, _)| *f == fold(r));
         let fitted = group.fitted[number];
+        let own_offset_mm = own_offset(sizes, &readings);
+        let with_own = shifted(sizes, own_offset_mm);
         TestErrors {
             session: (*session).to_owned(),
             specimen: readings
@@ -79,7 +82,8 @@ pub(super) fn errors(
             held_out: size(&|r| Some(without(r).filter(|_| fitted)?.1.predict(r).0)),
             from_largest: size(&|r| Some(largest?.1.predict(r).0)),
             in_largest: largest.is_some_and(|(tests, _)| tests.contains(&number)),
-            own_offset_mm: own_offset(sizes, &readings),
+            own_offset_mm,
+            with_own_offset: size(&|r| Some(with_own.predict(r).0)),
             arm_before_m: arm(&rigid),
             arm_after_m: arm(sizes),
         }
@@ -87,13 +91,19 @@ pub(super) fn errors(
     group.sessions.iter().enumerate().map(one).collect()
 }
 
+/// The sizes with so much more of an offset of the length, mm.
+fn shifted(sizes: &Sizes, more: f64) -> Sizes {
+    let mut own = sizes.clone();
+    own.values[place::LENGTH] = sizes.values[place::LENGTH] + more;
+    own
+}
+
 /// The offset that is best for some readings, all other sizes held, less that of the fit; mm. A search on a grid that halves: one number, and
 /// the sum of squares may have several minima where forces are cut off at zero.
 fn own_offset(sizes: &Sizes, readings: &[Reading]) -> f64 {
     let sse = |more: f64| -> f64 {
-        let mut own = sizes.clone();
-        own.values[place::LENGTH] = sizes.values[place::LENGTH].value() + more;
-        own.residuals(readings).iter().map(|r| r * r).sum()
+        let residuals = shifted(sizes, more).residuals(readings);
+        residuals.iter().map(|r| r * r).sum()
     };
     let reach = ALL[place::LENGTH].bounds.1;
     let (mut best, mut step) = (0.0, reach / 16.0);
