@@ -62,6 +62,8 @@ pub mod derived {
     pub const SD_PRESSURE: &str = "sd_pressure_kpa";
     /// Zero of the force channel that was taken off, N.
     pub const ZERO_FORCE: &str = "zero_force_n";
+    /// Pressure that the session's zero log shows, kPa.
+    pub const ZERO_PRESSURE: &str = "zero_pressure_kpa";
     /// Uninflated inner diameter, mm.
     pub const DIAMETER: &str = "diameter_mm";
     /// Resting length, m.
@@ -129,6 +131,7 @@ pub fn is_reserved(name: &str) -> bool {
             CONTRACTION_REL,
             PRESSURE_REL,
             ZERO_FORCE,
+            ZERO_PRESSURE,
             "role",
             "date",
             "kind",

@@ -47,6 +47,7 @@ pub fn row(session: &Session, reading: &Reading) -> Row {
         samples: reading.samples,
         sd_force_n: reading.sd_force_n,
         zero_force_n: reading.zero_force_n,
+        zero_pressure_kpa: reading.zero_pressure_kpa,
         diameter_mm: specimen.diameter_mm,
         rest_length_m: specimen.rest_length_m,
         contracted_length_m: specimen.contracted_length_m,

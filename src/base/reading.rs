@@ -27,6 +27,8 @@ pub struct Reading {
     pub sd_pressure_kpa: f64,
     /// Zero of the force channel that was taken off, N; NaN where there is none.
     pub zero_force_n: f64,
+    /// What the pressure channel shows in the session's zero log, without pressure, kPa; NaN where there is none. Not taken off.
+    pub zero_pressure_kpa: f64,
     /// Every quantity and extra column, by column name, in the unit used inside.
     pub values: BTreeMap<String, f64>,
     /// Every column of words, by name: what names the load cell, the bench, the operator.
@@ -59,7 +61,8 @@ pub fn to_frame(readings: &[Reading]) -> Frame {
         .with(derived::SAMPLES, integers(&|r| Some(r.samples)))
         .with(derived::SD_FORCE, numbers(&|r| r.sd_force_n))
         .with(derived::SD_PRESSURE, numbers(&|r| r.sd_pressure_kpa))
-        .with(derived::ZERO_FORCE, numbers(&|r| r.zero_force_n));
+        .with(derived::ZERO_FORCE, numbers(&|r| r.zero_force_n))
+        .with(derived::ZERO_PRESSURE, numbers(&|r| r.zero_pressure_kpa));
     let names: BTreeSet<&String> = readings.iter().flat_map(|r| r.values.keys()).collect();
     for name in names {
         frame = frame.with(name, numbers(&|r| r.value(name)));
@@ -86,6 +89,7 @@ pub fn from_frame(frame: &Frame) -> Result<Vec<Reading>> {
         derived::SD_FORCE,
         derived::SD_PRESSURE,
         derived::ZERO_FORCE,
+        derived::ZERO_PRESSURE,
     ];
     let missing = || Error::Internal("a table of readings without its fixed columns".to_owned());
     let logs = frame.texts(fixed[0]).ok_or_else(missing)?;
@@ -97,6 +101,7 @@ pub fn from_frame(frame: &Frame) -> Result<Vec<Reading>> {
     let sd_force = frame.numbers(fixed[6]).ok_or_else(missing)?;
     let sd_pressure = frame.numbers(fixed[7]).ok_or_else(missing)?;
     let zero_force = frame.numbers(fixed[8]).ok_or_else(missing)?;
+    let zero_pressure = frame.numbers(fixed[9]).ok_or_else(missing)?;
     let names = frame.columns.iter().map(|(name, _)| name.as_str());
     let others: Vec<&str> = names.filter(|n| !fixed.contains(n)).collect();
     let reading = |k: usize| Reading {
@@ -109,6 +114,7 @@ pub fn from_frame(frame: &Frame) -> Result<Vec<Reading>> {
         sd_force_n: sd_force[k],
         sd_pressure_kpa: sd_pressure[k],
         zero_force_n: zero_force[k],
+        zero_pressure_kpa: zero_pressure[k],
         values: others
             .iter()
             .filter_map(|name| Some(((*name).to_owned(), frame.numbers(name)?[k])))
@@ -145,6 +151,7 @@ mod tests {
             sd_force_n: 0.5,
             sd_pressure_kpa: 0.25,
             zero_force_n: -5.5,
+            zero_pressure_kpa: 8.9,
             values: [
                 ("force_n".to_owned(), k as f64),
                 ("humidity".to_owned(), 40.0),

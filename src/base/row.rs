@@ -42,6 +42,8 @@ pub struct Row {
     pub sd_force_n: f64,
     /// Zero of the force channel that was taken off, N; NaN where there is none.
     pub zero_force_n: f64,
+    /// What the pressure channel shows in the session's zero log, without pressure, kPa; NaN where there is none. Not taken off.
+    pub zero_pressure_kpa: f64,
     /// Uninflated inner diameter, mm.
     pub diameter_mm: f64,
     /// l_rest, m.
@@ -76,6 +78,11 @@ const NUMBERS: &[NumberField] = &[
         derived::ZERO_FORCE,
         |r| r.zero_force_n,
         |r, x| r.zero_force_n = x,
+    ),
+    (
+        derived::ZERO_PRESSURE,
+        |r| r.zero_pressure_kpa,
+        |r, x| r.zero_pressure_kpa = x,
     ),
     (
         derived::DIAMETER,
@@ -246,6 +253,7 @@ impl Row {
             samples: 0,
             sd_force_n: f64::NAN,
             zero_force_n: f64::NAN,
+            zero_pressure_kpa: f64::NAN,
             diameter_mm: f64::NAN,
             rest_length_m: f64::NAN,
             contracted_length_m: f64::NAN,

@@ -138,7 +138,11 @@ impl<'r, 'a> Section<'r, 'a> {
 
     /// The value of a key, if it stands there. The key counts as known from now on.
     pub fn get(&self, key: &'static str) -> Option<Entry<'r, 'a>> {
-        self.known.borrow_mut().push(key);
+        let mut known = self.known.borrow_mut();
+        if !known.contains(&key) {
+            known.push(key);
+        }
+        drop(known);
         self.entries
             .iter()
             .find(|(k, _)| k.get_ref().as_ref() == key)

@@ -103,6 +103,7 @@ fn reading(drawn: &DrawnTruth, row: &SteadyRow) -> Reading {
         samples,
         sd_force_n: sd(rig.force_noise_n, rig.force_quantum_n),
         zero_force_n: f64::NAN,
+        zero_pressure_kpa: f64::NAN,
         sd_pressure_kpa: sd(rig.pressure_noise_kpa, rig.pressure_quantum_kpa),
         values,
         labels: BTreeMap::new(),

@@ -39,7 +39,11 @@ pub fn before(group: &GroupInput, _config: &Config) -> Option<(&'static str, Str
     let diagnosis = group.diagnosis.as_ref()?;
     let caption = caption(group, diagnosis, "the base model");
     let title = format!("Residual before, {}", group.fit.group.campaign);
-    let figure = figure(group, diagnosis, &diagnosis.residuals.before, &title)?;
+    let shown = Shown {
+        residuals: &diagnosis.residuals.before,
+        questions: &diagnosis.findings.questions,
+    };
+    let figure = figure(group, diagnosis, &shown, &title)?;
     Some(("residual-before", caption, figure))
 }
 
@@ -59,17 +63,25 @@ pub fn after(group: &GroupInput, _config: &Config) -> Option<(&'static str, Stri
         caption(group, diagnosis, &model)
     );
     let title = format!("Residual after, {}", group.fit.group.campaign);
-    let figure = figure(group, diagnosis, &residuals.after, &title)?;
+    let shown = Shown {
+        residuals: &residuals.after,
+        questions: &diagnosis.findings.questions_after,
+    };
+    let figure = figure(group, diagnosis, &shown, &title)?;
     Some(("residual-after", caption, figure))
 }
 
-fn figure(
-    group: &GroupInput,
-    diagnosis: &Diagnosis,
-    residuals: &[f64],
-    title: &str,
-) -> Option<Figure> {
-    let asked = panels(group, diagnosis);
+/// What one of the two figures shows.
+struct Shown<'a> {
+    residuals: &'a [f64],
+    questions: &'a [Question],
+}
+
+fn figure(group: &GroupInput, diagnosis: &Diagnosis, shown: &Shown, title: &str) -> Option<Figure> {
+    let mut asked = panels(group, diagnosis);
+    for a in &mut asked {
+        a.question = shown.questions.iter().find(|q| q.column == a.name);
+    }
     if asked.is_empty() {
         return None;
     }
@@ -78,7 +90,7 @@ fn figure(
         .grid(in_a_row)
         .shared_legend();
     for (k, asked) in asked.iter().enumerate() {
-        let mut panel = panel(diagnosis, residuals, asked);
+        let mut panel = panel(diagnosis, shown.residuals, asked);
         if k % in_a_row > 0 {
             panel.y = panel.y.bare();
         }

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 #[derive(Serialize)]
 pub(super) struct Asked {
-    cells: [String; 5],
+    cells: [String; 6],
     significant: bool,
 }
 
@@ -18,6 +18,13 @@ pub(super) fn questions(found: &CampaignFindings) -> Vec<Asked> {
             .total_cmp(&b.p_adjusted)
             .then(b.share.total_cmp(&a.share))
     });
+    let after = |q: &Question| {
+        let same = found.questions_after.iter().find(|a| a.column == q.column);
+        same.map_or_else(
+            || "–".to_owned(),
+            |a| p_words(a.p_adjusted).trim_start_matches("= ").to_owned(),
+        )
+    };
     let asked = |q: &&Question| Asked {
         cells: [
             q.column.clone(),
@@ -25,6 +32,7 @@ pub(super) fn questions(found: &CampaignFindings) -> Vec<Asked> {
             percent(q.share),
             p_words(q.p).trim_start_matches("= ").to_owned(),
             p_words(q.p_adjusted).trim_start_matches("= ").to_owned(),
+            after(q),
         ],
         significant: q.p_adjusted < SIGNIFICANT,
     };

@@ -1,6 +1,7 @@
 //! The effects that were found and the candidates that were not taken.
 
 use super::words::{newtons, percent};
+use crate::effects;
 use crate::report::answers::{p_words, rounded, size, title};
 use crate::report::number::Rounding;
 use crate::stages::diagnose::findings::{CampaignFindings, EffectFinding, Rejected};
@@ -63,6 +64,15 @@ pub(super) fn effect(e: &EffectFinding) -> Effect {
     }
 }
 
+/// The title of a candidate, with its form where the effect has several.
+fn titled(r: &Rejected) -> String {
+    let several = effects::index(&r.id).is_some_and(|k| effects::all()[k].forms().len() > 1);
+    match &r.form {
+        Some(form) if several => format!("{} ({form})", title(&r.id)),
+        _ => title(&r.id),
+    }
+}
+
 pub(super) fn rejected(found: &CampaignFindings) -> Vec<[String; 4]> {
     // A candidate that was chosen first and then failed also stands among those that were not chosen: its first reason says more. One that
     // failed in one set of effects and was chosen in another was taken.
@@ -74,7 +84,7 @@ pub(super) fn rejected(found: &CampaignFindings) -> Vec<[String; 4]> {
     };
     let row = |r: &Rejected| {
         [
-            title(&r.id),
+            titled(r),
             r.acts_on.clone(),
             percent(r.share),
             r.why.clone(),

@@ -1,6 +1,7 @@
 //! Errors: of the campaign, of every held-out unit, of the readings of the base model; and the base model's coefficients.
 
 use super::words::{newtons, perhaps, with_titles};
+use crate::effects;
 use crate::report::answers::{rounded, unit_words};
 use crate::report::number::Rounding;
 use crate::stages::diagnose::findings::{CoefficientChange, Errors, FoldErrors, Reading};
@@ -25,10 +26,20 @@ pub(super) fn unit(f: &FoldErrors) -> [String; 6] {
         if f.chosen.is_empty() {
             "nothing".to_owned()
         } else {
-            let chosen: Vec<String> = f.chosen.iter().map(|c| with_titles(c)).collect();
+            let chosen: Vec<String> = f.chosen.iter().map(|c| chosen_word(c)).collect();
             chosen.join(", ")
         },
     ]
+}
+
+/// An effect that a fold chose, or an empirical dependence, which is no part of the error after.
+fn chosen_word(chosen: &str) -> String {
+    let id = chosen.split(' ').next().unwrap_or_default();
+    if effects::index(id).is_some() {
+        with_titles(chosen)
+    } else {
+        format!("{chosen} (empirical, not in After)")
+    }
 }
 
 pub(super) fn reading(r: &Reading) -> [String; 5] {

@@ -49,6 +49,8 @@ struct Campaign {
     after: [String; 4],
     as_chosen: Option<[String; 4]>,
     empirical: Option<[String; 4]>,
+    /// Whether the empirical corrections lower the held-out error.
+    empirical_helps: bool,
     noise: String,
     black_box: String,
     black_box_after: String,
@@ -146,6 +148,9 @@ fn campaign(found: &CampaignFindings, figures: &[Drawn]) -> Campaign {
         after: errors(&found.after),
         as_chosen: found.after_as_chosen.as_ref().map(errors),
         empirical: found.after_empirical.as_ref().map(errors),
+        empirical_helps: found
+            .after_empirical
+            .is_some_and(|e| e.rmse_heldout < found.after.rmse_heldout),
         noise: perhaps(found.noise_floor),
         black_box: perhaps(found.black_box_rmse_heldout),
         black_box_after: perhaps(found.black_box_after_rmse_heldout),

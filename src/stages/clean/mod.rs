@@ -84,6 +84,7 @@ pub fn clean(session: &Session, logs: &[LogSamples], options: &CleanOptions) -> 
     });
     if let Some(zero) = &zero {
         for reading in &mut readings {
+            reading.zero_pressure_kpa = zero.zero_log_pressure_kpa.unwrap_or(f64::NAN);
             if let Some(force) = reading.values.get_mut(FORCE) {
                 *force -= zero.applied_n;
                 reading.zero_force_n = match zero.source {

@@ -39,6 +39,7 @@ pub fn readings(
             samples: 1,
             sd_force_n: f64::NAN,
             zero_force_n: f64::NAN,
+            zero_pressure_kpa: f64::NAN,
             sd_pressure_kpa: f64::NAN,
             values: log
                 .log

@@ -202,6 +202,7 @@ impl<'a> Series<'a> {
             samples: window.len() as i64,
             sd_force_n: scatter(&self.force),
             zero_force_n: f64::NAN,
+            zero_pressure_kpa: f64::NAN,
             sd_pressure_kpa: scatter(&self.pressure),
             values,
             labels: self.labels(window),

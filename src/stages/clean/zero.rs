@@ -177,6 +177,7 @@ mod tests {
             samples: 1,
             sd_force_n: f64::NAN,
             zero_force_n: f64::NAN,
+            zero_pressure_kpa: f64::NAN,
             sd_pressure_kpa: f64::NAN,
             values: [(PRESSURE.to_owned(), pressure), (FORCE.to_owned(), force)].into(),
             labels: std::collections::BTreeMap::new(),

@@ -50,6 +50,8 @@ pub struct CampaignFindings {
     pub held_out_by: String,
     /// The questions asked of the residual before anything was added.
     pub questions: Vec<Question>,
+    /// The same questions of what the effects and empirical corrections leave.
+    pub questions_after: Vec<Question>,
     /// The effects found, in the order in which they were found.
     pub effects: Vec<EffectFinding>,
     /// Columns on which the residual depends and that no effect explains.
@@ -247,6 +249,8 @@ pub struct FoldErrors {
 pub struct Rejected {
     /// Id, or the column of an empirical dependence.
     pub id: String,
+    /// Name of the form; none for an empirical dependence.
+    pub form: Option<String>,
     /// Where it would act.
     pub acts_on: String,
     /// Share of the remaining sum of squares that it would explain.

@@ -3,12 +3,13 @@
 //! All of it follows from the design of the campaign at hand: from the trace of every effect after base model and strengths have been
 //! refitted, and from the residual that is left.
 
+use super::answer::summary::with_unit;
 use super::findings::{Alias, DetectionLimit, NotMeasurable};
 use super::judge::ALIKE;
-use super::linear::{BLIND, Linear};
+use super::linear::{BLIND, Information, Linear, Stand};
 use super::search::{LEAST_FALL, Search, State};
-use super::term::{Scope, What};
-use crate::effects;
+use super::term::Scope;
+use crate::effects::{self, Effect};
 
 /// Standard errors at which an effect passes all guards.
 const SURE: f64 = 6.0;
@@ -43,75 +44,102 @@ pub fn limits(search: &Search, state: &State) -> Limits {
         if effect.id() == super::candidates::STRENGTHS {
             continue;
         }
-        // One unit for an effect, so that campaigns can be compared: that of its first form.
-        let unit = effect.forms().first().map(|f| f.amplitude.unit);
-        let of_effect = |c: &usize| {
-            search.candidates[*c].id() == Some(effect.id())
-                && search.candidates[*c].scope == Scope::Whole
-                && search.candidates[*c].form().map(|f| f.amplitude.unit) == unit
+        let not_measurable = |why: String| NotMeasurable {
+            id: effect.id().to_owned(),
+            why,
         };
-        let whole: Vec<usize> = (0..search.candidates.len()).filter(of_effect).collect();
-        let best = whole
-            .iter()
-            .map(|c| (*c, stand.information(*c)))
-            .filter(|(_, i)| i.visible >= BLIND && i.left > 0.0)
-            .max_by(|a, b| a.1.visible.total_cmp(&b.1.visible).then(b.0.cmp(&a.0)));
-        let Some((candidate, information)) = best else {
-            limits.not_measurable.push(NotMeasurable {
-                id: effect.id().to_owned(),
-                why: why_not(search, e, &whole),
-            });
+        let whole = on_all_readings(search, *effect);
+        let Some((candidate, information)) = most_visible(&stand, &whole) else {
+            let why = why_not(search, e, &whole);
+            limits.not_measurable.push(not_measurable(why));
             continue;
         };
         shown.push(candidate);
-        let inflation = (search.data.len() as f64 / state.effective).max(1.0).sqrt();
-        let by_noise = SURE * state.fitted.sigma * inflation / information.left.sqrt();
-        let least = search.least_n * search.least_n * search.data.len() as f64;
-        let by_use = ((LEAST_FALL * stand.left).max(least) / information.left).sqrt();
-        let What::Effect { form, .. } = search.candidates[candidate].what else {
+        let Some(form) = search.candidates[candidate].form() else {
             continue;
         };
-        let form = &effect.forms()[form];
-        let (size, unit) = if effect.near() > 0.0 {
-            // The trace of an angle grows with its square: F (1 - cos phi).
-            (
-                (2.0 * by_noise.max(by_use) * effect.near()).sqrt(),
-                form.amplitude.unit,
-            )
-        } else {
-            (by_noise.max(by_use), form.amplitude.unit)
-        };
-        let (low, high) = form.amplitude.bounds;
-        if size > low.abs().max(high.abs()) {
-            limits.not_measurable.push(NotMeasurable {
-                id: effect.id().to_owned(),
-                why: format!(
-                    "it would have to be larger than is physically possible ({} = {size:.2} {})",
-                    form.amplitude.name, form.amplitude.unit
-                ),
-            });
+        let size = smallest(search, state, &stand, information, *effect);
+        let amplitude = form.amplitude;
+        if size > amplitude.bounds.0.abs().max(amplitude.bounds.1.abs()) {
+            let size = with_unit(size, amplitude.unit);
+            limits.not_measurable.push(not_measurable(format!(
+                "it would have to be larger than is physically possible ({} = {size})",
+                amplitude.name
+            )));
             continue;
         }
         limits.detection.push(DetectionLimit {
             id: effect.id().to_owned(),
             form: form.name.to_owned(),
             smallest: size,
-            unit: unit.to_owned(),
+            unit: amplitude.unit.to_owned(),
             visible: information.visible,
         });
     }
+    limits.aliases = aliases(search, &stand, &shown);
+    limits
+}
+
+/// The candidates of an effect with one value for all readings. One unit for an effect, that of its first form, so that campaigns can be
+/// compared.
+fn on_all_readings(search: &Search, effect: &dyn Effect) -> Vec<usize> {
+    let unit = effect.forms().first().map(|f| f.amplitude.unit);
+    let of_effect = |c: &usize| {
+        let term = &search.candidates[*c];
+        term.id() == Some(effect.id())
+            && term.scope == Scope::Whole
+            && term.form().map(|f| f.amplitude.unit) == unit
+    };
+    (0..search.candidates.len()).filter(of_effect).collect()
+}
+
+/// The candidate of which a refit leaves most; none where it leaves nothing of any.
+fn most_visible(stand: &Stand, candidates: &[usize]) -> Option<(usize, Information)> {
+    candidates
+        .iter()
+        .map(|c| (*c, stand.information(*c)))
+        .filter(|(_, i)| i.visible >= BLIND && i.left > 0.0)
+        .max_by(|a, b| a.1.visible.total_cmp(&b.1.visible).then(b.0.cmp(&a.0)))
+}
+
+/// The size at which an effect passes all guards: it must stand out of the noise, and matter.
+fn smallest(
+    search: &Search,
+    state: &State,
+    stand: &Stand,
+    information: Information,
+    effect: &dyn Effect,
+) -> f64 {
+    let readings = search.data.len() as f64;
+    let inflation = (readings / state.effective).max(1.0).sqrt();
+    let by_noise = SURE * state.fitted.sigma * inflation / information.left.sqrt();
+    let least = search.least_n * search.least_n * readings;
+    let by_use = ((LEAST_FALL * stand.left).max(least) / information.left).sqrt();
+    let size = by_noise.max(by_use);
+    if effect.near() > 0.0 {
+        // The trace of an angle grows with its square: F (1 - cos phi).
+        (2.0 * size * effect.near()).sqrt()
+    } else {
+        size
+    }
+}
+
+/// The pairs of candidates that leave one trace.
+fn aliases(search: &Search, stand: &Stand, shown: &[usize]) -> Vec<Alias> {
+    let id = |c: usize| search.candidates[c].id().unwrap_or_default().to_owned();
+    let mut aliases = Vec::new();
     for (k, a) in shown.iter().enumerate() {
         for b in &shown[k + 1..] {
             let cosine = stand.cosine(*a, *b);
             if cosine.abs() > ALIKE {
-                limits.aliases.push(Alias {
-                    ids: [*a, *b].map(|c| search.candidates[c].id().unwrap_or_default().to_owned()),
+                aliases.push(Alias {
+                    ids: [id(*a), id(*b)],
                     cosine,
                 });
             }
         }
     }
-    limits
+    aliases
 }
 
 fn why_not(search: &Search, effect: usize, whole: &[usize]) -> String {

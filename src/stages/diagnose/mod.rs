@@ -85,6 +85,8 @@ pub(crate) struct Work<'a> {
     folds: &'a [Fold],
     held_out_by: &'static str,
     questions: Vec<Question>,
+    /// Whether a question gave reason to search.
+    searched: bool,
     null: State,
     best: State,
     judgements: Vec<Judgement>,
@@ -157,6 +159,7 @@ pub fn diagnose(
         folds: &folds,
         held_out_by,
         questions,
+        searched: something,
         null,
         best,
         judgements,

@@ -12,7 +12,7 @@ use super::data::Data;
 use super::findings::Suspect;
 use super::model::{Fitted, Model};
 use crate::effects::{self, Conditions};
-use crate::numerics::statistics::{median, quantile};
+use crate::numerics::statistics::{mean, median, quantile};
 use std::collections::BTreeSet;
 
 /// How much larger than the median of the others' an error must be, and which share of the force's 95% quantile.
@@ -313,90 +313,99 @@ struct Mistake {
 
 /// The usual mistake that explains most. A specimen's strength is fitted with each.
 fn explanation(base: &Base, part: &Data, fitted: &Fitted, off: f64, specimen: bool) -> Mistake {
+    let usual = usual_mistakes(base, part, fitted, specimen);
+    let best = usual
+        .into_iter()
+        .min_by(|a, b| a.error_then_n.total_cmp(&b.error_then_n));
+    let swapped = changed(base, part, fitted, false, |at, f| {
+        std::mem::swap(&mut at.pressure_kpa, f);
+    });
+    let least = best.as_ref().map_or(f64::INFINITY, |b| b.error_then_n);
+    if swapped < NOTHING_LEFT * off || (swapped < EXPLAINS * off && swapped < SWAPPED * least) {
+        return Mistake {
+            words: "columns of force and pressure that are swapped".to_owned(),
+            error_then_n: Some(swapped),
+            is_an_effect: false,
+        };
+    }
+    match best.filter(|b| b.error_then_n < EXPLAINS * off) {
+        Some(best) => Mistake {
+            words: best.words,
+            error_then_n: Some(best.error_then_n),
+            is_an_effect: best.is_an_effect,
+        },
+        None => Mistake {
+            words: "none of the usual mistakes explains it".to_owned(),
+            error_then_n: None,
+            is_an_effect: false,
+        },
+    }
+}
+
+/// A mistake of one number, at its best value.
+struct Usual {
+    error_then_n: f64,
+    words: String,
+    is_an_effect: bool,
+}
+
+/// A zero or a gain of a channel, or a wrong length: each at the value at which least is left.
+fn usual_mistakes(base: &Base, part: &Data, fitted: &Fitted, specimen: bool) -> Vec<Usual> {
     let try_out = |change: fn(&mut Conditions, &mut f64, f64), low: f64, high: f64| {
         least(low, high, |x| {
             changed(base, part, fitted, specimen, |at, f| change(at, f, x))
         })
     };
-    let n = part.len() as f64;
-    let offset = part
-        .force
-        .iter()
-        .enumerate()
-        .map(|(i, y)| y - force(base, fitted, part.specimen[i], &part.conditions[i]))
-        .sum::<f64>()
-        / n;
-    let gain = factor(base, part, fitted);
-    let pressure = try_out(|at, _, p| at.pressure_kpa -= p, -150.0, 150.0);
-    let pressure_gain = try_out(|at, _, g| at.pressure_kpa *= g, 0.1, 10.0);
-    let length = if specimen {
-        try_out(|at, _, d| at.rest_length_m += 1e-3 * d, -30.0, 30.0)
-    } else {
-        try_out(|at, _, d| at.length_m += 1e-3 * d, -30.0, 30.0)
+    let usual = |error_then_n: f64, words: String, is_an_effect: bool| Usual {
+        error_then_n,
+        words,
+        is_an_effect,
     };
-    let of_length = if specimen {
-        format!(
-            "a resting length that is {:+.1} mm of the one given",
-            length.0
-        )
+    let misses: Vec<f64> = (0..part.len())
+        .map(|i| part.force[i] - force(base, fitted, part.specimen[i], &part.conditions[i]))
+        .collect();
+    let offset = mean(&misses);
+    let pressure = try_out(|at, _, p| at.pressure_kpa -= p, -150.0, 150.0);
+    let (times, then) = try_out(|at, _, g| at.pressure_kpa *= g, 0.1, 10.0);
+    let (mm, of_length, given) = if specimen {
+        let (mm, of) = try_out(|at, _, d| at.rest_length_m += 1e-3 * d, -30.0, 30.0);
+        (mm, of, ["resting length", "given"])
     } else {
-        format!("a length that is {:+.1} mm of the one set", length.0)
+        let (mm, of) = try_out(|at, _, d| at.length_m += 1e-3 * d, -30.0, 30.0);
+        (mm, of, ["length", "set"])
     };
     let mut list = vec![
-        (
+        usual(
             changed(base, part, fitted, specimen, |_, f| *f -= offset),
             format!("a zero of the force channel of {offset:+.1} N"),
             true,
         ),
-        (length.1, of_length, true),
-        (
+        usual(
+            of_length,
+            format!("a {} that is {mm:+.1} mm of the one {}", given[0], given[1]),
+            true,
+        ),
+        usual(
             pressure.1,
             format!("a zero of the pressure channel of {:+.0} kPa", pressure.0),
             true,
         ),
-        (
-            pressure_gain.1,
-            format!(
-                "a pressure that is {:.2} times the one read",
-                pressure_gain.0
-            ),
-            PRESSURE_GAINS.contains(&pressure_gain.0),
+        usual(
+            then,
+            format!("a pressure that is {times:.2} times the one read"),
+            PRESSURE_GAINS.contains(&times),
         ),
     ];
-    if !specimen {
-        // The gain of a specimen is its strength.
-        if (GAINS.0..=GAINS.1).contains(&gain) {
-            list.push((
-                changed(base, part, fitted, false, |_, f| *f /= gain),
-                format!("a gain of the force channel of {gain:.2}"),
-                true,
-            ));
-        }
+    // The gain of a specimen is its strength.
+    let gain = factor(base, part, fitted);
+    if !specimen && (GAINS.0..=GAINS.1).contains(&gain) {
+        list.push(usual(
+            changed(base, part, fitted, false, |_, f| *f /= gain),
+            format!("a gain of the force channel of {gain:.2}"),
+            true,
+        ));
     }
-    list.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let swapped = changed(base, part, fitted, false, |at, f| {
-        std::mem::swap(&mut at.pressure_kpa, f);
-    });
-    let (best, words, is_an_effect) = list.swap_remove(0);
-    if swapped < NOTHING_LEFT * off || (swapped < EXPLAINS * off && swapped < SWAPPED * best) {
-        Mistake {
-            words: "columns of force and pressure that are swapped".to_owned(),
-            error_then_n: Some(swapped),
-            is_an_effect: false,
-        }
-    } else if best < EXPLAINS * off {
-        Mistake {
-            words,
-            error_then_n: Some(best),
-            is_an_effect,
-        }
-    } else {
-        Mistake {
-            words: "none of the usual mistakes explains it".to_owned(),
-            error_then_n: None,
-            is_an_effect: false,
-        }
-    }
+    list
 }
 
 /// The least of a function between two bounds: a grid, then golden sections about its best place.

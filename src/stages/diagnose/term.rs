@@ -113,6 +113,19 @@ impl Term {
         }
     }
 
+    /// Id of the effect, with the name of the form where it has several; none of an empirical dependence.
+    pub fn words(&self) -> Option<String> {
+        let What::Effect { effect, form, .. } = self.what else {
+            return None;
+        };
+        let effect = effects::all()[effect];
+        Some(if effect.forms().len() > 1 {
+            format!("{} ({})", effect.id(), effect.forms()[form].name)
+        } else {
+            effect.id().to_owned()
+        })
+    }
+
     /// Whether something beside the force speaks for it: zero logs that stand out.
     pub fn has_evidence(&self) -> bool {
         self.form().is_some_and(|f| f.needs.contains(&Need::Zeros))

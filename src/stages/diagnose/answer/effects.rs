@@ -10,7 +10,8 @@ use super::super::model::{Fitted, Model, Place};
 use super::super::search::Search;
 use super::super::term::{Scope, Term, What};
 use super::super::uncertainty::Uncertainty;
-use crate::effects;
+use crate::effects::{self, Parameter};
+use crate::numerics::statistics::mean;
 use std::collections::BTreeSet;
 
 pub(super) fn effects_found(
@@ -111,88 +112,74 @@ fn parameters(
         return Vec::new();
     };
     let (amplitudes, second) = &fitted.terms[k];
-    let of = |place: Place| {
-        layout
-            .iter()
-            .position(|p| *p == place)
-            .map(|i| uncertain[i])
+    let half_width = |place: Place| {
+        let i = layout.iter().position(|p| *p == place);
+        i.map_or(f64::NAN, |i| uncertain[i].half_width())
     };
-    let one = |name: String, value: f64, absent: f64, unit: &str, u: Option<Uncertainty>| {
-        let half = u.map_or(f64::NAN, Uncertainty::half_width);
-        ParameterFinding {
-            name,
-            value: absent + value,
-            ci_low: absent + value - half,
-            ci_high: absent + value + half,
-            unit: unit.to_owned(),
-        }
+    let size = |name: &str, g: usize| {
+        let value = form.amplitude.absent + amplitudes[g];
+        let half = half_width(Place::Amplitude(k, g));
+        number(name, value, half, form.amplitude.unit)
     };
-    let a = form.amplitude;
-    if amplitudes.len() == 1 {
-        let mut list = vec![one(
-            a.name.to_owned(),
-            amplitudes[0],
-            a.absent,
-            a.unit,
-            of(Place::Amplitude(k, 0)),
-        )];
-        if let Some((shape, _)) = form.shape {
-            list.push(one(
-                shape.name.to_owned(),
-                *second,
-                0.0,
-                shape.unit,
-                of(Place::Shape(k)),
-            ));
+    let symbol = form.amplitude.name;
+    match term.scope {
+        _ if amplitudes.len() == 1 => {
+            let shape = form.shape.map(|(shape, _)| {
+                let half = half_width(Place::Shape(k));
+                number(shape.name, *second, half, shape.unit)
+            });
+            [size(symbol, 0)].into_iter().chain(shape).collect()
         }
-        return list;
-    }
-    if let Scope::Levels(column) = term.scope {
-        let name = &data.extras[column].name;
-        let levels = data.level_names(column);
-        return amplitudes
-            .iter()
-            .enumerate()
-            .map(|(g, value)| {
-                let title = if name == ZERO_UNKNOWN {
-                    a.name.to_owned()
+        Scope::Levels(column) => {
+            let name = &data.extras[column].name;
+            let levels = data.level_names(column);
+            let title = |g: usize| {
+                if name == ZERO_UNKNOWN {
+                    symbol.to_owned()
                 } else {
-                    format!("{} at {name} = {}", a.name, levels[g + 1])
-                };
-                one(title, *value, a.absent, a.unit, of(Place::Amplitude(k, g)))
-            })
-            .collect();
+                    format!("{symbol} at {name} = {}", levels[g + 1])
+                }
+            };
+            (0..amplitudes.len()).map(|g| size(&title(g), g)).collect()
+        }
+        _ => scatter_and_mean(form.amplitude, amplitudes).to_vec(),
     }
-    let n = amplitudes.len() as f64;
-    let mean = amplitudes.iter().sum::<f64>() / n;
-    let sd = (amplitudes
-        .iter()
-        .map(|x| (x - mean) * (x - mean))
-        .sum::<f64>()
-        / (n - 1.0))
-        .sqrt();
-    // Normal values: the interval of a standard deviation (Wilson and Hilferty's chi-square).
+}
+
+fn number(name: &str, value: f64, half_width: f64, unit: &str) -> ParameterFinding {
+    ParameterFinding {
+        name: name.to_owned(),
+        value,
+        ci_low: value - half_width,
+        ci_high: value + half_width,
+        unit: unit.to_owned(),
+    }
+}
+
+/// Standard deviation and mean of many values, taken for normal.
+fn scatter_and_mean(amplitude: Parameter, values: &[f64]) -> [ParameterFinding; 2] {
+    let n = values.len() as f64;
+    let middle = mean(values);
+    let squares: f64 = values.iter().map(|x| (x - middle) * (x - middle)).sum();
+    let sd = (squares / (n - 1.0)).sqrt();
+    // The interval of a standard deviation (Wilson and Hilferty's chi-square).
     let chi = |z: f64| {
         let f = n - 1.0;
         let cube = 1.0 - 2.0 / (9.0 * f) + z * (2.0 / (9.0 * f)).sqrt();
         f * cube * cube * cube
     };
+    let scatter = ParameterFinding {
+        name: format!("sd of {}", amplitude.name),
+        value: sd,
+        ci_low: sd * ((n - 1.0) / chi(1.96)).sqrt(),
+        ci_high: sd * ((n - 1.0) / chi(-1.96)).sqrt(),
+        unit: amplitude.unit.to_owned(),
+    };
+    let name = format!("mean of {}", amplitude.name);
     let half = 2.07 * sd / n.sqrt();
-    vec![
-        ParameterFinding {
-            name: format!("sd of {}", a.name),
-            value: sd,
-            ci_low: sd * ((n - 1.0) / chi(1.96)).sqrt(),
-            ci_high: sd * ((n - 1.0) / chi(-1.96)).sqrt(),
-            unit: a.unit.to_owned(),
-        },
-        ParameterFinding {
-            name: format!("mean of {}", a.name),
-            value: a.absent + mean,
-            ci_low: a.absent + mean - half,
-            ci_high: a.absent + mean + half,
-            unit: a.unit.to_owned(),
-        },
+    [
+        scatter,
+        number(&name, amplitude.absent + middle, half, amplitude.unit),
     ]
 }
 
@@ -225,6 +212,7 @@ pub(super) fn rivals(search: &Search, work: &Work) -> Vec<Rejected> {
         .filter(|(_, c)| seen.insert(judge::name(&search.candidates[*c], search.data)))
         .take(8)
         .map(|(share, c)| Rejected {
+            form: search.candidates[c].form().map(|f| f.name.to_owned()),
             id: judge::name(&search.candidates[c], search.data),
             acts_on: judge::acts_on(&search.candidates[c], search.data),
             share,

@@ -4,12 +4,14 @@ mod effects;
 mod next;
 mod readings;
 mod strengths;
-mod summary;
+pub(super) mod summary;
 mod unexplained;
+mod zero_logs;
 
 use super::data::PLACEBO;
 use super::findings::{
-    CampaignFindings, CoefficientChange, EffectFinding, Question, Residuals, Unexplained, Verdict,
+    CampaignFindings, CoefficientChange, EffectFinding, Errors, Question, Residuals, Unexplained,
+    Verdict,
 };
 use super::folds::Tally;
 use super::judge;
@@ -23,6 +25,49 @@ use crate::models::{ForceModel, new};
 use std::collections::BTreeSet;
 use strengths::Strengths;
 
+/// The base alone and with everything that was chosen, fitted to all readings that are searched.
+struct Fits<'a> {
+    null_model: Model<'a>,
+    null: Fitted,
+    full: Model<'a>,
+    fitted: Fitted,
+    uncertain: Vec<Uncertainty>,
+}
+
+impl<'a> Fits<'a> {
+    /// `searched`: readings that the search saw.
+    fn of(work: &'a Work, searched: usize) -> Self {
+        let model = |terms: Vec<Term>| Model {
+            base: work.base,
+            data: work.train,
+            terms,
+        };
+        let null_model = model(Vec::new());
+        let full = model(chosen_terms(work));
+        let fitted = full.fit(Some(&work.best.fitted), 1);
+        // Readings that repeat each other stay so, however many there are.
+        let searched = searched as f64;
+        let readings = work.train.len() as f64;
+        let effective = if work.best.effective < 0.9 * searched {
+            work.best.effective
+        } else {
+            work.best.effective * readings / searched
+        };
+        Fits {
+            null: null_model.fit(Some(&work.null.fitted), 1),
+            uncertain: uncertainties(&full, &fitted, effective.min(readings), &[]),
+            null_model,
+            full,
+            fitted,
+        }
+    }
+}
+
+fn chosen_terms(work: &Work) -> Vec<Term> {
+    let chosen = work.best.chosen.iter();
+    chosen.map(|c| work.candidates[*c].clone()).collect()
+}
+
 /// The answer.
 pub(super) fn answer(work: &Work) -> Diagnosis {
     let thin = work.train.thinned(work.options.most_readings);
@@ -33,38 +78,14 @@ pub(super) fn answer(work: &Work) -> Diagnosis {
         work.options.most_effects,
         judge::SIGNIFICANT.0,
     );
-    let all_terms: Vec<Term> = work
-        .best
-        .chosen
-        .iter()
-        .map(|c| work.candidates[*c].clone())
-        .collect();
-    let full = Model {
-        base: work.base,
-        data: work.train,
-        terms: all_terms,
-    };
-    let fitted = full.fit(Some(&work.best.fitted), 1);
-    let effective = work.best.effective
-        * (work.train.len() as f64 / thin.len() as f64).min(
-            if work.best.effective < 0.9 * thin.len() as f64 {
-                1.0
-            } else {
-                f64::INFINITY
-            },
-        );
-    let uncertain = uncertainties(&full, &fitted, effective.min(work.train.len() as f64), &[]);
-    let null_model = Model {
-        base: work.base,
-        data: work.train,
-        terms: Vec::new(),
-    };
-    let null = null_model.fit(Some(&work.null.fitted), 1);
-    let mut effects = effects::effects_found(work, &search, &full, &fitted, &uncertain);
-    let after_questions = questions_after(&search, &work.best, work);
-    let mut unexplained = unexplained::unexplained(work, &fitted, &after_questions, search.least_n);
+    let fits = Fits::of(work, thin.len());
+    let (full, fitted) = (&fits.full, &fits.fitted);
+    let mut effects = effects::effects_found(work, &search, full, fitted, &fits.uncertain);
+    let questions_after = questions_after(&search, &work.best, work);
+    let mut unexplained = unexplained::unexplained(work, fitted, &questions_after, search.least_n);
     let mut notes = notes(work);
-    match strengths::strengths(work, &fitted, &full) {
+    let by_zero_logs = zero_logs::zero_logs_say(&effects, &work.train.zero_pressures_kpa);
+    match strengths::strengths(work, fitted, full) {
         Strengths::Usual => {}
         Strengths::Scatter(finding, note) => {
             effects.push(*finding);
@@ -74,24 +95,27 @@ pub(super) fn answer(work: &Work) -> Diagnosis {
     }
     let verdict = verdict(work, &effects, &unexplained);
     let mut limits = limits(&search, &work.best);
-    limits
-        .not_measurable
-        .retain(|n| !effects.iter().any(|e| e.id == n.id));
-    let physical = physical_only(work, &fitted);
-    let before = super::errors(train_error(&null_model, &null), work.held.before);
-    let (after_model, after_fit) = &physical;
-    let after = super::errors(train_error(after_model, after_fit), work.held.after);
-    let found = &after_model.terms;
-    let after_as_chosen = (!found.is_empty())
-        .then(|| readings::reading(work, &search, work.base, "", found.clone()).errors);
-    let after_empirical = work
-        .held
-        .empirical
-        .map(|t: Tally| super::errors(train_error(&full, &fitted), t));
-    let residuals = residuals(work, &null_model, &null, &full, &fitted);
+    limits.not_measurable.retain(|n| {
+        !effects
+            .iter()
+            .any(|e| e.id == n.id || e.class.contains(&n.id))
+    });
+    let errors = errors(work, &search, &fits);
     let readings_of_the_base = readings::readings_of_the_base(work, &search);
     let mut rejected = work.rejected.clone();
     rejected.extend(effects::rivals(&search, work));
+    let mut summary = summary::summary(verdict, &effects, &unexplained, work, errors.as_chosen);
+    if let Some(sentence) = by_zero_logs {
+        summary = format!("{summary} {sentence}");
+    }
+    let next_measurement = next::next(
+        &search,
+        work,
+        &effects,
+        &unexplained,
+        &limits,
+        &readings_of_the_base,
+    );
     let findings = CampaignFindings {
         campaign: work.group.campaign.clone(),
         part: None,
@@ -102,21 +126,22 @@ pub(super) fn answer(work: &Work) -> Diagnosis {
         base_refitted: work.base.coefficients.iter().any(|c| c.free),
         unit: "N".to_owned(),
         verdict,
-        summary: summary::summary(verdict, &effects, &unexplained, work, after_as_chosen),
+        summary,
         readings: work.train.len(),
         sessions: work.train.session.iter().collect::<BTreeSet<_>>().len(),
         specimens: work.train.specimen.iter().collect::<BTreeSet<_>>().len(),
         readings_held_out: work.all.len() - work.train.len(),
         held_out_by: work.held_out_by.to_owned(),
         questions: work.questions.clone(),
-        next_measurement: next::next(&search, work, &effects, &limits, &readings_of_the_base),
+        questions_after,
+        next_measurement,
         effects,
         unexplained,
         suspects: work.suspects.clone(),
-        before,
-        after,
-        after_as_chosen,
-        after_empirical,
+        before: errors.before,
+        after: errors.after,
+        after_as_chosen: errors.as_chosen,
+        after_empirical: errors.empirical,
         by_specimen: work.held.by_unit.clone(),
         noise_floor: noise::noise_floor(work.train, &fitted.residuals),
         black_box_rmse_heldout: work.held.black_box,
@@ -126,23 +151,42 @@ pub(super) fn answer(work: &Work) -> Diagnosis {
         not_measurable: limits.not_measurable,
         aliases: limits.aliases,
         readings_of_the_base,
-        coefficients: coefficients(work, &null, &full, &fitted, &uncertain),
+        coefficients: coefficients(work, &fits.null, full, fitted, &fits.uncertain),
         notes,
     };
     Diagnosis {
         findings,
-        residuals,
+        residuals: residuals(work, &fits),
+    }
+}
+
+/// Errors of the base, with the effects, and with the empirical terms too.
+struct BeforeAfter {
+    before: Errors,
+    after: Errors,
+    as_chosen: Option<Errors>,
+    empirical: Option<Errors>,
+}
+
+fn errors(work: &Work, search: &Search, fits: &Fits) -> BeforeAfter {
+    let of = |model: &Model, fitted: &Fitted, held: Tally| {
+        super::errors(train_error(model, fitted), held)
+    };
+    let (physical, fitted) = physical_only(work, &fits.fitted);
+    let found = !physical.terms.is_empty();
+    let as_chosen = || readings::reading(work, search, work.base, "", physical.terms.clone());
+    let empirical = |held: Tally| of(&fits.full, &fits.fitted, held);
+    BeforeAfter {
+        before: of(&fits.null_model, &fits.null, work.held.before),
+        after: of(&physical, &fitted, work.held.after),
+        as_chosen: found.then(|| as_chosen().errors),
+        empirical: work.held.empirical.map(empirical),
     }
 }
 
 /// The base with the physical terms alone, fitted.
 fn physical_only<'a>(work: &'a Work, fitted: &Fitted) -> (Model<'a>, Fitted) {
-    let chosen: Vec<Term> = work
-        .best
-        .chosen
-        .iter()
-        .map(|c| work.candidates[*c].clone())
-        .collect();
+    let chosen = chosen_terms(work);
     let physical: Vec<Term> = chosen
         .iter()
         .filter(|t| matches!(t.what, What::Effect { .. }))
@@ -190,16 +234,10 @@ fn verdict(work: &Work, effects: &[EffectFinding], unexplained: &[Unexplained]) 
     }
 }
 
-fn residuals(
-    work: &Work,
-    null_model: &Model,
-    null: &Fitted,
-    full: &Model,
-    fitted: &Fitted,
-) -> Residuals {
+fn residuals(work: &Work, fits: &Fits) -> Residuals {
     let data = work.train;
-    let predicted = null_model.predict(null, false);
-    let after = full.predict(fitted, false);
+    let predicted = fits.null_model.predict(&fits.null, false);
+    let after = fits.full.predict(&fits.fitted, false);
     let minus = |f: &[f64]| {
         data.force
             .iter()
@@ -290,7 +328,9 @@ fn notes(work: &Work) -> Vec<String> {
     }
     let chance = work.rejected.iter().any(|r| r.id == PLACEBO);
     notes.push(
-        if chance {
+        if !work.searched {
+            "No question was significant, so that nothing was searched."
+        } else if chance {
             "A shuffled copy of a column was offered to the search, which chose it at first and rejected it: some of what is said here may be \
              chance."
         } else {

@@ -2,7 +2,7 @@
 
 use super::super::Work;
 use super::super::data::Data;
-use super::super::findings::{Alias, EffectFinding, NextMeasurement, Reading};
+use super::super::findings::{Alias, EffectFinding, NextMeasurement, Reading, Unexplained};
 use super::super::limits::Limits;
 use super::super::linear::Linear;
 use super::super::model::Model;
@@ -22,6 +22,7 @@ pub(super) fn next(
     search: &Search,
     work: &Work,
     effects: &[EffectFinding],
+    unexplained: &[Unexplained],
     limits: &Limits,
     readings: &[Reading],
 ) -> Vec<NextMeasurement> {
@@ -29,6 +30,7 @@ pub(super) fn next(
         .filter_map(|k| at_set_points(search, work, k))
         .collect();
     list.extend(effects.iter().map(by_itself));
+    list.extend(unexplained.iter().map(of_column));
     list.extend(base(readings));
     let unsaid = |a: &&Alias| {
         !effects
@@ -69,6 +71,29 @@ fn by_itself(effect: &EffectFinding) -> NextMeasurement {
     NextMeasurement {
         separates: vec![effect.id.clone(), "every other explanation".to_owned()],
         action: effect.measurement.clone(),
+        difference_n: None,
+    }
+}
+
+/// What would show why the residual depends on a column.
+fn of_column(unexplained: &Unexplained) -> NextMeasurement {
+    let action = match unexplained.column.as_str() {
+        "force_n" => "hang dead weights in the place of the actuator, five up and five down, and compare the force channel with them".to_owned(),
+        "pressure_kpa" | "pressure_rate" => "compare the pressure sensor with a gauge at five steady pressures; repeat one log at half the rate".to_owned(),
+        "contraction_rel" | "rest_length_m" => {
+            "measure clamp to clamp with a caliper at every set length, loaded and unloaded".to_owned()
+        }
+        "direction" | "time_s" | "since_step_s" => {
+            "hold one set point for ten minutes, reached once by filling and once by venting".to_owned()
+        }
+        "session" | "session_order" | "log" | "cycles" => {
+            "repeat the first session at the end of the campaign, and one session on two days without taking the actuator out".to_owned()
+        }
+        other => format!("repeat a few set points at two values of {other}, everything else as it was, in an order that is drawn"),
+    };
+    NextMeasurement {
+        separates: vec![unexplained.column.clone(), "what varied with it".to_owned()],
+        action,
         difference_n: None,
     }
 }

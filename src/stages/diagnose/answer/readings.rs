@@ -155,7 +155,7 @@ pub(super) fn reading(
         })
     });
     let free = base.coefficients.iter().filter(|c| c.free).count();
-    let ids: Vec<&str> = terms.iter().filter_map(Term::id).collect();
+    let ids: Vec<String> = terms.iter().filter_map(Term::words).collect();
     Reading {
         model: if terms.is_empty() {
             format!("{words}, no effects")

@@ -153,7 +153,7 @@ fn look_at(suspect: &Suspect) -> String {
 }
 
 /// A number to three significant digits with its unit; a pure number has none.
-pub(super) fn with_unit(value: f64, unit: &str) -> String {
+pub(in super::super) fn with_unit(value: f64, unit: &str) -> String {
     let digits = if value == 0.0 {
         0
     } else {

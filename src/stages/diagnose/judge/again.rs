@@ -5,10 +5,10 @@ use super::super::folds::folds;
 use super::super::linear::{Linear, Stand};
 use super::super::model::Model;
 use super::super::search::{EVIDENCE, PREFERENCE, Search, State, rss};
-use super::super::term::{Empirical, Scope, What};
+use super::super::term::{Empirical, Scope, Term, What};
 use super::held_out::refit;
 use crate::base::random::Stream;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 const RESAMPLES: usize = 40;
 /// Fewest specimens that are drawn; below, sessions are, and with fewer of these, folds are counted.
@@ -37,64 +37,17 @@ pub(super) fn chosen_again(
         search.candidates,
     );
     let term = &search.candidates[candidate];
-    let of = data.specimen_of_session();
-    let on_all = |c: &usize| {
-        let other = &search.candidates[*c];
-        other.scope == Scope::Whole && !without.chosen.contains(c)
-    };
-    let rivals: Vec<usize> = (0..search.candidates.len())
-        .filter(on_all)
-        .filter(|c| {
-            *c != candidate && !class.contains(c) && search.candidates[*c].id() != term.id()
-        })
-        .collect();
-    let share = |c: &usize| match search.candidates[*c].what {
-        _ if term.has_evidence() => EVIDENCE,
-        What::Empirical(Empirical::Gain(_)) | What::Effect { .. } => PREFERENCE.1,
-        What::Empirical(_) => PREFERENCE.0,
-    };
-    let whole = linear.stand(&linear.all_sessions(), &[]);
-    let scale = |c: usize, fitted: &State| {
-        let linear = whole.gain(c).fall;
-        if linear > 0.0 {
-            (rss(without) - rss(fitted)).max(0.0) / linear
-        } else {
-            1.0
-        }
-    };
-    let own = whole.gain(candidate).fall;
-    let falls: Vec<(f64, usize)> = rivals
-        .iter()
-        .map(|c| (share(c) * whole.gain(*c).fall, *c))
-        .collect();
-    let contradicted = falls.iter().any(|(fall, _)| *fall > own);
-    let (mut own_scale, mut scales) = (1.0, BTreeMap::new());
-    if contradicted {
-        let least = CONTENDS.0 * own.min(rss(without) - rss(with));
-        let mut contenders: Vec<(f64, usize)> =
-            falls.into_iter().filter(|(f, _)| *f > least).collect();
-        contenders.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        own_scale = scale(candidate, with);
-        scales.extend(contenders.into_iter().take(CONTENDS.1).map(|(_, c)| {
-            let chosen = without.chosen.iter().copied().chain([c]).collect();
-            (c, scale(c, &search.state(chosen, Some(&without.fitted))))
-        }));
-    }
-    let wins = |stand: &Stand| {
-        let own = own_scale * stand.gain(candidate).fall;
-        let needs = |c: &usize| share(c) * scales.get(c).unwrap_or(&1.0) * stand.gain(*c).fall;
-        own > 0.0 && rivals.iter().all(|c| needs(c) <= own)
-    };
+    let contest = Contest::new(search, &linear, with, without, candidate, class);
     let seen = |group: &[usize]| group.iter().collect::<BTreeSet<_>>().len();
     if seen(&data.session) < FEWEST {
         // That there is structure is asked elsewhere. Folds of one session ask for its name, and an empirical dependence has none.
         if term.id().is_none() {
             return 1.0;
         }
-        return in_folds(search, without, &wins);
+        return in_folds(search, without, &contest);
     }
-    let by_specimen = seen(&data.specimen) >= FEWEST;
-    let lists: Vec<Vec<f64>> = if by_specimen {
+    let of = data.specimen_of_session();
+    let lists: Vec<Vec<f64>> = if seen(&data.specimen) >= FEWEST {
         let counts = resamples(data, seed).into_iter();
         counts
             .map(|count| of.iter().map(|k| count[*k]).collect())
@@ -102,22 +55,117 @@ pub(super) fn chosen_again(
     } else {
         drawn(&data.session, data.sessions.len(), seed)
     };
-    let again = lists.into_iter().filter_map(|mut weights| {
-        // What one part shows cannot be seen without that part.
-        for (s, weight) in weights.iter_mut().enumerate() {
-            if matches!(term.scope, Scope::Session(_) | Scope::Specimen(_))
-                && term.acts_on[s].is_some()
-            {
-                *weight = weight.max(1.0);
-            }
-        }
-        wins(&linear.stand(&weights, &[])).then_some(())
+    let again = lists.into_iter().filter(|drawn| {
+        let weights = with_its_own_part(drawn, term);
+        contest.is_won(&linear.stand(&weights, &[]))
     });
     again.count() as f64 / RESAMPLES as f64
 }
 
+/// The weights of the sessions in a resample; those of the one part on which a term acts at least one, for what a part shows cannot be seen
+/// without it.
+fn with_its_own_part(drawn: &[f64], term: &Term) -> Vec<f64> {
+    let of_part = matches!(term.scope, Scope::Session(_) | Scope::Specimen(_));
+    let weight = |(s, weight): (usize, &f64)| {
+        if of_part && term.acts_on[s].is_some() {
+            weight.max(1.0)
+        } else {
+            *weight
+        }
+    };
+    drawn.iter().enumerate().map(weight).collect()
+}
+
+/// A candidate and what could have been chosen in its place.
+struct Contest {
+    candidate: usize,
+    /// What its linear fall is multiplied by.
+    scale: f64,
+    /// Every rival with the same.
+    rivals: Vec<(usize, f64)>,
+}
+
+impl Contest {
+    fn new(
+        search: &Search,
+        linear: &Linear,
+        with: &State,
+        without: &State,
+        candidate: usize,
+        class: &[usize],
+    ) -> Self {
+        let term = &search.candidates[candidate];
+        let is_rival = |c: &usize| {
+            let other = &search.candidates[*c];
+            other.scope == Scope::Whole
+                && !without.chosen.contains(c)
+                && *c != candidate
+                && !class.contains(c)
+                && other.id() != term.id()
+        };
+        let preference = |c: usize| match search.candidates[c].what {
+            _ if term.has_evidence() => EVIDENCE,
+            What::Empirical(Empirical::Gain(_)) | What::Effect { .. } => PREFERENCE.1,
+            What::Empirical(_) => PREFERENCE.0,
+        };
+        let rivals = (0..search.candidates.len()).filter(is_rival);
+        let mut contest = Contest {
+            candidate,
+            scale: 1.0,
+            rivals: rivals.map(|c| (c, preference(c))).collect(),
+        };
+        let whole = linear.stand(&linear.all_sessions(), &[]);
+        if !contest.is_won(&whole) {
+            contest.scale_by_full_fits(search, &whole, with, without);
+        }
+        contest
+    }
+
+    /// Scales the falls of the candidate and of those that contend by what they explain when they are fitted in full.
+    fn scale_by_full_fits(
+        &mut self,
+        search: &Search,
+        whole: &Stand,
+        with: &State,
+        without: &State,
+    ) {
+        let scale = |c: usize, fitted: &State| {
+            let linear = whole.gain(c).fall;
+            if linear > 0.0 {
+                (rss(without) - rss(fitted)).max(0.0) / linear
+            } else {
+                1.0
+            }
+        };
+        let own = whole.gain(self.candidate).fall;
+        let least = CONTENDS.0 * own.min(rss(without) - rss(with));
+        let fall = |(c, preference): (usize, f64)| preference * whole.gain(c).fall;
+        let mut contenders: Vec<usize> = (0..self.rivals.len())
+            .filter(|k| fall(self.rivals[*k]) > least)
+            .collect();
+        let by_fall = |a: &usize, b: &usize| {
+            let [x, y] = [a, b].map(|k| fall(self.rivals[*k]));
+            y.total_cmp(&x).then(a.cmp(b))
+        };
+        contenders.sort_by(by_fall);
+        self.scale = scale(self.candidate, with);
+        for k in contenders.into_iter().take(CONTENDS.1) {
+            let c = self.rivals[k].0;
+            let chosen = without.chosen.iter().copied().chain([c]).collect();
+            self.rivals[k].1 *= scale(c, &search.state(chosen, Some(&without.fitted)));
+        }
+    }
+
+    /// Whether the candidate explains most in a resample.
+    fn is_won(&self, stand: &Stand) -> bool {
+        let own = self.scale * stand.gain(self.candidate).fall;
+        let needs = |(c, scale): &(usize, f64)| scale * stand.gain(*c).fall;
+        own > 0.0 && self.rivals.iter().all(|rival| needs(rival) <= own)
+    }
+}
+
 /// The same where there are too few sessions to be drawn: in which part of the folds (a log or a set length left out at a time).
-fn in_folds(search: &Search, without: &State, wins: &dyn Fn(&Stand) -> bool) -> f64 {
+fn in_folds(search: &Search, without: &State, contest: &Contest) -> f64 {
     let (folds, _) = folds(search.data, &vec![false; search.data.len()]);
     let again = folds.iter().filter(|fold| {
         let train = search.data.select(&fold.train);
@@ -129,7 +177,7 @@ fn in_folds(search: &Search, without: &State, wins: &dyn Fn(&Stand) -> bool) -> 
             terms,
         };
         let linear = Linear::new(&model, &fitted, fitted.scatter, search.candidates);
-        wins(&linear.stand(&linear.all_sessions(), &[]))
+        contest.is_won(&linear.stand(&linear.all_sessions(), &[]))
     });
     again.count() as f64 / folds.len().max(1) as f64
 }

@@ -73,6 +73,7 @@ pub fn with_each_session(
         .map(|c| &search.candidates[*c])
         .find(|t| t.scope == Scope::EachSession);
     let rejected = term.map(|t| Rejected {
+        form: t.form().map(|f| f.name.to_owned()),
         id: name(t, search.data),
         acts_on: acts_on(t, search.data),
         share: relative_fall(&state, &larger),

@@ -116,6 +116,7 @@ fn until_one_fails(
         if let Some(why) = judgement.fails {
             let term = &search.candidates[state.chosen[k]];
             let failed = Rejected {
+                form: term.form().map(|f| f.name.to_owned()),
                 id: name(term, search.data),
                 acts_on: acts_on(term, search.data),
                 share: judgement.share,

@@ -1,8 +1,10 @@
-//! `pipeline.toml`: every option with its default, and strict reading.
+//! `pipeline.toml`: every option with its default, and strict reading (`checks`).
 //!
 //! Each section belongs to one stage, and only its options enter that stage's cache key: a changed report title redoes no fit.
 
-use crate::base::diagnostics::{Diagnostic, nearest};
+mod checks;
+
+use crate::base::diagnostics::Diagnostic;
 use crate::base::error::{Error, Result};
 use crate::numerics::plateaus::PlateauOptions;
 use serde::{Deserialize, Serialize};
@@ -381,19 +383,15 @@ impl Config {
             let row = e
                 .span()
                 .map(|s| 1 + text[..s.start].matches('\n').count() as u64);
-            let mut diagnostic = Diagnostic::error(
-                file,
-                e.message().lines().next().unwrap_or_default(),
-                "an option as `pipeline config` prints it",
-                "mend the line",
-            );
+            let (found, expected) = checks::found_and_expected(e.message());
+            let mut diagnostic = Diagnostic::error(file, found, expected, "mend the line");
             diagnostic.row = row;
             Error::Config(vec![diagnostic])
         };
         let given: toml::Table = toml::from_str(text).map_err(syntax)?;
         let known = toml::Table::try_from(Config::default()).map_err(Error::internal)?;
         let mut unknown = Vec::new();
-        find_unknown(file, text, "", &given, &known, &mut unknown);
+        checks::find_unknown(file, text, "", &given, &known, &mut unknown);
         if !unknown.is_empty() {
             return Err(Error::Config(unknown));
         }
@@ -405,149 +403,12 @@ impl Config {
             Err(Error::Config(mistakes))
         }
     }
-
-    /// Values that are of the right type and make no sense.
-    fn mistakes(&self, file: &str) -> Vec<Diagnostic> {
-        let c = &self.clean;
-        let positive = [
-            ("clean.bin_s", c.bin_s),
-            ("clean.step_rate_kpa_per_s", c.step_rate_kpa_per_s),
-            ("clean.window_s", c.window_s),
-            ("clean.shortest_window_s", c.shortest_window_s),
-            ("clean.longest_gap_s", c.longest_gap_s),
-            ("clean.spike_fraction", c.spike_fraction),
-            ("fit.at_rest", self.fit.at_rest),
-            ("fit.near_620_kpa", self.fit.near_620_kpa),
-            ("fit.huber_at_rmse", self.fit.huber_at_rmse),
-            ("report.png_dpi", self.report.png_dpi),
-            ("torque.fitting_mm", self.torque.fitting_mm),
-        ];
-        let mut mistakes: Vec<Diagnostic> = positive
-            .iter()
-            .filter(|(_, x)| !(*x > 0.0 && x.is_finite()))
-            .map(|(key, x)| mistake(file, key, &x.to_string(), "a positive number"))
-            .collect();
-        let shares = [
-            ("fit.confidence", self.fit.confidence),
-            ("fit.train_fraction", self.fit.train_fraction),
-        ];
-        for (key, x) in shares.iter().filter(|(_, x)| !(*x > 0.0 && *x < 1.0)) {
-            mistakes.push(mistake(
-                file,
-                key,
-                &x.to_string(),
-                "a number between 0 and 1",
-            ));
-        }
-        if self
-            .fit
-            .loss
-            .parse::<crate::numerics::loss::Loss>()
-            .is_err()
-        {
-            mistakes.push(mistake(
-                file,
-                "fit.loss",
-                &self.fit.loss,
-                "huber, least_squares, lar, bisquare or cauchy",
-            ));
-        }
-        let ids: Vec<&str> = crate::models::published().iter().map(|m| m.id()).collect();
-        for id in self
-            .compare
-            .models
-            .iter()
-            .filter(|id| !ids.contains(&id.as_str()))
-        {
-            mistakes.push(mistake(
-                file,
-                "compare.models",
-                id,
-                &format!("ids among {}", ids.join(", ")),
-            ));
-        }
-        let d = &self.diagnose;
-        if d.base_model != "new" && !ids.contains(&d.base_model.as_str()) {
-            let expected = format!("new, or one of {}", ids.join(", "));
-            mistakes.push(mistake(
-                file,
-                "diagnose.base_model",
-                &d.base_model,
-                &expected,
-            ));
-        }
-        let counts = [
-            (
-                "diagnose.most_effects",
-                d.most_effects,
-                1,
-                crate::stages::diagnose::model::MOST_TERMS,
-            ),
-            ("diagnose.most_readings", d.most_readings, 100, 100_000),
-            ("diagnose.permutations", d.permutations, 99, 100_000),
-        ];
-        for (key, x, low, high) in counts {
-            if !(low..=high).contains(&x) {
-                let expected = format!("a whole number from {low} to {high}");
-                mistakes.push(mistake(file, key, &x.to_string(), &expected));
-            }
-        }
-        mistakes
-    }
 }
 
 /// The comment on one option.
 fn find(comments: Comments, key: &str) -> &'static [&'static str] {
     let found = comments.iter().find(|(name, _)| *name == key);
     found.map_or(&[], |(_, lines)| lines)
-}
-
-fn mistake(file: &str, key: &str, found: &str, expected: &str) -> Diagnostic {
-    Diagnostic::error(file, found, expected, "see `pipeline config`").in_column(key)
-}
-
-fn find_unknown(
-    file: &str,
-    text: &str,
-    path: &str,
-    given: &toml::Table,
-    known: &toml::Table,
-    unknown: &mut Vec<Diagnostic>,
-) {
-    for (key, value) in given {
-        let full = if path.is_empty() {
-            key.clone()
-        } else {
-            format!("{path}.{key}")
-        };
-        match (known.get(key), value) {
-            (None, _) => {
-                let hint = match nearest(key, known.keys().map(String::as_str)) {
-                    Some(near) => format!("did you mean `{near}`?"),
-                    None => "see `pipeline config` for all options".to_owned(),
-                };
-                let names: Vec<&str> = known.keys().map(String::as_str).collect();
-                let mut diagnostic = Diagnostic::error(
-                    file,
-                    "an unknown key",
-                    format!("one of {}", names.join(", ")),
-                    hint,
-                )
-                .in_column(full);
-                let line = text.lines().position(|l| {
-                    let l = l.trim_start().trim_start_matches('[');
-                    l.strip_prefix(key.as_str())
-                        .is_some_and(|rest| rest.trim_start().starts_with(['=', ']', '.']))
-                });
-                diagnostic.row = line.map(|l| l as u64 + 1);
-                unknown.push(diagnostic);
-            }
-            (Some(toml::Value::Table(known)), toml::Value::Table(given)) => {
-                find_unknown(file, text, &full, given, known, unknown);
-            }
-            _ => {}
-        }
-    }
 }
 
 /// The options of one section by dotted name, for a cache key.
@@ -600,7 +461,7 @@ mod tests {
             let commented = k > 0 && lines[k - 1].starts_with("# ");
             assert!(
                 commented,
-                "an option without a comment in src/config.rs: {line}"
+                "an option without a comment in src/config/mod.rs: {line}"
             );
         }
     }
@@ -621,6 +482,20 @@ mod tests {
     }
 
     #[test]
+    fn a_wrong_value_says_what_was_expected_without_the_names_of_rust() {
+        let said = |text: &str| Config::read("p.toml", text).unwrap_err().to_string();
+        let text = said("[diagnose]\npermutations = -3");
+        assert!(
+            text.contains("found integer `-3`; expected a whole number, zero or more"),
+            "{text}"
+        );
+        let text = said("[clean]\nbin_s = \"x\"");
+        assert!(text.contains("expected a number"), "{text}");
+        let text = said("[diagnose]\nbase_model = \"hunt2071\"");
+        assert!(text.contains("did you mean `hunt2017`?"), "{text}");
+    }
+
+    #[test]
     fn wrong_types_and_senseless_values_are_errors() {
         for text in [
             "[clean]\nbin_s = \"x\"",
@@ -629,6 +504,8 @@ mod tests {
             "[fit]\nconfidence = 1.5",
             "[compare]\nmodels = [\"hunt\"]",
             "[clean",
+            "[diagnose]\nbase_model = \"hunt2071\"",
+            "[diagnose]\npermutations = -3",
         ] {
             assert!(Config::read("p.toml", text).is_err(), "{text}");
         }

@@ -1,0 +1,167 @@
+//! What is wrong with a configuration: keys that are no options, values of a wrong type, values that make no sense.
+
+use super::Config;
+use crate::base::diagnostics::{Diagnostic, nearest};
+
+impl Config {
+    /// Values that are of the right type and make no sense.
+    pub(super) fn mistakes(&self, file: &str) -> Vec<Diagnostic> {
+        let c = &self.clean;
+        let positive = [
+            ("clean.bin_s", c.bin_s),
+            ("clean.step_rate_kpa_per_s", c.step_rate_kpa_per_s),
+            ("clean.window_s", c.window_s),
+            ("clean.shortest_window_s", c.shortest_window_s),
+            ("clean.longest_gap_s", c.longest_gap_s),
+            ("clean.spike_fraction", c.spike_fraction),
+            ("fit.at_rest", self.fit.at_rest),
+            ("fit.near_620_kpa", self.fit.near_620_kpa),
+            ("fit.huber_at_rmse", self.fit.huber_at_rmse),
+            ("report.png_dpi", self.report.png_dpi),
+            ("torque.fitting_mm", self.torque.fitting_mm),
+        ];
+        let mut mistakes: Vec<Diagnostic> = positive
+            .iter()
+            .filter(|(_, x)| !(*x > 0.0 && x.is_finite()))
+            .map(|(key, x)| mistake(file, key, &x.to_string(), "a positive number"))
+            .collect();
+        let shares = [
+            ("fit.confidence", self.fit.confidence),
+            ("fit.train_fraction", self.fit.train_fraction),
+        ];
+        for (key, x) in shares.iter().filter(|(_, x)| !(*x > 0.0 && *x < 1.0)) {
+            mistakes.push(mistake(
+                file,
+                key,
+                &x.to_string(),
+                "a number between 0 and 1",
+            ));
+        }
+        if self
+            .fit
+            .loss
+            .parse::<crate::numerics::loss::Loss>()
+            .is_err()
+        {
+            mistakes.push(mistake(
+                file,
+                "fit.loss",
+                &self.fit.loss,
+                "huber, least_squares, lar, bisquare or cauchy",
+            ));
+        }
+        let ids: Vec<&str> = crate::models::published().iter().map(|m| m.id()).collect();
+        for id in self
+            .compare
+            .models
+            .iter()
+            .filter(|id| !ids.contains(&id.as_str()))
+        {
+            mistakes.push(mistake(
+                file,
+                "compare.models",
+                id,
+                &format!("ids among {}", ids.join(", ")),
+            ));
+        }
+        let d = &self.diagnose;
+        if d.base_model != "new" && !ids.contains(&d.base_model.as_str()) {
+            let expected = format!("new, or one of {}", ids.join(", "));
+            let mut unknown = mistake(file, "diagnose.base_model", &d.base_model, &expected);
+            if let Some(near) = nearest(&d.base_model, ids.iter().copied()) {
+                unknown.hint = format!("did you mean `{near}`?").into();
+            }
+            mistakes.push(unknown);
+        }
+        let counts = [
+            (
+                "diagnose.most_effects",
+                d.most_effects,
+                1,
+                crate::stages::diagnose::model::MOST_TERMS,
+            ),
+            ("diagnose.most_readings", d.most_readings, 100, 100_000),
+            ("diagnose.permutations", d.permutations, 99, 100_000),
+        ];
+        for (key, x, low, high) in counts {
+            if !(low..=high).contains(&x) {
+                let expected = format!("a whole number from {low} to {high}");
+                mistakes.push(mistake(file, key, &x.to_string(), &expected));
+            }
+        }
+        mistakes
+    }
+}
+
+/// A message of the deserializer as what was found and what was expected, without the names of Rust's types.
+pub(super) fn found_and_expected(message: &str) -> (String, String) {
+    let line = message.lines().next().unwrap_or_default();
+    let Some((found, expected)) = line.split_once(", expected ") else {
+        return (
+            line.to_owned(),
+            "an option as `pipeline config` prints it".to_owned(),
+        );
+    };
+    let found = ["invalid type: ", "invalid value: "]
+        .iter()
+        .fold(found, |found, start| {
+            found.strip_prefix(start).unwrap_or(found)
+        });
+    let expected = match expected {
+        "usize" | "u64" | "u32" => "a whole number, zero or more",
+        "f64" => "a number",
+        "a string" => "a text in quotes",
+        "a boolean" => "true or false",
+        other => other,
+    };
+    (found.to_owned(), expected.to_owned())
+}
+
+fn mistake(file: &str, key: &str, found: &str, expected: &str) -> Diagnostic {
+    Diagnostic::error(file, found, expected, "see `pipeline config`").in_column(key)
+}
+
+/// Every key that is no option, with the nearest that is.
+pub(super) fn find_unknown(
+    file: &str,
+    text: &str,
+    path: &str,
+    given: &toml::Table,
+    known: &toml::Table,
+    unknown: &mut Vec<Diagnostic>,
+) {
+    for (key, value) in given {
+        let full = if path.is_empty() {
+            key.clone()
+        } else {
+            format!("{path}.{key}")
+        };
+        match (known.get(key), value) {
+            (None, _) => {
+                let hint = match nearest(key, known.keys().map(String::as_str)) {
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => "see `pipeline config` for all options".to_owned(),
+                };
+                let names: Vec<&str> = known.keys().map(String::as_str).collect();
+                let mut diagnostic = Diagnostic::error(
+                    file,
+                    "an unknown key",
+                    format!("one of {}", names.join(", ")),
+                    hint,
+                )
+                .in_column(full);
+                let line = text.lines().position(|l| {
+                    let l = l.trim_start().trim_start_matches('[');
+                    l.strip_prefix(key.as_str())
+                        .is_some_and(|rest| rest.trim_start().starts_with(['=', ']', '.']))
+                });
+                diagnostic.row = line.map(|l| l as u64 + 1);
+                unknown.push(diagnostic);
+            }
+            (Some(toml::Value::Table(known)), toml::Value::Table(given)) => {
+                find_unknown(file, text, &full, given, known, unknown);
+            }
+            _ => {}
+        }
+    }
+}

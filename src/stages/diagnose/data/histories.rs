@@ -1,0 +1,128 @@
+//! What happened before a reading: time since the last step, rate and direction of the pressure, cycles done. A column of the log says it, or
+//! else the sequence of the readings.
+
+use super::Data;
+use super::extras::{CYCLES, RATE, SINCE_STEP};
+use crate::base::row::Row;
+use crate::effects::Conditions;
+use std::collections::BTreeMap;
+
+/// A change of pressure that is a step, kPa.
+const STEP_KPA: f64 = 5.0;
+/// A change of length that is a step, m.
+const STEP_M: f64 = 2e-4;
+fn named(row: &Row, names: &[&str]) -> Option<f64> {
+    let lower = |n: &str| n.to_ascii_lowercase();
+    row.extras
+        .iter()
+        .find(|(name, _)| names.iter().any(|n| lower(name).starts_with(n)))
+        .map(|(_, value)| *value)
+}
+
+/// The cycles that a column of the log counts.
+pub(super) fn counted_cycles(row: &Row) -> Option<f64> {
+    named(row, CYCLES)
+}
+
+/// Logs that a specimen has done before each log: its cycles, where nobody counted them and the sessions have an order in time.
+pub(super) fn cycles_before(data: &Data, dated: bool) -> Vec<f64> {
+    let logs = data.log.iter().copied().max().map_or(0, |k| k + 1);
+    let mut before = vec![0.0; logs];
+    if !dated {
+        return before;
+    }
+    let mut specimen = vec![0; logs];
+    for (log, k) in data.log.iter().zip(&data.specimen) {
+        specimen[*log] = *k;
+    }
+    let mut done = vec![0.0; data.specimens.len()];
+    for log in 0..logs {
+        before[log] = done[specimen[log]];
+        done[specimen[log]] += 1.0;
+    }
+    before
+}
+
+/// Time since the last step and rate of the pressure, from the sequence of readings in each log, where no column says them.
+pub(super) fn histories(rows: &[&Row], data: &Data, conditions: &mut [Conditions]) {
+    let mut by_log: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (i, log) in data.log.iter().enumerate() {
+        by_log.entry(*log).or_default().push(i);
+    }
+    for mut places in by_log.into_values() {
+        places.sort_by(|a, b| rows[*a].time_s.total_cmp(&rows[*b].time_s).then(a.cmp(b)));
+        let timed = places.iter().all(|&i| rows[i].time_s.is_finite());
+        directions_by_sequence(rows, &places, conditions);
+        let mut level_began = f64::NAN;
+        for (k, &i) in places.iter().enumerate() {
+            let row = rows[i];
+            let before = k.checked_sub(1).map(|k| rows[places[k]]);
+            if let (Some(b), true) = (before, timed) {
+                let step = (row.pressure_kpa - b.pressure_kpa).abs() > STEP_KPA
+                    || (row.length_m - b.length_m).abs() > STEP_M;
+                if step {
+                    level_began = b.time_s;
+                }
+            }
+            let since = row.time_s - level_began;
+            conditions[i].since_step_s =
+                named(row, SINCE_STEP).unwrap_or(if since.is_finite() { since } else { 0.0 });
+            conditions[i].rate_kpa_per_s = named(row, RATE)
+                .unwrap_or_else(|| if timed { rate(rows, &places, k) } else { 0.0 });
+        }
+    }
+}
+
+/// The direction where nobody says it: that of the pressure from reading to reading, if the log goes down as well as up.
+fn directions_by_sequence(rows: &[&Row], places: &[usize], conditions: &mut [Conditions]) {
+    const LEAST_SHARE: f64 = 0.25;
+    if places.iter().any(|&i| rows[i].phase.is_some()) || places.len() < 3 {
+        return;
+    }
+    let mut steps: Vec<f64> = places
+        .windows(2)
+        .map(|w| {
+            let step = rows[w[1]].pressure_kpa - rows[w[0]].pressure_kpa;
+            if step.abs() > STEP_KPA {
+                step.signum()
+            } else {
+                0.0
+            }
+        })
+        .collect();
+    let share =
+        |sign: f64| steps.iter().filter(|s| **s == sign).count() as f64 / steps.len() as f64;
+    // A log that starts again from below after each run has one step down a run: no venting.
+    if share(-1.0) < LEAST_SHARE || share(1.0) < LEAST_SHARE {
+        return;
+    }
+    // A repeated reading has the direction of the step before it, the first one that of the step after it.
+    for k in 1..steps.len() {
+        if steps[k] == 0.0 {
+            steps[k] = steps[k - 1];
+        }
+    }
+    conditions[places[0]].direction = steps[0];
+    for (step, &i) in steps.iter().zip(&places[1..]) {
+        conditions[i].direction = *step;
+    }
+}
+
+/// Mean rate of the pressure from the reading before to the one after, within one direction.
+fn rate(rows: &[&Row], places: &[usize], k: usize) -> f64 {
+    let same = |j: usize| {
+        rows[places[j]].phase == rows[places[k]].phase
+            && rows[places[j]].length_m == rows[places[k]].length_m
+    };
+    let from = k.checked_sub(1).filter(|j| same(*j)).unwrap_or(k);
+    let to = Some(k + 1)
+        .filter(|j| *j < places.len() && same(*j))
+        .unwrap_or(k);
+    let (a, b) = (rows[places[from]], rows[places[to]]);
+    let seconds = b.time_s - a.time_s;
+    if seconds > 0.0 {
+        (b.pressure_kpa - a.pressure_kpa) / seconds
+    } else {
+        0.0
+    }
+}

@@ -1,0 +1,275 @@
+//! The readings of one campaign as the search sees them: numbers, groups, and what is known of each reading.
+
+mod extras;
+mod histories;
+mod placebo;
+
+pub use extras::{Extra, ZERO_UNKNOWN};
+pub use placebo::PLACEBO;
+
+use super::labels;
+use crate::base::columns::TEMPERATURE;
+use crate::base::row::Row;
+use crate::base::session::Phase;
+use crate::effects::{Conditions, Need};
+use crate::numerics::statistics::{mean, median};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A zero that differs from the campaign's median by so many robust standard deviations, and by so many N, is no drift.
+const ZERO_STANDS_OUT: (f64, f64) = (5.0, 3.0);
+
+/// The readings of a campaign.
+#[derive(Clone, Debug, Default)]
+pub struct Data {
+    /// What is known of each reading.
+    pub conditions: Vec<Conditions>,
+    /// Measured force, N.
+    pub force: Vec<f64>,
+    /// Place of the reading's session in `sessions`.
+    pub session: Vec<usize>,
+    /// Place of the reading's specimen in `specimens`.
+    pub specimen: Vec<usize>,
+    /// A number for the log, unique over the campaign.
+    pub log: Vec<usize>,
+    /// Session ids, in the order of time (date, then id).
+    pub sessions: Vec<String>,
+    /// Specimen ids, by name.
+    pub specimens: Vec<String>,
+    /// Extra columns.
+    pub extras: Vec<Extra>,
+    /// Why a quantity is not known.
+    pub missing: BTreeMap<Need, String>,
+    /// Columns of words that are not searched, and why.
+    pub notes: Vec<String>,
+    /// What the pressure channel shows without pressure, one value a session that has a zero log, rising, kPa.
+    pub zero_pressures_kpa: Vec<f64>,
+}
+
+impl Data {
+    /// The readings of rows that are usable (the caller sees to that).
+    pub fn new(rows: &[&Row]) -> Self {
+        let mut by_time: Vec<(&str, &str)> = rows
+            .iter()
+            .map(|r| (r.date.as_deref().unwrap_or(""), r.session.as_str()))
+            .collect();
+        by_time.sort_unstable();
+        by_time.dedup();
+        let sessions: Vec<String> = by_time.iter().map(|(_, id)| (*id).to_owned()).collect();
+        let dates: BTreeSet<&str> = by_time.iter().map(|(date, _)| *date).collect();
+        let specimens: BTreeSet<&str> = rows.iter().map(|r| r.specimen.as_str()).collect();
+        let specimens: Vec<String> = specimens.into_iter().map(str::to_owned).collect();
+        let place = |list: &[String], id: &str| list.iter().position(|x| x == id).unwrap_or(0);
+        let logs: BTreeSet<(usize, &str)> = rows
+            .iter()
+            .map(|r| (place(&sessions, &r.session), r.log.as_str()))
+            .collect();
+        let logs: BTreeMap<(usize, &str), usize> = logs
+            .into_iter()
+            .enumerate()
+            .map(|(k, log)| (log, k))
+            .collect();
+        let mut data = Data {
+            force: rows.iter().map(|r| r.force_n).collect(),
+            session: rows.iter().map(|r| place(&sessions, &r.session)).collect(),
+            specimen: rows
+                .iter()
+                .map(|r| place(&specimens, &r.specimen))
+                .collect(),
+            sessions,
+            specimens,
+            ..Data::default()
+        };
+        data.log = rows
+            .iter()
+            .zip(&data.session)
+            .map(|(r, s)| logs[&(*s, r.log.as_str())])
+            .collect();
+        data.conditions = conditions(rows, &data, dates.len() > 1);
+        data.extras = extras::extras(rows, &data);
+        data.extras.extend(extras::zero_unknown(rows, &data));
+        data.zero_pressures_kpa = zero_pressures(rows, &data);
+        data.note_what_is_missing(dates.len() > 1);
+        let (labels, notes) = labels::labels(rows, &data);
+        data.extras.extend(labels);
+        data.notes = notes;
+        data
+    }
+
+    /// Number of readings.
+    pub fn len(&self) -> usize {
+        self.force.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.force.is_empty()
+    }
+
+    /// The readings at these places; sessions, specimens and logs keep their numbers.
+    pub fn select(&self, places: &[usize]) -> Data {
+        let pick = |v: &[usize]| places.iter().map(|&i| v[i]).collect();
+        Data {
+            conditions: places.iter().map(|&i| self.conditions[i]).collect(),
+            force: places.iter().map(|&i| self.force[i]).collect(),
+            session: pick(&self.session),
+            specimen: pick(&self.specimen),
+            log: pick(&self.log),
+            sessions: self.sessions.clone(),
+            specimens: self.specimens.clone(),
+            extras: self
+                .extras
+                .iter()
+                .map(|e| Extra {
+                    values: places.iter().map(|&i| e.values[i]).collect(),
+                    ..e.clone()
+                })
+                .collect(),
+            missing: self.missing.clone(),
+            notes: self.notes.clone(),
+            zero_pressures_kpa: self.zero_pressures_kpa.clone(),
+        }
+    }
+
+    /// At most so many readings: of every session an equal share, evenly spread.
+    pub fn thinned(&self, most: usize) -> Data {
+        let mut of_session: Vec<Vec<usize>> = vec![Vec::new(); self.sessions.len()];
+        for (i, s) in self.session.iter().enumerate() {
+            of_session[*s].push(i);
+        }
+        let share = (most / self.sessions.len().max(1)).max(8);
+        let mut places: Vec<usize> = of_session
+            .into_iter()
+            .flat_map(|list| {
+                let step = (list.len() as f64 / share as f64).max(1.0);
+                let kept = (list.len() as f64 / step).floor() as usize;
+                (0..kept)
+                    .map(move |k| list[(k as f64 * step) as usize])
+                    .collect::<Vec<usize>>()
+            })
+            .collect();
+        places.sort_unstable();
+        self.select(&places)
+    }
+
+    /// The specimen of each session.
+    pub fn specimen_of_session(&self) -> Vec<usize> {
+        let mut of = vec![0; self.sessions.len()];
+        for (s, k) in self.session.iter().zip(&self.specimen) {
+            of[*s] = *k;
+        }
+        of
+    }
+
+    fn note_what_is_missing(&mut self, dated: bool) {
+        let varies = |f: fn(&Conditions) -> f64, least: f64| {
+            let values: Vec<f64> = self.conditions.iter().map(f).collect();
+            let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            high - low > least
+        };
+        let known = [
+            (Need::Direction, varies(|c| c.direction, 1.5)),
+            (Need::LogTime, varies(|c| c.log_time_s, 1e-6)),
+            (Need::CampaignTime, dated),
+            (
+                Need::SinceStep,
+                varies(|c| libm::log1p(c.since_step_s), 0.2),
+            ),
+            (Need::Rate, varies(|c| c.rate_kpa_per_s, 1e-6)),
+            (Need::Temperature, varies(|c| c.temperature_c, 1e-6)),
+            (Need::Cycles, varies(|c| c.cycles, 0.5)),
+            (Need::RestLengths, varies(|c| c.rest_length_m, 1e-6)),
+            (Need::Zeros, self.zeros_stand_out()),
+        ];
+        self.missing = known
+            .into_iter()
+            .filter(|(_, known)| !known)
+            .map(|(need, _)| (need, format!("the campaign lacks {}", need.words())))
+            .collect();
+    }
+}
+
+fn conditions(rows: &[&Row], data: &Data, dated: bool) -> Vec<Conditions> {
+    let finite =
+        |values: Vec<f64>| -> Vec<f64> { values.into_iter().filter(|x| x.is_finite()).collect() };
+    let lengths: BTreeSet<u64> = rows.iter().map(|r| r.rest_length_m.to_bits()).collect();
+    let lengths: Vec<f64> = lengths.into_iter().map(f64::from_bits).collect();
+    let middle = 0.5
+        * (lengths.iter().copied().fold(f64::INFINITY, f64::min)
+            + lengths.iter().copied().fold(0.0, f64::max));
+    let temperature = |r: &Row| r.extras.get(TEMPERATURE).copied().unwrap_or(f64::NAN);
+    let temperatures = finite(rows.iter().map(|r| temperature(r)).collect());
+    let mean_temperature = mean(&temperatures);
+    let cycles_before = histories::cycles_before(data, dated);
+    let usual_zero = usual_zero(rows, data);
+    let last = (data.sessions.len() - 1).max(1) as f64;
+    let zero_if_nan = |x: f64| if x.is_finite() { x } else { 0.0 };
+    let mut conditions: Vec<Conditions> = rows
+        .iter()
+        .enumerate()
+        .map(|(i, r)| Conditions {
+            pressure_kpa: r.pressure_kpa,
+            length_m: r.length_m,
+            rest_length_m: r.rest_length_m,
+            contracted_length_m: r.contracted_length_m,
+            diameter_mm: r.diameter_mm,
+            middle_rest_length_m: middle,
+            direction: match r.phase {
+                Some(Phase::Pressurizing) => 1.0,
+                Some(Phase::Depressurizing) => -1.0,
+                None => 0.0,
+            },
+            log_time_s: zero_if_nan(r.time_s),
+            campaign_time: if dated {
+                data.session[i] as f64 / last
+            } else {
+                0.0
+            },
+            since_step_s: 0.0,
+            rate_kpa_per_s: 0.0,
+            temperature_c: zero_if_nan(temperature(r) - mean_temperature),
+            zero_force_n: zero_if_nan(r.zero_force_n - usual_zero),
+            cycles: histories::counted_cycles(r).unwrap_or(cycles_before[data.log[i]]),
+        })
+        .collect();
+    histories::histories(rows, data, &mut conditions);
+    conditions
+}
+
+impl Data {
+    /// Whether the zero that was taken off differs in some sessions from that of the others by more than zeros wander.
+    fn zeros_stand_out(&self) -> bool {
+        let mut zeros = vec![0.0; self.sessions.len()];
+        for (c, s) in self.conditions.iter().zip(&self.session) {
+            zeros[*s] = c.zero_force_n.abs();
+        }
+        let usual = 1.4826 * median(&zeros);
+        let least = ZERO_STANDS_OUT.1.max(ZERO_STANDS_OUT.0 * usual);
+        zeros.iter().any(|z| *z > least)
+    }
+}
+
+/// What the zero logs show of the pressure channel, one value a session, rising, kPa.
+fn zero_pressures(rows: &[&Row], data: &Data) -> Vec<f64> {
+    let mut of_session = vec![f64::NAN; data.sessions.len()];
+    for (r, s) in rows.iter().zip(&data.session) {
+        of_session[*s] = r.zero_pressure_kpa;
+    }
+    of_session.retain(|p| p.is_finite());
+    of_session.sort_by(f64::total_cmp);
+    of_session
+}
+
+/// Median over the sessions of the zero that was taken off the force, N.
+fn usual_zero(rows: &[&Row], data: &Data) -> f64 {
+    let mut zeros = vec![f64::NAN; data.sessions.len()];
+    for (r, s) in rows.iter().zip(&data.session) {
+        zeros[*s] = r.zero_force_n;
+    }
+    zeros.retain(|z| z.is_finite());
+    if zeros.is_empty() {
+        f64::NAN
+    } else {
+        median(&zeros)
+    }
+}
