@@ -211,6 +211,16 @@ fn joints(c: &CampaignTorque, figures: &[Drawn]) -> Vec<Joint> {
         .collect()
 }
 
+/// What an effect of the joint or of the library is called.
+fn words(id: &str) -> String {
+    match id {
+        "kinking" => "kinking".to_owned(),
+        "joint_friction" => "friction of the joint".to_owned(),
+        "wrapping_loss" => "loss by wrapping".to_owned(),
+        other => title(other),
+    }
+}
+
 /// Units and arrows as people read them.
 fn said(text: &str) -> String {
     text.replace("um/N", "µm/N").replace("->", "→")
@@ -219,7 +229,7 @@ fn said(text: &str) -> String {
 fn joint(found: &CampaignFindings) -> Joint {
     let class = |e: &EffectFinding| {
         let others = e.class.iter().filter(|id| **id != e.id);
-        (e.title.clone(), others.map(|id| title(id)).collect())
+        (e.title.clone(), others.map(|id| words(id)).collect())
     };
     let alternative = |r: &Reading| Alternative {
         numbers: said(&r.numbers.join(" and ")),
@@ -228,11 +238,14 @@ fn joint(found: &CampaignFindings) -> Joint {
     };
     let rejected = |r: &Rejected| {
         let share = format!("{:.0}", 100.0 * r.share);
-        (r.id.clone(), share, r.why.clone())
+        let forms = r.form.as_deref().unwrap_or_default();
+        let terms = r.id.split(" + ").zip(forms.split(" + "));
+        let terms: Vec<String> = terms.map(|(id, form)| format!("{id} ({form})")).collect();
+        (terms.join(" + "), share, r.why.clone())
     };
     let limit = |l: &DetectionLimit| {
         let size = rounded(l.smallest, Rounding::Digits(2));
-        let what = format!("{} ({})", title(&l.id), l.form);
+        let what = format!("{} ({})", words(&l.id), l.form);
         (what, format!("{size} {}", unit_words(&l.unit)))
     };
     let unexplained = found.unexplained.iter();

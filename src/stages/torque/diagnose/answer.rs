@@ -3,7 +3,7 @@
 use super::judge::{Judged, fold_of};
 use super::questions::Asked;
 use super::refit::{Reading, Sizes};
-use super::terms::{ALL, place};
+use super::terms::{ALL, Term, place};
 use super::tests::TestErrors;
 use super::traces::{ALIKE, Traces, VISIBLE};
 use super::{Group, Searched, black_box, questions};
@@ -107,6 +107,7 @@ impl<'a> Answered<'_, 'a> {
             readings_held_out: self.group.all.len() - self.readings().len(),
             held_out_by: self.held_out_by(actuators.len()).to_owned(),
             questions: questions::ask(&sample, &nothing, &asked),
+            questions_after: questions::ask(&sample, self.sizes(), &asked),
             unexplained,
             suspects: Vec::new(),
             before,
@@ -302,16 +303,15 @@ impl<'a> Answered<'_, 'a> {
     /// Sets that came before what was taken and do not stand, then every single term, with what it would explain by itself.
     fn rejected(&self) -> Vec<Rejected> {
         let rigid = Sizes::rigid(self.readings(), &self.whole.spreads).sse;
-        let named = |terms: &[usize]| {
-            let names = terms
-                .iter()
-                .map(|t| format!("{} ({})", ALL[*t].id, ALL[*t].form));
-            names.collect::<Vec<String>>().join(" + ")
+        let joined = |terms: &[usize], of: fn(&Term) -> &'static str| {
+            let names: Vec<&str> = terms.iter().map(|t| of(&ALL[*t])).collect();
+            names.join(" + ")
         };
         let rejected = |terms: &[usize], why: String| {
             let sizes = Sizes::of(terms, self.readings(), &self.whole.spreads, None);
             Rejected {
-                id: named(terms),
+                id: joined(terms, |t| t.id),
+                form: Some(joined(terms, |t| t.form)),
                 acts_on: "all readings".to_owned(),
                 share: 1.0 - sizes.sse / rigid,
                 why,

@@ -65,6 +65,15 @@ pub struct Refused {
     pub why: String,
 }
 
+/// What a term does on what took no part.
+#[derive(Clone, Copy, Debug)]
+struct Help {
+    /// Part of the folds in which it helps.
+    folds: f64,
+    /// Held-out sums of squares without it and with it, (N.m)^2.
+    held_out: (f64, f64),
+}
+
 /// An accepted set.
 #[derive(Clone, Debug)]
 pub struct Accepted {
@@ -183,7 +192,7 @@ impl<'r, 'a> Task<'r, 'a> {
         }
         let helps = self.helps(sizes);
         if let Some((single, held_out)) = best_alone {
-            let own = helps.first().map_or(f64::NAN, |(_, (_, with))| *with);
+            let own = helps.first().map_or(f64::NAN, |h| h.held_out.1);
             let weakest = sizes.terms.iter().copied().find(|t| t != single);
             if let Some(t) = weakest.filter(|_| sizes.terms.len() > 1 && own >= *held_out) {
                 let why = format!(
@@ -193,8 +202,8 @@ impl<'r, 'a> Task<'r, 'a> {
                 return Err(refuse(t, why));
             }
         }
-        for (t, (share, (without, with))) in sizes.terms.iter().zip(&helps) {
-            if with >= without || *share < 0.5 {
+        for (t, help) in sizes.terms.iter().zip(&helps) {
+            if help.held_out.1 >= help.held_out.0 || help.folds < 0.5 {
                 let why = "does not lower the error on what took no part".to_owned();
                 return Err(refuse(*t, why));
             }
@@ -216,15 +225,17 @@ impl<'r, 'a> Task<'r, 'a> {
         }
     }
 
-    /// For every term of a set: the part of the folds in which it helps, and the held-out sums of squares without it and with it, (N.m)^2.
-    fn helps(&self, sizes: &Sizes) -> Vec<(f64, (f64, f64))> {
+    /// What every term of a set does on what took no part.
+    fn helps(&self, sizes: &Sizes) -> Vec<Help> {
         let with = self.held_out(&sizes.terms, sizes);
         let one = |t: &usize| {
             let others: Vec<usize> = sizes.terms.iter().filter(|o| *o != t).copied().collect();
             let without = self.held_out(&others, sizes);
             let better = with.iter().zip(&without).filter(|(w, o)| w < o).count();
-            let share = better as f64 / with.len() as f64;
-            (share, (without.iter().sum(), with.iter().sum()))
+            Help {
+                folds: better as f64 / with.len() as f64,
+                held_out: (without.iter().sum(), with.iter().sum()),
+            }
         };
         sizes.terms.iter().map(one).collect()
     }
@@ -280,24 +291,19 @@ impl<'r, 'a> Task<'r, 'a> {
     }
 
     /// The judgement of every term of a set, of which `helps` is known.
-    fn judged(
-        &self,
-        sizes: &Sizes,
-        again: &[Vec<usize>],
-        helps: &[(f64, (f64, f64))],
-    ) -> Vec<Judged> {
+    fn judged(&self, sizes: &Sizes, again: &[Vec<usize>], helps: &[Help]) -> Vec<Judged> {
         let traces = Traces::new(&self.sample(), sizes);
         let errors = self.errors(sizes, &traces);
         let terms = sizes.terms.iter().zip(errors).zip(helps);
-        let one = |((t, error), (helps, held_out)): ((&usize, f64), &(f64, (f64, f64)))| {
+        let one = |((t, error), help): ((&usize, f64), &Help)| {
             let freedom = traces.freedom(*t, error);
             Judged {
                 term: *t,
                 half_width: student_t_quantile(0.5 + 0.5 * self.confidence, freedom) * error,
                 p_adjusted: self.p_adjusted(sizes.values[*t], error, &traces, *t),
                 chosen_again: chosen_again(*t, &traces, again) / again.len() as f64,
-                helps: *helps,
-                held_out: *held_out,
+                helps: help.folds,
+                held_out: help.held_out,
             }
         };
         terms.map(one).collect()

@@ -137,18 +137,19 @@ impl<'a> Joint<'a> {
             let state = setup.state(length_m, pressure_kpa.max(0.0));
             self.law.predict(&state).force_n().unwrap_or(f64::NAN)
         };
-        let slope = |low: f64, high: f64, step: f64| {
-            let slope = (high - low) / (2.0 * step);
+        let here = force(l, p);
+        let slope = |there: f64, step: f64| {
+            let slope = (there - here) / step;
             if slope.is_nan() { 0.0 } else { slope }
         };
         let (dl, dp) = STEPS;
         let by_length = match length.is_constant() {
             true => 0.0,
-            false => slope(force(l - dl, p), force(l + dl, p), dl),
+            false => slope(force(l + dl, p), dl),
         };
-        let mut pulled = length.chain(force(l, p), by_length);
+        let mut pulled = length.chain(here, by_length);
         if !pressure.is_constant() {
-            let by_pressure = slope(force(l, p - dp), force(l, p + dp), dp);
+            let by_pressure = slope(force(l, p + dp), dp);
             pulled = pulled + pressure.chain(0.0, by_pressure);
         }
         pulled * (sizes[place::GAIN] + 1.0)

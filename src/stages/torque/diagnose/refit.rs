@@ -8,6 +8,7 @@ use crate::numerics::levenberg_marquardt::LeastSquaresProblem;
 use crate::numerics::matrix::Matrix;
 use crate::numerics::real::{Dual, Real};
 use crate::numerics::statistics::sum_of_squares;
+use std::cell::RefCell;
 
 /// A reading of torque.
 #[derive(Clone, Copy)]
@@ -70,6 +71,7 @@ impl Sizes {
             terms,
             readings,
             nuisance: Nuisance::of(readings, spreads),
+            last: RefCell::new(None),
         };
         let options = Options {
             bounds: Some(terms.iter().map(|t| ALL[*t].bounds).collect()),
@@ -148,6 +150,8 @@ struct Problem<'r, 'a> {
     terms: &'r [usize],
     readings: &'r [Reading<'a>],
     nuisance: Nuisance,
+    /// The last point with its predictions: a descent asks for values and derivatives at the same one.
+    last: RefCell<Option<(Vec<f64>, Vec<Dual<MOST>>)>>,
 }
 
 impl Problem<'_, '_> {
@@ -171,21 +175,22 @@ impl LeastSquaresProblem for Problem<'_, '_> {
     }
 
     fn residuals(&self, p: &[f64], r: &mut [f64]) {
-        let mut values = [0.0; TERMS];
-        for (t, value) in self.terms.iter().zip(p) {
-            values[*t] = *value;
-        }
-        let residual = |o: &Reading| o.torque_nm - o.joint.torque(&o.at, &values).0;
-        let residuals: Vec<f64> = self.readings.iter().map(residual).collect();
+        let predicted = self.predicted(p);
+        let pairs = self.readings.iter().zip(&predicted);
+        let residuals: Vec<f64> = pairs.map(|(o, d)| o.torque_nm - d.value).collect();
         r.copy_from_slice(&self.nuisance.left(&residuals));
+        *self.last.borrow_mut() = Some((p.to_vec(), predicted));
     }
 
     fn jacobian(&self, p: &[f64], j: &mut Matrix) {
-        let predicted = self.predicted(p);
+        let last = self.last.borrow();
+        let known = last.as_ref().filter(|(at, _)| at == p);
+        let fresh = known.is_none().then(|| self.predicted(p));
+        let predicted = known.map(|(_, d)| d).or(fresh.as_ref());
         for k in 0..p.len() {
-            let trace: Vec<f64> = predicted.iter().map(|d| d.gradient[k]).collect();
-            let left = self.nuisance.left(&trace);
-            j.column_mut(k).copy_from_slice(&left);
+            let of = predicted.into_iter().flatten();
+            let trace: Vec<f64> = of.map(|d| d.gradient[k]).collect();
+            j.column_mut(k).copy_from_slice(&self.nuisance.left(&trace));
         }
     }
 }

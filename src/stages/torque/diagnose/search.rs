@@ -7,6 +7,7 @@
 use super::nuisance::{FINEST_NM, Nuisance, Spreads};
 use super::refit::{Reading, Sizes};
 use crate::numerics::statistics::{mean, sum_of_squares};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// A set of terms with its criterion, smaller is better.
@@ -58,7 +59,7 @@ impl Sample<'_, '_> {
     pub fn of(&self, sets: &[Vec<usize>], known: &Known) -> Vec<Ranked> {
         let fit =
             |terms: &Vec<usize>| Sizes::of(terms, self.readings, self.spreads, known.get(terms));
-        let mut all: Vec<Sizes> = sets.iter().map(fit).collect();
+        let mut all: Vec<Sizes> = sets.par_iter().map(fit).collect();
         all.retain(|s| s.inside && s.left.is_finite());
         let best = all.iter().min_by(|a, b| a.left.total_cmp(&b.left));
         let effective = best.map_or(f64::NAN, |s| self.effective(s));
