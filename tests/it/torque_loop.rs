@@ -82,7 +82,7 @@ fn write(bench: &Bench, campaign: &str, m: &Missing) {
             let mounted = 0.0007 * stream.normal();
             let taken = 2.0 * FITTING_M + tendon + mounted;
             let mut rows = String::from("a,t,p,room\n");
-            let mut before = None;
+            let (mut before, mut sense) = (None, 0.0);
             for k in 0..READINGS {
                 let half = READINGS / 2;
                 let share =
@@ -94,7 +94,9 @@ fn write(bench: &Bench, campaign: &str, m: &Missing) {
                 let beyond = (-degrees - 25.0).max(0.0).to_radians();
                 let pulled = strength * force(m, taken, degrees, kpa, rest, free);
                 let kinked = pulled * (1.0 - m.kinks * beyond * beyond);
-                let sense = before.map_or(0.0, |b: f64| (degrees - b).signum());
+                if let Some(turned) = before.map(|b: f64| degrees - b).filter(|t| *t != 0.0) {
+                    sense = turned.signum();
+                }
                 before = Some(degrees);
                 let torque = kinked * leg(degrees).1 - m.friction_nm * sense
                     + m.room_nm * (room - 24.0)

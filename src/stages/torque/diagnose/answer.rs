@@ -100,7 +100,7 @@ impl<'a> Answered<'_, 'a> {
             base_refitted: false,
             unit: "N.m".to_owned(),
             verdict,
-            summary: self.summary(verdict, &effects, &before, &after),
+            summary: self.summary(verdict, &effects, &unexplained, &before, &after),
             readings: self.readings().len(),
             sessions: tests.len(),
             specimens: actuators.len(),

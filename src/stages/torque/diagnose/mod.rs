@@ -49,6 +49,7 @@ use rayon::prelude::*;
 use refit::{Reading, Sizes, is_answered};
 use search::{Known, Sample};
 use serde::{Deserialize, Serialize};
+use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 use terms::{MOST, TERMS, place};
 use tests::TestErrors;
@@ -396,18 +397,17 @@ impl<'a> Group<'a> {
     }
 }
 
-/// In which sense the joint turned before each reading, from their order; before the first, as before the second.
+/// In which sense the joint turned before each reading, from their order: 0 before the first move, and while it stands that of the last one.
 fn senses(points: &[Point]) -> Vec<f64> {
-    let turned = |from: &Point, to: &Point| {
-        let by = to.angle_rad - from.angle_rad;
-        if by == 0.0 || by.is_nan() {
-            0.0
-        } else {
-            by.signum()
-        }
-    };
-    let mut senses: Vec<f64> = points.windows(2).map(|w| turned(&w[0], &w[1])).collect();
-    senses.insert(0, senses.first().copied().unwrap_or(0.0));
+    let mut senses = vec![0.0; points.len()];
+    for k in 1..points.len() {
+        let by = points[k].angle_rad - points[k - 1].angle_rad;
+        senses[k] = match by.partial_cmp(&0.0) {
+            Some(Ordering::Greater) => 1.0,
+            Some(Ordering::Less) => -1.0,
+            _ => senses[k - 1],
+        };
+    }
     senses
 }
 

@@ -4,7 +4,9 @@ use super::answer::{Answered, label};
 use super::judge::Task;
 use super::refit::Sizes;
 use super::terms::{ALL, place};
-use crate::stages::diagnose::findings::{EffectFinding, Errors, Reading as Alternative, Verdict};
+use crate::stages::diagnose::findings::{
+    EffectFinding, Errors, Reading as Alternative, Unexplained, Verdict,
+};
 use std::collections::BTreeSet;
 
 /// Sets whose criterion is within this of the best are shown.
@@ -16,6 +18,7 @@ impl Answered<'_, '_> {
         &self,
         verdict: Verdict,
         effects: &[EffectFinding],
+        unexplained: &[Unexplained],
         before: &Errors,
         after: &Errors,
     ) -> String {
@@ -37,7 +40,11 @@ impl Answered<'_, '_> {
             }
             Verdict::None => "no structure beyond the scatter between tests".to_owned(),
             Verdict::Unexplained => {
-                "the residual follows the knee angle, and no effect of the joint stands".to_owned()
+                let columns: Vec<&str> = unexplained.iter().map(|u| u.column.as_str()).collect();
+                format!(
+                    "the residual follows {}, and no effect of the joint stands",
+                    columns.join(" and ")
+                )
             }
         }
     }
