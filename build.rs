@@ -38,7 +38,14 @@ const STAGES: &[(&str, &[&str])] = &[
     ),
     (
         "TORQUE",
-        &["base", "knee", "models", "numerics", "stages/torque"],
+        &[
+            "base",
+            "knee",
+            "models",
+            "numerics",
+            "stages/torque",
+            "stages/diagnose/findings.rs",
+        ],
     ),
     (
         "REPORT",

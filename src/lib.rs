@@ -16,7 +16,8 @@
 //!   diagnose   what the residual of the base model depends on,    stages::diagnose   effects, models, numerics
 //!              the effects that explain it, the held-out error
 //!   torque     torque about a knee: geometry, every model, the    stages::torque     knee, models, numerics
-//!              length of the end fittings
+//!              length of the end fittings, what the rigid leg
+//!              lacks
 //!   report     tables, figures, force.pdf, knee.pdf,              stages::report     report
 //!              residual.pdf, findings.json, summary.json
 //! derived/  the cache and the tidy data        reports/  for people

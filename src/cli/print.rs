@@ -139,8 +139,10 @@ pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> R
             ..
         } = answer;
         let verdict = verdict(answer.verdict);
+        let part = answer.part.iter().map(|part| format!(", {part}"));
+        let part: String = part.collect();
         line(format!(
-            "{campaign}, {diameter_mm} mm: {verdict}. {summary}"
+            "{campaign}{part}, {diameter_mm} mm: {verdict}. {summary}"
         ));
     }
     if let Some(file) = &outcome.findings_file {

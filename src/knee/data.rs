@@ -18,6 +18,10 @@ const TABLES: &[(&str, &str)] = &[
         include_str!("data/bracket_points.csv"),
     ),
     (
+        "measurers_by_hand.csv",
+        include_str!("data/measurers_by_hand.csv"),
+    ),
+    (
         "opensim_bifemsh_moment_arm.csv",
         include_str!("data/opensim_bifemsh_moment_arm.csv"),
     ),
@@ -44,7 +48,7 @@ pub fn names() -> Vec<&'static str> {
     TABLES.iter().map(|(name, _)| *name).collect()
 }
 
-/// An embedded table: `table1.csv` and `bracket_points.csv` (coordinates in m), `opensim_*` and `human_torque_target_*` (over `knee_angle_deg`;
+/// An embedded table: `table1.csv` and `bracket_points.csv` (coordinates in m), `measurers_by_hand.csv` (errors in N.m), `opensim_*` and `human_torque_target_*` (over `knee_angle_deg`;
 /// arms in m, torques in N.m, flexion negative). The head of each file under `src/knee/data` has its source.
 ///
 /// # Errors

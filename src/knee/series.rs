@@ -7,6 +7,8 @@
 //!
 //! F = A(P, L_MT(theta, F) - 2 l_fit - l_tendon - F/k).
 //!
+//! What is loose (knots, bolts in their holes, a tendon that straightens) gives way at once and then no more: besides F/k it takes s F/(F + 100 N).
+//!
 //! Compliances (m/N) stand for stiffnesses throughout: a rigid part has none, and fits start there. Every one of them may carry derivatives
 //! `R`, and the balance passes them on (theorem of implicit functions, as in [`crate::effects`]).
 
@@ -38,17 +40,32 @@ pub struct Bracket<R> {
 pub struct Series<R> {
     /// Compliance of the tendon and whatever else yields along the actuator, 1/k, m/N.
     pub axial: R,
+    /// What is loose along the actuator, s, m: all of it is taken up by a large force, half of it by [`HALF_TAKEN_UP_N`].
+    pub loose: R,
     /// The bracket at the origin, if it yields.
     pub origin: Option<Bracket<R>>,
     /// The bracket at the insertion, if it yields.
     pub insertion: Option<Bracket<R>>,
 }
 
+/// Force that takes up half of what is loose, N.
+pub const HALF_TAKEN_UP_N: f64 = 100.0;
+
 impl<R: Real> Series<R> {
+    /// By how much everything along the actuator gives way to a force in N, m.
+    fn stretch(&self, force: R) -> R {
+        let stretched = self.axial * force;
+        if self.loose.is_constant() && self.loose.value() == 0.0 {
+            return stretched;
+        }
+        stretched + self.loose * (force / (force + HALF_TAKEN_UP_N))
+    }
+
     /// Nothing yields.
     pub fn rigid() -> Self {
         Self {
             axial: R::constant(0.0),
+            loose: R::constant(0.0),
             origin: None,
             insertion: None,
         }
@@ -118,12 +135,41 @@ impl Leg<'_> {
         pull: &impl Pull,
         angle: f64,
     ) -> Result<Option<Balance<R>>, Beyond> {
+        let taken = 2.0 * setup.fitting_m + setup.tendon_m;
+        let balance = self.balanced(
+            series,
+            angle,
+            |free: Dual<1>| pull.force(free - taken),
+            |free: R| pull.force(free - taken),
+        )?;
+        Ok(balance.map(|b| Balance {
+            actuator_length: b.actuator_length - taken,
+            ..b
+        }))
+    }
+
+    /// The balance with any law of force, given as a function of the length in m that path and series leave for actuator, fittings and tendon
+    /// ([`Balance::actuator_length`] is that length here): once with the derivative by this length, for Newton's method, and once with those
+    /// of its own parameters, which the balance passes on.
+    ///
+    /// # Errors
+    /// As [`Leg::balance`].
+    pub fn balanced<R: Real>(
+        &self,
+        series: &Series<R>,
+        angle: f64,
+        plain_pull: impl Fn(Dual<1>) -> Dual<1>,
+        pull: impl Fn(R) -> R,
+    ) -> Result<Option<Balance<R>>, Beyond> {
+        if series.origin.is_none() && series.insertion.is_none() {
+            return self.balanced_along(series, angle, plain_pull, pull);
+        }
         let plain = series.map(R::value).map(Dual::<1>::constant);
         let yielding = self.yielding(&plain, angle)?;
         let pulled = |force: f64| -> Result<Dual<1>, Beyond> {
             let force = Dual::<1>::variable(force, 0);
             let (path, _) = self.loaded(&yielding, force, angle)?;
-            Ok(pull.force(length_left(setup, &plain, path, force)))
+            Ok(plain_pull(path - plain.stretch(force)))
         };
         let Some((force, slope)) = solve(pulled)? else {
             return Ok(None);
@@ -131,15 +177,52 @@ impl Leg<'_> {
         let yielding = self.yielding(series, angle)?;
         let held = R::constant(force);
         let (path, _) = self.loaded(&yielding, held, angle)?;
-        let at_held = pull.force(length_left(setup, series, path, held));
+        let at_held = pull(path - series.stretch(held));
         let force = at_held.chain(force, 1.0 / slope);
         let (path_length, arm) = self.loaded(&yielding, force, angle)?;
         Ok(Some(Balance {
             force,
             path_length,
-            actuator_length: length_left(setup, series, path_length, force),
+            actuator_length: path_length - series.stretch(force),
             arm,
             torque: arm * force,
+        }))
+    }
+
+    /// [`Leg::balanced`] where no attachment yields: the path stays where it is.
+    fn balanced_along<R: Real>(
+        &self,
+        series: &Series<R>,
+        angle: f64,
+        plain_pull: impl Fn(Dual<1>) -> Dual<1>,
+        pull: impl Fn(R) -> R,
+    ) -> Result<Option<Balance<R>>, Beyond> {
+        let path = self.path(angle, Yield::<f64>::none())?;
+        let (length, arm) = (path.length(), path.arm());
+        let plain = series.map(R::value).map(Dual::<1>::constant);
+        let nothing = |r: R| r.is_constant() && r.value() == 0.0;
+        let force = if nothing(series.axial) && nothing(series.loose) {
+            pull(R::constant(length))
+        } else {
+            let stretched = |force: f64| {
+                let force = Dual::<1>::variable(force, 0);
+                Ok(plain_pull(-plain.stretch(force) + length))
+            };
+            let Some((force, slope)) = solve(stretched)? else {
+                return Ok(None);
+            };
+            let at_held = pull(-series.stretch(R::constant(force)) + length);
+            at_held.chain(force, 1.0 / slope)
+        };
+        if !force.value().is_finite() {
+            return Ok(None);
+        }
+        Ok(Some(Balance {
+            force,
+            path_length: R::constant(length),
+            actuator_length: -series.stretch(force) + length,
+            arm: R::constant(arm),
+            torque: force * arm,
         }))
     }
 
@@ -179,11 +262,6 @@ impl Leg<'_> {
     }
 }
 
-/// l_m under a force, m.
-fn length_left<R: Real>(setup: &Setup, series: &Series<R>, path: R, force: R) -> R {
-    path - 2.0 * setup.fitting_m - setup.tendon_m - series.axial * force
-}
-
 impl<R: Real> Series<R> {
     fn map<S: Real>(&self, f: impl Fn(R) -> S) -> Series<S> {
         let bracket = |b: &Option<Bracket<R>>| {
@@ -194,6 +272,7 @@ impl<R: Real> Series<R> {
         };
         Series {
             axial: f(self.axial),
+            loose: f(self.loose),
             origin: bracket(&self.origin),
             insertion: bracket(&self.insertion),
         }

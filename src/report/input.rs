@@ -117,6 +117,13 @@ impl ReportInput {
         diagnoses.map(|d| &d.findings)
     }
 
+    /// What was found of torque, joint by joint.
+    pub fn torque_findings(&self) -> impl Iterator<Item = &CampaignFindings> {
+        self.torque()
+            .flat_map(|c| &c.diagnoses)
+            .map(|d| &d.findings)
+    }
+
     /// The campaigns of torque.
     pub fn torque(&self) -> impl Iterator<Item = &CampaignTorque> {
         self.knee.iter().flat_map(|k| &k.campaigns)

@@ -2,6 +2,7 @@
 
 use crate::base::error::Result;
 use crate::base::names::file_name;
+use crate::report::answers::{rounded, title, unit_words};
 use crate::report::figures::Drawn;
 use crate::report::input::ReportInput;
 use crate::report::number::Rounding;
@@ -9,6 +10,9 @@ use crate::report::render::{Renderer, typst::Typst};
 use crate::report::table::Table;
 use crate::report::tables::knee as tables;
 use crate::report::typeset::{Document, Pdf};
+use crate::stages::diagnose::findings::{
+    CampaignFindings, DetectionLimit, EffectFinding, Reading, Rejected,
+};
 use crate::stages::torque::errors::Size;
 use crate::stages::torque::fitting::{FittingFit, LAWS, Origin};
 use crate::stages::torque::{CampaignTorque, Configuration, Test};
@@ -50,7 +54,35 @@ struct Campaign {
     excluded: Vec<(String, String)>,
     notes: Vec<(String, String)>,
     fits: Vec<Fit>,
+    joints: Vec<Joint>,
+    by_hand: bool,
     figures: Vec<Picture>,
+}
+
+/// What the loop says of one joint.
+#[derive(Serialize)]
+struct Joint {
+    title: String,
+    summary: String,
+    /// Titles of the effects, and what leaves the same trace.
+    classes: Vec<(String, Vec<String>)>,
+    unexplained: Vec<String>,
+    alternatives: Vec<Alternative>,
+    /// What, the share in percent, why.
+    rejected: Vec<(String, String, String)>,
+    /// What, the smallest size that would have shown.
+    limits: Vec<(String, String)>,
+    notes: Vec<String>,
+    next: Vec<String>,
+    figure: Option<Picture>,
+}
+
+/// A set of effects that does nearly as well.
+#[derive(Serialize)]
+struct Alternative {
+    numbers: String,
+    fitted: String,
+    held_out: String,
 }
 
 /// The fit to the configuration with most readings, beside the stated length.
@@ -155,7 +187,94 @@ fn campaign(c: &CampaignTorque, figures: &[Drawn]) -> Campaign {
         excluded: said(|t| &t.excluded),
         notes: said(|t| &t.notes),
         fits: c.fits.iter().filter_map(|f| fit(c, f)).collect(),
-        figures: figures.iter().map(picture).collect(),
+        joints: joints(c, figures),
+        by_hand: c.diagnoses.iter().any(|j| !j.by_hand.is_empty()),
+        figures: figures[..c.configurations.len()]
+            .iter()
+            .map(picture)
+            .collect(),
+    }
+}
+
+/// Sets of effects and single ones that are shown as rejected.
+const REJECTED_SHOWN: usize = 8;
+
+/// The joints with their figures, which come after those of the configurations.
+fn joints(c: &CampaignTorque, figures: &[Drawn]) -> Vec<Joint> {
+    let of_joints = &figures[c.configurations.len()..];
+    let with_figures = c.diagnoses.iter().zip(of_joints);
+    with_figures
+        .map(|(j, figure)| Joint {
+            figure: Some(picture(figure)),
+            ..joint(&j.findings)
+        })
+        .collect()
+}
+
+/// What an effect of the joint or of the library is called.
+fn words(id: &str) -> String {
+    match id {
+        "kinking" => "kinking".to_owned(),
+        "joint_friction" => "friction of the joint".to_owned(),
+        "wrapping_loss" => "loss by wrapping".to_owned(),
+        other => title(other),
+    }
+}
+
+/// Units and arrows as people read them.
+fn said(text: &str) -> String {
+    text.replace("um/N", "µm/N").replace("->", "→")
+}
+
+fn joint(found: &CampaignFindings) -> Joint {
+    let class = |e: &EffectFinding| {
+        let others = e.class.iter().filter(|id| **id != e.id);
+        (e.title.clone(), others.map(|id| words(id)).collect())
+    };
+    let alternative = |r: &Reading| Alternative {
+        numbers: said(&r.numbers.join(" and ")),
+        fitted: decimals(r.errors.rmse_train, 2),
+        held_out: decimals(r.errors.rmse_heldout, 2),
+    };
+    let rejected = |r: &Rejected| {
+        let share = format!("{:.0}", 100.0 * r.share);
+        let forms = r.form.as_deref().unwrap_or_default();
+        let terms = r.id.split(" + ").zip(forms.split(" + "));
+        let terms: Vec<String> = terms.map(|(id, form)| format!("{id} ({form})")).collect();
+        (terms.join(" + "), share, r.why.clone())
+    };
+    let limit = |l: &DetectionLimit| {
+        let size = rounded(l.smallest, Rounding::Digits(2));
+        let what = format!("{} ({})", words(&l.id), l.form);
+        (what, format!("{size} {}", unit_words(&l.unit)))
+    };
+    let unexplained = found.unexplained.iter();
+    let mut next: Vec<String> = Vec::new();
+    for n in &found.next_measurement {
+        if !next.contains(&n.action) {
+            next.push(n.action.clone());
+        }
+    }
+    Joint {
+        title: format!(
+            "{}, {} mm",
+            found.part.as_deref().unwrap_or_default(),
+            found.diameter_mm
+        ),
+        summary: said(&found.summary),
+        classes: found.effects.iter().map(class).collect(),
+        unexplained: unexplained.map(|u| u.column.clone()).collect(),
+        alternatives: found.readings_of_the_base.iter().map(alternative).collect(),
+        rejected: found
+            .rejected
+            .iter()
+            .take(REJECTED_SHOWN)
+            .map(rejected)
+            .collect(),
+        limits: found.detection_limits.iter().map(limit).collect(),
+        notes: found.notes.iter().map(|n| said(n)).collect(),
+        next,
+        figure: None,
     }
 }
 

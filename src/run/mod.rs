@@ -25,7 +25,7 @@ use crate::base::error::{Error, Result};
 use crate::base::reject::Extent;
 use crate::config::Config;
 use crate::formats::discover::{Discovery, discover};
-use crate::stages::diagnose::findings::Verdict;
+use crate::stages::diagnose::findings::{CampaignFindings, Verdict};
 use engine::{Engine, Step, Work};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -95,6 +95,8 @@ pub struct Outcome {
 pub struct Answer {
     /// Campaign id.
     pub campaign: String,
+    /// The joint, where torque was measured.
+    pub part: Option<String>,
     /// Uninflated inner diameter, mm.
     pub diameter_mm: u32,
     /// What was found.
@@ -188,6 +190,8 @@ fn drive(
     outcome.written = written.changed;
     outcome.findings_file = written.findings;
     outcome.answers = answers(engine, &group_results)?;
+    let of_torque = torque::fresh_findings(engine, &torque)?;
+    outcome.answers.extend(of_torque.into_iter().map(answer));
     Ok(outcome)
 }
 
@@ -198,15 +202,20 @@ fn answers(engine: &Engine, groups: &[groups::GroupResult]) -> Result<Vec<Answer
         if let Step::Done(..) = step
             && let Some(found) = diagnosis::findings(engine, step)?
         {
-            answers.push(Answer {
-                campaign: found.campaign,
-                diameter_mm: found.diameter_mm,
-                verdict: found.verdict,
-                summary: found.summary,
-            });
+            answers.push(answer(found));
         }
     }
     Ok(answers)
+}
+
+fn answer(found: CampaignFindings) -> Answer {
+    Answer {
+        campaign: found.campaign,
+        part: found.part,
+        diameter_mm: found.diameter_mm,
+        verdict: found.verdict,
+        summary: found.summary,
+    }
 }
 
 fn check_raw(raw: &Path) -> Result<()> {

@@ -9,6 +9,7 @@ use crate::config::{Config, flatten};
 use crate::formats::discover::Discovery;
 use crate::run::engine::{self, Engine, Stage, Step};
 use crate::run::sessions::{ROWS, SessionResult};
+use crate::stages::diagnose::findings::CampaignFindings;
 use crate::stages::torque::reference::{Reference, reference};
 use crate::stages::torque::{self, CampaignTorque, Measured};
 use rayon::prelude::*;
@@ -74,6 +75,21 @@ pub fn process(
         campaigns,
         reference: reference.transpose()?,
     })
+}
+
+/// The findings of the campaigns that this run has computed, joint by joint.
+///
+/// # Errors
+/// A damaged entry.
+pub fn fresh_findings(engine: &Engine, result: &TorqueResult) -> Result<Vec<CampaignFindings>> {
+    let mut all = Vec::new();
+    for (_, step) in &result.campaigns {
+        if let Step::Done(..) = step {
+            let found: CampaignTorque = json::from_slice(&engine.read(step, TORQUE_JSON)?)?;
+            all.extend(found.diagnoses.into_iter().map(|d| d.findings));
+        }
+    }
+    Ok(all)
 }
 
 fn campaign_step(

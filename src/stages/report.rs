@@ -128,7 +128,11 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
 fn findings_json(input: &ReportInput) -> Result<Vec<u8>> {
     let findings = Findings {
         schema: SCHEMA.to_owned(),
-        campaigns: input.findings().cloned().collect(),
+        campaigns: input
+            .findings()
+            .chain(input.torque_findings())
+            .cloned()
+            .collect(),
     };
     let mut bytes = serde_json::to_vec_pretty(&findings).map_err(Error::internal)?;
     bytes.push(b'\n');

@@ -21,3 +21,4 @@ mod shipped;
 mod simulated;
 mod support;
 mod torque;
+mod torque_loop;

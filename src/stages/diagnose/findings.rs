@@ -19,11 +19,14 @@ pub struct Findings {
 pub struct CampaignFindings {
     /// Campaign id.
     pub campaign: String,
+    /// The joint, where the campaign is one of torque: "pinned knee, flexor".
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part: Option<String>,
     /// Uninflated inner diameter, mm.
     pub diameter_mm: u32,
     /// Whether it is simulated.
     pub simulated: bool,
-    /// "isometric".
+    /// "isometric" or "knee-torque".
     pub kind: String,
     /// Id of the base model.
     pub base_model: String,

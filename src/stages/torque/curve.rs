@@ -108,7 +108,7 @@ pub fn curve(build: &Build, configuration: &Configuration, fitted_m: Vec<f64>) -
 }
 
 /// The pressures at which a configuration was measured: means of the readings that lie close together.
-fn pressures(configuration: &Configuration) -> Vec<f64> {
+pub fn pressures(configuration: &Configuration) -> Vec<f64> {
     let points = configuration.tests.iter().flat_map(|t| &t.points);
     let mut all: Vec<f64> = points.map(|p| p.pressure_kpa).collect();
     all.retain(|p| p.is_finite());

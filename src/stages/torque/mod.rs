@@ -12,6 +12,7 @@
 //! | [`curve`] | what is expected over the range of the joint |
 //! | [`observation`] | what is not excluded, with its leg and a prediction that carries derivatives, for fits |
 //! | [`fitting`] | the length of the end fittings as the torque itself has it, held out by actuator |
+//! | [`diagnose`] | what the rigid leg lacks: the effects of the joint |
 //! | [`tidy`] | all readings as one table |
 //! | [`reference`] | what needs no session: both methods for the arm, the linkage, the human muscles beside OpenSim, stress, design |
 //!
@@ -20,6 +21,7 @@
 
 pub mod build;
 pub mod curve;
+pub mod diagnose;
 pub mod errors;
 pub mod fitting;
 pub mod observation;
@@ -33,6 +35,7 @@ use crate::config::TorqueOptions;
 use crate::models::{ForceModel, published};
 use build::Build;
 use curve::Curve;
+use diagnose::JointDiagnosis;
 use errors::{Errors, Hand};
 use fitting::FittingFit;
 use point::Point;
@@ -40,7 +43,7 @@ use reference::arms::{Arms, of_leg};
 use serde::{Deserialize, Serialize};
 
 /// Raised when results change without a change of this stage's source files.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// A session with its normalised rows.
 #[derive(Clone, Debug)]
@@ -64,6 +67,8 @@ pub struct CampaignTorque {
     pub configurations: Vec<Configuration>,
     /// The length of the end fittings.
     pub fits: Vec<FittingFit>,
+    /// What the rigid leg lacks, joint by joint.
+    pub diagnoses: Vec<JointDiagnosis>,
 }
 
 /// One actuator along one route, and everything that was measured of it.
@@ -190,12 +195,15 @@ pub fn torque(
         let fitted = fitting::chosen(&fits, configuration);
         configuration.curve = curve::curve(build, configuration, fitted);
     }
+    let simulated = measured.iter().any(|m| m.session.is_simulated());
+    let diagnoses = diagnose::diagnose(campaign, simulated, &found, confidence);
     CampaignTorque {
         campaign: campaign.to_owned(),
-        simulated: measured.iter().any(|m| m.session.is_simulated()),
+        simulated,
         models: models.iter().map(|m| m.id().to_owned()).collect(),
         configurations: found.into_iter().map(|(_, c)| c).collect(),
         fits,
+        diagnoses,
     }
 }
 

@@ -6,6 +6,7 @@ use crate::knee::Geometry;
 use crate::models::ForceModel;
 use crate::stages::torque::build::Build;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A reading.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,6 +23,8 @@ pub struct Point {
     pub pressure_kpa: f64,
     /// What was measured by hand.
     pub by_hand: ByHand,
+    /// Every other column of the reading, by name.
+    pub extras: BTreeMap<String, f64>,
     /// What the leg has at the angle; none beyond the range of its joint.
     pub expected: Option<Expected>,
     /// Why there is no geometry.
@@ -115,11 +118,20 @@ pub fn point(build: &Build, row: &Row, models: &[&dyn ForceModel]) -> Point {
         torque_nm,
         pressure_kpa: row.pressure_kpa,
         by_hand,
+        extras: others(row),
         expected,
         beyond: geometry.err().map(|beyond| beyond.to_string()),
         predicted: models.iter().map(predict).collect(),
         back_calculated: models.iter().map(back).collect(),
     }
+}
+
+/// The columns of a row that are no part of the torque.
+fn others(row: &Row) -> BTreeMap<String, f64> {
+    const OWN: [&str; 4] = [ANGLE, TORQUE, MUSCLE_LENGTH, MOMENT_ARM];
+    let all = row.extras.iter();
+    let others = all.filter(|(name, x)| !OWN.contains(&name.as_str()) && x.is_finite());
+    others.map(|(name, x)| (name.clone(), *x)).collect()
 }
 
 impl Answer {

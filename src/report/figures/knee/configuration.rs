@@ -216,7 +216,7 @@ impl Plot<'_> {
 }
 
 /// The mark of a test.
-fn mark(k: usize, test: &Test) -> Mark {
+pub(super) fn mark(k: usize, test: &Test) -> Mark {
     let (shape, ink) = TESTS[k % TESTS.len()];
     match test.excluded {
         Some(_) => Mark::open(Shape::Cross, Ink::Grey).wide(1.3),
@@ -236,7 +236,7 @@ fn mm(length_m: f64) -> String {
     format!("{:.1} mm", 1e3 * length_m)
 }
 
-fn capitalised(text: &str) -> String {
+pub(super) fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     let first = letters.next().map(|c| c.to_uppercase().to_string());
     first.unwrap_or_default() + letters.as_str()

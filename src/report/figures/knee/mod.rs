@@ -3,6 +3,7 @@
 mod configuration;
 mod design;
 mod human;
+mod joint;
 mod leg;
 mod maximum;
 mod surfaces;
@@ -12,11 +13,13 @@ use crate::report::input::ReportInput;
 use crate::stages::torque::CampaignTorque;
 use std::collections::BTreeSet;
 
-/// The figures of one campaign: one a configuration.
+/// The figures of one campaign: one a configuration, then one a joint.
 pub fn of_campaign(campaign: &CampaignTorque) -> Vec<Named> {
     let configurations = campaign.configurations.iter();
+    let configurations = configurations.map(|c| configuration::figure(campaign, c));
+    let joints = campaign.diagnoses.iter();
     configurations
-        .map(|c| configuration::figure(campaign, c))
+        .chain(joints.map(|j| joint::figure(campaign, j)))
         .collect()
 }
 

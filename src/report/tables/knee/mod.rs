@@ -1,11 +1,14 @@
 //! The tables of torque: `knee_*`.
 
 mod arms;
+mod by_hand;
 mod centres;
 mod design;
+mod effects;
 mod errors;
 mod fitting_errors;
 mod fittings;
+mod found;
 mod human;
 mod laws;
 mod models;
@@ -27,6 +30,9 @@ pub const ALL: &[fn(&ReportInput) -> Table] = &[
     errors::table,
     fittings::table,
     fitting_errors::table,
+    found::table,
+    effects::table,
+    by_hand::table,
     table1::table,
     arms::table,
     switches::table,
@@ -42,6 +48,9 @@ pub const OF_CAMPAIGN: &[fn(&CampaignTorque) -> Table] = &[
     laws::of_campaign,
     models::of_campaign,
     fittings::of_campaign,
+    found::of_campaign,
+    effects::of_campaign,
+    by_hand::of_campaign,
 ];
 
 /// The tables that the pages show once.

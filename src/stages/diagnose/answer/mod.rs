@@ -119,6 +119,7 @@ pub(super) fn answer(work: &Work) -> Diagnosis {
     );
     let findings = CampaignFindings {
         campaign: work.group.campaign.clone(),
+        part: None,
         diameter_mm: work.group.diameter_mm,
         simulated: work.group.simulated,
         kind: "isometric".to_owned(),

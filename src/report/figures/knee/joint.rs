@@ -1,0 +1,115 @@
+//! One joint before and after the loop: measured torque, the rigid leg, the leg with what was found, one panel a configuration.
+
+use super::{angle_axis, configuration, over_angle};
+use crate::base::names::file_name;
+use crate::report::figures::Named;
+use crate::report::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Panel, Series, Stroke};
+use crate::stages::torque::diagnose::JointDiagnosis;
+use crate::stages::torque::diagnose::curves::BeforeAfter;
+use crate::stages::torque::{CampaignTorque, Configuration};
+
+const ROW_MM: f64 = 54.0;
+const LEGEND_MM: f64 = 12.0;
+
+/// The figure.
+pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
+    let found = &joint.findings;
+    let part = found.part.as_deref().unwrap_or_default();
+    let title = format!(
+        "Torque before and after the loop: {part}, {} mm",
+        found.diameter_mm
+    );
+    let shown: Vec<&Configuration> = campaign
+        .configurations
+        .iter()
+        .filter(|c| joint.curves.iter().any(|b| b.configuration == c.id))
+        .collect();
+    let columns = if shown.len() > 1 { 2 } else { 1 };
+    let rows = shown.len().div_ceil(columns);
+    let height = ROW_MM * rows as f64 + LEGEND_MM;
+    let panels = shown.iter().map(|c| panel(joint, c));
+    let empty = Figure::new(&title, DOUBLE_MM, height);
+    let figure = panels.fold(empty, Figure::with);
+    let simulated = if campaign.simulated {
+        "Simulated. "
+    } else {
+        ""
+    };
+    Named {
+        name: file_name(&format!(
+            "knee-loop-{}-{part}-{}",
+            campaign.campaign, found.diameter_mm
+        )),
+        caption: format!(
+            "{simulated}{}, {} mm: measured torque (marks, one kind a test; crosses are excluded), the rigid leg, the leg with what was found, and with what is found \
+             without the actuator where whole actuators are held out.",
+            configuration::capitalised(part),
+            found.diameter_mm
+        ),
+        figure: figure.grid(columns).shared_legend(),
+    }
+}
+
+fn panel(joint: &JointDiagnosis, c: &Configuration) -> Panel {
+    let of = |b: &&BeforeAfter| b.configuration == c.id;
+    let curves: Vec<&BeforeAfter> = joint.curves.iter().filter(of).collect();
+    let measured = c.tests.iter().flat_map(|t| &t.points).map(|p| p.torque_nm);
+    let shown = measured.chain(
+        curves
+            .iter()
+            .flat_map(|b| b.after.iter().flatten().copied()),
+    );
+    let (low, high) = shown.fold((0.0, 0.0), |(low, high): (f64, f64), x| {
+        (low.min(x), high.max(x))
+    });
+    // The rigid leg may be off by as much again; beyond that it is cut off.
+    let margin = 0.3 * (high - low);
+    let y = Axis::new("Torque (N m)").fixed(
+        if low < 0.0 {
+            low - margin
+        } else {
+            -0.1 * margin
+        },
+        if high > 0.0 {
+            high + margin
+        } else {
+            0.1 * margin
+        },
+    );
+    let title = format!("{:.0} mm{}", 1e3 * c.rest_length_m, tendon(c));
+    let mut panel = Panel::new(angle_axis(), y)
+        .title(&title)
+        .with(Layer::zero());
+    for b in curves {
+        for (name, torques, ink, dash) in [
+            ("rigid", &b.rigid, Ink::Black, Dash::Dashed),
+            ("with what was found", &b.after, Ink::Sky, Dash::Solid),
+            (
+                "found without the actuator",
+                &b.held_out,
+                Ink::Vermilion,
+                Dash::Dotted,
+            ),
+        ] {
+            let values = torques.iter().map(|t| t.unwrap_or(f64::NAN));
+            let line = over_angle(&b.angles_rad, values);
+            if !torques.is_empty() {
+                panel = panel.with(Series::line(name, line, Stroke::new(ink, dash)));
+            }
+        }
+    }
+    for (k, test) in c.tests.iter().enumerate() {
+        let points = test.points.iter();
+        let points = points.map(|p| (p.angle_rad.to_degrees(), p.torque_nm));
+        let mark = configuration::mark(k, test);
+        panel = panel.with(Series::marks("", points.collect(), mark));
+    }
+    panel
+}
+
+fn tendon(c: &Configuration) -> String {
+    match c.tendon_m {
+        Some(tendon) if tendon > 0.0 => format!(", tendon {:.0} mm", 1e3 * tendon),
+        _ => String::new(),
+    }
+}

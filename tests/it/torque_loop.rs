@@ -1,0 +1,246 @@
+//! The loop on torque: simulated legs with one effect that nobody declares, or none. The simulator's equations are not those of the search:
+//! compliance that stiffens, kinking that sets in smoothly; the joint is a triangle, solved in closed form.
+
+use crate::support::Bench;
+use pipeline::base::random::Stream;
+use pipeline::models::new::NewPublished;
+use pipeline::models::{Direction, ForceModel, State};
+use serde_json::Value;
+
+/// Centre of the joint, origin and insertion relative to it, m.
+const CENTRE: [f64; 2] = [0.01, -0.4];
+const ORIGIN: [f64; 2] = [-0.05, 0.48];
+const INSERTION: [f64; 2] = [-0.03, -0.06];
+const FITTING_M: f64 = 0.0254;
+const READINGS: usize = 12;
+
+/// Actuators: resting and free length, tendon, m, how many tests, and the angles between which they pull, degrees.
+const ACTUATORS: [(&str, [f64; 3], usize, [f64; 2]); 3] = [
+    ("a", [0.485, 0.398, 0.0], 2, [-75.0, -5.0]),
+    ("b", [0.475, 0.390, 0.0], 2, [-85.0, -20.0]),
+    ("c", [0.440, 0.361, 0.035], 1, [-80.0, -10.0]),
+];
+
+/// What a leg lacks.
+#[derive(Clone, Copy, Default)]
+struct Missing {
+    length_m: f64,
+    /// All that is taken up, m, with a scale of 150 N.
+    yields_m: f64,
+    compliance_m_n: f64,
+    /// Share of the force that is lost a rad^2 beyond 25 degrees.
+    kinks: f64,
+    friction_nm: f64,
+    /// Torque a unit of a column that no effect knows.
+    room_nm: f64,
+}
+
+/// Path and arm at an angle in degrees, by the law of cosines.
+fn leg(degrees: f64) -> (f64, f64) {
+    let (a, b) = (
+        libm::hypot(ORIGIN[0], ORIGIN[1]),
+        libm::hypot(INSERTION[0], INSERTION[1]),
+    );
+    let phi = libm::atan2(INSERTION[1], INSERTION[0]) + degrees.to_radians()
+        - libm::atan2(ORIGIN[1], ORIGIN[0]);
+    let path = (a * a + b * b - 2.0 * a * b * libm::cos(phi)).sqrt();
+    (path, -a * b * libm::sin(phi) / path)
+}
+
+/// The force at which everything balances, by bisection.
+fn force(m: &Missing, taken_m: f64, degrees: f64, kpa: f64, rest: f64, free: f64) -> f64 {
+    let pulls = |given: f64| {
+        let yields = m.yields_m * (1.0 - libm::exp(-given / 150.0)) + m.compliance_m_n * given;
+        let state = State {
+            diameter_mm: 10.0,
+            rest_length_m: rest,
+            contracted_length_m: free,
+            length_m: leg(degrees).0 - taken_m - m.length_m - yields,
+            pressure_kpa: kpa,
+            direction: Direction::Isometric,
+        };
+        NewPublished.predict(&state).force_n().unwrap_or(0.0)
+    };
+    let (mut low, mut high) = (0.0, 3000.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if pulls(middle) > middle {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+/// A campaign: actuators of 2 % scatter in strength, tests that are mounted within a millimetre, angles there and back, noise of 0.15 N.m.
+fn write(bench: &Bench, campaign: &str, m: &Missing) {
+    let mut stream = Stream::new(7, &[campaign]);
+    for (specimen, [rest, free, tendon], tests, [first, last]) in ACTUATORS {
+        let strength = 1.0 + 0.02 * stream.normal();
+        for test in 0..tests {
+            let mounted = 0.0007 * stream.normal();
+            let taken = 2.0 * FITTING_M + tendon + mounted;
+            let mut rows = String::from("a,t,p,room\n");
+            let (mut before, mut sense) = (None, 0.0);
+            for k in 0..READINGS {
+                let half = READINGS / 2;
+                let share =
+                    if k < half { k } else { READINGS - 1 - k } as f64 / (half as f64 - 0.5);
+                let turned = first + (last - first) * share.min(1.0) + stream.normal();
+                let degrees = (2.0 * turned).round() / 2.0;
+                let kpa = 606.0 + stream.normal();
+                let room = 18.0 + 12.0 * stream.uniform();
+                let beyond = (-degrees - 25.0).max(0.0).to_radians();
+                let pulled = strength * force(m, taken, degrees, kpa, rest, free);
+                let kinked = pulled * (1.0 - m.kinks * beyond * beyond);
+                if let Some(turned) = before.map(|b: f64| degrees - b).filter(|t| *t != 0.0) {
+                    sense = turned.signum();
+                }
+                before = Some(degrees);
+                let torque = kinked * leg(degrees).1 - m.friction_nm * sense
+                    + m.room_nm * (room - 24.0)
+                    + 0.15 * stream.normal();
+                rows += &format!("{degrees},{torque:.4},{kpa:.1},{room:.1}\n");
+            }
+            let id = format!("{campaign}-{specimen}{test}");
+            bench.write(&format!("{id}/points.csv"), rows);
+            bench.write(&format!("{id}/leg.toml"), leg_toml());
+            let specimen = format!("{campaign}-{specimen}");
+            let text = session(&id, campaign, &specimen, [rest, free, tendon]);
+            bench.write(&format!("{id}/session.toml"), text);
+        }
+    }
+}
+
+fn leg_toml() -> String {
+    let origin = [CENTRE[0] + ORIGIN[0], CENTRE[1] + ORIGIN[1]];
+    format!(
+        "[joint]\nkind = \"pinned\"\nrange_deg = [-100, 10]\ncentre_m = {CENTRE:?}\n\n[[route]]\nname = \"own\"\npoint = [\n  \
+         {{ femur_m = [{}, {}, 0.0] }},\n  {{ tibia_m = [{}, {}, 0.0] }},\n]\n",
+        origin[0], origin[1], INSERTION[0], INSERTION[1]
+    )
+}
+
+fn session(id: &str, campaign: &str, specimen: &str, [rest, free, tendon]: [f64; 3]) -> String {
+    format!(
+        "schema = \"bpa-session/1\"\nid = \"{id}\"\nkind = \"knee-torque\"\nsampling = \"points\"\ncampaign = \"{campaign}\"\n\
+         notes = \"simulated\"\n\n[specimen]\nid = \"{specimen}\"\ndiameter_mm = 10\nrest_length_mm = {}\ncontracted_length_mm = {}\n\n\
+         [joint]\nknee = \"described\"\nfile = \"leg.toml\"\nmuscle = \"flexor\"\ntendon_mm = {}\n\n\
+         [columns]\nangle = {{ name = \"a\", unit = \"deg\" }}\ntorque = {{ name = \"t\", unit = \"N.m\" }}\n\
+         pressure = {{ name = \"p\", unit = \"kPa\" }}\nroom = {{ name = \"room\", unit = \"1\" }}\n\n[[log]]\nfile = \"points.csv\"\n",
+        1e3 * rest,
+        1e3 * free,
+        1e3 * tendon
+    )
+}
+
+/// The findings of all campaigns of a run.
+fn found(bench: &Bench) -> Vec<Value> {
+    bench.age();
+    let said = bench.run(&["run"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let text = std::fs::read_to_string(bench.root().join("reports/findings.json")).unwrap();
+    let findings: Value = serde_json::from_str(&text).unwrap();
+    findings["campaigns"].as_array().unwrap().clone()
+}
+
+/// The first effect of a campaign: id, value, interval; of so many as there may be.
+fn first(all: &[Value], campaign: &str, most: usize) -> (String, f64, [f64; 2]) {
+    let found = all.iter().find(|c| c["campaign"] == campaign).unwrap();
+    assert_eq!(found["verdict"], "effect_found", "{campaign}: {found}");
+    let effects = found["effects"].as_array().unwrap();
+    assert!(effects.len() <= most, "{campaign}: {effects:?}");
+    let p = &effects[0]["parameters"][0];
+    let number = |name: &str| p[name].as_f64().unwrap();
+    let id = effects[0]["id"].as_str().unwrap().to_owned();
+    let (before, after) = (
+        found["before"]["rmse_heldout"].as_f64().unwrap(),
+        found["after"]["rmse_heldout"].as_f64().unwrap(),
+    );
+    assert!(after < 0.75 * before, "{campaign}: {before} {after}");
+    (id, number("value"), [number("ci_low"), number("ci_high")])
+}
+
+#[test]
+fn one_effect_that_nobody_declares_is_found_with_its_size() {
+    let bench = Bench::empty();
+    let none = Missing::default();
+    for (campaign, missing) in [
+        (
+            "longer",
+            Missing {
+                length_m: 0.009,
+                ..none
+            },
+        ),
+        (
+            "yields",
+            Missing {
+                compliance_m_n: 60e-6,
+                ..none
+            },
+        ),
+        (
+            "stiffens",
+            Missing {
+                yields_m: 0.010,
+                ..none
+            },
+        ),
+        (
+            "rubs",
+            Missing {
+                friction_nm: 0.8,
+                ..none
+            },
+        ),
+        ("kinks", Missing { kinks: 0.4, ..none }),
+    ] {
+        write(&bench, campaign, &missing);
+    }
+    let all = found(&bench);
+    for (campaign, id, size) in [
+        ("longer", "length_offset", Some(9.0)),
+        ("yields", "series_compliance", Some(60.0)),
+        ("stiffens", "series_compliance", None),
+        ("rubs", "joint_friction", Some(0.8)),
+        ("kinks", "kinking", None),
+    ] {
+        // What the form of the search cannot follow may take a second effect.
+        let most = if size.is_some() { 1 } else { 2 };
+        let (chosen, value, [low, high]) = first(&all, campaign, most);
+        assert_eq!(chosen, id, "{campaign}");
+        if let Some(size) = size {
+            assert!(
+                low < size && size < high,
+                "{campaign}: {value} [{low}, {high}]"
+            );
+        }
+    }
+}
+
+#[test]
+fn nothing_is_found_where_nothing_is_missing_and_no_physical_name_is_borrowed() {
+    let bench = Bench::empty();
+    let nulls = ["null-1", "null-2", "null-3", "null-4"];
+    for campaign in nulls {
+        write(&bench, campaign, &Missing::default());
+    }
+    let room = Missing {
+        room_nm: 0.1,
+        ..Missing::default()
+    };
+    write(&bench, "room", &room);
+    let all = found(&bench);
+    let of = |campaign: &str| all.iter().find(|c| c["campaign"] == campaign).unwrap();
+    for campaign in nulls {
+        assert_eq!(of(campaign)["verdict"], "none", "{}", of(campaign));
+        let limits = of(campaign)["detection_limits"].as_array().unwrap();
+        let smallest = limits.iter().find(|l| l["id"] == "length_offset").unwrap();
+        let mm = smallest["smallest"].as_f64().unwrap();
+        assert!((1.0..9.0).contains(&mm), "{mm}");
+    }
+    assert_eq!(of("room")["verdict"], "unexplained", "{}", of("room"));
+    assert_eq!(of("room")["unexplained"][0]["column"], "room");
+}
