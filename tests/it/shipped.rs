@@ -117,7 +117,10 @@ fn answers(out: &str, reports: &Path, summary: &serde_json::Value) {
     let findings = std::fs::read(reports.join("findings.json")).unwrap();
     let findings: serde_json::Value = serde_json::from_slice(&findings).unwrap();
     assert_eq!(findings["schema"], "bpa-findings/1");
-    let campaigns = findings["campaigns"].as_array().unwrap();
+    let all = findings["campaigns"].as_array().unwrap();
+    let joints = all.iter().filter(|c| c["kind"] == "knee-torque");
+    assert_eq!(joints.count(), 6, "one for each route and diameter");
+    let campaigns: Vec<_> = all.iter().filter(|c| c["kind"] == "isometric").collect();
     assert_eq!(
         campaigns.len(),
         4,

@@ -90,7 +90,11 @@ fn points(
                 form,
                 parameters: [1.0, shape],
             };
-            let lever = effects::scale(&applied, &c) - 1.0;
+            let lever = if is_common_gain(search.base, term) {
+                1.0
+            } else {
+                effects::scale(&applied, &c) - 1.0
+            };
             (lever, fitted.strengths[k], weights[k])
         })
         .collect()

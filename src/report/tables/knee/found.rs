@@ -87,7 +87,7 @@ fn row(joint: &JointDiagnosis, effect: Option<&EffectFinding>) -> Vec<Cell> {
         text(|e| answers::unit_words(&e.parameters[0].unit)),
         number(Rounding::Digits(2), stiffness),
         number(Rounding::Digits(2), |e| e.p_adjusted),
-        number(Rounding::Decimals(0), |e| 100.0 * e.selected_in_folds),
+        number(Rounding::Decimals(0), |e| 100.0 * e.selected_in_resamples),
         number(Rounding::Decimals(2), |e| e.rmse_heldout_before),
         number(Rounding::Decimals(2), |e| e.rmse_heldout_after),
         text(|e| e.class.join(" ")),

@@ -227,8 +227,8 @@ impl<'a> Answered<'_, 'a> {
                 unit: term.unit.to_owned(),
             }],
             p_adjusted: judged.p_adjusted,
-            selected_in_folds: judged.chosen_again,
-            chosen_in_folds: self.chosen_in_folds(judged.term, traces),
+            selected_in_resamples: judged.chosen_again,
+            selected_in_folds: self.selected_in_folds(judged.term, traces),
             helps_in_folds: judged.helps,
             rmse_before: (without.sse / n).sqrt(),
             rmse_after: (sizes.sse / n).sqrt(),
@@ -241,7 +241,7 @@ impl<'a> Answered<'_, 'a> {
     }
 
     /// Part of the folds whose own search found the effect, or one that leaves its trace.
-    fn chosen_in_folds(&self, term: usize, traces: &Traces) -> f64 {
+    fn selected_in_folds(&self, term: usize, traces: &Traces) -> f64 {
         let alike = |t: &usize| ALL[*t].id == ALL[term].id || traces.cosine(term, *t).abs() > ALIKE;
         let folds = self.held_out.iter();
         let chose = folds.filter(|(_, sizes)| sizes.terms.iter().any(alike));
