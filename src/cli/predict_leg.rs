@@ -79,6 +79,7 @@ pub fn command(args: &PredictArgs, name: &str, predictor: &Predictor) -> Result<
             "pressure_kpa": pressure,
             "human": human,
             "met_deg": torque::met(&fine),
+            "met_within_data_deg": torque::met_within_data(&fine),
             "falls_short": torque::shortest(&fine),
             "angles": fine,
         });
@@ -199,24 +200,48 @@ fn row(a: &AtAngle, with_interval: bool) -> Vec<String> {
     cells
 }
 
-/// Whether the human muscle is met, and where not; what was extrapolated.
-fn print_verdict(fine: &[AtAngle], human: Option<&str>) {
-    if let Some(human) = human {
-        let met = torque::met(fine);
+/// Whether a human muscle is met, where not, and where only a prediction beyond what was measured says so.
+fn verdict(fine: &[AtAngle], human: &str) -> String {
+    if fine.iter().all(|a| a.meets.is_none()) {
+        return format!(
+            "meets {human}: not known, for at no angle is there both a torque and a human one; look at the lengths (in m) and at the reasons below"
+        );
+    }
+    let words = |met: Vec<(f64, f64)>| {
         let stretches: Vec<String> = met
             .iter()
             .map(|(a, b)| format!("{a:.0} to {b:.0} deg"))
             .collect();
-        match (stretches.is_empty(), torque::shortest(fine)) {
-            (_, None) => line(format!("meets {human} wherever both are known")),
-            (true, Some((at, missing))) => line(format!(
-                "meets {human} nowhere: at {at:.0} deg {missing:.1} N.m are missing"
-            )),
-            (false, Some((at, missing))) => line(format!(
-                "meets {human} at {}; falls furthest short at {at:.0} deg, by {missing:.1} N.m",
-                stretches.join(" and ")
-            )),
+        stretches.join(" and ")
+    };
+    let (all, measured) = (
+        words(torque::met(fine)),
+        words(torque::met_within_data(fine)),
+    );
+    let within = if all == measured || all.is_empty() {
+        String::new()
+    } else if measured.is_empty() {
+        "; all of that is extrapolated (*)".to_owned()
+    } else {
+        format!("; within what was measured at {measured}")
+    };
+    match (all.is_empty(), torque::shortest(fine)) {
+        (_, None) => format!("meets {human} wherever both are known{within}"),
+        (true, Some((at, missing))) => {
+            format!("meets {human} nowhere: at {at:.0} deg {missing:.1} N.m are missing")
         }
+        (false, Some((at, missing))) => {
+            format!(
+                "meets {human} at {all}{within}; falls furthest short at {at:.0} deg, by {missing:.1} N.m"
+            )
+        }
+    }
+}
+
+/// Whether the human muscle is met, and where not; what was extrapolated.
+fn print_verdict(fine: &[AtAngle], human: Option<&str>) {
+    if let Some(human) = human {
+        line(verdict(fine, human));
     }
     let outside: Vec<&AtAngle> = fine.iter().filter(|a| !a.warnings.is_empty()).collect();
     if let (Some(first), Some(last)) = (outside.first(), outside.last()) {

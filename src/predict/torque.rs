@@ -169,6 +169,15 @@ pub fn met(found: &[AtAngle]) -> Vec<(f64, f64)> {
     human::met(&angles, &humans, &torques)
 }
 
+/// The same where nothing warns of the prediction: an angle at which it is extrapolated counts as not known.
+pub fn met_within_data(found: &[AtAngle]) -> Vec<(f64, f64)> {
+    let mut within = found.to_vec();
+    for at in within.iter_mut().filter(|a| !a.warnings.is_empty()) {
+        at.torque_nm = None;
+    }
+    met(&within)
+}
+
 /// Where the muscle falls furthest short of the human one: the angle in degrees, and what is missing in N.m; none where it never does.
 pub fn shortest(found: &[AtAngle]) -> Option<(f64, f64)> {
     let missing = |a: &AtAngle| {

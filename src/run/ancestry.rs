@@ -177,8 +177,8 @@ impl Ancestry {
             let last = |unit: &Unit| {
                 unit.name == artifact || format!("{} {}", unit.stage_name(), unit.name) == artifact
             };
-            let named = (0..self.units.len()).filter(|k| last(&self.units[*k]));
-            found.extend(named.last().map(|k| (k, None)));
+            let mut named = (0..self.units.len()).filter(|k| last(&self.units[*k]));
+            found.extend(named.next_back().map(|k| (k, None)));
         }
         match found.len() {
             1 => Ok(found.swap_remove(0)),

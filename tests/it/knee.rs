@@ -641,6 +641,10 @@ fn mistakes_in_a_description_are_named_with_a_remedy() {
             STRAIGHT.replace("centre_m", "center_m"),
             "did you mean `centre_m`?",
         ),
+        (
+            STRAIGHT.replace("centre_m = [0.01, -0.4]", "centre_m = [10, -400]"),
+            "these look like mm",
+        ),
         (STRAIGHT.replace("-0.05, 0.0]", "0.0]"), "3 numbers"),
         (
             STRAIGHT.replace("tibia_m = [-0.02, -0.05, 0.0]", "femur_m = [0, 0, 0]"),

@@ -1,6 +1,6 @@
 //! The tables `[joint]` and `[patella]`.
 
-use super::{column, numbers, required};
+use super::{column, metres, numbers, required};
 use crate::base::toml_reader::Section;
 use crate::knee::four_bar::FourBar;
 use crate::knee::joint::{Joint, Motion};
@@ -179,7 +179,7 @@ fn pins(section: &Section, key: &'static str) -> Option<[[f64; 2]; 2]> {
     let entry = section.require(key, "two points [x, y]", "write the first link's pin first")?;
     let list = entry.list()?;
     match list.as_slice() {
-        [first, second] => Some([numbers(first)?, numbers(second)?]),
+        [first, second] => Some([metres(first)?, metres(second)?]),
         _ => {
             entry.reject("two points [x, y]", "a linkage has one pin a link and body");
             None

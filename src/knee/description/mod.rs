@@ -174,9 +174,23 @@ fn muscle(section: &Section) -> Option<Muscle> {
     })
 }
 
+/// No point of a leg is farther from its joint, m.
+const FARTHEST_M: f64 = 3.0;
+
 fn required<const N: usize>(section: &Section, key: &'static str) -> Option<[f64; N]> {
     let expected = format!("{N} numbers");
-    numbers(&section.require(key, &expected, "write them in m, in brackets")?)
+    metres(&section.require(key, &expected, "write them in m, in brackets")?)
+}
+
+/// A list of `N` coordinates or lengths in m, or a recorded mistake.
+fn metres<const N: usize>(entry: &Entry) -> Option<[f64; N]> {
+    let values = numbers(entry)?;
+    if values.iter().any(|x| x.abs() > FARTHEST_M) {
+        let expected = format!("lengths in m, none beyond {FARTHEST_M} m");
+        entry.reject(&expected, "these look like mm: divide them by 1000");
+        return None;
+    }
+    Some(values)
 }
 
 /// A list of `N` numbers, or a recorded mistake.

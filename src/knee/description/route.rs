@@ -1,6 +1,6 @@
 //! The list `[[route]]`.
 
-use super::numbers;
+use super::metres;
 use crate::base::toml_reader::{Entry, Section};
 use crate::knee::joint::Joint;
 use crate::knee::path::Leg;
@@ -61,7 +61,7 @@ fn route(section: &Section, patella: Option<&Patella>) -> Option<Route> {
 }
 
 fn point(section: &Section, has_patella: bool) -> Option<RoutePoint> {
-    let at = |key| section.get(key).map(|e| (numbers::<3>(&e), e));
+    let at = |key| section.get(key).map(|e| (metres::<3>(&e), e));
     let (femur, tibia, patella) = (at("femur_m"), at("tibia_m"), at("patella_m"));
     let angle = |key, absent: f64| match section.get(key) {
         Some(entry) => entry.number().map(f64::to_radians),

@@ -89,9 +89,9 @@ pub(super) fn by_zero_logs(
     };
     let value = state.fitted.terms[k].0[0];
     if value - uncertain[place].half_width() > *highest {
-        let other = judgements[k].class[threshold];
-        judgements[k].class[threshold] = judgements[k].candidate;
-        judgements[k].candidate = other;
+        let judgement = &mut judgements[k];
+        std::mem::swap(&mut judgement.class[threshold], &mut judgement.candidate);
+        let other = judgement.candidate;
         let mut chosen = state.chosen.clone();
         chosen[k] = other;
         state = search.state(chosen, Some(&state.fitted));

@@ -14,6 +14,8 @@ use crate::stages::diagnose::findings::{
 };
 use std::collections::BTreeSet;
 
+/// Part of the held-out error that a curve over a column leaves at most, for the column to be named.
+const HELPS: f64 = 0.95;
 /// Part of the error that is left where searches without a fold found something, for it to count as structure.
 const STRUCTURE: f64 = 0.8;
 
@@ -167,10 +169,12 @@ impl<'a> Answered<'_, 'a> {
             })
             .collect();
         found.sort_by(|a, b| b.share_of_residual.total_cmp(&a.share_of_residual));
-        if !self.sizes().terms.is_empty() {
-            // Beside effects only what would help where nothing was fitted.
-            found.retain(|u| u.rmse_heldout_after < u.rmse_heldout_before);
-        }
+        // Only what would help where nothing was fitted, and by more than chance does.
+        let helps = |u: &Unexplained| {
+            let (before, after) = (u.rmse_heldout_before, u.rmse_heldout_after);
+            before.zip(after).is_some_and(|(b, a)| a < HELPS * b)
+        };
+        found.retain(helps);
         let nothing = self.sizes().terms.is_empty() && found.is_empty();
         let p_adjusted = answers.iter().map(|q| q.p_adjusted).fold(1.0, f64::min);
         let seen = self.seen_in_parts(held_out, p_adjusted);
