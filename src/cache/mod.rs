@@ -1,11 +1,16 @@
 //! The cache: what was computed from what, kept by content.
 //!
 //! ```text
-//! derived/cache/objects/ab/cdef…       every stage output, named by the SHA-256 of its bytes
-//! derived/cache/entries/ab/cdef….json  one computation: the parts of its key, and the digests of its outputs
-//! derived/cache/state.json             the key that each stage and unit had last time, to say why it differs now
-//! derived/cache/hashes.json            size and time of raw files with their digests, only to skip re-hashing
+//! derived/cache/objects/ab/cdef…        every stage output, named by the SHA-256 of its bytes
+//! derived/cache/entries/ab/cdef….jsonl  one computation: the parts of its key, and the digests of its outputs
+//! derived/cache/state.jsonl             what each stage and unit had last time: its key, to say why it differs now, and its outputs
+//! derived/cache/hashes.jsonl            size and times of raw files and reports with their digests, only to skip re-hashing
 //! ```
+//! Everything but the objects begins with its own digest ([`sealed`]): what is damaged is not believed.
+//!
+//! A run without changes opens none of the entries, of which a large campaign has tens of thousands: `state.jsonl` holds what it
+//! needs of them, and the objects are only looked at, size and time ([`store::Store::checked`]).
+//!
 //! A key is made of the stage, its version, a fingerprint of its source files, the options it reads and the digests of its inputs
 //! ([`key`]). Because inputs enter by content, an output that comes out unchanged stops the cascade; because neither paths outside
 //! the tree nor times enter, moving the directory changes nothing.
@@ -16,9 +21,14 @@ pub mod collect;
 pub mod hashing;
 pub mod key;
 pub mod reason;
+pub mod sealed;
+pub mod seen;
+pub mod state;
 pub mod store;
 
-pub use hashing::{Digest, FileHashes};
+pub use hashing::Digest;
 pub use key::KeyParts;
 pub use reason::Reason;
+pub use seen::FileHashes;
+pub use state::{Left, State};
 pub use store::{Entry, Outputs, Store};

@@ -6,8 +6,10 @@
 //! hundred `fsync` calls took 3 s of a run of 5.5 s over 39 MB of logs.
 
 use crate::base::error::{Error, Result};
-use crate::cache::hashing::Digest;
+use crate::cache::hashing::{self, Digest};
 use crate::cache::key::KeyParts;
+use crate::cache::{sealed, seen};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -23,7 +25,17 @@ pub struct Object {
     pub digest: Digest,
     /// Number of bytes.
     pub size: u64,
+    /// When the file with these bytes was written, ns since 1970; 0 where that is not known. An entry does not keep it.
+    #[serde(default, skip_serializing_if = "is_unknown")]
+    pub written_ns: u64,
 }
+
+fn is_unknown(time_ns: &u64) -> bool {
+    *time_ns == 0
+}
+
+/// The outputs of a computation, by name.
+pub type Objects = BTreeMap<String, Object>;
 
 /// One finished computation.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,7 +43,7 @@ pub struct Entry {
     /// What it depended on.
     pub parts: KeyParts,
     /// What it gave.
-    pub outputs: BTreeMap<String, Object>,
+    pub outputs: Objects,
 }
 
 impl Entry {
@@ -75,36 +87,58 @@ impl Store {
         self.path("objects", digest, "")
     }
 
-    /// The entry of a key, if it is there, readable, and its objects are all there with their sizes.
+    fn entry_path(&self, key: &Digest) -> PathBuf {
+        self.path("entries", key, ".jsonl")
+    }
+
+    /// When the file of a key's entry was written, ns since 1970; 0 where there is none.
+    pub fn entry_ns(&self, key: &Digest) -> u64 {
+        written_ns(&self.entry_path(key))
+    }
+
+    /// The outputs of a key, if there is an entry for it, whole, and its objects are all there with their bytes.
     ///
     /// # Errors
     /// A reason in words where the entry exists and cannot be used.
-    pub fn entry(&self, key: &Digest) -> std::result::Result<Option<Entry>, String> {
-        let path = self.path("entries", key, ".json");
-        let bytes = match std::fs::read(&path) {
+    pub fn outputs(&self, key: &Digest) -> std::result::Result<Option<Objects>, String> {
+        let bytes = match std::fs::read(self.entry_path(key)) {
             Ok(bytes) => bytes,
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(e) => return Err(format!("entry {}: {e}", key.short())),
         };
-        let entry: Entry = serde_json::from_slice(&bytes)
-            .map_err(|_| format!("entry {} is not readable", key.short()))?;
+        let entry: Entry = sealed::unseal(&bytes)
+            .ok_or_else(|| format!("entry {} is not readable", key.short()))?;
         if entry.parts.key() != *key {
             return Err(format!("entry {} belongs to another key", key.short()));
         }
-        for (name, object) in &entry.outputs {
-            match std::fs::metadata(self.object_path(&object.digest)) {
-                Ok(m) if m.len() == object.size => {}
-                Ok(_) => return Err(format!("{name} has another size")),
-                Err(_) => return Err(format!("{name} is missing")),
+        self.checked(entry.outputs).map(Some)
+    }
+
+    /// The same objects, if they are all there. One whose file is as old as it was when it was last known to be whole is not read again.
+    ///
+    /// # Errors
+    /// Which one is missing or damaged.
+    pub fn checked(&self, mut outputs: Objects) -> std::result::Result<Objects, String> {
+        for (name, object) in &mut outputs {
+            let path = self.object_path(&object.digest);
+            let metadata = std::fs::metadata(&path).map_err(|_| format!("{name} is missing"))?;
+            if metadata.len() != object.size {
+                return Err(format!("{name} has another size"));
+            }
+            let written_ns = seen::modified_ns(&metadata);
+            if object.written_ns != written_ns || written_ns == 0 {
+                if hashing::of_file(&path).ok().as_ref() != Some(&object.digest) {
+                    return Err(format!("{name} does not agree with its digest"));
+                }
+                object.written_ns = written_ns;
             }
         }
-        Ok(Some(entry))
+        Ok(outputs)
     }
 
     /// The entry of an earlier key, whether or not its outputs are still there.
     pub fn recorded(&self, key: &Digest) -> Option<Entry> {
-        let bytes = std::fs::read(self.path("entries", key, ".json")).ok()?;
-        serde_json::from_slice(&bytes).ok()
+        sealed::unseal(&std::fs::read(self.entry_path(key)).ok()?)
     }
 
     /// The bytes of an object, checked against its digest.
@@ -128,44 +162,75 @@ impl Store {
     /// # Errors
     /// What the system says.
     pub fn put(&self, parts: KeyParts, outputs: &Outputs) -> Result<Entry> {
-        let mut objects = BTreeMap::new();
+        let mut entry = Entry {
+            parts,
+            outputs: Objects::new(),
+        };
         for (name, bytes) in outputs {
-            let digest = Digest::of(bytes);
-            let path = self.object_path(&digest);
-            let size = bytes.len() as u64;
-            let intact = std::fs::read(&path).is_ok_and(|there| Digest::of(&there) == digest);
+            let object = Object {
+                digest: Digest::of(bytes),
+                size: bytes.len() as u64,
+                written_ns: 0,
+            };
+            let path = self.object_path(&object.digest);
+            let intact = std::fs::read(&path).is_ok_and(|there| there == *bytes);
             if !intact {
                 write_atomically(&path, bytes)?;
             }
-            objects.insert(name.clone(), Object { digest, size });
+            entry.outputs.insert(name.clone(), object);
         }
-        let entry = Entry {
-            parts,
-            outputs: objects,
-        };
-        let path = self.path("entries", &entry.parts.key(), ".json");
-        let json = serde_json::to_vec(&entry).map_err(Error::internal)?;
-        write_atomically(&path, &json)?;
+        self.put_entry(&entry)?;
+        for object in entry.outputs.values_mut() {
+            object.written_ns = written_ns(&self.object_path(&object.digest));
+        }
         Ok(entry)
+    }
+
+    /// Keeps an entry whose objects are there.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn put_entry(&self, entry: &Entry) -> Result<()> {
+        let path = self.entry_path(&entry.parts.key());
+        write_atomically(&path, &sealed::seal(entry)?)
     }
 
     /// Drops an entry, so that its computation is done again.
     pub fn forget(&self, key: &Digest) {
-        let _ = std::fs::remove_file(self.path("entries", key, ".json"));
+        let _ = std::fs::remove_file(self.entry_path(key));
     }
 
-    /// A small file of the store, empty where it is not there.
-    pub fn read_aside(&self, name: &str) -> Vec<u8> {
-        std::fs::read(self.root.join(name)).unwrap_or_default()
+    /// Drops a damaged object, so that whatever made it is done again.
+    ///
+    /// # Errors
+    /// What the system says, an object that is gone already aside.
+    pub fn discard(&self, object: &Object) -> Result<()> {
+        let path = self.object_path(&object.digest);
+        match std::fs::remove_file(&path) {
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+                Err(Error::io("remove the damaged", &path)(e))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The value in a small file of the store; the empty value where the file is not there or not whole.
+    pub fn read_aside<T: DeserializeOwned + Default>(&self, name: &str) -> T {
+        let bytes = std::fs::read(self.root.join(name)).unwrap_or_default();
+        sealed::unseal(&bytes).unwrap_or_default()
     }
 
     /// Replaces a small file of the store.
     ///
     /// # Errors
     /// What the system says.
-    pub fn write_aside(&self, name: &str, bytes: &[u8]) -> Result<()> {
-        write_atomically(&self.root.join(name), bytes)
+    pub fn write_aside(&self, name: &str, value: &impl Serialize) -> Result<()> {
+        write_atomically(&self.root.join(name), &sealed::seal(value)?)
     }
+}
+
+fn written_ns(path: &Path) -> u64 {
+    std::fs::metadata(path).map_or(0, |m| seen::modified_ns(&m))
 }
 
 /// How the names of files begin that are being written, or were when a run was killed.
@@ -223,18 +288,19 @@ mod tests {
         let outputs: Outputs = [("a".to_owned(), b"alpha".to_vec())].into();
         let entry = store.put(parts(), &outputs).unwrap();
         let key = parts().key();
-        assert_eq!(store.entry(&key).unwrap(), Some(entry.clone()));
+        assert_eq!(store.outputs(&key).unwrap(), Some(entry.outputs.clone()));
         let object = &entry.outputs["a"];
         assert_eq!(store.read(object).unwrap(), b"alpha");
 
         let path = store.object_path(&object.digest);
         std::fs::write(&path, b"alphq").unwrap();
         assert!(store.read(object).is_err(), "a flipped byte is seen");
+        assert!(store.outputs(&key).is_err(), "also without being read");
         std::fs::write(&path, b"al").unwrap();
-        assert!(store.entry(&key).is_err(), "a truncated object is seen");
+        assert!(store.outputs(&key).is_err(), "a truncated object is seen");
         store.put(parts(), &outputs).unwrap();
         assert_eq!(store.read(object).unwrap(), b"alpha", "and healed");
         std::fs::remove_file(&path).unwrap();
-        assert!(store.entry(&key).is_err(), "a removed object is seen");
+        assert!(store.outputs(&key).is_err(), "a removed object is seen");
     }
 }

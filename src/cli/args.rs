@@ -128,6 +128,13 @@ pub struct RunArgs {
     /// Say what would run, and do nothing
     #[arg(long)]
     pub dry_run: bool,
+    /// When a defect of the program stops one session or group, go on with all that do not need it, list what is missing and exit with 4.
+    /// The reports stay as they are: none is made of a part of the sessions
+    #[arg(long)]
+    pub keep_going: bool,
+    /// Refuse raw directories that are addresses on a network. The program uses none in any case
+    #[arg(long)]
+    pub offline_only: bool,
 }
 
 /// Arguments of `simulate`.

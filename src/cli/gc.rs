@@ -42,10 +42,10 @@ pub fn command(args: &GcArgs) -> Result<u8> {
         older_than: Duration::from_secs(args.older_than.saturating_mul(DAY_S)),
         most_bytes: args.max_size,
     };
-    let live = cache.last().values().cloned().collect();
+    let live = cache.last().values().map(|l| l.key.clone()).collect();
     if cache.last().is_empty() {
         return Err(Error::Usage(format!(
-            "nothing has been run in {} yet, or its state.json is lost; `pipeline run` first, so that it is known what is needed",
+            "nothing has been run in {} yet, or its state.jsonl is lost; `pipeline run` first, so that it is known what is needed",
             args.derived.display()
         )));
     }

@@ -28,6 +28,7 @@ const DONE: u8 = 0;
 const DIFFERENCE: u8 = 1;
 const USAGE: u8 = 2;
 const REJECTED: u8 = 3;
+const INTERNAL: u8 = 4;
 
 /// Runs the command that the arguments name; the exit code.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
@@ -76,13 +77,31 @@ fn options(places: &Places, force: Option<&str>, dry_run: bool) -> Result<RunOpt
         jobs: places.jobs as usize,
         force,
         dry_run,
+        keep_going: false,
+    })
+}
+
+/// Nothing here ever uses a network; this says so to those who would give it one.
+fn refuse_remote(raw: &[std::path::PathBuf]) -> Result<()> {
+    let remote = raw.iter().find(|r| r.to_string_lossy().contains("://"));
+    remote.map_or(Ok(()), |raw| {
+        Err(Error::Usage(format!(
+            "--offline-only: {} is on a network; fetch the sessions and give the folder with --raw DIR",
+            raw.display()
+        )))
     })
 }
 
 fn run_command(args: &RunArgs) -> Result<u8> {
     let started = std::time::Instant::now();
     let places = &args.places;
-    let options = options(places, args.force.as_deref(), args.dry_run)?;
+    if args.offline_only {
+        refuse_remote(&places.raw)?;
+    }
+    let options = RunOptions {
+        keep_going: args.keep_going,
+        ..options(places, args.force.as_deref(), args.dry_run)?
+    };
     let progress = progress::Shown::new(places.json);
     let outcome = run::run(&options, &progress)?;
     progress.finish();
@@ -92,6 +111,9 @@ fn run_command(args: &RunArgs) -> Result<u8> {
         return Ok(DONE);
     }
     print::run(&outcome, started.elapsed(), args.explain, places.json)?;
+    if !outcome.failed.is_empty() {
+        return Ok(INTERNAL);
+    }
     nothing_usable(&outcome)?;
     let strict = args.strict && !outcome.rejected.is_empty();
     Ok(if strict { REJECTED } else { DONE })

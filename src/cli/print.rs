@@ -3,6 +3,7 @@
 use crate::base::diagnostics::{Diagnostic, Severity};
 use crate::base::error::{Error, Result};
 use crate::cache::reason::one_line;
+use crate::run::step::Failure;
 use crate::run::{Answer, Outcome, STAGES};
 use crate::simulate::Campaign;
 use crate::stages::diagnose::findings::Verdict;
@@ -74,11 +75,16 @@ fn paths(list: &[std::path::PathBuf]) -> Vec<String> {
 }
 
 fn work_json(outcome: &Outcome) -> Vec<serde_json::Value> {
-    let entry = |w: &crate::run::engine::Work| {
+    let entry = |w: &crate::run::step::Work| {
         let reasons: Vec<String> = w.reasons.iter().map(ToString::to_string).collect();
-        json!({ "stage": w.stage, "unit": w.unit, "reasons": reasons })
+        json!({ "stage": w.stage, "unit": w.unit, "reasons": reasons, "took_s": w.took.as_secs_f64() })
     };
     outcome.work.iter().map(entry).collect()
+}
+
+fn failed_json(outcome: &Outcome) -> Vec<serde_json::Value> {
+    let entry = |f: &Failure| json!({ "stage": f.stage, "unit": f.unit, "why": f.why });
+    outcome.failed.iter().map(entry).collect()
 }
 
 pub(super) fn print_json(value: &serde_json::Value) -> Result<()> {
@@ -101,6 +107,7 @@ pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> R
             .collect();
         return print_json(&json!({
             "sessions": outcome.sessions, "computed": work_json(outcome), "up_to_date": outcome.fresh,
+            "failed": failed_json(outcome),
             "rejected_sessions": rejected, "rejected_logs": logs, "files_written": paths(&outcome.written),
             "reports": paths(&outcome.pdfs), "findings": outcome.findings_file.as_ref().map(|f| f.display().to_string()),
             "new_answers": outcome.answers,
@@ -115,8 +122,12 @@ pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> R
     for (session, why) in &outcome.rejected {
         line(format!("left out: session {session}: {why}"));
     }
+    for failure in &outcome.failed {
+        let Failure { stage, unit, why } = failure;
+        line(format!("failed: {stage} {unit}: {why}"));
+    }
     let seconds = took.as_secs_f64();
-    if outcome.work.is_empty() && outcome.written.is_empty() {
+    if outcome.failed.is_empty() && outcome.work.is_empty() && outcome.written.is_empty() {
         line(format!(
             "nothing to do: {} sessions, all {} results are up to date ({seconds:.2} s)",
             outcome.sessions, outcome.fresh

@@ -3,6 +3,7 @@
 use crate::base::diagnostics::{Diagnostic, Severity};
 use crate::base::session::Session;
 use crate::formats::{leg, session_toml};
+use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use walkdir::WalkDir;
@@ -51,7 +52,14 @@ pub fn discover(roots: &[PathBuf]) -> Discovery {
     let mut found = Discovery::default();
     let mut seen = BTreeSet::new();
     for root in roots {
-        walk(root, &mut seen, &mut found);
+        let folders = walk(root, &mut seen, &mut found);
+        let read = folders.par_iter().map(|folder| read_session(root, folder));
+        for session in read.collect::<Vec<_>>() {
+            match session {
+                Ok(located) => found.sessions.push(located),
+                Err(unusable) => found.unusable.push(unusable),
+            }
+        }
     }
     reject_duplicates(&mut found);
     note_contradictions(&mut found);
@@ -61,7 +69,9 @@ pub fn discover(roots: &[PathBuf]) -> Discovery {
     found
 }
 
-fn walk(root: &Path, seen: &mut BTreeSet<PathBuf>, found: &mut Discovery) {
+/// The folders that hold a session.
+fn walk(root: &Path, seen: &mut BTreeSet<PathBuf>, found: &mut Discovery) -> Vec<PathBuf> {
+    let mut folders = Vec::new();
     let entries = WalkDir::new(root).follow_links(true).sort_by_file_name();
     for entry in entries {
         match entry {
@@ -72,7 +82,7 @@ fn walk(root: &Path, seen: &mut BTreeSet<PathBuf>, found: &mut Discovery) {
                     .unwrap_or_else(|_| directory.to_path_buf());
                 // A directory that is given twice, or inside another, is read once.
                 if seen.insert(canonical) {
-                    read_session(root, directory, found);
+                    folders.push(directory.to_path_buf());
                 }
             }
             Ok(entry) if entry.file_name() == SESSION_FILE => {
@@ -82,6 +92,7 @@ fn walk(root: &Path, seen: &mut BTreeSet<PathBuf>, found: &mut Discovery) {
             Err(error) => found.diagnostics.push(unreadable(root, &error)),
         }
     }
+    folders
 }
 
 fn not_a_file(root: &Path, path: &Path) -> Unusable {
@@ -134,20 +145,20 @@ fn relative_to(root: &Path, path: &Path) -> String {
     }
 }
 
-fn read_session(root: &Path, directory: &Path, found: &mut Discovery) {
+fn read_session(root: &Path, directory: &Path) -> Result<Located, Unusable> {
     let relative = relative_to(root, directory);
     let file = format!("{relative}/{SESSION_FILE}");
-    match read_text(&directory.join(SESSION_FILE), &file)
+    let session = read_text(&directory.join(SESSION_FILE), &file)
         .map_err(|d| vec![d])
         .and_then(|text| session_toml::read(&file, &text))
-        .and_then(|session| leg::complete(session, directory, &relative))
-    {
-        Ok(session) => found.sessions.push(Located {
+        .and_then(|session| leg::complete(session, directory, &relative));
+    match session {
+        Ok(session) => Ok(Located {
             session,
             directory: directory.to_path_buf(),
             relative,
         }),
-        Err(diagnostics) => found.unusable.push(Unusable {
+        Err(diagnostics) => Err(Unusable {
             id: None,
             relative,
             diagnostics,

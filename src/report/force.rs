@@ -4,6 +4,7 @@ use crate::base::error::Result;
 use crate::base::reject::Extent;
 use crate::base::session::Kind;
 use crate::config::{Config, ReportOptions};
+use crate::report::extent::{MOST_GROUPS, MOST_ROWS_ON_PAGES};
 use crate::report::figures::{Drawn, slug};
 use crate::report::input::{GroupInput, ReportInput};
 use crate::report::render::{Renderer, typst::Typst};
@@ -26,6 +27,7 @@ struct Data {
     counts: Counts,
     campaigns: Vec<Campaign>,
     groups: Vec<Group>,
+    further_groups: Vec<String>,
     traces: Vec<Picture>,
     unusable: Vec<String>,
     version: &'static str,
@@ -89,26 +91,19 @@ struct Group {
     figures: Vec<Picture>,
 }
 
-/// The figures that the pages show.
-pub struct Figures<'a> {
-    /// Logs with plateaus.
-    pub traces: &'a [Drawn],
-    /// By group, in the order of the input.
-    pub groups: &'a [Vec<Drawn>],
-}
-
-/// Typesets `force.pdf`.
+/// Typesets `force.pdf`; `traces` are the figures of the logs with their plateaus.
 ///
 /// # Errors
 /// A template that does not compile.
 pub fn force_pdf(
     input: &ReportInput,
-    figures: &Figures,
+    traces: &[Drawn],
     config: &Config,
     split_digest: &str,
 ) -> Result<Pdf> {
     let options = &config.report;
-    let data = data(input, figures, config, split_digest);
+    let traces = &traces[..traces.len().min(MOST_GROUPS)];
+    let data = data(input, traces, config, split_digest);
     let mut document = Document::new(TEMPLATE)
         .data("data.json", &data)?
         .dated(date_of(input, options));
@@ -119,9 +114,9 @@ pub fn force_pdf(
         tables::baselines(input),
         tables::provenance(input),
     ] {
-        document = with_table(document, &table);
+        document = with_table(document, table);
     }
-    for group in &input.groups {
+    for (group, _) in input.with_section() {
         let of_group = [
             tables::specimens_of(group),
             tables::table1_of(group),
@@ -133,17 +128,19 @@ pub fn force_pdf(
             tables::intervals_of(group),
         ];
         for table in of_group {
-            document = with_table(document, &table);
+            document = with_table(document, table);
         }
     }
-    for named in figures.traces.iter().chain(figures.groups.iter().flatten()) {
+    let of_groups = input.with_section().flat_map(|(_, f)| &f.group);
+    for named in traces.iter().chain(of_groups) {
         document = document.file(&format!("figures/{}.svg", named.name), &named.svg);
     }
     document.compile()
 }
 
-fn with_table(document: Document, table: &Table) -> Document {
-    document.file(&format!("tables/{}.typ", table.id), Typst.render(table))
+fn with_table(document: Document, table: Table) -> Document {
+    let table = table.first_rows(MOST_ROWS_ON_PAGES);
+    document.file(&format!("tables/{}.typ", table.id), Typst.render(&table))
 }
 
 /// The date that a document carries: the configured one, else the last day on which anything in it was measured. Never today's.
@@ -161,7 +158,7 @@ fn date(text: &str) -> Option<(i32, u8, u8)> {
     Some((year, month, day))
 }
 
-fn data(input: &ReportInput, figures: &Figures, config: &Config, split_digest: &str) -> Data {
+fn data(input: &ReportInput, traces: &[Drawn], config: &Config, split_digest: &str) -> Data {
     let options = &config.report;
     let simulated = |s: &crate::report::input::SessionInput| s.ingest.session.is_simulated();
     let rejects = || input.sessions.iter().flat_map(|s| s.rejects());
@@ -189,13 +186,11 @@ fn data(input: &ReportInput, figures: &Figures, config: &Config, split_digest: &
         },
         campaigns: campaigns(input),
         groups: input
-            .groups
-            .iter()
-            .zip(figures.groups)
-            .map(|(g, f)| group(g, f))
+            .with_section()
+            .map(|(g, f)| group(g, &f.group))
             .collect(),
-        traces: figures
-            .traces
+        further_groups: further_groups(input),
+        traces: traces
             .iter()
             .zip(&input.traces)
             .map(|(named, trace)| picture(named, trace.simulated))
@@ -213,6 +208,15 @@ fn data(input: &ReportInput, figures: &Figures, config: &Config, split_digest: &
             digest: split_digest.to_owned(),
         },
     }
+}
+
+/// The groups that have no section of their own.
+fn further_groups(input: &ReportInput) -> Vec<String> {
+    let both = input.groups.iter().zip(&input.figures);
+    let further = both.filter(|(_, figures)| figures.is_none());
+    let name =
+        |g: &GroupInput| format!("{} ({} mm)", g.fit.group.campaign, g.fit.group.diameter_mm);
+    further.map(|(group, _)| name(group)).collect()
 }
 
 fn picture(named: &Drawn, simulated: bool) -> Picture {

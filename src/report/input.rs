@@ -4,6 +4,7 @@ use crate::base::diagnostics::Diagnostic;
 use crate::base::frame::Frame;
 use crate::base::reject::Reject;
 use crate::base::row::Row;
+use crate::report::figures::Drawn;
 use crate::stages::clean::CleanHeader;
 use crate::stages::compare::{GroupComparison, Predictions};
 use crate::stages::diagnose::Diagnosis;
@@ -12,6 +13,7 @@ use crate::stages::fit::GroupFit;
 use crate::stages::ingest::IngestHeader;
 use crate::stages::torque::CampaignTorque;
 use crate::stages::torque::reference::Reference;
+use serde::{Deserialize, Serialize};
 
 /// One session as the stages left it.
 #[derive(Clone, Debug)]
@@ -44,10 +46,20 @@ pub struct GroupInput {
     pub fit: GroupFit,
     /// The comparison of models.
     pub comparison: GroupComparison,
-    /// The rows with every model's prediction.
+    /// The rows with every model's prediction. Only its figures read them, group by group: those of a large laboratory do not fit into
+    /// memory together, and in the report they are empty.
     pub predictions: Predictions,
     /// What the base model lacks; none for groups that were not asked.
     pub diagnosis: Option<Diagnosis>,
+}
+
+/// The figures of one group, as drawn.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GroupFigures {
+    /// Of the fit and the comparison.
+    pub group: Vec<Drawn>,
+    /// Of what was found in the residual.
+    pub diagnosis: Vec<Drawn>,
 }
 
 /// The samples of one log, to be drawn.
@@ -100,6 +112,8 @@ pub struct ReportInput {
     pub rows: Vec<Row>,
     /// The groups, by campaign.
     pub groups: Vec<GroupInput>,
+    /// The figures of each group; none of a group that has no section of its own ([`with_section`](crate::report::extent::with_section)).
+    pub figures: Vec<Option<GroupFigures>>,
     /// Torque; none where nobody measured any.
     pub knee: Option<KneeInput>,
     /// The logs to draw.
@@ -111,6 +125,12 @@ pub struct ReportInput {
 }
 
 impl ReportInput {
+    /// The groups that have a section of their own, with their figures.
+    pub fn with_section(&self) -> impl Iterator<Item = (&GroupInput, &GroupFigures)> {
+        let both = self.groups.iter().zip(&self.figures);
+        both.filter_map(|(group, figures)| Some((group, figures.as_ref()?)))
+    }
+
     /// What was found, campaign by campaign.
     pub fn findings(&self) -> impl Iterator<Item = &CampaignFindings> {
         let diagnoses = self.groups.iter().filter_map(|g| g.diagnosis.as_ref());

@@ -3,6 +3,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`input`] | everything that a report is made of |
+//! | [`extent`] | how much the pages of a large laboratory hold |
 //! | [`table`], [`number`], [`markup`], [`symbols`] | one table model: cells, rounding, symbols |
 //! | [`render`] | tables as CSV, LaTeX, Typst, Markdown: one file a format |
 //! | [`tables`] | one file a table |
@@ -19,6 +20,7 @@
 
 pub mod answers;
 pub mod audit;
+pub mod extent;
 pub mod figures;
 pub mod fonts;
 pub mod force;

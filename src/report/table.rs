@@ -223,6 +223,20 @@ impl Table {
         self.rows.push(row);
     }
 
+    /// The same table with its first rows only, and a remark that says where the others are; the table as it is where it has no more.
+    pub fn first_rows(mut self, most: usize) -> Table {
+        let all = self.rows.len();
+        if all <= most {
+            return self;
+        }
+        self.rows.truncate(most);
+        self.rules.retain(|at| *at < most);
+        let file = self.id.replace('_', "\\_");
+        self.note(&format!(
+            "The first {most} of {all} rows; tables/{file}.csv has all."
+        ))
+    }
+
     /// Parts the rows so far from those to come by a rule; does nothing before the first row or twice in a row.
     pub fn rule(&mut self) {
         let at = self.rows.len();
@@ -244,6 +258,19 @@ mod tests {
         };
         assert_eq!(rounding.round(value).unwrap().ascii(), "7.1");
         assert!(matches!(interval, Cell::Interval { rounding: r, .. } if r == rounding));
+    }
+
+    #[test]
+    fn a_long_table_is_cut_and_says_so() {
+        let mut table = Table::new("t", "T", vec![Column::text("a", "A")]);
+        for _ in 0..5 {
+            table.push(vec![Cell::Empty]);
+            table.rule();
+        }
+        assert_eq!(table.clone().first_rows(5), table);
+        let cut = table.first_rows(3);
+        assert_eq!((cut.rows.len(), cut.rules), (3, vec![1, 2]));
+        assert_eq!(cut.notes, ["The first 3 of 5 rows; tables/t.csv has all."]);
     }
 
     #[test]

@@ -4,8 +4,8 @@
 //! file if no unit made it, so that an ancestry is what the keys say and no second opinion.
 
 use crate::base::error::{Error, Result};
-use crate::cache::Digest;
 use crate::cache::store::{Entry, Store};
+use crate::cache::{Digest, Left, State};
 use crate::run::STAGES;
 use crate::run::cache::STATE;
 use std::collections::{BTreeMap, BTreeSet};
@@ -49,8 +49,7 @@ impl Ancestry {
     /// Nothing has been run there, or an entry is no longer there.
     pub fn load(derived: &Path) -> Result<Self> {
         let store = Store::new(&derived.join("cache"));
-        let state: BTreeMap<String, Digest> =
-            serde_json::from_slice(&store.read_aside(STATE)).unwrap_or_default();
+        let state: State = store.read_aside(STATE);
         if state.is_empty() {
             let place = derived.display();
             return Err(Error::Usage(format!(
@@ -58,7 +57,7 @@ impl Ancestry {
             )));
         }
         let mut units = Vec::with_capacity(state.len());
-        for (name, key) in state {
+        for (name, Left { key, .. }) in state {
             let (stage, unit) = name.split_once('/').unwrap_or((name.as_str(), ""));
             let Some(stage) = STAGES.iter().position(|s| *s == stage) else {
                 continue;

@@ -1,20 +1,19 @@
 //! The cache directory of one `derived/`, opened and locked.
 
 use crate::base::error::{Error, Result};
-use crate::cache::{Digest, Store};
+use crate::cache::{State, Store};
 use crate::run::Progress;
-use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::Path;
 
-/// Key of every unit of the last run, by `stage/unit`.
-pub const STATE: &str = "state.json";
+/// What the last run left of every unit.
+pub const STATE: &str = "state.jsonl";
 const LOCK: &str = "lock";
 
 /// A store with what the last run used of it. While it lives, no other process writes there.
 pub struct Cache {
     store: Store,
-    last: BTreeMap<String, Digest>,
+    last: State,
     _lock: Option<File>,
 }
 
@@ -33,7 +32,7 @@ impl Cache {
         };
         let store = Store::new(&root);
         Ok(Self {
-            last: serde_json::from_slice(&store.read_aside(STATE)).unwrap_or_default(),
+            last: store.read_aside(STATE),
             store,
             _lock: lock,
         })
@@ -44,8 +43,8 @@ impl Cache {
         &self.store
     }
 
-    /// Key of every unit of the last run.
-    pub fn last(&self) -> &BTreeMap<String, Digest> {
+    /// What the last run left.
+    pub fn last(&self) -> &State {
         &self.last
     }
 }

@@ -3,73 +3,34 @@
 use crate::base::error::{Error, Result};
 use crate::cache::key::KeyParts;
 use crate::cache::reason::{Reason, differences};
-use crate::cache::store::{Entry, Object, Outputs};
-use crate::cache::{Digest, FileHashes};
+use crate::cache::store::{Entry, Object, Objects, Outputs};
+use crate::cache::{Digest, FileHashes, Left, State};
 use crate::run::cache::{Cache, STATE};
-use crate::run::{Progress, RunOptions};
+use crate::run::step::{Failure, Stage, Step, Work};
+use crate::run::{Progress, RunOptions, defect};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 include!(concat!(env!("OUT_DIR"), "/fingerprints.rs"));
 
-/// A stage as the cache sees it.
-#[derive(Clone, Copy, Debug)]
-pub struct Stage {
-    /// Name, as in `--force`.
-    pub name: &'static str,
-    /// Version constant.
-    pub version: u32,
-    /// Fingerprint of its sources.
-    pub code: &'static str,
-}
-
-/// A unit that was computed, or would be.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Work {
-    /// Name of the stage.
-    pub stage: &'static str,
-    /// Session, group or report.
-    pub unit: String,
-    /// Why.
-    pub reasons: Vec<Reason>,
-    /// How long it took; zero where it has not been done.
-    pub took: Duration,
-}
-
-/// The result of a step.
-pub enum Step {
-    /// The outputs were there.
-    Fresh(Entry),
-    /// The outputs were computed; the bytes are at hand.
-    Done(Entry, Outputs),
-    /// A dry run: they would be computed.
-    Pending,
-}
-
-impl Step {
-    /// The entry, unless the step is pending.
-    pub fn entry(&self) -> Option<&Entry> {
-        match self {
-            Step::Fresh(entry) | Step::Done(entry, _) => Some(entry),
-            Step::Pending => None,
-        }
-    }
-}
-
 /// The cache of a run, with what it has done so far.
 pub struct Engine {
     cache: Cache,
-    /// Digests of raw files.
+    /// Digests of raw files and reports.
     pub hashes: FileHashes,
-    now: Mutex<BTreeMap<String, Digest>>,
+    now: Mutex<State>,
     work: Mutex<Vec<Work>>,
+    failed: Mutex<Vec<Failure>>,
     fresh: Mutex<usize>,
     force: Option<String>,
     dry_run: bool,
+    keep_going: bool,
 }
 
-const HASHES: &str = "hashes.json";
+const HASHES: &str = "hashes.jsonl";
 
 impl Engine {
     /// Opens the cache below `derived/`; waits for another run on it to end.
@@ -79,20 +40,23 @@ impl Engine {
     pub fn open(options: &RunOptions, progress: &dyn Progress) -> Result<Self> {
         let cache = Cache::open(&options.derived, options.dry_run, progress)?;
         Ok(Self {
-            hashes: FileHashes::from_json(&cache.store().read_aside(HASHES)),
+            hashes: FileHashes::new(cache.store().read_aside(HASHES)),
             cache,
             now: Mutex::default(),
             work: Mutex::default(),
+            failed: Mutex::default(),
             fresh: Mutex::default(),
             force: options.force.clone(),
             dry_run: options.dry_run,
+            keep_going: options.keep_going,
         })
     }
 
     /// Applies `stage` to `unit`: `compute` is called only if no result with this key is there.
     ///
     /// # Errors
-    /// Whatever `compute` fails with, and system errors of the store.
+    /// Whatever `compute` fails with, and system errors of the store. A panic of `compute` is an error that names the unit; a run that keeps
+    /// going notes it and leaves the step pending.
     pub fn step(
         &self,
         stage: Stage,
@@ -109,11 +73,11 @@ impl Engine {
             inputs,
         };
         let key = parts.key();
-        let reasons = match self.cache.store().entry(&key) {
-            Ok(Some(entry)) if self.force.as_deref() != Some(stage.name) => {
+        let reasons = match self.known(stage, unit, &key) {
+            Ok(Some(outputs)) if self.force.as_deref() != Some(stage.name) => {
                 *self.fresh.lock().map_err(Error::internal)? += 1;
-                self.remember(stage, unit, key)?;
-                return Ok(Step::Fresh(entry));
+                self.remember(stage, unit, key, &outputs)?;
+                return Ok(Step::Fresh(Entry { parts, outputs }));
             }
             Ok(Some(_)) => vec![Reason::Forced],
             Ok(None) => self.why(stage, unit, &parts),
@@ -124,47 +88,89 @@ impl Engine {
             return Ok(Step::Pending);
         }
         let started = Instant::now();
-        let outputs = compute()?;
+        let outputs = match defect::caught(stage, unit, compute) {
+            Err(Error::Internal(why)) if self.keep_going => return self.fail(stage, unit, why),
+            other => other?,
+        };
         let entry = self.cache.store().put(parts, &outputs)?;
         self.record(stage, unit, reasons, started.elapsed())?;
-        self.remember(stage, unit, key)?;
+        self.remember(stage, unit, key, &entry.outputs)?;
         Ok(Step::Done(entry, outputs))
     }
 
-    /// Notes, in a dry run, that a unit waits for an earlier stage.
+    /// The outputs of a key: as the last run left them if nobody has touched the entry since, else as the entry says.
+    fn known(
+        &self,
+        stage: Stage,
+        unit: &str,
+        key: &Digest,
+    ) -> std::result::Result<Option<Objects>, String> {
+        let store = self.cache.store();
+        let untouched = |left: &&Left| {
+            left.key == *key && left.entry_ns > 0 && left.entry_ns == store.entry_ns(key)
+        };
+        match self
+            .cache
+            .last()
+            .get(&name_of(stage, unit))
+            .filter(untouched)
+        {
+            Some(left) => store.checked(left.outputs.clone()).map(Some),
+            None => store.outputs(key),
+        }
+    }
+
+    /// Notes that a unit could not be computed, and leaves it pending.
+    ///
+    /// # Errors
+    /// Another thread panicked.
+    pub fn fail(&self, stage: Stage, unit: &str, why: String) -> Result<Step> {
+        self.failed.lock().map_err(Error::internal)?.push(Failure {
+            stage: stage.name,
+            unit: unit.to_owned(),
+            why,
+        });
+        Ok(Step::Pending)
+    }
+
+    /// Notes that a unit waits for an earlier stage: in a dry run, or where that one failed.
     ///
     /// # Errors
     /// Another thread panicked.
     pub fn waits(&self, stage: Stage, unit: &str, on: &str) -> Result<Step> {
-        self.record(
-            stage,
-            unit,
-            vec![Reason::Waits(on.to_owned())],
-            Duration::ZERO,
-        )?;
-        Ok(Step::Pending)
+        let reason = Reason::Waits(on.to_owned());
+        if self.dry_run {
+            self.record(stage, unit, vec![reason], Duration::ZERO)?;
+            return Ok(Step::Pending);
+        }
+        self.fail(stage, unit, reason.to_string())
     }
 
     /// The bytes of an output, from memory if the step has just made it.
     ///
     /// # Errors
-    /// The stored bytes are missing or damaged; the entry is dropped, so that the next attempt computes it again.
+    /// The stored bytes are missing or damaged; they are dropped, so that the next attempt computes them again.
     pub fn read(&self, step: &Step, name: &str) -> Result<Vec<u8>> {
-        match step {
-            Step::Done(_, outputs) => outputs.get(name).cloned().ok_or_else(|| missing(name)),
-            Step::Fresh(entry) => {
-                let object = entry.outputs.get(name).ok_or_else(|| missing(name))?;
-                self.cache.store().read(object).map_err(|damage| {
-                    self.cache.store().forget(&entry.parts.key());
-                    Error::Damaged(format!("{name} of {}: {damage}", entry.parts.stage))
-                })
+        let entry = match step {
+            Step::Done(_, outputs) if outputs.contains_key(name) => {
+                return Ok(outputs[name].clone());
             }
-            Step::Pending => Err(missing(name)),
-        }
+            Step::Done(entry, _) | Step::Fresh(entry) => entry,
+            Step::Pending => return Err(missing(name)),
+        };
+        let object = entry.outputs.get(name).ok_or_else(|| missing(name))?;
+        let store = self.cache.store();
+        store.read(object).or_else(|damage| {
+            store.discard(object)?;
+            Err(Error::Damaged(format!(
+                "{name} of {}: {damage}",
+                entry.parts.stage
+            )))
+        })
     }
 
-    /// A small file of the cache, empty where it is not there.
-    pub fn read_aside(&self, name: &str) -> Vec<u8> {
+    /// The value in a small file of the cache; the empty value where the file is not there or not whole.
+    pub fn read_aside<T: DeserializeOwned + Default>(&self, name: &str) -> T {
         self.cache.store().read_aside(name)
     }
 
@@ -172,8 +178,8 @@ impl Engine {
     ///
     /// # Errors
     /// What the system says.
-    pub fn write_aside(&self, name: &str, bytes: &[u8]) -> Result<()> {
-        self.cache.store().write_aside(name, bytes)
+    pub fn write_aside(&self, name: &str, value: &impl Serialize) -> Result<()> {
+        self.cache.store().write_aside(name, value)
     }
 
     /// Path of an object's file, for links.
@@ -185,7 +191,7 @@ impl Engine {
         let Some(last) = self.cache.last().get(&name_of(stage, unit)) else {
             return vec![Reason::FirstTime];
         };
-        match self.cache.store().recorded(last) {
+        match self.cache.store().recorded(&last.key) {
             Some(old) => {
                 let reasons = differences(&old.parts, parts);
                 if reasons.is_empty() {
@@ -208,26 +214,29 @@ impl Engine {
         Ok(())
     }
 
-    fn remember(&self, stage: Stage, unit: &str, key: Digest) -> Result<()> {
-        self.now
-            .lock()
-            .map_err(Error::internal)?
-            .insert(name_of(stage, unit), key);
+    fn remember(&self, stage: Stage, unit: &str, key: Digest, outputs: &Objects) -> Result<()> {
+        let left = Left {
+            entry_ns: self.cache.store().entry_ns(&key),
+            key,
+            outputs: outputs.clone(),
+        };
+        let mut now = self.now.lock().map_err(Error::internal)?;
+        now.insert(name_of(stage, unit), left);
         Ok(())
     }
 
-    /// Writes down which keys are current, and what is known of the raw files.
+    /// Writes down what every unit has left, and what is known of raw files and reports.
     ///
     /// # Errors
     /// System errors of the store.
     pub fn close(&self) -> Result<()> {
-        let now = self.now.lock().map_err(Error::internal)?;
-        if *now != *self.cache.last() {
-            let json = serde_json::to_vec(&*now).map_err(Error::internal)?;
-            self.cache.store().write_aside(STATE, &json)?;
+        let mut now = std::mem::take(&mut *self.now.lock().map_err(Error::internal)?);
+        if now != *self.cache.last() {
+            now = now.into_iter().map(|(n, l)| (n, l.settled())).collect();
+            self.cache.store().write_aside(STATE, &now)?;
         }
-        if let Some(json) = self.hashes.to_json() {
-            self.cache.store().write_aside(HASHES, &json)?;
+        if let Some(learned) = self.hashes.learned() {
+            self.cache.store().write_aside(HASHES, &learned)?;
         }
         Ok(())
     }
@@ -238,15 +247,18 @@ impl Engine {
     /// Another thread panicked.
     pub fn restart(&self) -> Result<()> {
         *self.fresh.lock().map_err(Error::internal)? = 0;
+        self.failed.lock().map_err(Error::internal)?.clear();
         Ok(())
     }
 
-    /// What was computed, by stage and unit, and how many units were fresh.
-    pub fn into_work(self) -> (Vec<Work>, usize) {
+    /// What was computed, by stage and unit; how many units were fresh; what failed.
+    pub fn into_work(self) -> (Vec<Work>, usize, Vec<Failure>) {
+        let place = |stage: &str| crate::run::STAGES.iter().position(|s| *s == stage);
         let mut work = self.work.into_inner().unwrap_or_default();
-        let place = |w: &Work| crate::run::STAGES.iter().position(|s| *s == w.stage);
-        work.sort_by(|a, b| (place(a), &a.unit).cmp(&(place(b), &b.unit)));
-        (work, self.fresh.into_inner().unwrap_or_default())
+        work.sort_by(|a, b| (place(a.stage), &a.unit).cmp(&(place(b.stage), &b.unit)));
+        let mut failed = self.failed.into_inner().unwrap_or_default();
+        failed.sort_by(|a, b| (place(a.stage), &a.unit).cmp(&(place(b.stage), &b.unit)));
+        (work, self.fresh.into_inner().unwrap_or_default(), failed)
     }
 }
 

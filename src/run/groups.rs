@@ -9,8 +9,9 @@ use crate::cache::store::Outputs;
 use crate::config::{Config, FitOptions, flatten};
 use crate::formats::discover::Discovery;
 use crate::run::diagnosis;
-use crate::run::engine::{self, Engine, Stage, Step};
+use crate::run::engine::{self, Engine};
 use crate::run::sessions::{ROWS, SessionResult};
+use crate::run::step::{Stage, Step};
 use crate::stages::compare::{self, GroupComparison, Predictions};
 use crate::stages::diagnose::Diagnosis;
 use crate::stages::fit::{self, Group, GroupFit};
@@ -101,9 +102,9 @@ pub fn process(
     });
     Ok(GroupResult {
         group: group.clone(),
-        fit,
-        compare,
-        diagnose: diagnose.transpose()?,
+        fit: fit.settled(),
+        compare: compare.settled(),
+        diagnose: diagnose.transpose()?.map(Step::settled),
     })
 }
 
@@ -198,6 +199,19 @@ fn predictions_frame(predictions: &Predictions) -> Frame {
 }
 
 impl GroupResult {
+    /// The group as its units are named.
+    pub fn unit(&self) -> String {
+        unit(&self.group)
+    }
+
+    /// Its steps with the names of their stages, in order.
+    pub fn steps(&self) -> impl Iterator<Item = (&'static str, &Step)> {
+        let diagnose = self.diagnose.iter().map(|step| ("diagnose", step));
+        [("fit", &self.fit), ("compare", &self.compare)]
+            .into_iter()
+            .chain(diagnose)
+    }
+
     /// The fit.
     ///
     /// # Errors

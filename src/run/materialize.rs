@@ -5,11 +5,13 @@
 
 use crate::base::error::{Error, Result};
 use crate::base::names::file_name;
-use crate::cache::hashing::{self, Digest};
+use crate::cache::Digest;
 use crate::cache::store::{Object, UNFINISHED, write_atomically};
 use crate::run::RunOptions;
-use crate::run::engine::{Engine, Step};
+use crate::run::engine::Engine;
 use crate::run::sessions::{READINGS, ROWS, SessionResult};
+use crate::run::step::Step;
+use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -27,7 +29,7 @@ pub struct Written {
 const DERIVED: &str = "derived/";
 const REPORTS: &str = "reports/";
 const FINDINGS: &str = "reports/findings.json";
-const LIST: &str = "materialized.json";
+const LIST: &str = "materialized.jsonl";
 const PROVENANCE: &str = "provenance.json";
 
 /// Brings `reports/` and the tidy part of `derived/` in line with the results; a dry run only says which files differ.
@@ -36,22 +38,52 @@ const PROVENANCE: &str = "provenance.json";
 /// A file cannot be written; a stored result is damaged.
 pub fn materialize(
     engine: &Engine,
-    report: &Step,
+    reports: &[&Step],
     sessions: &[SessionResult],
     options: &RunOptions,
 ) -> Result<Written> {
     let mut written = Written::default();
     let mut present = BTreeMap::new();
-    let entry = report
+    for step in reports {
+        put(engine, step, options, &mut written, &mut present)?;
+    }
+    if options.dry_run {
+        return Ok(written);
+    }
+    let raw = raw_files(sessions)?;
+    let path = options.reports.join(PROVENANCE);
+    let (name, digest) = (format!("{REPORTS}{PROVENANCE}"), Digest::of(&raw));
+    if !stands(engine, &name, &path, &digest) {
+        write_atomically(&path, &raw)?;
+        written.changed.push(path);
+    }
+    present.insert(name, digest);
+    sessions
+        .par_iter()
+        .try_for_each(|session| link_session(engine, session, options))?;
+    remove_stale(engine, &present, options)?;
+    remove_unfinished(&present, options);
+    Ok(written)
+}
+
+/// Puts the outputs of one step in place.
+fn put(
+    engine: &Engine,
+    step: &Step,
+    options: &RunOptions,
+    written: &mut Written,
+    present: &mut BTreeMap<String, Digest>,
+) -> Result<()> {
+    let entry = step
         .entry()
         .ok_or_else(|| Error::internal("a report without outputs"))?;
     for (name, object) in &entry.outputs {
         let Some(path) = place(name, options) else {
             continue;
         };
-        if hashing::of_file(&path).ok().as_ref() != Some(&object.digest) {
+        if !stands(engine, name, &path, &object.digest) {
             if !options.dry_run {
-                write_atomically(&path, &engine.read(report, name)?)?;
+                write_atomically(&path, &engine.read(step, name)?)?;
             }
             written.changed.push(path.clone());
         }
@@ -65,23 +97,7 @@ pub fn materialize(
         }
         present.insert(name.clone(), object.digest.clone());
     }
-    if options.dry_run {
-        return Ok(written);
-    }
-    let raw = raw_files(sessions)?;
-    let path = options.reports.join(PROVENANCE);
-    let digest = Digest::of(&raw);
-    if hashing::of_file(&path).ok().as_ref() != Some(&digest) {
-        write_atomically(&path, &raw)?;
-        written.changed.push(path);
-    }
-    present.insert(format!("{REPORTS}{PROVENANCE}"), digest);
-    for session in sessions {
-        link_session(engine, session, options)?;
-    }
-    remove_stale(engine, &present, options)?;
-    remove_unfinished(&present, options);
-    Ok(written)
+    Ok(())
 }
 
 /// `reports/provenance.json`: the SHA-256 of every raw file, by session. It stands outside of the report stage, because a raw file may change
@@ -97,6 +113,12 @@ fn raw_files(sessions: &[SessionResult]) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Whether a file is in place with these contents; one that is as old as when it was last hashed is not read.
+fn stands(engine: &Engine, name: &str, path: &Path, digest: &Digest) -> bool {
+    let found = engine.hashes.digest(name, path);
+    found.is_ok_and(|(found, _)| found == *digest)
+}
+
 fn place(name: &str, options: &RunOptions) -> Option<PathBuf> {
     match (name.strip_prefix(REPORTS), name.strip_prefix(DERIVED)) {
         (Some(rest), _) => Some(options.reports.join(rest)),
@@ -110,21 +132,19 @@ fn remove_stale(
     present: &BTreeMap<String, Digest>,
     options: &RunOptions,
 ) -> Result<()> {
-    let before: BTreeMap<String, Digest> =
-        serde_json::from_slice(&engine.read_aside(LIST)).unwrap_or_default();
+    let before: BTreeMap<String, Digest> = engine.read_aside(LIST);
     for (name, digest) in before
         .iter()
         .filter(|(name, _)| !present.contains_key(*name))
     {
         if let Some(path) = place(name, options)
-            && hashing::of_file(&path).ok().as_ref() == Some(digest)
+            && stands(engine, name, &path, digest)
         {
             std::fs::remove_file(&path).map_err(Error::io("remove", &path))?;
         }
     }
     if before != *present {
-        let json = serde_json::to_vec(present).map_err(Error::internal)?;
-        engine.write_aside(LIST, &json)?;
+        engine.write_aside(LIST, present)?;
     }
     Ok(())
 }

@@ -12,25 +12,31 @@
 
 pub mod ancestry;
 pub mod cache;
+pub mod defect;
 pub mod diagnosis;
 pub mod engine;
+pub mod figures;
 pub mod groups;
 pub mod materialize;
+pub mod parallel;
 pub mod reports;
 pub mod sessions;
+pub mod step;
+pub mod told;
 pub mod torque;
 
-use crate::base::diagnostics::{Diagnostic, Severity};
+use crate::base::diagnostics::Diagnostic;
 use crate::base::error::{Error, Result};
 use crate::base::reject::Extent;
 use crate::config::Config;
 use crate::formats::discover::{Discovery, discover};
 use crate::stages::diagnose::findings::{CampaignFindings, Verdict};
-use engine::{Engine, Step, Work};
-use rayon::prelude::*;
+use engine::Engine;
 use serde::Serialize;
-use sessions::SessionResult;
+use sessions::{SessionResult, Workshop};
 use std::path::{Path, PathBuf};
+use step::{Failure, Step, Work};
+use told::Told;
 
 /// The stages, in order, as users name them.
 pub const STAGES: &[&str] = &[
@@ -61,6 +67,8 @@ pub struct RunOptions {
     pub force: Option<String>,
     /// Look, and do nothing.
     pub dry_run: bool,
+    /// A defect in one unit does not stop the units that do not need it.
+    pub keep_going: bool,
 }
 
 /// What a run did.
@@ -70,6 +78,8 @@ pub struct Outcome {
     pub work: Vec<Work>,
     /// Units whose results were there already.
     pub fresh: usize,
+    /// Units that could not be computed, and those that need them; none unless the run was to keep going.
+    pub failed: Vec<Failure>,
     /// Usable sessions found.
     pub sessions: usize,
     /// Sessions whose `session.toml` cannot be used.
@@ -125,17 +135,17 @@ pub fn run(options: &RunOptions, progress: &dyn Progress) -> Result<Outcome> {
         check_outside(raw, &options.derived, "--derived")?;
         check_outside(raw, &options.reports, "--reports")?;
     }
-    let discovery = discover(&options.raw);
-    if discovery.sessions.is_empty() && discovery.unusable.is_empty() {
-        return Err(Error::Usage(no_sessions(options, &discovery)));
-    }
-    let engine = Engine::open(options, progress)?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.jobs)
         .build()
         .map_err(Error::internal)?;
+    let discovery = pool.install(|| discover(&options.raw));
+    if discovery.sessions.is_empty() && discovery.unusable.is_empty() {
+        return Err(Error::Usage(no_sessions(options, &discovery)));
+    }
+    let engine = Engine::open(options, progress)?;
     let mut outcome = loop {
-        match pool.install(|| drive(&engine, options, &discovery, progress)) {
+        match drive(&engine, options, &discovery, &pool, progress) {
             Err(Error::Damaged(what)) => {
                 progress.note(&format!("damaged cache: {what}; computing it again"));
                 engine.restart()?;
@@ -146,7 +156,7 @@ pub fn run(options: &RunOptions, progress: &dyn Progress) -> Result<Outcome> {
     if !options.dry_run {
         engine.close()?;
     }
-    (outcome.work, outcome.fresh) = engine.into_work();
+    (outcome.work, outcome.fresh, outcome.failed) = engine.into_work();
     Ok(outcome)
 }
 
@@ -154,38 +164,43 @@ fn drive(
     engine: &Engine,
     options: &RunOptions,
     discovery: &Discovery,
+    pool: &rayon::ThreadPool,
     progress: &dyn Progress,
 ) -> Result<Outcome> {
+    let (jobs, config) = (options.jobs, &options.config);
     progress.begin("sessions", discovery.sessions.len());
-    let results: Vec<SessionResult> = discovery
-        .sessions
-        .par_iter()
-        .map(|located| {
-            let result = sessions::process(engine, located, &options.config);
-            progress.tick();
-            result
-        })
-        .collect::<Result<_>>()?;
-    let groups = groups::of(discovery, &options.config.fit);
+    let workshop = Workshop::new(engine, config)?;
+    let results: Vec<SessionResult> = parallel::each(jobs, &discovery.sessions, |located| {
+        let result = sessions::process(&workshop, located);
+        progress.tick();
+        result
+    })?;
+    let groups = groups::of(discovery, &config.fit);
     progress.begin("fits", groups.len());
-    let group_results: Vec<groups::GroupResult> = groups
-        .par_iter()
-        .map(|group| {
-            let result = groups::process(engine, group, discovery, &results, &options.config);
-            progress.tick();
-            result
-        })
-        .collect::<Result<_>>()?;
-    let torque = torque::process(engine, discovery, &results, &options.config)?;
+    let group_results = parallel::each(jobs, &groups, |group| {
+        let process = || groups::process(engine, group, discovery, &results, config);
+        let result = pool.install(process);
+        progress.tick();
+        result
+    })?;
+    let torque = pool.install(|| torque::process(engine, discovery, &results, config))?;
+    progress.begin("figures", groups.len());
+    let figures = parallel::each(jobs, &group_results, |group| {
+        let step = pool.install(|| figures::process(engine, group, config));
+        progress.tick();
+        step
+    })?;
     progress.begin("report", 1);
     let done = reports::Done {
         sessions: &results,
         groups: &group_results,
+        figures: &figures,
         torque: &torque,
     };
-    let written = reports::process(engine, discovery, &done, options)?;
+    let written = pool.install(|| reports::process(engine, discovery, &done, options))?;
     progress.tick();
-    let mut outcome = summary(engine, discovery, &results)?;
+    let told = pool.install(|| told::all(engine, &results, options.dry_run))?;
+    let mut outcome = summary(discovery, told);
     outcome.pdfs = written.pdfs;
     outcome.written = written.changed;
     outcome.findings_file = written.findings;
@@ -262,7 +277,7 @@ fn no_sessions(options: &RunOptions, discovery: &Discovery) -> String {
 }
 
 /// What the user is told of the inputs.
-fn summary(engine: &Engine, discovery: &Discovery, results: &[SessionResult]) -> Result<Outcome> {
+fn summary(discovery: &Discovery, told: Vec<Told>) -> Outcome {
     let mut outcome = Outcome {
         sessions: discovery.sessions.len(),
         unusable: discovery.unusable.len(),
@@ -279,33 +294,14 @@ fn summary(engine: &Engine, discovery: &Discovery, results: &[SessionResult]) ->
             .diagnostics
             .extend(unusable.diagnostics.iter().cloned());
     }
-    for result in results {
-        let Some((ingest, clean)) = result.headers(engine)? else {
-            continue;
-        };
-        let loud = |d: &&Diagnostic| d.severity != Severity::Note;
-        outcome
-            .diagnostics
-            .extend(ingest.diagnostics.iter().filter(loud).cloned());
-        let normalize = result.normalize_rejects(engine)?;
-        for reject in ingest
-            .rejects
-            .iter()
-            .chain(&clean.rejects)
-            .chain(&normalize)
-        {
-            match reject.extent {
-                Extent::Session => outcome
-                    .rejected
-                    .push((reject.session.clone(), reject.reason.clone())),
-                Extent::Log => outcome.rejected_logs.push((
-                    reject.session.clone(),
-                    reject.log.clone(),
-                    reject.reason.clone(),
-                )),
-                _ => {}
+    for session in told {
+        outcome.diagnostics.extend(session.diagnostics);
+        for r in session.rejects {
+            match r.extent {
+                Extent::Session => outcome.rejected.push((r.session, r.reason)),
+                _ => outcome.rejected_logs.push((r.session, r.log, r.reason)),
             }
         }
     }
-    Ok(outcome)
+    outcome
 }

@@ -2,21 +2,25 @@
 
 use crate::base::error::{Error, Result};
 use crate::base::row::Row;
-use crate::cache::Digest;
+use crate::cache::{Digest, Entry};
 use crate::config::flatten;
 use crate::formats::discover::Discovery;
 use crate::run::RunOptions;
-use crate::run::engine::{self, Engine, Stage, Step};
+use crate::run::engine::{self, Engine};
+use crate::run::figures;
 use crate::run::groups::GroupResult;
 use crate::run::materialize::{Written, materialize};
 use crate::run::sessions::SessionResult;
+use crate::run::step::{Stage, Step};
 use crate::run::torque::TorqueResult;
+use crate::stages::compare::Predictions;
 use crate::stages::report::{
     self, GroupInput, KneeInput, Provenance, ReportInput, SessionInput, Trace,
 };
 use std::collections::BTreeMap;
 
-const REPORT: Stage = Stage {
+/// The stage.
+pub const REPORT: Stage = Stage {
     name: "report",
     version: report::VERSION,
     code: engine::REPORT,
@@ -29,6 +33,8 @@ pub struct Done<'a> {
     pub sessions: &'a [SessionResult],
     /// Group by group.
     pub groups: &'a [GroupResult],
+    /// Their figures.
+    pub figures: &'a [Step],
     /// Campaign by campaign of torque.
     pub torque: &'a TorqueResult,
 }
@@ -43,51 +49,20 @@ pub fn process(
     done: &Done,
     options: &RunOptions,
 ) -> Result<Written> {
-    let (sessions, groups) = (done.sessions, done.groups);
     const UNIT: &str = "reports";
-    let discovered = discovery_digest(discovery)?;
-    let mut inputs = BTreeMap::from([("sessions found".to_owned(), discovered)]);
-    for session in sessions {
-        let (Some(i), Some(c), Some(n)) = (
-            session.ingest.entry(),
-            session.clean.entry(),
-            session.normalize.entry(),
-        ) else {
-            engine.waits(REPORT, UNIT, &format!("session {}", session.id))?;
+    let (mut inputs, figures) = match (results(done), figures_drawn(done)) {
+        (Ok(results), Ok(figures)) => (results, figures),
+        (Err(on), _) | (_, Err(on)) => {
+            engine.waits(REPORT, UNIT, &on)?;
             return Ok(Written::default());
-        };
-        for (stage, entry) in [("ingest", i), ("clean", c), ("normalize", n)] {
-            inputs.insert(format!("{} {stage}", session.id), entry.digest());
         }
-    }
-    for result in groups {
-        let (Some(f), Some(c)) = (result.fit.entry(), result.compare.entry()) else {
-            engine.waits(REPORT, UNIT, &format!("fit of {}", result.group.campaign))?;
-            return Ok(Written::default());
-        };
-        let name = format!("{} {} mm", result.group.campaign, result.group.diameter_mm);
-        inputs.insert(format!("{name} fit"), f.digest());
-        inputs.insert(format!("{name} compare"), c.digest());
-        if let Some(diagnose) = &result.diagnose {
-            let Some(d) = diagnose.entry() else {
-                engine.waits(REPORT, UNIT, &format!("diagnose of {name}"))?;
-                return Ok(Written::default());
-            };
-            inputs.insert(format!("{name} diagnose"), d.digest());
-        }
-    }
-    let knee = done.torque.campaigns.iter().map(|(id, s)| (id.as_str(), s));
-    let shipped = done.torque.reference.iter().map(|s| ("shipped knees", s));
-    for (name, step) in knee.chain(shipped) {
-        let Some(entry) = step.entry() else {
-            engine.waits(REPORT, UNIT, &format!("torque of {name}"))?;
-            return Ok(Written::default());
-        };
-        inputs.insert(format!("{name} torque"), entry.digest());
-    }
+    };
+    inputs.insert("sessions found".to_owned(), discovery_digest(discovery)?);
+    // Of what was measured: the figures say the same once more.
+    let input_digest = Digest::of_named(inputs.iter());
+    inputs.extend(figures);
     let mut keyed = flatten("report", &options.config.report)?;
     keyed.extend(flatten("fit", &options.config.fit)?);
-    let input_digest = Digest::of_named(inputs.iter());
     let step = engine.step(REPORT, UNIT, keyed, inputs, || {
         let input = gather(engine, discovery, done, &input_digest)?;
         report::report(&input, &options.config)
@@ -95,7 +70,50 @@ pub fn process(
     if step.entry().is_none() {
         return Ok(Written::default());
     }
-    materialize(engine, &step, sessions, options)
+    let steps: Vec<&Step> = done.figures.iter().chain([&step]).collect();
+    materialize(engine, &steps, done.sessions, options)
+}
+
+/// Digests by name; or the first result that is not there yet.
+type Inputs = std::result::Result<BTreeMap<String, Digest>, String>;
+
+/// The digest of a step's outputs, or what is to be waited for.
+fn digest(step: &Step, waits_on: impl FnOnce() -> String) -> std::result::Result<Digest, String> {
+    step.entry().map(Entry::digest).ok_or_else(waits_on)
+}
+
+/// What the other stages gave.
+fn results(done: &Done) -> Inputs {
+    let mut inputs = BTreeMap::new();
+    for session in done.sessions {
+        for (stage, step) in session.steps() {
+            let digest = digest(step, || format!("session {}", session.id))?;
+            inputs.insert(format!("{} {stage}", session.id), digest);
+        }
+    }
+    for group in done.groups {
+        for (stage, step) in group.steps() {
+            let digest = digest(step, || format!("{stage} of {}", group.unit()))?;
+            inputs.insert(format!("{} {stage}", group.unit()), digest);
+        }
+    }
+    let knee = done.torque.campaigns.iter().map(|(id, s)| (id.as_str(), s));
+    let shipped = done.torque.reference.iter().map(|s| ("shipped knees", s));
+    for (name, step) in knee.chain(shipped) {
+        let digest = digest(step, || format!("torque of {name}"))?;
+        inputs.insert(format!("{name} torque"), digest);
+    }
+    Ok(inputs)
+}
+
+/// The figures of the groups.
+fn figures_drawn(done: &Done) -> Inputs {
+    let both = done.groups.iter().zip(done.figures);
+    let one = both.map(|(group, step)| {
+        let name = format!("{} figures", group.unit());
+        digest(step, || format!("figures of {}", group.unit())).map(|d| (name, d))
+    });
+    one.collect()
 }
 
 /// What went into every session and fit, and what came out.
@@ -168,17 +186,15 @@ fn gather(
         campaigns,
         reference,
     });
-    let groups = groups
-        .iter()
-        .map(|g| {
-            Ok(GroupInput {
-                fit: g.fitted(engine)?,
-                comparison: g.compared(engine)?,
-                predictions: g.predictions(engine)?,
-                diagnosis: g.diagnosed(engine)?,
-            })
-        })
+    let groups = groups.iter();
+    let groups: Vec<GroupInput> = groups
+        .map(|g| figures::input(engine, g, Predictions::default()))
         .collect::<Result<_>>()?;
+    let with_section = report::with_section(&groups).into_iter();
+    let figures = with_section
+        .zip(done.figures)
+        .map(|(shown, step)| shown.then(|| figures::drawn(engine, step)).transpose());
+    let figures = figures.collect::<Result<_>>()?;
     Ok(ReportInput {
         unusable: discovery
             .unusable
@@ -194,6 +210,7 @@ fn gather(
         sessions: inputs,
         rows,
         groups,
+        figures,
         knee,
         traces,
         provenance,

@@ -7,11 +7,12 @@ use crate::base::reject::Reject;
 use crate::base::row::{self, Row};
 use crate::base::{reading, reading::Reading};
 use crate::cache::Digest;
-use crate::cache::store::Outputs;
-use crate::config::{Config, flatten};
+use crate::cache::store::{Entry, Object, Outputs};
+use crate::config::{CleanOptions, Config, flatten};
 use crate::formats::csv::check_line_lengths;
 use crate::formats::discover::Located;
-use crate::run::engine::{self, Engine, Stage, Step};
+use crate::run::engine::{self, Engine};
+use crate::run::step::{Stage, Step};
 use crate::stages::clean::{self, CleanHeader};
 use crate::stages::ingest::{self, IngestHeader, LogBytes, LogSamples};
 use crate::stages::normalize;
@@ -68,14 +69,38 @@ impl From<Error> for Again {
     }
 }
 
+/// What all sessions are processed with.
+pub struct Workshop<'a> {
+    engine: &'a Engine,
+    clean: &'a CleanOptions,
+    /// The same as the key of a step has them.
+    keyed: BTreeMap<String, String>,
+}
+
+impl<'a> Workshop<'a> {
+    /// With these options.
+    ///
+    /// # Errors
+    /// An option that TOML cannot hold.
+    pub fn new(engine: &'a Engine, config: &'a Config) -> Result<Self> {
+        let clean = &config.clean;
+        let keyed = flatten("clean", clean)?;
+        Ok(Self {
+            engine,
+            clean,
+            keyed,
+        })
+    }
+}
+
 /// Brings one session up to date.
 ///
 /// # Errors
 /// System errors of the store; bad input is no error here.
-pub fn process(engine: &Engine, located: &Located, config: &Config) -> Result<SessionResult> {
+pub fn process(workshop: &Workshop, located: &Located) -> Result<SessionResult> {
     const ATTEMPTS: usize = 3;
     for _ in 0..ATTEMPTS {
-        match attempt(engine, located, config) {
+        match attempt(workshop, located) {
             Ok(result) => return Ok(result),
             Err(Again::Failed(error)) => return Err(error),
             Err(Again::Retry) => {}
@@ -87,14 +112,11 @@ pub fn process(engine: &Engine, located: &Located, config: &Config) -> Result<Se
     )))
 }
 
-fn attempt(
-    engine: &Engine,
-    located: &Located,
-    config: &Config,
-) -> std::result::Result<SessionResult, Again> {
-    let session = &located.session;
-    let id = session.id.clone();
-    let ingest = ingest_step(engine, located)?;
+fn attempt(workshop: &Workshop, located: &Located) -> std::result::Result<SessionResult, Again> {
+    let engine = workshop.engine;
+    let (session, id) = (&located.session, located.session.id.clone());
+    let description = Digest::of(&to_json(session)?);
+    let ingest = ingest_step(engine, located, &description)?;
     let Some(entry) = ingest.entry() else {
         return Ok(SessionResult {
             clean: engine.waits(CLEAN, &id, "ingest")?,
@@ -103,23 +125,17 @@ fn attempt(
             ingest,
         });
     };
-    let digests = |step: &crate::cache::store::Entry, prefix: &str| -> BTreeMap<String, Digest> {
-        let named = |(name, o): (&String, &crate::cache::store::Object)| {
-            (format!("{prefix}/{name}"), o.digest.clone())
-        };
-        step.outputs.iter().map(named).collect()
-    };
-    let options = flatten("clean", &config.clean)?;
-    let clean = engine.step(CLEAN, &id, options, digests(entry, "ingest"), || {
+    let (options, inputs) = (workshop.keyed.clone(), digests(entry, "ingest"));
+    let clean = engine.step(CLEAN, &id, options, inputs, || {
         let logs = read_logs(engine, &ingest)?;
-        let cleaned = clean::clean(session, &logs, &config.clean);
-        let header = to_json(&cleaned.header)?;
+        let cleaned = clean::clean(session, &logs, workshop.clean);
         let readings = reading::to_frame(&cleaned.readings).to_parquet()?;
         Ok(Outputs::from([
-            (HEADER.to_owned(), header),
+            (HEADER.to_owned(), to_json(&cleaned.header)?),
             (READINGS.to_owned(), readings),
         ]))
     })?;
+    let ingest = ingest.settled();
     let Some(entry) = clean.entry() else {
         return Ok(SessionResult {
             normalize: engine.waits(NORMALIZE, &id, "clean")?,
@@ -129,7 +145,7 @@ fn attempt(
         });
     };
     let mut inputs = digests(entry, "clean");
-    inputs.insert("session.toml".to_owned(), Digest::of(&to_json(session)?));
+    inputs.insert("session.toml".to_owned(), description);
     inputs.remove(&format!("clean/{HEADER}"));
     let normalize = engine.step(NORMALIZE, &id, BTreeMap::new(), inputs, || {
         let readings = read_readings(engine, &clean)?;
@@ -143,14 +159,24 @@ fn attempt(
     Ok(SessionResult {
         id,
         ingest,
-        clean,
-        normalize,
+        clean: clean.settled(),
+        normalize: normalize.settled(),
     })
 }
 
-fn ingest_step(engine: &Engine, located: &Located) -> std::result::Result<Step, Again> {
+/// The outputs of a stage as inputs of the next.
+fn digests(entry: &Entry, stage: &str) -> BTreeMap<String, Digest> {
+    let named = |(name, o): (&String, &Object)| (format!("{stage}/{name}"), o.digest.clone());
+    entry.outputs.iter().map(named).collect()
+}
+
+fn ingest_step(
+    engine: &Engine,
+    located: &Located,
+    description: &Digest,
+) -> std::result::Result<Step, Again> {
     let session = &located.session;
-    let mut inputs = BTreeMap::from([("session.toml".to_owned(), Digest::of(&to_json(session)?))]);
+    let mut inputs = BTreeMap::from([("session.toml".to_owned(), description.clone())]);
     let mut at_hand = Vec::with_capacity(session.logs.len());
     for log in &session.logs {
         let path = located.directory.join(&log.file);
@@ -257,6 +283,16 @@ fn read_readings(engine: &Engine, clean: &Step) -> Result<Vec<Reading>> {
 }
 
 impl SessionResult {
+    /// Its steps with the names of their stages, in order.
+    pub fn steps(&self) -> [(String, &Step); 3] {
+        let name = |stage: Stage| stage.name.to_owned();
+        [
+            (name(INGEST), &self.ingest),
+            (name(CLEAN), &self.clean),
+            (name(NORMALIZE), &self.normalize),
+        ]
+    }
+
     /// The headers of ingest and clean; `None` in a dry run.
     ///
     /// # Errors

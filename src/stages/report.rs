@@ -9,8 +9,9 @@ use crate::cache::Digest;
 use crate::cache::store::Outputs;
 use crate::config::Config;
 use crate::report::audit::audit_pdf;
+use crate::report::extent::MOST_ROWS_PRINTED;
 use crate::report::figures::{self, Drawn, Named};
-use crate::report::force::{Figures, date_of, force_pdf};
+use crate::report::force::{date_of, force_pdf};
 use crate::report::knee::{self, knee_pdf};
 use crate::report::render::{self, Renderer};
 use crate::report::residual::residual_pdf;
@@ -25,29 +26,40 @@ use rayon::prelude::*;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 
+pub use crate::report::extent::with_section;
 pub use crate::report::input::{
-    GroupInput, KneeInput, Provenance, ReportInput, SessionInput, Trace,
+    GroupFigures, GroupInput, KneeInput, Provenance, ReportInput, SessionInput, Trace,
 };
 
 /// Raised when results change without a change of this stage's source files.
 pub const VERSION: u32 = 1;
 
-/// Everything that goes below `reports/`, and the tidy table of all rows below `derived/`.
+/// What the pages need of the figures of a group: [`GroupFigures`] as JSON.
+pub const DRAWN: &str = "drawn.json";
+
+/// The figures of one group: their files below `reports/`, and [`DRAWN`].
+///
+/// # Errors
+/// A figure without room.
+pub fn group_figures(group: &GroupInput, config: &Config) -> Result<Outputs> {
+    let drawn = GroupFigures {
+        group: draw(&figures::of_group(group, config))?,
+        diagnosis: draw(&figures::of_diagnosis(group, config))?,
+    };
+    let all = drawn.group.iter().chain(&drawn.diagnosis);
+    let files = figure_files(all, config.report.png_dpi)?;
+    let mut outputs: Outputs = files.into_iter().collect();
+    let json = serde_json::to_vec(&drawn).map_err(Error::internal)?;
+    outputs.insert(DRAWN.to_owned(), json);
+    Ok(outputs)
+}
+
+/// Everything else that goes below `reports/`, and the tidy table of all rows below `derived/`.
 ///
 /// # Errors
 /// A template that does not compile, a figure without room.
 pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
     let traces = draw(&figures::plateaus(input))?;
-    let groups: Vec<Vec<Drawn>> = input
-        .groups
-        .par_iter()
-        .map(|g| draw(&figures::of_group(g, config)))
-        .collect::<Result<_>>()?;
-    let diagnoses: Vec<Vec<Drawn>> = input
-        .groups
-        .par_iter()
-        .map(|g| draw(&figures::of_diagnosis(g, config)))
-        .collect::<Result<_>>()?;
     let torque: Vec<Vec<Drawn>> = input
         .torque()
         .map(|c| draw(&figures::knee::of_campaign(c)))
@@ -61,10 +73,6 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
         legs: &legs,
         once: &once,
     };
-    let shown = Figures {
-        traces: &traces,
-        groups: &groups,
-    };
     let split = split_csv(input, config);
     let split_digest = Digest::of(&split).to_string();
     let fits: Vec<&GroupFit> = input.groups.iter().map(|g| &g.fit).collect();
@@ -74,18 +82,17 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
     let (pages, files) = rayon::join(
         || {
             rayon::join(
-                || force_pdf(input, &shown, config, &split_digest),
+                || force_pdf(input, &traces, config, &split_digest),
                 || -> Result<(Pdf, Option<Pdf>, Option<Pdf>)> {
                     let audit = audit_pdf(&audit, &input.input_digest, date)?;
-                    let residual = residual_pdf(input, &diagnoses, date)?;
+                    let residual = residual_pdf(input, date)?;
                     Ok((audit, residual, knee_pdf(input, &knees, date)?))
                 },
             )
         },
         || {
-            let all = [&groups, &diagnoses, &torque].into_iter().flatten();
-            let all = all.flatten().chain(&legs).chain(&once);
-            figure_files(traces.iter().chain(all), config.report.png_dpi)
+            let knees = torque.iter().flatten().chain(&legs).chain(&once);
+            figure_files(traces.iter().chain(knees), config.report.png_dpi)
         },
     );
     let (force_pages, (audit_pages, residual_pages, knee_pages)) = (pages.0?, pages.1?);
@@ -113,11 +120,8 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
     let made = every.map(|make| make(input));
     for table in made.chain([tables::audit(&audit)]) {
         let table = tables::naming_groups(table);
-        for renderer in render::ALL {
-            let name = format!("reports/tables/{}.{}", table.id, renderer.extension());
-            outputs.insert(name, renderer.render(&table).into_bytes());
-        }
         names.push(format!("tables/{}.csv", table.id));
+        outputs.extend(table_files(table));
     }
     outputs.insert("reports/findings.json".to_owned(), findings_json(input)?);
     outputs.insert("reports/summary.json".to_owned(), summary(input, &names)?);
@@ -164,6 +168,19 @@ fn split_csv(input: &ReportInput, config: &Config) -> Vec<u8> {
         ]);
     }
     render::csv::Csv.render(&table).into_bytes()
+}
+
+/// A table in every format: the data file complete, the others as far as people read.
+fn table_files(table: Table) -> Outputs {
+    let render = |renderers: &[&&dyn Renderer], table: &Table| -> Vec<(String, Vec<u8>)> {
+        let name = |r: &dyn Renderer| format!("reports/tables/{}.{}", table.id, r.extension());
+        let file = |r: &&&dyn Renderer| (name(**r), r.render(table).into_bytes());
+        renderers.iter().map(file).collect()
+    };
+    let (data, print): (Vec<_>, Vec<_>) = render::ALL.iter().partition(|r| r.is_data());
+    let mut files = render(&data, &table);
+    files.extend(render(&print, &table.first_rows(MOST_ROWS_PRINTED)));
+    files.into_iter().collect()
 }
 
 fn draw(figures: &[Named]) -> Result<Vec<Drawn>> {

@@ -29,6 +29,7 @@ use crate::base::names::file_name;
 use crate::config::Config;
 use crate::report::input::{GroupInput, ReportInput};
 use crate::report::plot::Figure;
+use serde::{Deserialize, Serialize};
 
 /// A figure with the name of its files and its caption (in Typst markup).
 #[derive(Clone, Debug)]
@@ -42,7 +43,7 @@ pub struct Named {
 }
 
 /// A figure as drawn.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Drawn {
     /// Name of the files, without extension.
     pub name: String,

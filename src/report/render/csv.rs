@@ -12,6 +12,10 @@ impl Renderer for Csv {
         "csv"
     }
 
+    fn is_data(&self) -> bool {
+        true
+    }
+
     fn render(&self, table: &Table) -> String {
         let visible = |c: &&Column| c.audience != Audience::People;
         let header: Vec<String> = table

@@ -13,6 +13,11 @@ pub trait Renderer: Sync {
     /// Extension of the file, without a dot.
     fn extension(&self) -> &'static str;
 
+    /// Whether programs read it, which want every row.
+    fn is_data(&self) -> bool {
+        false
+    }
+
     /// The whole text of the file, lines ended by LF.
     fn render(&self, table: &Table) -> String;
 }

@@ -10,7 +10,7 @@ mod words;
 use crate::base::error::Result;
 use crate::report::answers::{size, verdict, verdict_words};
 use crate::report::figures::Drawn;
-use crate::report::input::{GroupInput, ReportInput};
+use crate::report::input::{GroupFigures, GroupInput, ReportInput};
 use crate::report::typeset::{Document, Pdf};
 use crate::stages::diagnose::findings::{CampaignFindings, EffectFinding};
 use asked::{Asked, questions, unexplained};
@@ -72,6 +72,8 @@ struct Campaign {
     aliases: Vec<(Vec<String>, String)>,
     next: Vec<Next>,
     notes: Vec<String>,
+    /// Whether it has a section of its own.
+    section: bool,
     figures: Vec<Picture>,
 }
 
@@ -83,23 +85,16 @@ struct Picture {
     alt: String,
 }
 
-/// Typesets `residual.pdf`; `figures` are those of each group's diagnosis. None where nothing was diagnosed.
+/// Typesets `residual.pdf`. None where nothing was diagnosed.
 ///
 /// # Errors
 /// A template that does not compile.
-pub fn residual_pdf(
-    input: &ReportInput,
-    figures: &[Vec<Drawn>],
-    date: Option<(i32, u8, u8)>,
-) -> Result<Option<Pdf>> {
-    let of_group =
-        |(g, f): (&GroupInput, &Vec<Drawn>)| Some(campaign(&g.diagnosis.as_ref()?.findings, f));
-    let campaigns: Vec<Campaign> = input
-        .groups
-        .iter()
-        .zip(figures)
-        .filter_map(of_group)
-        .collect();
+pub fn residual_pdf(input: &ReportInput, date: Option<(i32, u8, u8)>) -> Result<Option<Pdf>> {
+    let both = input.groups.iter().zip(&input.figures);
+    let of_group = |(g, f): (&GroupInput, &Option<GroupFigures>)| {
+        Some(campaign(&g.diagnosis.as_ref()?.findings, f.as_ref()))
+    };
+    let campaigns: Vec<Campaign> = both.filter_map(of_group).collect();
     if campaigns.is_empty() {
         return Ok(None);
     }
@@ -112,13 +107,13 @@ pub fn residual_pdf(
     let mut document = Document::new(TEMPLATE)
         .data("data.json", &data)?
         .dated(date);
-    for drawn in figures.iter().flatten() {
+    for drawn in input.with_section().flat_map(|(_, f)| &f.diagnosis) {
         document = document.file(&format!("figures/{}.svg", drawn.name), &drawn.svg);
     }
     document.compile().map(Some)
 }
 
-fn campaign(found: &CampaignFindings, figures: &[Drawn]) -> Campaign {
+fn campaign(found: &CampaignFindings, figures: Option<&GroupFigures>) -> Campaign {
     let refitted = if found.base_refitted {
         "its coefficients fitted here"
     } else {
@@ -168,7 +163,8 @@ fn campaign(found: &CampaignFindings, figures: &[Drawn]) -> Campaign {
         aliases: alike(&found.aliases),
         next: next(found),
         notes: found.notes.clone(),
-        figures: figures.iter().map(picture).collect(),
+        section: figures.is_some(),
+        figures: figures.map_or_else(Vec::new, |f| f.diagnosis.iter().map(picture).collect()),
     }
 }
 

@@ -95,7 +95,7 @@ pub struct GroupComparison {
 }
 
 /// The predictions of a group: measured rows and, by model id, what it predicts (NaN where it gives nothing).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Predictions {
     /// The usable rows.
     pub rows: Vec<Row>,

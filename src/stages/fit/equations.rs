@@ -8,7 +8,7 @@ use crate::stages::fit::contraction_620;
 use crate::stages::fit::engine::{Equation, EquationFit, Symbol};
 use crate::stages::fit::maxima::{self, Maximum};
 use crate::stages::fit::split::{self, Part};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Id of the fit of F_620(l_rest): Eq. 5 (10 mm) or Eq. 6 (20 mm).
 pub const MAXIMUM_FORCE: &str = "F_620(l_rest)";
@@ -291,12 +291,11 @@ fn with_surface<R>(
     then: impl FnOnce(&Equation<3>) -> R,
 ) -> R {
     let offset = cap_length_m(diameter_mm, options);
+    let own = maxima.iter().map(|m| (m.specimen.as_str(), m.force_n));
+    let own: BTreeMap<&str, f64> = own.collect();
     let scale = |r: &Row| match f620 {
         Some(b) => new::f620(b[0], b[1], offset, r.rest_length_m),
-        None => maxima
-            .iter()
-            .find(|m| m.specimen == r.specimen)
-            .map_or(f64::NAN, |m| m.force_n),
+        None => own.get(r.specimen.as_str()).copied().unwrap_or(f64::NAN),
     };
     then(&Equation::<3> {
         id: SURFACE,

@@ -140,6 +140,14 @@ fn jackknife<const N: usize>(full: &Solution<N>, refits: &Refits<N>) -> Option<[
     }))
 }
 
+/// How many refits a bootstrap makes: as many as are wanted of up to ten thousand readings; of more, fewer, so that the work grows no
+/// further, but never fewer than give an interval of 95% (with hundreds of specimens its ends are known well enough).
+fn bootstrap_refits(wanted: usize, readings: usize) -> usize {
+    const MOST_READINGS_REFITTED: usize = 10_000_000;
+    const FEWEST_REFITS: usize = 200;
+    wanted.min((MOST_READINGS_REFITTED / readings.max(1)).max(FEWEST_REFITS))
+}
+
 /// The coefficients of every bootstrap refit; NaN where it did not determine one. `None` below three specimens or without refits.
 ///
 /// G specimens give (2G - 1 choose G) different draws, 35 for four: each is solved once, however often it was drawn.
@@ -156,7 +164,7 @@ fn bootstrap<const N: usize>(
     }
     let mut stream = Stream::new(options.seed, &["bootstrap", equation.id]);
     let mut times_drawn: BTreeMap<Vec<usize>, usize> = BTreeMap::new();
-    for _ in 0..options.bootstrap_refits {
+    for _ in 0..bootstrap_refits(options.bootstrap_refits, rows.len()) {
         let mut copies = vec![0_usize; specimens];
         for _ in 0..specimens {
             copies[stream.below(specimens)] += 1;
@@ -164,14 +172,15 @@ fn bootstrap<const N: usize>(
         *times_drawn.entry(copies).or_default() += 1;
     }
     let draws: Vec<(Vec<usize>, usize)> = times_drawn.into_iter().collect();
+    let places = refits.iter().enumerate().map(|(g, (id, _))| (*id, g));
+    let places: BTreeMap<&str, usize> = places.collect();
+    let specimen = rows.iter().map(|r| places.get(r.specimen.as_str()));
+    let specimen: Vec<Option<&usize>> = specimen.collect();
     let solved: Vec<([f64; N], usize)> = draws
         .par_iter()
         .map(|(copies, times)| {
-            let of = |row: &Row| refits.iter().position(|(id, _)| *id == row.specimen);
-            let copies: Vec<f64> = rows
-                .iter()
-                .map(|r| of(r).map_or(0.0, |g| copies[g] as f64))
-                .collect();
+            let of = specimen.iter();
+            let copies: Vec<f64> = of.map(|g| g.map_or(0.0, |g| copies[*g] as f64)).collect();
             (refit(equation, rows, full, &copies), *times)
         })
         .collect();

@@ -1,11 +1,13 @@
 //! Normalised force of 10, 20 and 40 mm actuators by the knee paper's Eqs. 9, 11 and 12 (its Fig. 9).
 
+use crate::base::row::Row;
 use crate::models::{ForceModel, State, festo_tool::FestoTool, knee_paper::KneePaper};
 use crate::report::figures::Named;
 use crate::report::figures::laws::places;
 use crate::report::figures::readings::near;
 use crate::report::input::ReportInput;
 use crate::report::plot::{Axis, DOUBLE_MM, Figure, Legend, Mark, Panel, Series, Stroke, look};
+use crate::stages::fit::{Group, is_usable};
 
 const HEIGHT_MM: f64 = 78.0;
 /// Isobars, kPa.
@@ -68,14 +70,17 @@ fn panel(input: &ReportInput, diameter_mm: u32) -> Panel {
 
 /// The readings of 10 mm isometric sessions near a pressure, over the maximum force of their resting length.
 fn measured(input: &ReportInput, pressure_kpa: f64) -> Vec<(f64, f64)> {
-    let groups = input
-        .groups
-        .iter()
-        .map(|g| (&g.fit.group, &g.predictions.rows));
-    let groups = groups.filter(|(g, _)| g.diameter_mm == 10 && g.members.len() == 1);
-    let any_measured = groups.clone().any(|(g, _)| !g.simulated);
-    let shown = groups.filter(|(g, _)| g.simulated != any_measured);
-    let rows = shown.flat_map(|(_, rows)| near(rows, pressure_kpa));
+    let groups = input.groups.iter().map(|g| &g.fit.group);
+    let groups = groups.filter(|g| g.diameter_mm == 10 && g.members.len() == 1);
+    let any_measured = groups.clone().any(|g| !g.simulated);
+    let shown = groups.filter(|g| g.simulated != any_measured);
+    let of = |row: &&Row, group: &Group| {
+        is_usable(row) && row.campaign == group.campaign && row.diameter_mm as u32 == 10
+    };
+    let rows = shown.flat_map(|group| {
+        let rows = near(&input.rows, pressure_kpa);
+        rows.filter(move |row| of(row, group))
+    });
     rows.filter_map(|row| {
         let state = State::relative(10, row.rest_length_m, 0.17, 0.0, 620.0);
         let largest = KneePaper.predict(&state).force_n()?;

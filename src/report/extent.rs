@@ -1,0 +1,26 @@
+//! How much the pages and the tables for people hold.
+//!
+//! A laboratory of ten years has thousands of sessions and dozens of campaigns. Nobody reads a table of five thousand rows on paper, and
+//! typesetting it takes more memory than everything else together. So the pages show the largest groups in full and the first rows of long
+//! tables, and say what they leave out and where it is: data files and figures are always complete.
+
+use crate::report::input::GroupInput;
+
+/// Most rows of a table in a PDF.
+pub const MOST_ROWS_ON_PAGES: usize = 250;
+/// Most rows of a table as LaTeX, Typst or Markdown.
+pub const MOST_ROWS_PRINTED: usize = 20_000;
+/// Most groups, and logs, that a PDF shows in full.
+pub const MOST_GROUPS: usize = 12;
+
+/// Which of the groups have a section of their own: those of several campaigns first, then those with most readings.
+pub fn with_section(groups: &[GroupInput]) -> Vec<bool> {
+    let mut order: Vec<usize> = (0..groups.len()).collect();
+    let size = |k: &usize| (groups[*k].fit.group.members.len() > 1, groups[*k].fit.rows);
+    order.sort_by_key(|k| std::cmp::Reverse(size(k)));
+    let mut shown = vec![false; groups.len()];
+    for k in order.into_iter().take(MOST_GROUPS) {
+        shown[k] = true;
+    }
+    shown
+}

@@ -1,0 +1,58 @@
+//! The figures of one group of rows, a unit of the stage `report`: what changes in one campaign draws its own figures and no others.
+
+use crate::base::error::{Error, Result};
+use crate::config::{Config, flatten};
+use crate::run::engine::Engine;
+use crate::run::groups::GroupResult;
+use crate::run::reports::REPORT;
+use crate::run::step::Step;
+use crate::stages::compare::Predictions;
+use crate::stages::report::{self, GroupFigures, GroupInput};
+use std::collections::BTreeMap;
+
+/// The only option of the report that figures read.
+const PNG_DPI: &str = "report.png_dpi";
+
+/// Brings the figures of one group up to date.
+///
+/// # Errors
+/// System errors, damaged entries, a figure without room.
+pub fn process(engine: &Engine, group: &GroupResult, config: &Config) -> Result<Step> {
+    let unit = format!("figures of {}", group.unit());
+    let mut inputs = BTreeMap::new();
+    for (stage, step) in group.steps() {
+        let Some(entry) = step.entry() else {
+            return engine.waits(REPORT, &unit, &format!("{stage} of {}", group.unit()));
+        };
+        inputs.insert(format!("{} {stage}", group.unit()), entry.digest());
+    }
+    let mut options = flatten("report", &config.report)?;
+    options.retain(|name, _| name == PNG_DPI);
+    options.extend(flatten("fit", &config.fit)?);
+    let step = engine.step(REPORT, &unit, options, inputs, || {
+        let input = input(engine, group, group.predictions(engine)?)?;
+        report::group_figures(&input, config)
+    })?;
+    Ok(step.settled())
+}
+
+/// What the report says of a group, with these predictions.
+///
+/// # Errors
+/// A damaged entry.
+pub fn input(engine: &Engine, group: &GroupResult, predictions: Predictions) -> Result<GroupInput> {
+    Ok(GroupInput {
+        fit: group.fitted(engine)?,
+        comparison: group.compared(engine)?,
+        predictions,
+        diagnosis: group.diagnosed(engine)?,
+    })
+}
+
+/// The figures as drawn.
+///
+/// # Errors
+/// A damaged entry.
+pub fn drawn(engine: &Engine, step: &Step) -> Result<GroupFigures> {
+    serde_json::from_slice(&engine.read(step, report::DRAWN)?).map_err(Error::internal)
+}

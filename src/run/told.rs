@@ -1,0 +1,75 @@
+//! What the user is told of every session, remembered so that a run without changes need not open what its sessions left.
+
+use crate::base::diagnostics::{Diagnostic, Severity};
+use crate::base::error::Result;
+use crate::base::reject::{Extent, Reject};
+use crate::cache::Digest;
+use crate::run::engine::Engine;
+use crate::run::sessions::SessionResult;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+const TOLD: &str = "told.jsonl";
+
+/// What the user is told of one session.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Told {
+    /// Errors and warnings about its files.
+    pub diagnostics: Vec<Diagnostic>,
+    /// The logs that were left out, and the session itself.
+    pub rejects: Vec<Reject>,
+}
+
+/// By session: a digest of what its stages gave, and what follows from that.
+type Remembered = BTreeMap<String, (Digest, Told)>;
+
+/// What is told of the sessions that are up to date, in their order.
+///
+/// # Errors
+/// A damaged cache; system errors of the store.
+pub fn all(engine: &Engine, results: &[SessionResult], only_look: bool) -> Result<Vec<Told>> {
+    let before: Remembered = engine.read_aside(TOLD);
+    let known = results.par_iter().map(|result| {
+        let Some(digest) = outputs(result) else {
+            return Ok(None);
+        };
+        let remembered = before.get(&result.id).filter(|(of, _)| *of == digest);
+        let told = match remembered {
+            Some((_, told)) => told.clone(),
+            None => told(engine, result)?,
+        };
+        Ok(Some((result.id.clone(), (digest, told))))
+    });
+    let now: Vec<Option<(String, (Digest, Told))>> = known.collect::<Result<_>>()?;
+    let now: Remembered = now.into_iter().flatten().collect();
+    if now != before && !only_look {
+        engine.write_aside(TOLD, &now)?;
+    }
+    Ok(now.into_values().map(|(_, told)| told).collect())
+}
+
+/// One digest over what the stages of a session gave.
+fn outputs(result: &SessionResult) -> Option<Digest> {
+    let digests = result
+        .steps()
+        .map(|(name, step)| Some((name, step.entry()?.digest())));
+    let digests: Vec<(String, Digest)> = digests.into_iter().collect::<Option<_>>()?;
+    Some(Digest::of_named(digests.iter().map(|(name, d)| (name, d))))
+}
+
+fn told(engine: &Engine, result: &SessionResult) -> Result<Told> {
+    let Some((ingest, clean)) = result.headers(engine)? else {
+        return Ok(Told::default());
+    };
+    let mut rejects = ingest.rejects;
+    rejects.extend(clean.rejects);
+    rejects.extend(result.normalize_rejects(engine)?);
+    rejects.retain(|r| matches!(r.extent, Extent::Session | Extent::Log));
+    let mut diagnostics = ingest.diagnostics;
+    diagnostics.retain(|d| d.severity != Severity::Note);
+    Ok(Told {
+        diagnostics,
+        rejects,
+    })
+}

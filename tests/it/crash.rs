@@ -1,0 +1,323 @@
+//! Everything below `derived/` damaged, one file at a time; disks that are full or read-only; inputs that are edited while they are read.
+
+use crate::support::{Bench, Said, files};
+use pipeline::base::error::Error;
+use pipeline::base::random::Stream;
+use pipeline::cache::{Digest, Outputs};
+use pipeline::config::Config;
+use pipeline::run::engine::Engine;
+use pipeline::run::step::{Stage, Step};
+use pipeline::run::{Progress, RunOptions};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+const RUN: [&str; 3] = ["run", "--config", "fast.toml"];
+
+/// What is tried here is not the resamples nor the pictures.
+fn small() -> Bench {
+    let bench = Bench::small();
+    let options =
+        "[fit]\nbootstrap_refits = 20\n[diagnose]\npermutations = 99\n[report]\npng_dpi = 20.0\n";
+    std::fs::write(bench.root().join("fast.toml"), options).unwrap();
+    bench
+}
+
+/// Everything that people look at.
+fn shown(bench: &Bench) -> BTreeMap<String, Vec<u8>> {
+    let mut all = bench.snapshot("reports");
+    let derived = bench.snapshot("derived").into_iter();
+    all.extend(derived.filter(|(name, _)| !name.starts_with("cache")));
+    all
+}
+
+fn runs(bench: &Bench) -> Said {
+    let said = bench.run(&RUN);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    said
+}
+
+/// What is done to a file, and how.
+type Damage = (&'static str, fn(&Path));
+
+fn flip(file: &Path) {
+    let mut bytes = std::fs::read(file).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(file, bytes).unwrap();
+}
+
+fn cut(file: &Path) {
+    let bytes = std::fs::read(file).unwrap();
+    std::fs::write(file, &bytes[..bytes.len() / 2]).unwrap();
+}
+
+fn remove(file: &Path) {
+    std::fs::remove_file(file).unwrap();
+}
+
+/// Damages every file below `derived/` in turn, each in one of three ways; the next run has to mend it.
+#[test]
+fn every_damaged_file_below_derived_is_mended_by_the_next_run() {
+    let bench = small();
+    runs(&bench);
+    let right = shown(&bench);
+    let objects = bench.snapshot("derived/cache/objects");
+    let damages: [Damage; 3] = [("flipped", flip), ("cut", cut), ("removed", remove)];
+    let all = files(&bench.root().join("derived"));
+    let damaged = all.iter().filter(|f| !f.ends_with("lock"));
+    for (k, file) in damaged.enumerate() {
+        if !file.exists() {
+            continue;
+        }
+        let (how, damage) = damages[k % 3];
+        damage(file);
+        let said = runs(&bench);
+        let name = file.strip_prefix(bench.root()).unwrap().display();
+        assert_eq!(shown(&bench), right, "{name} {how}: {}", said.out);
+        let mended = bench.snapshot("derived/cache/objects");
+        assert_eq!(mended, objects, "{name} {how}: {}", said.out);
+    }
+}
+
+/// The small files of the cache and one of every other kind, in each of the three ways.
+#[test]
+fn a_file_of_each_kind_is_mended_however_it_is_damaged() {
+    let bench = small();
+    runs(&bench);
+    let right = shown(&bench);
+    let first = |folder: &str| {
+        files(&bench.root().join(folder))
+            .into_iter()
+            .next()
+            .unwrap()
+    };
+    let small = ["state", "hashes", "told", "materialized"];
+    let small = small.map(|n| bench.root().join(format!("derived/cache/{n}.jsonl")));
+    let others = [
+        "derived/cache/entries",
+        "derived/cache/objects",
+        "derived/sessions",
+        "reports/tables",
+    ];
+    for file in small.into_iter().chain(others.map(first)) {
+        for damage in [flip, cut, remove] {
+            damage(&file);
+            let said = runs(&bench);
+            assert_eq!(shown(&bench), right, "{}: {}", file.display(), said.out);
+        }
+    }
+    let said = runs(&bench);
+    assert!(said.out.starts_with("nothing to do"), "{}", said.out);
+}
+
+/// A file may not grow beyond some blocks: every write of more fails as on a full disk, wherever the run is.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_is_said_and_the_next_run_goes_on() {
+    let whole = small();
+    runs(&whole);
+    let right = shown(&whole);
+    let bench = small();
+    let mut stopped = 0;
+    for blocks in [0, 1, 4, 16, 64, 256] {
+        let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
+        // A pipe has no size: what the program says still comes through.
+        let output = Command::new("sh")
+            .args(["-c", &script, env!("CARGO_BIN_EXE_pipeline")])
+            .args(RUN)
+            .current_dir(bench.root())
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        if output.status.success() {
+            continue;
+        }
+        stopped += 1;
+        assert_eq!(output.status.code(), Some(2), "{blocks} blocks: {said}");
+        assert!(
+            said.starts_with("error: cannot write"),
+            "{blocks} blocks: {said}"
+        );
+        for (name, bytes) in shown(&bench)
+            .into_iter()
+            .filter(|(n, _)| !n.contains(".writing-"))
+        {
+            assert!(right.get(&name) == Some(&bytes), "{blocks} blocks: {name}");
+        }
+    }
+    assert!(stopped >= 3, "only {stopped} runs found the disk full");
+    runs(&bench);
+    assert_eq!(shown(&bench), right);
+}
+
+/// A place that belongs to somebody else. Root may write everywhere, so that where the tests run as root the program runs as nobody.
+#[cfg(unix)]
+#[test]
+fn a_read_only_place_is_said_and_left_as_it_is() {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt};
+    use std::os::unix::process::CommandExt;
+    let bench = small();
+    runs(&bench);
+    remove(&bench.root().join("reports/force.pdf"));
+    let mode = |path: &Path, mode: u32| {
+        let permissions = std::fs::Permissions::from_mode(mode);
+        std::fs::set_permissions(path, permissions).unwrap();
+    };
+    let folders = ["", "reports", "derived", "derived/cache"].map(|f| bench.root().join(f));
+    folders.iter().for_each(|f| mode(f, 0o555));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pipeline"));
+    if std::fs::metadata(bench.root()).unwrap().uid() == 0 {
+        command.uid(65534);
+    }
+    let output = command
+        .args(RUN)
+        .current_dir(bench.root())
+        .output()
+        .unwrap();
+    folders.iter().for_each(|f| mode(f, 0o755));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.starts_with("error: cannot open the lock"), "{said}");
+    let said = runs(&bench);
+    assert!(said.out.contains("1 files written"), "{}", said.out);
+}
+
+/// A log that is edited while the program reads it: whatever that run made of it, the next one gives what the log then says.
+#[test]
+fn a_log_that_is_edited_during_a_run_poisons_nothing() {
+    let bench = small();
+    let began = Instant::now();
+    runs(&bench);
+    let whole = began.elapsed();
+    let log = bench.raw().join("small/b/c50/test8.csv");
+    let mut stream = Stream::new(1, &["edited"]);
+    for _ in 0..12 {
+        std::fs::remove_dir_all(bench.root().join("derived")).unwrap();
+        let mut child = Command::new(env!("CARGO_BIN_EXE_pipeline"))
+            .args(RUN)
+            .current_dir(bench.root())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(whole.mul_f64(0.3 * stream.uniform()));
+        let mut bytes = std::fs::read(&log).unwrap();
+        let digits = (0..bytes.len()).filter(|k| bytes[*k].is_ascii_digit());
+        let digits: Vec<usize> = digits.collect();
+        let at = digits[(stream.uniform() * digits.len() as f64) as usize];
+        bytes[at] = b'0' + (bytes[at] - b'0' + 1) % 10;
+        std::fs::write(&log, &bytes).unwrap();
+        child.wait().unwrap();
+    }
+    std::thread::sleep(Duration::from_millis(10));
+    runs(&bench);
+    let fresh = small();
+    std::fs::write(
+        fresh.raw().join("small/b/c50/test8.csv"),
+        std::fs::read(&log).unwrap(),
+    )
+    .unwrap();
+    runs(&fresh);
+    assert_eq!(shown(&bench), shown(&fresh));
+}
+
+/// As after `cp -p` or with a clock that was set back: other contents, the same size and time of change.
+#[cfg(unix)]
+#[test]
+fn other_contents_of_the_same_size_and_time_are_seen() {
+    let bench = small();
+    runs(&bench);
+    let log = bench.raw().join("small/b/c50/test8.csv");
+    let (size, time) = {
+        let metadata = std::fs::metadata(&log).unwrap();
+        (metadata.len(), metadata.modified().unwrap())
+    };
+    flip_digit(&log);
+    let open = std::fs::File::options().write(true).open(&log).unwrap();
+    open.set_modified(time).unwrap();
+    assert_eq!(std::fs::metadata(&log).unwrap().len(), size);
+    let said = bench.run(&["status", "--config", "fast.toml"]);
+    let line = "ingest small-b-c50: input changed: test8.csv";
+    assert!(said.out.contains(line), "{}", said.out);
+}
+
+fn flip_digit(log: &Path) {
+    let mut bytes = std::fs::read(log).unwrap();
+    let digit = bytes.iter().position(|b| (b'1'..=b'8').contains(b));
+    bytes[digit.unwrap()] += 1;
+    std::fs::write(log, bytes).unwrap();
+}
+
+struct Silent;
+
+impl Progress for Silent {
+    fn begin(&self, _stage: &str, _units: usize) {}
+    fn tick(&self) {}
+    fn note(&self, _message: &str) {}
+}
+
+/// A defect of the program in the work on one unit: named, and of no consequence for the next unit of a run that keeps going.
+#[test]
+fn a_panic_in_one_unit_is_named_and_stops_only_a_run_that_does_not_keep_going() {
+    let folder = tempfile::tempdir().unwrap();
+    let stage = Stage {
+        name: "clean",
+        version: 1,
+        code: "",
+    };
+    let readings: Vec<f64> = Vec::new();
+    let try_both = |keep_going: bool| {
+        let options = RunOptions {
+            raw: Vec::new(),
+            derived: folder.path().join("derived"),
+            reports: folder.path().join("reports"),
+            config: Config::default(),
+            jobs: 1,
+            force: None,
+            dry_run: false,
+            keep_going,
+        };
+        let engine = Engine::open(&options, &Silent).unwrap();
+        let broken = || Ok(Outputs::from([("x".to_owned(), vec![readings[3] as u8])]));
+        let broken = engine.step(stage, "iso10", BTreeMap::new(), BTreeMap::new(), broken);
+        let whole = || Ok(Outputs::from([("x".to_owned(), b"y".to_vec())]));
+        let inputs = BTreeMap::from([("log".to_owned(), Digest::of(b"log"))]);
+        let whole = engine.step(stage, "iso20", BTreeMap::new(), inputs, whole);
+        assert!(whole.unwrap().entry().is_some());
+        let failed = engine.into_work().2;
+        (broken, failed)
+    };
+    let why = "clean of iso10: index out of bounds: the len is 0 but the index is 3";
+    let (stops, failed) = try_both(false);
+    assert!(matches!(stops, Err(Error::Internal(w)) if w == why));
+    assert!(failed.is_empty());
+    let (goes_on, failed) = try_both(true);
+    assert!(matches!(goes_on, Ok(Step::Pending)));
+    assert_eq!(failed.len(), 1);
+    assert_eq!(
+        (failed[0].unit.as_str(), failed[0].why.as_str()),
+        ("iso10", why)
+    );
+}
+
+#[test]
+fn a_run_that_is_to_stay_offline_refuses_an_address() {
+    let bench = small();
+    let said = bench.run(&["run", "--offline-only", "--raw", "https://lab.example/raw"]);
+    assert_eq!(said.code, 2, "{}", said.err);
+    assert!(
+        said.err.contains("https://lab.example/raw is on a network"),
+        "{}",
+        said.err
+    );
+    let said = bench.run(&[
+        "run",
+        "--config",
+        "fast.toml",
+        "--offline-only",
+        "--keep-going",
+    ]);
+    assert_eq!(said.code, 0, "{}", said.err);
+}
