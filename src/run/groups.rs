@@ -2,6 +2,7 @@
 
 use crate::base::error::{Error, Result};
 use crate::base::frame::{Frame, Values};
+use crate::base::json::from_slice;
 use crate::base::row::{self, Row};
 use crate::base::session::Kind;
 use crate::cache::Digest;
@@ -140,8 +141,7 @@ fn compare_step(
     let mut options = flatten("fit", &config.fit)?;
     options.extend(flatten("compare", &config.compare)?);
     engine.step(COMPARE, unit, options, inputs, || {
-        let fitted: GroupFit =
-            serde_json::from_slice(&engine.read(fit, FIT_JSON)?).map_err(Error::internal)?;
+        let fitted: GroupFit = from_slice(&engine.read(fit, FIT_JSON)?)?;
         let rows = rows(engine, members)?;
         let (comparison, predictions) =
             compare::compare(&fitted, &rows, &config.compare, &config.fit);
@@ -217,7 +217,7 @@ impl GroupResult {
     /// # Errors
     /// A damaged entry.
     pub fn fitted(&self, engine: &Engine) -> Result<GroupFit> {
-        serde_json::from_slice(&engine.read(&self.fit, FIT_JSON)?).map_err(Error::internal)
+        from_slice(&engine.read(&self.fit, FIT_JSON)?)
     }
 
     /// The comparison.
@@ -225,8 +225,7 @@ impl GroupResult {
     /// # Errors
     /// A damaged entry.
     pub fn compared(&self, engine: &Engine) -> Result<GroupComparison> {
-        serde_json::from_slice(&engine.read(&self.compare, COMPARISON_JSON)?)
-            .map_err(Error::internal)
+        from_slice(&engine.read(&self.compare, COMPARISON_JSON)?)
     }
 
     /// The diagnosis; none for a group of several campaigns, or of too few readings.

@@ -86,10 +86,10 @@ fn digest(step: &Step, waits_on: impl FnOnce() -> String) -> std::result::Result
 fn results(done: &Done) -> Inputs {
     let mut inputs = BTreeMap::new();
     for session in done.sessions {
-        for (stage, step) in session.steps() {
-            let digest = digest(step, || format!("session {}", session.id))?;
-            inputs.insert(format!("{} {stage}", session.id), digest);
-        }
+        let gave = session
+            .gave()
+            .ok_or_else(|| format!("session {}", session.id))?;
+        inputs.extend(gave.map(|(stage, d)| (format!("{} {stage}", session.id), d.clone())));
     }
     for group in done.groups {
         for (stage, step) in group.steps() {

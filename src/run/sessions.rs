@@ -54,6 +54,8 @@ pub struct SessionResult {
     pub clean: Step,
     /// Normalize.
     pub normalize: Step,
+    /// Digests of what the three gave, in order; none while one of them is pending.
+    pub gave: Option<[Digest; 3]>,
 }
 
 /// Why a session has to be started again.
@@ -121,6 +123,7 @@ fn attempt(workshop: &Workshop, located: &Located) -> std::result::Result<Sessio
         return Ok(SessionResult {
             clean: engine.waits(CLEAN, &id, "ingest")?,
             normalize: engine.waits(NORMALIZE, &id, "clean")?,
+            gave: None,
             id,
             ingest,
         });
@@ -139,6 +142,7 @@ fn attempt(workshop: &Workshop, located: &Located) -> std::result::Result<Sessio
     let Some(entry) = clean.entry() else {
         return Ok(SessionResult {
             normalize: engine.waits(NORMALIZE, &id, "clean")?,
+            gave: None,
             id,
             ingest,
             clean,
@@ -156,11 +160,17 @@ fn attempt(workshop: &Workshop, located: &Located) -> std::result::Result<Sessio
             (REJECTS.to_owned(), to_json(&rejects)?),
         ]))
     })?;
+    let gave = |step: &Step| step.entry().map(Entry::digest);
+    let gave = (gave(&ingest), gave(&clean), gave(&normalize));
     Ok(SessionResult {
         id,
         ingest,
         clean: clean.settled(),
         normalize: normalize.settled(),
+        gave: match gave {
+            (Some(i), Some(c), Some(n)) => Some([i, c, n]),
+            _ => None,
+        },
     })
 }
 
@@ -283,14 +293,10 @@ fn read_readings(engine: &Engine, clean: &Step) -> Result<Vec<Reading>> {
 }
 
 impl SessionResult {
-    /// Its steps with the names of their stages, in order.
-    pub fn steps(&self) -> [(String, &Step); 3] {
-        let name = |stage: Stage| stage.name.to_owned();
-        [
-            (name(INGEST), &self.ingest),
-            (name(CLEAN), &self.clean),
-            (name(NORMALIZE), &self.normalize),
-        ]
+    /// Digests of what its stages gave, by stage in order; none while one of them is pending.
+    pub fn gave(&self) -> Option<impl Iterator<Item = (&'static str, &Digest)>> {
+        let stages = [INGEST, CLEAN, NORMALIZE].map(|stage| stage.name);
+        self.gave.as_ref().map(|gave| stages.into_iter().zip(gave))
     }
 
     /// The headers of ingest and clean; `None` in a dry run.

@@ -51,11 +51,9 @@ pub fn all(engine: &Engine, results: &[SessionResult], only_look: bool) -> Resul
 
 /// One digest over what the stages of a session gave.
 fn outputs(result: &SessionResult) -> Option<Digest> {
-    let digests = result
-        .steps()
-        .map(|(name, step)| Some((name, step.entry()?.digest())));
-    let digests: Vec<(String, Digest)> = digests.into_iter().collect::<Option<_>>()?;
-    Some(Digest::of_named(digests.iter().map(|(name, d)| (name, d))))
+    let gave = result.gave()?.map(|(name, d)| (name.to_owned(), d));
+    let gave: Vec<(String, &Digest)> = gave.collect();
+    Some(Digest::of_named(gave.iter().map(|(name, d)| (name, *d))))
 }
 
 fn told(engine: &Engine, result: &SessionResult) -> Result<Told> {

@@ -323,3 +323,21 @@ fn a_run_without_any_usable_session_is_no_success() {
     assert_eq!(said.code, 2, "{}{}", said.out, said.err);
     assert!(said.err.contains("bad/session.toml"), "{}", said.err);
 }
+
+#[test]
+fn a_campaign_of_which_every_session_is_excluded_stops_nothing() {
+    let bench = Bench::small();
+    for file in crate::support::files(&bench.raw()) {
+        if file.ends_with("session.toml") {
+            let text = std::fs::read_to_string(&file).unwrap();
+            let text = text.replacen(
+                "\n[specimen]",
+                "exclude = \"the bolt slipped\"\n\n[specimen]",
+                1,
+            );
+            std::fs::write(&file, text).unwrap();
+        }
+    }
+    let said = bench.run(&["run"]);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+}
