@@ -185,7 +185,7 @@ mod unit {
     }
 
     /// So many tests of two actuators, each read at the same angles.
-    fn readings(build: &Build, tests: usize, angles: &[f64]) -> Vec<Reading<'_>> {
+    fn readings<'a>(build: &'a Build, tests: usize, angles: &[f64]) -> Vec<Reading<'a>> {
         let all = published();
         let law = all.iter().find(|m| m.id() == "new_published").unwrap();
         let joint = Joint::new(build, *law);
