@@ -41,6 +41,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         jobs: 0,
         force: None,
         dry_run: false,
+        only: None,
     };
     let cold = measure(|| {
         let _ = std::fs::remove_dir_all(&options.derived);

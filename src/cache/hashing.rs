@@ -113,6 +113,15 @@ impl FileHashes {
         serde_json::to_vec(&*current).ok()
     }
 
+    /// What this run has seen beside what `others` have written down; `None` where they knew it already. Of two processes that do this at
+    /// once one may be forgotten, which costs no more than hashing again.
+    pub fn to_json_with(&self, others: &[u8]) -> Option<Vec<u8>> {
+        let mut all = Self::from_json(others).known;
+        let known = all.clone();
+        all.extend(self.current.lock().ok()?.clone());
+        (all != known).then(|| serde_json::to_vec(&all).ok())?
+    }
+
     /// The digest of the file at `path`, remembered under `name`, and its bytes if they had to be read for it.
     ///
     /// A file of more than [`LARGEST_IN_MEMORY`] bytes is hashed in pieces and not kept.

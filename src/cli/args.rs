@@ -2,6 +2,7 @@
 
 use crate::cli::check::CheckArgs;
 use crate::cli::explain::ExplainArgs;
+use crate::cli::export::ExportArgs;
 use crate::cli::gc::GcArgs;
 use crate::cli::graph::GraphArgs;
 use crate::cli::predict::PredictArgs;
@@ -67,6 +68,11 @@ pub enum Command {
         after_help = "Examples:\n  pipeline gc --dry-run\n  pipeline gc --older-than 7 --max-size 2GB\n\nWhat the last run used always stays; so does what lies in reports/ and derived/sessions/."
     )]
     Gc(GcArgs),
+    /// Write the work of a run as a workflow for another engine, whose jobs share a cache
+    #[command(
+        after_help = "Example:\n  pipeline export snakemake > Snakefile\n  snakemake --cores 8\n\nEvery job is `pipeline run --only STAGE:UNIT`, which fills the cache below derived/; an ordinary `pipeline run` at the end writes the reports. All machines have to see raw/ and derived/ under the same paths. --jobs is the number of threads of one job (0: one)."
+    )]
+    Export(ExportArgs),
     /// Print all options with their defaults, as a pipeline.toml
     #[command(after_help = "Example:\n  pipeline config > pipeline.toml")]
     Config,
@@ -128,6 +134,9 @@ pub struct RunArgs {
     /// Say what would run, and do nothing
     #[arg(long)]
     pub dry_run: bool,
+    /// Fill the cache with one job alone, beside other processes that do so (`pipeline export` lists the jobs)
+    #[arg(long, value_name = "STAGE:UNIT")]
+    pub only: Option<String>,
 }
 
 /// Arguments of `simulate`.

@@ -7,6 +7,7 @@ mod args;
 mod check;
 mod columns;
 mod explain;
+mod export;
 mod gc;
 mod graph;
 mod predict;
@@ -47,6 +48,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Explain(args) => explain::command(args),
         Command::Graph(args) => graph::command(args),
         Command::Gc(args) => gc::command(args),
+        Command::Export(args) => export::command(args),
         Command::Config => Config::default().to_commented_toml().map(|text| {
             print::config(&text);
             DONE
@@ -76,13 +78,15 @@ fn options(places: &Places, force: Option<&str>, dry_run: bool) -> Result<RunOpt
         jobs: places.jobs as usize,
         force,
         dry_run,
+        only: None,
     })
 }
 
 fn run_command(args: &RunArgs) -> Result<u8> {
     let started = std::time::Instant::now();
     let places = &args.places;
-    let options = options(places, args.force.as_deref(), args.dry_run)?;
+    let mut options = options(places, args.force.as_deref(), args.dry_run)?;
+    options.only.clone_from(&args.only);
     let progress = progress::Shown::new(places.json);
     let outcome = run::run(&options, &progress)?;
     progress.finish();
@@ -92,12 +96,14 @@ fn run_command(args: &RunArgs) -> Result<u8> {
         return Ok(DONE);
     }
     print::run(&outcome, started.elapsed(), args.explain, places.json)?;
-    nothing_usable(&outcome)?;
+    if args.only.is_none() {
+        nothing_usable(&outcome)?;
+    }
     let strict = args.strict && !outcome.rejected.is_empty();
     Ok(if strict { REJECTED } else { DONE })
 }
 
-/// A run in which every session was rejected is no success.
+/// A run in which every session was rejected is no success; of a job nobody can say that.
 fn nothing_usable(outcome: &Outcome) -> Result<()> {
     if outcome.rejected.len() >= outcome.sessions + outcome.unusable {
         return Err(Error::Usage(

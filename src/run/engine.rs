@@ -5,9 +5,9 @@ use crate::cache::key::KeyParts;
 use crate::cache::reason::{Reason, differences};
 use crate::cache::store::{Entry, Object, Outputs};
 use crate::cache::{Digest, FileHashes};
-use crate::run::cache::{Cache, STATE};
+use crate::run::cache::{Access, Cache, STATE};
 use crate::run::{Progress, RunOptions};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -43,7 +43,7 @@ pub enum Step {
     Fresh(Entry),
     /// The outputs were computed; the bytes are at hand.
     Done(Entry, Outputs),
-    /// A dry run: they would be computed.
+    /// A dry run, in which they would be computed, or a job to which they do not belong.
     Pending,
 }
 
@@ -67,17 +67,29 @@ pub struct Engine {
     fresh: Mutex<usize>,
     force: Option<String>,
     dry_run: bool,
+    /// Names of the steps that are asked for; all where there are none.
+    asked: Option<BTreeSet<String>>,
 }
 
 const HASHES: &str = "hashes.json";
 
 impl Engine {
-    /// Opens the cache below `derived/`; waits for another run on it to end.
+    /// Opens the cache below `derived/`; waits for another run on it to end. A job, which is `asked` for some steps only, shares it with
+    /// other jobs.
     ///
     /// # Errors
     /// The directory cannot be made or written.
-    pub fn open(options: &RunOptions, progress: &dyn Progress) -> Result<Self> {
-        let cache = Cache::open(&options.derived, options.dry_run, progress)?;
+    pub fn open(
+        options: &RunOptions,
+        asked: Option<BTreeSet<String>>,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
+        let access = match (options.dry_run, &asked) {
+            (true, _) => Access::Look,
+            (false, Some(_)) => Access::Shared,
+            (false, None) => Access::Alone,
+        };
+        let cache = Cache::open(&options.derived, access, progress)?;
         Ok(Self {
             hashes: FileHashes::from_json(&cache.store().read_aside(HASHES)),
             cache,
@@ -86,6 +98,7 @@ impl Engine {
             fresh: Mutex::default(),
             force: options.force.clone(),
             dry_run: options.dry_run,
+            asked,
         })
     }
 
@@ -101,6 +114,9 @@ impl Engine {
         inputs: BTreeMap<String, Digest>,
         compute: impl FnOnce() -> Result<Outputs>,
     ) -> Result<Step> {
+        if !self.is_asked(stage, unit) {
+            return Ok(Step::Pending);
+        }
         let parts = KeyParts {
             stage: stage.name.to_owned(),
             version: stage.version,
@@ -136,13 +152,18 @@ impl Engine {
     /// # Errors
     /// Another thread panicked.
     pub fn waits(&self, stage: Stage, unit: &str, on: &str) -> Result<Step> {
-        self.record(
-            stage,
-            unit,
-            vec![Reason::Waits(on.to_owned())],
-            Duration::ZERO,
-        )?;
+        if self.is_asked(stage, unit) {
+            let reasons = vec![Reason::Waits(on.to_owned())];
+            self.record(stage, unit, reasons, Duration::ZERO)?;
+        }
         Ok(Step::Pending)
+    }
+
+    fn is_asked(&self, stage: Stage, unit: &str) -> bool {
+        let name = || name_of(stage.name, unit);
+        self.asked
+            .as_ref()
+            .is_none_or(|asked| asked.contains(&name()))
     }
 
     /// The bytes of an output, from memory if the step has just made it.
@@ -182,7 +203,7 @@ impl Engine {
     }
 
     fn why(&self, stage: Stage, unit: &str, parts: &KeyParts) -> Vec<Reason> {
-        let Some(last) = self.cache.last().get(&name_of(stage, unit)) else {
+        let Some(last) = self.cache.last().get(&name_of(stage.name, unit)) else {
             return vec![Reason::FirstTime];
         };
         match self.cache.store().recorded(last) {
@@ -212,15 +233,23 @@ impl Engine {
         self.now
             .lock()
             .map_err(Error::internal)?
-            .insert(name_of(stage, unit), key);
+            .insert(name_of(stage.name, unit), key);
         Ok(())
     }
 
-    /// Writes down which keys are current, and what is known of the raw files.
+    /// Writes down which keys are current, and what is known of the raw files. A job leaves the keys as they were, which are those of the
+    /// last whole run, and adds to the files what it has read itself.
     ///
     /// # Errors
     /// System errors of the store.
     pub fn close(&self) -> Result<()> {
+        if self.asked.is_some() {
+            let others = self.cache.store().read_aside(HASHES);
+            return match self.hashes.to_json_with(&others) {
+                Some(json) => self.cache.store().write_aside(HASHES, &json),
+                None => Ok(()),
+            };
+        }
         let now = self.now.lock().map_err(Error::internal)?;
         if *now != *self.cache.last() {
             let json = serde_json::to_vec(&*now).map_err(Error::internal)?;
@@ -250,8 +279,9 @@ impl Engine {
     }
 }
 
-fn name_of(stage: Stage, unit: &str) -> String {
-    format!("{}/{unit}", stage.name)
+/// Name of a step: a stage with a unit.
+pub fn name_of(stage: &str, unit: &str) -> String {
+    format!("{stage}/{unit}")
 }
 
 fn missing(name: &str) -> Error {

@@ -15,6 +15,7 @@ pub mod cache;
 pub mod diagnosis;
 pub mod engine;
 pub mod groups;
+pub mod jobs;
 pub mod materialize;
 pub mod reports;
 pub mod sessions;
@@ -61,6 +62,8 @@ pub struct RunOptions {
     pub force: Option<String>,
     /// Look, and do nothing.
     pub dry_run: bool,
+    /// One job, `STAGE:UNIT`: only the cache is brought up to date for it, beside other jobs ([`jobs`]).
+    pub only: Option<String>,
 }
 
 /// What a run did.
@@ -125,11 +128,17 @@ pub fn run(options: &RunOptions, progress: &dyn Progress) -> Result<Outcome> {
         check_outside(raw, &options.derived, "--derived")?;
         check_outside(raw, &options.reports, "--reports")?;
     }
-    let discovery = discover(&options.raw);
+    let mut discovery = discover(&options.raw);
     if discovery.sessions.is_empty() && discovery.unusable.is_empty() {
         return Err(Error::Usage(no_sessions(options, &discovery)));
     }
-    let engine = Engine::open(options, progress)?;
+    let mut asked = None;
+    if let Some(name) = &options.only {
+        let job = jobs::named(name, &discovery, &options.config.fit)?;
+        asked = Some(job.steps(&discovery));
+        discovery = job.narrowed(&discovery);
+    }
+    let engine = Engine::open(options, asked, progress)?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.jobs)
         .build()

@@ -7,6 +7,7 @@ mod commands;
 mod coverage;
 mod golden;
 mod intervals;
+mod jobs;
 mod kill;
 mod knee;
 mod labels;
