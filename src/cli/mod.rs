@@ -10,6 +10,7 @@ mod explain;
 mod export;
 mod gc;
 mod graph;
+mod manual;
 mod predict;
 mod predict_leg;
 mod predict_print;
@@ -49,6 +50,8 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Graph(args) => graph::command(args),
         Command::Gc(args) => gc::command(args),
         Command::Export(args) => export::command(args),
+        Command::Completions(args) => manual::completions(args),
+        Command::Man(args) => manual::command(args),
         Command::Config => Config::default().to_commented_toml().map(|text| {
             print::config(&text);
             DONE
