@@ -1,6 +1,7 @@
 //! What documents say, held to what is there; the Python of README.md is run.
 
 use crate::support::{Bench, FAST, outside_program};
+use pipeline::report::typeset::svg_to_pdf;
 use std::path::Path;
 use std::process::Command;
 
@@ -50,4 +51,17 @@ fn pandas_polars_and_duckdb_read_the_tidy_data() {
         .unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
+}
+
+#[test]
+fn documents_do_not_pile_up_on_the_stack_of_a_thread() {
+    use rayon::prelude::*;
+    let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 40 30\"><path d=\"M0 0L40 30\" stroke=\"black\"/></svg>";
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
+    let pages = pool.unwrap().install(|| {
+        let figures = (0..300).into_par_iter();
+        let page = |k: i32| svg_to_pdf(svg, &k.to_string(), (40.0, 30.0));
+        figures.map(|k| page(k).is_ok()).filter(|ok| *ok).count()
+    });
+    assert_eq!(pages, 300);
 }
