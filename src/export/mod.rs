@@ -1,6 +1,6 @@
 //! The work of a run as a workflow for an engine that runs jobs on many machines.
 //!
-//! A task is one job ([`crate::run::jobs`]): `pipeline run --only STAGE:UNIT`, which fills the cache. Tasks know which tasks come before them and
+//! A task is one job ([`jobs`]): `pipeline run --only STAGE:UNIT`, which fills the cache. Tasks know which tasks come before them and
 //! which raw files they read, and an ordinary `pipeline run` ends the workflow: it finds every result in the cache and makes the reports.
 //! What it gives is what it would give alone, byte for byte.
 //!
@@ -11,7 +11,7 @@ mod snakemake;
 use crate::base::error::{Error, Result};
 use crate::base::names::file_name;
 use crate::formats::discover::{Discovery, Located, SESSION_FILE};
-use crate::run::jobs::Job;
+use crate::run::jobs::{self, Job};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -59,7 +59,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The tasks of these jobs ([`crate::run::jobs::all`]).
+    /// The tasks of these jobs ([`jobs::all`]).
     ///
     /// # Errors
     /// A path that is no Unicode, which a workflow cannot hold.
@@ -69,46 +69,17 @@ impl Plan {
         discovery: &Discovery,
         jobs: &[Job],
     ) -> Result<Self> {
-        let at: BTreeMap<(&str, &str), usize> = jobs
-            .iter()
-            .enumerate()
+        let numbered = jobs.iter().enumerate();
+        let at: BTreeMap<(&str, &str), usize> = numbered
             .map(|(k, job)| ((job.stage, job.unit.as_str()), k))
             .collect();
-        let mut tasks = Vec::with_capacity(jobs.len());
-        for job in jobs {
-            let of_sessions = job.sessions.iter().filter_map(|k| {
-                let id = discovery.sessions[*k].session.id.as_str();
-                at.get(&("normalize", id))
-            });
-            let of_unit = job
-                .before
-                .iter()
-                .filter_map(|stage| at.get(&(*stage, job.unit.as_str())));
-            let place = tasks.len();
-            let after: Vec<usize> = of_sessions.chain(of_unit).copied().collect();
-            let after: Vec<usize> = after.into_iter().filter(|k| *k != place).collect();
-            let mut files: Vec<String> = places
-                .config
-                .iter()
-                .map(|p| text(p))
-                .collect::<Result<_>>()?;
-            if after.is_empty() {
-                for session in &job.sessions {
-                    files.extend(raw_files(&discovery.sessions[*session])?);
-                }
-            }
-            tasks.push(Task {
-                only: job.to_string(),
-                stage: job.stage,
-                name: file_name(&job.unit),
-                files,
-                after,
-            });
-        }
+        let tasks = jobs
+            .iter()
+            .map(|job| task(job, &at, discovery, places.config.as_deref()));
         Ok(Self {
+            tasks: tasks.collect::<Result<_>>()?,
             places,
             threads,
-            tasks,
         })
     }
 
@@ -130,6 +101,38 @@ impl Plan {
         }
         Ok(arguments)
     }
+}
+
+/// A job behind the jobs that come before it: those of its sessions and the stages of its own unit; `at`: where each job is, by stage and
+/// unit. One that comes behind none reads raw files.
+fn task(
+    job: &Job,
+    at: &BTreeMap<(&str, &str), usize>,
+    discovery: &Discovery,
+    config: Option<&Path>,
+) -> Result<Task> {
+    let sessions = || job.sessions.iter().map(|k| &discovery.sessions[*k]);
+    let of_sessions = sessions().map(|located| (jobs::ROWS, located.session.id.as_str()));
+    let of_unit = job.before.iter().map(|stage| (*stage, job.unit.as_str()));
+    let before = of_sessions.chain(of_unit);
+    let own = (job.stage, job.unit.as_str());
+    let after: Vec<usize> = before
+        .filter(|name| *name != own)
+        .filter_map(|name| at.get(&name).copied())
+        .collect();
+    let mut files: Vec<String> = config.map(text).into_iter().collect::<Result<_>>()?;
+    if after.is_empty() {
+        for located in sessions() {
+            files.extend(raw_files(located)?);
+        }
+    }
+    Ok(Task {
+        only: job.to_string(),
+        stage: job.stage,
+        name: file_name(&job.unit),
+        files,
+        after,
+    })
 }
 
 /// The files of a session that are there: a log that is missing is reported when the session is read.

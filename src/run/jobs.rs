@@ -15,7 +15,7 @@ use std::fmt;
 /// The stages of one session, which are one job: each is short, and reads what the one before it has just written.
 const OF_SESSIONS: &[&str] = &["ingest", "clean", "normalize"];
 /// The stage after which a session's rows are there.
-const ROWS: &str = "normalize";
+pub const ROWS: &str = "normalize";
 
 /// The stages whose units are jobs, in order; `report` is an ordinary run, when the others are done.
 pub const STAGES: &[&str] = &[ROWS, "fit", "compare", "diagnose", "torque"];

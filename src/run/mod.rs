@@ -8,7 +8,8 @@
 //!                                                             └────────────────────┴── report   one unit
 //! ```
 //! Everything that a stage reads comes through [`engine::Engine::step`], which derives its key; a stage function itself is pure: values
-//! in, values out. The result is independent of the number of jobs, because units meet only in sorted collections.
+//! in, values out. The result is independent of the number of threads, because units meet only in sorted collections. The units can also
+//! be brought up to date one by one, by many processes on one cache ([`jobs`]).
 
 pub mod ancestry;
 pub mod cache;
