@@ -42,6 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         force: None,
         dry_run: false,
         keep_going: false,
+        only: None,
     };
     let cold = measure(|| {
         let _ = std::fs::remove_dir_all(&options.derived);

@@ -109,6 +109,27 @@ pub fn by_quantity_name(name: &str) -> Option<&'static KnownColumn> {
     KNOWN.iter().find(|k| k.quantity_name == name)
 }
 
+/// Unit of a column that the pipeline itself names, which is the last part of its name; "1" for a share. None for texts, numbers of rows
+/// and the like. An extra column may have any name, and has the unit that `session.toml` gives it.
+pub fn unit_in(name: &str) -> Option<&'static str> {
+    let last = name.rsplit('_').next().unwrap_or(name);
+    let (_, unit) = UNITS_IN_NAMES.iter().find(|(part, _)| *part == last)?;
+    Some(unit)
+}
+
+const UNITS_IN_NAMES: &[(&str, &str)] = &[
+    ("n", "N"),
+    ("nm", "N.m"),
+    ("kpa", "kPa"),
+    ("m", "m"),
+    ("mm", "mm"),
+    ("rad", "rad"),
+    ("s", "s"),
+    ("c", "C"),
+    ("contraction", "1"),
+    ("rel", "1"),
+];
+
 /// Whether a column name is one that the pipeline itself writes, so that no extra column may take it.
 pub fn is_reserved(name: &str) -> bool {
     use derived::*;
@@ -140,4 +161,23 @@ pub fn is_reserved(name: &str) -> bool {
             "simulated",
         ]
         .contains(&name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::units::UNITS;
+
+    #[test]
+    fn the_unit_in_a_known_columns_name_is_the_one_used_inside() {
+        for known in KNOWN {
+            let inside = known
+                .quantity
+                .and_then(|q| UNITS.iter().find(|u| u.quantity == q));
+            assert_eq!(unit_in(known.column), inside.map(|u| u.symbol), "{known:?}");
+        }
+        assert_eq!(unit_in("hunt2017_by_hand_torque_nm"), Some("N.m"));
+        assert_eq!(unit_in(derived::CONTRACTION_REL), Some("1"));
+        assert_eq!(unit_in(derived::LAST_ROW), None);
+    }
 }

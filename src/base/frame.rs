@@ -1,10 +1,13 @@
 //! Columns of numbers, whole numbers and texts, and their Parquet form.
 //!
 //! The pipeline's tables are small and typed; polars carries them to and from Parquet, so that pandas, polars and DuckDB read
-//! `derived/` as it is. A missing number is NaN here and null there.
+//! `derived/` as it is. A missing number is NaN here and null there. The units stand in the file too, under the key `units`, as a JSON object
+//! from column to unit.
 
+use crate::base::columns;
 use crate::base::error::{Error, Result};
 use polars::prelude::*;
+use std::collections::BTreeMap;
 use std::io::Cursor;
 
 /// The values of one column.
@@ -23,13 +26,37 @@ pub enum Values {
 pub struct Frame {
     /// Name and values.
     pub columns: Vec<(String, Values)>,
+    /// Units by column, beside those that are known from the pipeline's own names; they are written and not read.
+    pub units: BTreeMap<String, String>,
 }
+
+/// Key of the units in the metadata of a Parquet file.
+const UNITS: &str = "units";
 
 impl Frame {
     /// The same table with one more column.
     pub fn with(mut self, name: &str, values: Values) -> Self {
         self.columns.push((name.to_owned(), values));
         self
+    }
+
+    /// The same table with units of columns.
+    pub fn with_units(mut self, units: impl IntoIterator<Item = (String, String)>) -> Self {
+        self.units.extend(units);
+        self
+    }
+
+    /// Units by column, as far as they are known.
+    fn all_units(&self) -> BTreeMap<&str, &str> {
+        let unit = |name: &'_ str| {
+            let own = columns::is_reserved(name).then(|| columns::unit_in(name));
+            let given = self.units.get(name).map(String::as_str);
+            given.or(own.flatten())
+        };
+        let columns = self.columns.iter();
+        columns
+            .filter_map(|(name, _)| Some((name.as_str(), unit(name)?)))
+            .collect()
     }
 
     /// Number of rows.
@@ -84,8 +111,11 @@ impl Frame {
         });
         let mut frame =
             DataFrame::new(self.height(), columns.collect()).map_err(Error::internal)?;
+        let units = serde_json::to_string(&self.all_units()).map_err(Error::internal)?;
+        let units = vec![(UNITS.to_owned(), units)];
         let mut bytes = Vec::new();
         ParquetWriter::new(&mut bytes)
+            .with_key_value_metadata(Some(KeyValueMetadata::from_static(units)))
             .with_compression(ParquetCompression::Lz4Raw)
             .with_statistics(StatisticsOptions::empty())
             .set_parallel(false)

@@ -15,6 +15,10 @@
 //! ([`key`]). Because inputs enter by content, an output that comes out unchanged stops the cascade; because neither paths outside
 //! the tree nor times enter, moving the directory changes nothing.
 //!
+//! Many processes may add to one cache at a time (a shared lock, which dies with its process): an object or entry is renamed to its name when it is
+//! whole, and the name is a digest, so that two writers of one name write the same. What is not named by its contents, `state.json` and
+//! the files that people read, is written by one whole run, which waits until it is alone; so does `gc`.
+//!
 //! Architecture invariant: the cache knows no stage and no format; it moves bytes.
 
 pub mod collect;

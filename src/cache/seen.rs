@@ -94,6 +94,14 @@ impl FileHashes {
         (*current != self.known).then(|| current.clone())
     }
 
+    /// What this run has seen beside what `others` have written down; `None` where they knew it already. Of two processes that do this at
+    /// once one may be forgotten, which costs no more than hashing again.
+    pub fn learned_beside(&self, others: BTreeMap<String, Seen>) -> Option<BTreeMap<String, Seen>> {
+        let mut all = others.clone();
+        all.extend(self.current.lock().ok()?.clone());
+        (all != others).then_some(all)
+    }
+
     /// The digest of the file at `path`, remembered under `name`, and its bytes if they had to be read for it.
     ///
     /// A file of more than [`LARGEST_IN_MEMORY`] bytes is hashed in pieces and not kept.

@@ -2,8 +2,10 @@
 
 use crate::cli::check::CheckArgs;
 use crate::cli::explain::ExplainArgs;
+use crate::cli::export::ExportArgs;
 use crate::cli::gc::GcArgs;
 use crate::cli::graph::GraphArgs;
+use crate::cli::manual::{CompletionsArgs, ManArgs};
 use crate::cli::predict::PredictArgs;
 use crate::simulate::effects::EFFECTS;
 use clap::{ArgAction, Parser, Subcommand};
@@ -67,6 +69,21 @@ pub enum Command {
         after_help = "Examples:\n  pipeline gc --dry-run\n  pipeline gc --older-than 7 --max-size 2GB\n\nWhat the last run used always stays; so does what lies in reports/ and derived/sessions/."
     )]
     Gc(GcArgs),
+    /// Write the work of a run as a workflow for another engine, whose jobs share a cache
+    #[command(
+        after_help = "Example:\n  pipeline export snakemake > Snakefile\n  snakemake --cores 8\n\nEvery job is `pipeline run --only STAGE:UNIT`, which fills the cache below derived/; an ordinary `pipeline run` at the end writes the reports. All machines have to see raw/ and derived/ under the same paths. --jobs is the number of threads of one job (0: one)."
+    )]
+    Export(ExportArgs),
+    /// Print what a shell needs to complete commands and options
+    #[command(
+        after_help = "Examples:\n  pipeline completions bash > ~/.local/share/bash-completion/completions/pipeline\n  pipeline completions zsh > ~/.zfunc/_pipeline\n  pipeline completions fish > ~/.config/fish/completions/pipeline.fish\n  pipeline completions powershell >> $PROFILE"
+    )]
+    Completions(CompletionsArgs),
+    /// Print the manual page, or write those of all commands
+    #[command(
+        after_help = "Examples:\n  pipeline man | man -l -\n  pipeline man --out ~/.local/share/man/man1"
+    )]
+    Man(ManArgs),
     /// Print all options with their defaults, as a pipeline.toml
     #[command(after_help = "Example:\n  pipeline config > pipeline.toml")]
     Config,
@@ -135,6 +152,9 @@ pub struct RunArgs {
     /// Refuse raw directories that are addresses on a network. The program uses none in any case
     #[arg(long)]
     pub offline_only: bool,
+    /// Fill the cache with one job alone, beside other processes that do so (`pipeline export` lists the jobs)
+    #[arg(long, value_name = "STAGE:UNIT")]
+    pub only: Option<String>,
 }
 
 /// Arguments of `simulate`.

@@ -4,7 +4,7 @@ use crate::base::error::{Error, Result};
 use crate::cache::collect::{self, Limits, Plan};
 use crate::cli::print::{line, print_json};
 use crate::cli::{DONE, progress};
-use crate::run::cache::Cache;
+use crate::run::cache::{Access, Cache};
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
@@ -33,22 +33,22 @@ pub struct GcArgs {
 
 /// Plans, and removes unless it is a dry run.
 pub fn command(args: &GcArgs) -> Result<u8> {
-    let cache = Cache::open(
-        &args.derived,
-        args.dry_run,
-        &progress::Shown::new(args.json),
-    )?;
-    let limits = Limits {
-        older_than: Duration::from_secs(args.older_than.saturating_mul(DAY_S)),
-        most_bytes: args.max_size,
-    };
-    let live = cache.last().values().map(|l| l.key.clone()).collect();
+    let progress = progress::Shown::new(args.json);
+    let mut cache = Cache::open(&args.derived, Access::Look, &progress)?;
     if cache.last().is_empty() {
         return Err(Error::Usage(format!(
             "nothing has been run in {} yet, or its state.jsonl is lost; `pipeline run` first, so that it is known what is needed",
             args.derived.display()
         )));
     }
+    if !args.dry_run {
+        cache = Cache::open(&args.derived, Access::Alone, &progress)?;
+    }
+    let limits = Limits {
+        older_than: Duration::from_secs(args.older_than.saturating_mul(DAY_S)),
+        most_bytes: args.max_size,
+    };
+    let live = cache.last().values().map(|l| l.key.clone()).collect();
     let plan = collect::plan(cache.store(), &live, limits, SystemTime::now())?;
     if !args.dry_run {
         collect::carry_out(&plan)?;

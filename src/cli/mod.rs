@@ -7,8 +7,10 @@ mod args;
 mod check;
 mod columns;
 mod explain;
+mod export;
 mod gc;
 mod graph;
+mod manual;
 mod predict;
 mod predict_leg;
 mod predict_print;
@@ -48,6 +50,9 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Explain(args) => explain::command(args),
         Command::Graph(args) => graph::command(args),
         Command::Gc(args) => gc::command(args),
+        Command::Export(args) => export::command(args),
+        Command::Completions(args) => manual::completions(args),
+        Command::Man(args) => manual::command(args),
         Command::Config => Config::default().to_commented_toml().map(|text| {
             print::config(&text);
             DONE
@@ -78,6 +83,7 @@ fn options(places: &Places, force: Option<&str>, dry_run: bool) -> Result<RunOpt
         force,
         dry_run,
         keep_going: false,
+        only: None,
     })
 }
 
@@ -100,6 +106,7 @@ fn run_command(args: &RunArgs) -> Result<u8> {
     }
     let options = RunOptions {
         keep_going: args.keep_going,
+        only: args.only.clone(),
         ..options(places, args.force.as_deref(), args.dry_run)?
     };
     let progress = progress::Shown::new(places.json);
@@ -114,12 +121,14 @@ fn run_command(args: &RunArgs) -> Result<u8> {
     if !outcome.failed.is_empty() {
         return Ok(INTERNAL);
     }
-    nothing_usable(&outcome)?;
+    if args.only.is_none() {
+        nothing_usable(&outcome)?;
+    }
     let strict = args.strict && !outcome.rejected.is_empty();
     Ok(if strict { REJECTED } else { DONE })
 }
 
-/// A run in which every session was rejected is no success.
+/// A run in which every session was rejected is no success; of a job nobody can say that.
 fn nothing_usable(outcome: &Outcome) -> Result<()> {
     if outcome.rejected.len() >= outcome.sessions + outcome.unusable {
         return Err(Error::Usage(

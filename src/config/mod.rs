@@ -383,16 +383,19 @@ impl Config {
         Ok(all)
     }
 
+    /// The configuration file: the one that is given, else `pipeline.toml`, if there is one.
+    pub fn place(path: Option<&Path>) -> Option<&Path> {
+        let default = Path::new("pipeline.toml");
+        path.or_else(|| default.exists().then_some(default))
+    }
+
     /// Reads a configuration file, or the defaults where there is none at the default place.
     ///
     /// # Errors
     /// The file cannot be read, or says something that is not understood.
     pub fn load(path: Option<&Path>) -> Result<Self> {
-        let default = Path::new("pipeline.toml");
-        let path = match path {
-            Some(path) => path,
-            None if default.exists() => default,
-            None => return Ok(Self::default()),
+        let Some(path) = Self::place(path) else {
+            return Ok(Self::default());
         };
         let text = std::fs::read_to_string(path).map_err(|e| {
             Error::Usage(format!(

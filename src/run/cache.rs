@@ -10,7 +10,19 @@ use std::path::Path;
 pub const STATE: &str = "state.jsonl";
 const LOCK: &str = "lock";
 
-/// A store with what the last run used of it. While it lives, no other process writes there.
+/// What a process does with a cache, and who may do what beside it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// Reads, whatever others do.
+    Look,
+    /// Adds objects and entries beside others that do: each is written to a temporary place and renamed, and named by what is in it, so that two
+    /// processes with the same result write the same bytes.
+    Shared,
+    /// Writes down the state of a whole run, puts results in place or removes old entries: nobody else writes meanwhile.
+    Alone,
+}
+
+/// A store with what the last run used of it. While it lives, it has its [`Access`].
 pub struct Cache {
     store: Store,
     last: State,
@@ -18,17 +30,17 @@ pub struct Cache {
 }
 
 impl Cache {
-    /// Opens the cache below `derived/`; waits for another run on it to end, unless it is only looked at.
+    /// Opens the cache below `derived/`; waits for processes that do not go with this access to end.
     ///
     /// # Errors
     /// The directory cannot be made or written.
-    pub fn open(derived: &Path, only_look: bool, progress: &dyn Progress) -> Result<Self> {
+    pub fn open(derived: &Path, access: Access, progress: &dyn Progress) -> Result<Self> {
         let root = derived.join("cache");
-        let lock = if only_look {
+        let lock = if access == Access::Look {
             None
         } else {
             std::fs::create_dir_all(&root).map_err(Error::io("create the folder", &root))?;
-            lock(&root.join(LOCK), progress)?
+            lock(&root.join(LOCK), access == Access::Shared, progress)?
         };
         let store = Store::new(&root);
         Ok(Self {
@@ -50,18 +62,24 @@ impl Cache {
 }
 
 /// Takes the lock of a cache; it dies with the process. None, with a note, on a file system that has no locks.
-fn lock(path: &Path, progress: &dyn Progress) -> Result<Option<File>> {
+fn lock(path: &Path, shared: bool, progress: &dyn Progress) -> Result<Option<File>> {
+    // Open for reading too: file systems over a network refuse a shared lock on a file that is only written.
     let file = File::options()
         .create(true)
         .truncate(false)
+        .read(true)
         .write(true)
         .open(path)
         .map_err(Error::io("open the lock", path))?;
-    match file.try_lock() {
+    let (attempt, wait): (fn(&File) -> _, fn(&File) -> _) = match shared {
+        true => (File::try_lock_shared, File::lock_shared),
+        false => (File::try_lock, File::lock),
+    };
+    match attempt(&file) {
         Ok(()) => Ok(Some(file)),
         Err(std::fs::TryLockError::WouldBlock) => {
             progress.note("another run works on this directory; waiting for it to end");
-            file.lock().map_err(Error::io("lock", path))?;
+            wait(&file).map_err(Error::io("lock", path))?;
             Ok(Some(file))
         }
         Err(std::fs::TryLockError::Error(e)) if e.kind() == std::io::ErrorKind::Unsupported => {

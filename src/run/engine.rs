@@ -5,12 +5,12 @@ use crate::cache::key::KeyParts;
 use crate::cache::reason::{Reason, differences};
 use crate::cache::store::{Entry, Object, Objects, Outputs};
 use crate::cache::{Digest, FileHashes, Left, State};
-use crate::run::cache::{Cache, STATE};
+use crate::run::cache::{Access, Cache, STATE};
 use crate::run::step::{Failure, Stage, Step, Work};
 use crate::run::{Progress, RunOptions, defect};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -28,17 +28,29 @@ pub struct Engine {
     force: Option<String>,
     dry_run: bool,
     keep_going: bool,
+    /// Names of the steps that are asked for; all where there are none.
+    asked: Option<BTreeSet<String>>,
 }
 
 const HASHES: &str = "hashes.jsonl";
 
 impl Engine {
-    /// Opens the cache below `derived/`; waits for another run on it to end.
+    /// Opens the cache below `derived/`; waits for another run on it to end. A job, which is `asked` for some steps only, shares it with
+    /// other jobs.
     ///
     /// # Errors
     /// The directory cannot be made or written.
-    pub fn open(options: &RunOptions, progress: &dyn Progress) -> Result<Self> {
-        let cache = Cache::open(&options.derived, options.dry_run, progress)?;
+    pub fn open(
+        options: &RunOptions,
+        asked: Option<BTreeSet<String>>,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
+        let access = match (options.dry_run, &asked) {
+            (true, _) => Access::Look,
+            (false, Some(_)) => Access::Shared,
+            (false, None) => Access::Alone,
+        };
+        let cache = Cache::open(&options.derived, access, progress)?;
         Ok(Self {
             hashes: FileHashes::new(cache.store().read_aside(HASHES)),
             cache,
@@ -49,6 +61,7 @@ impl Engine {
             force: options.force.clone(),
             dry_run: options.dry_run,
             keep_going: options.keep_going,
+            asked,
         })
     }
 
@@ -65,6 +78,9 @@ impl Engine {
         inputs: BTreeMap<String, Digest>,
         compute: impl FnOnce() -> Result<Outputs>,
     ) -> Result<Step> {
+        if !self.is_asked(stage, unit) {
+            return Ok(Step::Pending);
+        }
         let parts = KeyParts {
             stage: stage.name.to_owned(),
             version: stage.version,
@@ -112,7 +128,7 @@ impl Engine {
         match self
             .cache
             .last()
-            .get(&name_of(stage, unit))
+            .get(&name_of(stage.name, unit))
             .filter(untouched)
         {
             Some(left) => store.checked(left.outputs.clone()).map(Some),
@@ -138,12 +154,22 @@ impl Engine {
     /// # Errors
     /// Another thread panicked.
     pub fn waits(&self, stage: Stage, unit: &str, on: &str) -> Result<Step> {
+        if !self.is_asked(stage, unit) {
+            return Ok(Step::Pending);
+        }
         let reason = Reason::Waits(on.to_owned());
         if self.dry_run {
             self.record(stage, unit, vec![reason], Duration::ZERO)?;
             return Ok(Step::Pending);
         }
         self.fail(stage, unit, reason.to_string())
+    }
+
+    fn is_asked(&self, stage: Stage, unit: &str) -> bool {
+        let name = || name_of(stage.name, unit);
+        self.asked
+            .as_ref()
+            .is_none_or(|asked| asked.contains(&name()))
     }
 
     /// The bytes of an output, from memory if the step has just made it.
@@ -188,7 +214,7 @@ impl Engine {
     }
 
     fn why(&self, stage: Stage, unit: &str, parts: &KeyParts) -> Vec<Reason> {
-        let Some(last) = self.cache.last().get(&name_of(stage, unit)) else {
+        let Some(last) = self.cache.last().get(&name_of(stage.name, unit)) else {
             return vec![Reason::FirstTime];
         };
         match self.cache.store().recorded(&last.key) {
@@ -221,15 +247,23 @@ impl Engine {
             outputs: outputs.clone(),
         };
         let mut now = self.now.lock().map_err(Error::internal)?;
-        now.insert(name_of(stage, unit), left);
+        now.insert(name_of(stage.name, unit), left);
         Ok(())
     }
 
-    /// Writes down what every unit has left, and what is known of raw files and reports.
+    /// Writes down what every unit has left, and what is known of raw files and reports. A job leaves the units as they were, which is how the
+    /// last whole run left them, and adds to the files what it has read itself.
     ///
     /// # Errors
     /// System errors of the store.
     pub fn close(&self) -> Result<()> {
+        if self.asked.is_some() {
+            let others = self.cache.store().read_aside(HASHES);
+            return match self.hashes.learned_beside(others) {
+                Some(learned) => self.cache.store().write_aside(HASHES, &learned),
+                None => Ok(()),
+            };
+        }
         let mut now = std::mem::take(&mut *self.now.lock().map_err(Error::internal)?);
         if now != *self.cache.last() {
             now = now.into_iter().map(|(n, l)| (n, l.settled())).collect();
@@ -262,8 +296,9 @@ impl Engine {
     }
 }
 
-fn name_of(stage: Stage, unit: &str) -> String {
-    format!("{}/{unit}", stage.name)
+/// Name of a step: a stage with a unit.
+pub fn name_of(stage: &str, unit: &str) -> String {
+    format!("{stage}/{unit}")
 }
 
 fn missing(name: &str) -> Error {

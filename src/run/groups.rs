@@ -4,7 +4,7 @@ use crate::base::error::{Error, Result};
 use crate::base::frame::{Frame, Values};
 use crate::base::json::from_slice;
 use crate::base::row::{self, Row};
-use crate::base::session::Kind;
+use crate::base::session::{Kind, Session};
 use crate::cache::Digest;
 use crate::cache::store::Outputs;
 use crate::config::{Config, FitOptions, flatten};
@@ -110,7 +110,7 @@ pub fn process(
 }
 
 /// A group as its units are named.
-fn unit(group: &Group) -> String {
+pub fn unit(group: &Group) -> String {
     format!("{} {} mm", group.campaign, group.diameter_mm)
 }
 
@@ -159,22 +159,24 @@ fn json(value: &impl serde::Serialize) -> Result<Vec<u8>> {
     serde_json::to_vec(value).map_err(Error::internal)
 }
 
+/// Whether the rows of a session belong to a group.
+pub fn belongs(group: &Group, session: &Session) -> bool {
+    session.kind == Kind::Isometric
+        && group.members.contains(&session.campaign)
+        && session.specimen.diameter_mm as u32 == group.diameter_mm
+}
+
 /// The sessions of a group, by id.
 fn members<'a>(
     group: &Group,
     discovery: &Discovery,
     sessions: &'a [SessionResult],
 ) -> Vec<&'a SessionResult> {
-    let belongs = |s: &crate::base::session::Session| {
-        s.kind == Kind::Isometric
-            && group.members.contains(&s.campaign)
-            && s.specimen.diameter_mm as u32 == group.diameter_mm
-    };
     discovery
         .sessions
         .iter()
         .zip(sessions)
-        .filter(|(located, _)| belongs(&located.session))
+        .filter(|(located, _)| belongs(group, &located.session))
         .map(|(_, result)| result)
         .collect()
 }

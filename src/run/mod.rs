@@ -8,7 +8,8 @@
 //!                                                             └────────────────────┴── report   one unit
 //! ```
 //! Everything that a stage reads comes through [`engine::Engine::step`], which derives its key; a stage function itself is pure: values
-//! in, values out. The result is independent of the number of jobs, because units meet only in sorted collections.
+//! in, values out. The result is independent of the number of threads, because units meet only in sorted collections. The units can also
+//! be brought up to date one by one, by many processes on one cache ([`jobs`]).
 
 pub mod ancestry;
 pub mod cache;
@@ -17,6 +18,7 @@ pub mod diagnosis;
 pub mod engine;
 pub mod figures;
 pub mod groups;
+pub mod jobs;
 pub mod materialize;
 pub mod parallel;
 pub mod reports;
@@ -69,6 +71,8 @@ pub struct RunOptions {
     pub dry_run: bool,
     /// A defect in one unit does not stop the units that do not need it.
     pub keep_going: bool,
+    /// One job, `STAGE:UNIT`: only the cache is brought up to date for it, beside other jobs ([`jobs`]).
+    pub only: Option<String>,
 }
 
 /// What a run did.
@@ -139,11 +143,17 @@ pub fn run(options: &RunOptions, progress: &dyn Progress) -> Result<Outcome> {
         .num_threads(options.jobs)
         .build()
         .map_err(Error::internal)?;
-    let discovery = pool.install(|| discover(&options.raw));
+    let mut discovery = pool.install(|| discover(&options.raw));
     if discovery.sessions.is_empty() && discovery.unusable.is_empty() {
         return Err(Error::Usage(no_sessions(options, &discovery)));
     }
-    let engine = Engine::open(options, progress)?;
+    let mut asked = None;
+    if let Some(name) = &options.only {
+        let job = jobs::named(name, &discovery, &options.config.fit)?;
+        asked = Some(job.steps(&discovery));
+        discovery = job.narrowed(&discovery);
+    }
+    let engine = Engine::open(options, asked, progress)?;
     let mut outcome = loop {
         match drive(&engine, options, &discovery, &pool, progress) {
             Err(Error::Damaged(what)) => {
@@ -199,7 +209,8 @@ fn drive(
     };
     let written = pool.install(|| reports::process(engine, discovery, &done, options))?;
     progress.tick();
-    let told = pool.install(|| told::all(engine, &results, options.dry_run))?;
+    let only_look = options.dry_run || options.only.is_some();
+    let told = pool.install(|| told::all(engine, &results, only_look))?;
     let mut outcome = summary(discovery, told);
     outcome.pdfs = written.pdfs;
     outcome.written = written.changed;

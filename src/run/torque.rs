@@ -2,7 +2,7 @@
 
 use crate::base::error::{Error, Result};
 use crate::base::json;
-use crate::base::session::Kind;
+use crate::base::session::{Kind, Session};
 use crate::cache::Digest;
 use crate::cache::store::Outputs;
 use crate::config::{Config, flatten};
@@ -25,7 +25,7 @@ const TORQUE: Stage = Stage {
 const TORQUE_JSON: &str = "torque.json";
 const REFERENCE_JSON: &str = "reference.json";
 /// The unit that needs no session.
-const SHIPPED: &str = "shipped knees";
+pub const SHIPPED: &str = "shipped knees";
 
 /// The steps of the stage.
 pub struct TorqueResult {
@@ -33,6 +33,19 @@ pub struct TorqueResult {
     pub campaigns: Vec<(String, Step)>,
     /// What needs no session; none where nobody measured torque.
     pub reference: Option<Step>,
+}
+
+/// The campaigns in which torque was measured, by id.
+pub fn campaigns(discovery: &Discovery) -> Vec<&str> {
+    let found = discovery.sessions.iter().map(|l| &l.session);
+    let knees = found.filter(|s| s.kind == Kind::KneeTorque);
+    let campaigns: BTreeSet<&str> = knees.map(|s| s.campaign.as_str()).collect();
+    campaigns.into_iter().collect()
+}
+
+/// Whether a session is one of torque in a campaign.
+pub fn belongs(campaign: &str, session: &Session) -> bool {
+    session.kind == Kind::KneeTorque && session.campaign == campaign
 }
 
 /// Brings the torque of all campaigns up to date.
@@ -45,27 +58,17 @@ pub fn process(
     sessions: &[SessionResult],
     config: &Config,
 ) -> Result<TorqueResult> {
-    let knee = |s: &crate::base::session::Session| s.kind == Kind::KneeTorque;
-    let found = discovery.sessions.iter().map(|l| &l.session);
-    let campaigns: BTreeSet<&str> = found
-        .filter(|s| knee(s))
-        .map(|s| s.campaign.as_str())
-        .collect();
+    let campaigns = campaigns(discovery);
     let one = |campaign: &&str| {
         let members = discovery.sessions.iter().zip(sessions);
-        let members: Vec<(&crate::base::session::Session, &SessionResult)> = members
+        let members: Vec<(&Session, &SessionResult)> = members
             .map(|(located, result)| (&located.session, result))
-            .filter(|(s, _)| knee(s) && s.campaign == **campaign)
+            .filter(|(s, _)| belongs(campaign, s))
             .collect();
         let step = campaign_step(engine, campaign, &members, config)?;
         Ok(((*campaign).to_owned(), step))
     };
-    let campaigns: Vec<(String, Step)> = campaigns
-        .iter()
-        .collect::<Vec<_>>()
-        .par_iter()
-        .map(|c| one(c))
-        .collect::<Result<_>>()?;
+    let campaigns: Vec<(String, Step)> = campaigns.par_iter().map(one).collect::<Result<_>>()?;
     let reference = (!campaigns.is_empty()).then(|| {
         engine.step(TORQUE, SHIPPED, BTreeMap::new(), BTreeMap::new(), || {
             let bytes = to_json(&reference())?;
@@ -96,7 +99,7 @@ pub fn fresh_findings(engine: &Engine, result: &TorqueResult) -> Result<Vec<Camp
 fn campaign_step(
     engine: &Engine,
     campaign: &str,
-    members: &[(&crate::base::session::Session, &SessionResult)],
+    members: &[(&Session, &SessionResult)],
     config: &Config,
 ) -> Result<Step> {
     let mut inputs = BTreeMap::new();

@@ -1,6 +1,7 @@
 //! Report: tables, figures, pages and the summary, from what the other stages left.
 
 use crate::audit::audit;
+use crate::base::columns::is_reserved;
 use crate::base::error::{Error, Result};
 use crate::base::reject::Extent;
 use crate::base::row::{self, Row, role_name};
@@ -101,7 +102,9 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
         ("reports/audit.pdf".to_owned(), audit_pages.bytes),
         (
             "derived/rows.parquet".to_owned(),
-            row::to_frame(&input.rows).to_parquet()?,
+            row::to_frame(&input.rows)
+                .with_units(units_of_extras(input))
+                .to_parquet()?,
         ),
     ]);
     if let Some(pages) = residual_pages {
@@ -126,6 +129,23 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
     outputs.insert("reports/findings.json".to_owned(), findings_json(input)?);
     outputs.insert("reports/summary.json".to_owned(), summary(input, &names)?);
     Ok(outputs)
+}
+
+/// Units of the columns that no stage knows, where all sessions that have one agree.
+fn units_of_extras(input: &ReportInput) -> BTreeMap<String, String> {
+    let mut units: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    let sessions = input.sessions.iter().map(|s| &s.ingest.session);
+    for spec in sessions.flat_map(|session| &session.columns) {
+        if !is_reserved(&spec.column) {
+            units.entry(&spec.column).or_default().insert(&spec.unit);
+        }
+    }
+    let agreed = units.into_iter().filter(|(_, units)| units.len() == 1);
+    let named = agreed.filter_map(|(name, units)| Some((name, units.into_iter().next()?)));
+    let given = named.filter(|(_, unit)| !unit.is_empty());
+    given
+        .map(|(name, unit)| (name.to_owned(), unit.to_owned()))
+        .collect()
 }
 
 /// `reports/findings.json`: what was found in every campaign. A number that is not finite is null.

@@ -1,6 +1,7 @@
 //! The commands as a user sees them: help, exit codes, messages.
 
 use crate::support::Bench;
+use std::path::Path;
 
 #[test]
 fn every_command_has_help_with_an_example() {
@@ -13,6 +14,9 @@ fn every_command_has_help_with_an_example() {
         &["predict", "--help"],
         &["simulate", "--help"],
         &["config", "--help"],
+        &["export", "--help"],
+        &["completions", "--help"],
+        &["man", "--help"],
     ] {
         let said = bench.run(command);
         assert_eq!(said.code, 0, "{command:?}");
@@ -119,4 +123,53 @@ fn strict_turns_rejected_sessions_into_exit_code_3() {
         "{}",
         said.out
     );
+}
+
+/// The commands, as the help lists them.
+fn commands(bench: &Bench) -> Vec<String> {
+    let help = bench.run(&["--help"]).out;
+    let list = help.split("Commands:").nth(1).unwrap();
+    let lines = list.lines().skip(1).take_while(|l| !l.trim().is_empty());
+    let first = |line: &str| line.split_whitespace().next().map(ToOwned::to_owned);
+    // Where a line is broken its second half is indented further.
+    let own = lines.filter(|l| l.starts_with("  ") && !l.starts_with("   "));
+    own.filter_map(first).collect()
+}
+
+#[test]
+fn completions_manual_pages_and_readme_cover_every_command() {
+    let bench = Bench::empty();
+    let commands = commands(&bench);
+    assert!(commands.len() > 10, "{commands:?}");
+    let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
+    let readme = std::fs::read_to_string(readme).unwrap();
+    for command in commands.iter().filter(|c| *c != "help") {
+        assert!(
+            readme.contains(&format!("`pipeline {command}")),
+            "{command}"
+        );
+    }
+    for shell in ["bash", "zsh", "fish", "powershell"] {
+        let said = bench.run(&["completions", shell]);
+        assert_eq!(said.code, 0, "{}", said.err);
+        for command in &commands {
+            assert!(said.out.contains(command.as_str()), "{shell}: {command}");
+        }
+        assert!(said.out.contains("dry-run"), "{shell}: options too");
+    }
+    let page = bench.run(&["man"]).out;
+    assert_eq!(bench.run(&["man", "--out", "man"]).code, 0);
+    for command in commands.iter().filter(|c| *c != "help") {
+        assert!(
+            page.contains(&format!("pipeline\\-{command}(1)")),
+            "{command}"
+        );
+        let own = bench.root().join(format!("man/pipeline-{command}.1"));
+        let own = std::fs::read_to_string(own).unwrap();
+        assert!(
+            own.contains(".SH SYNOPSIS") && own.contains("Example"),
+            "{command}"
+        );
+    }
+    assert!(bench.root().join("man/pipeline.1").exists());
 }

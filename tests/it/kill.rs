@@ -1,8 +1,7 @@
 //! What a run leaves when it is killed, and what the next one makes of it.
 
-use crate::support::{Bench, files};
+use crate::support::{Bench, FAST, files};
 use pipeline::base::random::Stream;
-use std::collections::BTreeMap;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -11,32 +10,12 @@ const KILLED: usize = 200;
 
 fn start(bench: &Bench) -> std::process::Child {
     Command::new(env!("CARGO_BIN_EXE_pipeline"))
-        .args(["run", "--config", "fast.toml"])
+        .args(["run", "--config", FAST])
         .current_dir(bench.root())
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
         .unwrap()
-}
-
-/// Small and quick: what takes long in a campaign of six sessions are resamples and pictures, and neither is what is tried here.
-fn small() -> Bench {
-    let bench = Bench::small();
-    let options =
-        "[fit]\nbootstrap_refits = 20\n[diagnose]\npermutations = 99\n[report]\npng_dpi = 20.0\n";
-    std::fs::write(bench.root().join("fast.toml"), options).unwrap();
-    bench
-}
-
-fn everything(bench: &Bench) -> BTreeMap<String, Vec<u8>> {
-    let mut all = bench.snapshot("reports");
-    all.extend(
-        bench
-            .snapshot("derived")
-            .into_iter()
-            .filter(|(name, _)| !name.starts_with("cache")),
-    );
-    all
 }
 
 /// Removes a folder, which a killed run may not even have made.
@@ -49,11 +28,11 @@ fn remove(bench: &Bench, folder: &str) {
 
 #[test]
 fn two_hundred_killed_runs_leave_nothing_that_the_next_does_not_mend() {
-    let bench = small();
+    let bench = Bench::quick();
     let began = Instant::now();
     assert!(start(&bench).wait().unwrap().success());
     let whole = began.elapsed();
-    let right = everything(&bench);
+    let right = bench.results();
     let mut stream = Stream::new(1, &["kill"]);
     let mut cut = 0;
     for k in 0..KILLED {
@@ -80,30 +59,30 @@ fn two_hundred_killed_runs_leave_nothing_that_the_next_does_not_mend() {
         child.wait().unwrap();
         // Whatever stands where people look is whole: old or new, never a part.
         let begun = |name: &String| name.contains("/.writing-") || name.starts_with(".writing-");
-        for (name, bytes) in everything(&bench).into_iter().filter(|(n, _)| !begun(n)) {
+        for (name, bytes) in bench.results().into_iter().filter(|(n, _)| !begun(n)) {
             assert!(right.get(&name) == Some(&bytes), "after kill {k}: {name}");
         }
         if k % 10 == 9 {
             assert!(start(&bench).wait().unwrap().success());
-            assert_eq!(everything(&bench), right, "after kill {k}");
+            assert_eq!(bench.results(), right, "after kill {k}");
         }
     }
     assert!(cut > KILLED / 4, "only {cut} runs were cut short");
-    let said = bench.run(&["status", "--config", "fast.toml"]);
+    let said = bench.run(&["status", "--config", FAST]);
     assert_eq!(said.code, 0, "{}", said.out);
 }
 
 #[test]
 fn two_runs_at_once_take_turns_and_agree() {
-    let bench = small();
+    let bench = Bench::quick();
     assert!(start(&bench).wait().unwrap().success());
-    let right = everything(&bench);
+    let right = bench.results();
     std::fs::remove_dir_all(bench.root().join("derived")).unwrap();
     let mut first = start(&bench);
     while !bench.root().join("derived/cache/lock").exists() {
         std::thread::sleep(Duration::from_millis(1));
     }
-    let second = bench.run(&["run", "--config", "fast.toml"]);
+    let second = bench.run(&["run", "--config", FAST]);
     assert!(first.wait().unwrap().success());
     assert_eq!(second.code, 0, "{}", second.err);
     assert!(
@@ -112,21 +91,21 @@ fn two_runs_at_once_take_turns_and_agree() {
         second.err
     );
     assert!(second.out.starts_with("nothing to do"), "{}", second.out);
-    assert_eq!(everything(&bench), right);
+    assert_eq!(bench.results(), right);
 }
 
 #[cfg(unix)]
 #[test]
 fn a_place_that_cannot_be_written_is_said_and_the_next_run_goes_on() {
     use std::os::unix::fs::PermissionsExt;
-    let bench = small();
+    let bench = Bench::quick();
     assert!(start(&bench).wait().unwrap().success());
-    let right = everything(&bench);
+    let right = bench.results();
     let tables = bench.root().join("reports/tables");
     std::fs::remove_dir_all(&tables).unwrap();
     // A file where a folder should be fails for everybody, root included.
     std::fs::write(&tables, b"in the way").unwrap();
-    let said = bench.run(&["run", "--config", "fast.toml"]);
+    let said = bench.run(&["run", "--config", FAST]);
     assert_eq!(said.code, 2, "{}", said.err);
     assert!(said.err.contains("reports/tables"), "{}", said.err);
     std::fs::remove_file(&tables).unwrap();
@@ -136,5 +115,5 @@ fn a_place_that_cannot_be_written_is_said_and_the_next_run_goes_on() {
     )
     .unwrap();
     assert!(start(&bench).wait().unwrap().success());
-    assert_eq!(everything(&bench), right);
+    assert_eq!(bench.results(), right);
 }

@@ -121,3 +121,12 @@ fn rubbish_goes_and_what_is_needed_stays() {
     assert!(again.out.starts_with("nothing to do"), "{}", again.out);
     assert_eq!(bench.snapshot("reports"), reports);
 }
+
+#[test]
+fn gc_leaves_nothing_where_nothing_was_run() {
+    let bench = Bench::empty();
+    let said = bench.run(&["gc"]);
+    assert_eq!(said.code, 2);
+    assert!(said.err.contains("nothing has been run"), "{}", said.err);
+    assert!(!bench.root().join("derived").exists());
+}

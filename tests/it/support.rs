@@ -42,6 +42,9 @@ fill_share = 0.2
 vent_share = 0.45
 "#;
 
+/// The configuration of [`Bench::quick`].
+pub const FAST: &str = "fast.toml";
+
 /// A directory with `raw/`, where a test runs the program.
 pub struct Bench {
     root: TempDir,
@@ -74,6 +77,14 @@ impl Bench {
         )
         .unwrap();
         bench.age();
+        bench
+    }
+
+    /// The small campaign with the options [`FAST`]: what takes long in six sessions are resamples and pictures.
+    pub fn quick() -> Self {
+        let bench = Self::small();
+        let options = "[fit]\nbootstrap_refits = 20\n[diagnose]\npermutations = 99\n[report]\npng_dpi = 20.0\n";
+        std::fs::write(bench.root().join(FAST), options).unwrap();
         bench
     }
 
@@ -124,6 +135,14 @@ impl Bench {
                 )
             })
             .collect()
+    }
+
+    /// Every file of `reports/` and of `derived/` beside the cache, with its contents.
+    pub fn results(&self) -> BTreeMap<String, Vec<u8>> {
+        let mut all = self.snapshot("reports");
+        let derived = self.snapshot("derived").into_iter();
+        all.extend(derived.filter(|(name, _)| !name.starts_with("cache")));
+        all
     }
 
     /// A table of the last run: header and rows, split at commas outside quotes.
@@ -182,6 +201,23 @@ fn fields(line: &str) -> Vec<String> {
         }
     }
     fields
+}
+
+/// A program that is no part of a Rust machine, from the environment variable or the path; none if it does not answer to `probe`, which is said
+/// aloud (past the test harness, which shows nothing of a test that passes).
+pub fn outside_program(variable: &str, usual: &str, probe: &[&str]) -> Option<PathBuf> {
+    use std::io::Write;
+    let program = std::env::var_os(variable).map_or_else(|| usual.into(), PathBuf::from);
+    let answer = Command::new(&program).args(probe).output();
+    if answer.is_ok_and(|output| output.status.success()) {
+        return Some(program);
+    }
+    let (program, probe) = (program.display(), probe.join(" "));
+    let _ = writeln!(
+        std::io::stderr(),
+        "NOT RUN: a test needs `{program} {probe}` to succeed; {variable} names another {usual}"
+    );
+    None
 }
 
 /// The real rig sessions, where they are; the line says that the test was skipped where they are not.

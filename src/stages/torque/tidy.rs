@@ -2,7 +2,7 @@
 
 use super::point::{Expected, Point};
 use super::{CampaignTorque, Configuration, Test};
-use crate::base::columns::{ANGLE, MOMENT_ARM, MUSCLE_LENGTH, PRESSURE, TORQUE, derived};
+use crate::base::columns::{ANGLE, MOMENT_ARM, MUSCLE_LENGTH, PRESSURE, TORQUE, derived, unit_in};
 use crate::base::frame::{Frame, Values};
 use crate::models::published;
 
@@ -79,5 +79,10 @@ pub fn frame<'a>(campaigns: impl Iterator<Item = &'a CampaignTorque>) -> Frame {
             .with(&format!("{}_{TORQUE}", model.id()), predicted)
             .with(&format!("{}_by_hand_{TORQUE}", model.id()), back);
     }
-    frame
+    let units: Vec<(String, String)> = frame
+        .columns
+        .iter()
+        .filter_map(|(name, _)| Some((name.clone(), unit_in(name)?.to_owned())))
+        .collect();
+    frame.with_units(units)
 }

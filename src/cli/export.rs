@@ -1,0 +1,63 @@
+//! `pipeline export`: the work of a run as a workflow for another engine.
+
+use crate::base::diagnostics::Diagnostic;
+use crate::base::error::{Error, Result};
+use crate::cli::DONE;
+use crate::cli::args::Places;
+use crate::cli::print::{self, line, print_json};
+use crate::config::Config;
+use crate::export::{self, ENGINES, Plan};
+use crate::formats::discover::discover;
+use crate::run::jobs;
+use clap::builder::PossibleValuesParser;
+use serde_json::json;
+
+/// Arguments of `export`.
+#[derive(Debug, clap::Args)]
+pub struct ExportArgs {
+    /// The engine
+    #[arg(value_parser = PossibleValuesParser::new(ENGINES.iter().map(|(name, _)| *name)))]
+    pub engine: String,
+    /// Where things are
+    #[command(flatten)]
+    pub places: Places,
+}
+
+/// Prints the workflow.
+pub fn command(args: &ExportArgs) -> Result<u8> {
+    let plan = plan(&args.places)?;
+    if args.places.json {
+        print_json(&json!({ "tasks": plan.tasks }))?;
+        return Ok(DONE);
+    }
+    let engine = ENGINES.iter().find(|(name, _)| *name == args.engine);
+    let (_, workflow) = engine.ok_or_else(|| Error::internal("an engine that is not there"))?;
+    line(workflow(&plan)?.trim_end());
+    Ok(DONE)
+}
+
+fn plan(args: &Places) -> Result<Plan> {
+    let options = Config::load(args.config.as_deref())?;
+    let discovery = discover(&args.raw);
+    let unusable = discovery.unusable.iter().flat_map(|u| &u.diagnostics);
+    let diagnostics: Vec<Diagnostic> = discovery
+        .diagnostics
+        .iter()
+        .chain(unusable)
+        .cloned()
+        .collect();
+    print::diagnostics(&diagnostics, args.verbose);
+    if discovery.sessions.is_empty() {
+        return Err(Error::Usage(
+            "there are no usable sessions to plan for; --raw DIR says where they are, and `pipeline run` what is wrong with them".to_owned(),
+        ));
+    }
+    let jobs = jobs::all(&discovery, &options.fit);
+    let places = export::Places {
+        raw: args.raw.clone(),
+        derived: args.derived.clone(),
+        reports: args.reports.clone(),
+        config: Config::place(args.config.as_deref()).map(ToOwned::to_owned),
+    };
+    Plan::new(places, args.jobs as usize, &discovery, &jobs)
+}

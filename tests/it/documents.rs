@@ -1,0 +1,67 @@
+//! What documents say, held to what is there; the Python of README.md is run.
+
+use crate::support::{Bench, FAST, outside_program};
+use pipeline::report::typeset::svg_to_pdf;
+use std::path::Path;
+use std::process::Command;
+
+const EXAMPLE: &str = "tests/scripts/python_example.py";
+
+fn read(file: &str) -> String {
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).unwrap()
+}
+
+#[test]
+fn the_citation_has_the_version_of_the_program() {
+    let line = concat!("\nversion: ", env!("CARGO_PKG_VERSION"), "\n");
+    assert!(read("CITATION.cff").contains(line));
+}
+
+#[test]
+fn the_readme_asks_for_the_rust_that_cargo_asks_for() {
+    let asked = concat!(
+        "a Rust toolchain (",
+        env!("CARGO_PKG_RUST_VERSION"),
+        " or later)"
+    );
+    assert!(read("README.md").contains(asked));
+}
+
+#[test]
+fn the_example_in_the_readme_is_the_script_that_is_run() {
+    let (readme, script) = (read("README.md"), read(EXAMPLE));
+    assert!(
+        readme.contains(&format!("```python\n{script}```")),
+        "README.md has another text than {EXAMPLE}"
+    );
+}
+
+#[test]
+fn pandas_polars_and_duckdb_read_the_tidy_data() {
+    let probe = ["-c", "import duckdb, pandas, polars, pyarrow"];
+    let Some(python) = outside_program("PYTHON", "python3", &probe) else {
+        return;
+    };
+    let bench = Bench::quick();
+    assert_eq!(bench.run(&["run", "--config", FAST]).code, 0);
+    let output = Command::new(python)
+        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join(EXAMPLE))
+        .current_dir(bench.root())
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+}
+
+#[test]
+fn documents_do_not_pile_up_on_the_stack_of_a_thread() {
+    use rayon::prelude::*;
+    let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 40 30\"><path d=\"M0 0L40 30\" stroke=\"black\"/></svg>";
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
+    let pages = pool.unwrap().install(|| {
+        let figures = (0..300).into_par_iter();
+        let page = |k: i32| svg_to_pdf(svg, &k.to_string(), (40.0, 30.0));
+        figures.map(|k| page(k).is_ok()).filter(|ok| *ok).count()
+    });
+    assert_eq!(pages, 300);
+}
