@@ -5,6 +5,7 @@ mod cache;
 mod closed_loop;
 mod commands;
 mod coverage;
+mod formats;
 mod golden;
 mod intervals;
 mod kill;
