@@ -40,6 +40,7 @@
 //! | [`audit`] | the papers' numeric claims, recomputed | a claim: a few lines of TOML |
 //! | [`report`] | tables, figures, pages | a table or figure: one file, one line in its folder's `mod.rs` |
 //! | [`predict`] | the force of a muscle that somebody describes, with its interval; its torque in a described leg | |
+//! | [`draft`] | a first `session.toml` for a log, guessed from its columns | |
 //! | [`golden`] | fresh tables against blessed ones | a table: one entry in `tests/golden/golden.toml` |
 //! | [`run`] | drives the stages through the cache | |
 //! | [`config`] | `pipeline.toml` | |
@@ -47,7 +48,8 @@
 //!
 //! # Invariants
 //! - **Directions**: `main -> cli -> run -> stages -> {formats, effects, knee, models, numerics, report, audit, simulate} -> base`, and `run -> cache -> base`;
-//!   beside `run`, `cli -> predict -> {stages::fit, knee, models, numerics}`, drawn by `report`, and `cli -> golden -> base`;
+//!   beside `run`, `cli -> predict -> {stages::fit, knee, models, numerics}`, drawn by `report`, `cli -> draft -> formats`, drawn by
+//!   `report` too, and `cli -> golden -> base`;
 //!   `formats -> knee`, which reads the description of a leg.
 //!   `cache` knows no stage; stages know no cache and no command line; `effects`, `knee`, `models` and `numerics` do no I/O and see no data frame; only
 //!   `report` knows plotters and Typst, and it computes no statistic: every number comes from a stage, every
@@ -67,6 +69,7 @@ pub mod base;
 pub mod cache;
 pub mod cli;
 pub mod config;
+pub mod draft;
 pub mod effects;
 pub mod formats;
 pub mod golden;

@@ -12,6 +12,7 @@ fn every_command_has_help_with_an_example() {
         &["check", "--help"],
         &["predict", "--help"],
         &["simulate", "--help"],
+        &["new-session", "--help"],
         &["config", "--help"],
     ] {
         let said = bench.run(command);

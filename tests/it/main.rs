@@ -14,6 +14,7 @@ mod labels;
 mod lookup;
 mod mistakes;
 mod models;
+mod new_session;
 mod numerics;
 mod predict;
 mod predict_coverage;
