@@ -29,6 +29,9 @@ pub fn guess(columns: &[Undescribed], guesses: &mut [Guess]) {
         let why = "it ends near the 620 kPa to which actuators are filled";
         set_first(guesses, "pressure", why, |g| pressure_unit(g).is_some());
     }
+    if !has(guesses, PRESSURE) {
+        guess_pressure_of_two(guesses);
+    }
     guess_phase(columns, guesses);
     if !has(guesses, FORCE) && !has(guesses, columns::TORQUE) {
         set_first(guesses, "force", "no other quantity fits", is_measured);
@@ -50,6 +53,18 @@ fn set_first(guesses: &mut [Guess], name: &str, why: &str, fits: impl Fn(&Guess)
     if let Some(guess) = guesses.iter_mut().find(open) {
         guess.quantity = columns::by_quantity_name(name);
         guess.why = why.to_owned();
+    }
+}
+
+/// In counts of a converter no column ends near 620 kPa; of two that are left the second is taken, as most rigs log force first.
+fn guess_pressure_of_two(guesses: &mut [Guess]) {
+    let mut open = guesses
+        .iter_mut()
+        .filter(|g| g.quantity.is_none() && is_nameless(g) && is_measured(g));
+    if let (Some(_), Some(second), None) = (open.next(), open.next(), open.next()) {
+        second.quantity = columns::by_quantity_name("pressure");
+        second.why =
+            "the second of two columns; counts of a converter need gain and offset".to_owned();
     }
 }
 

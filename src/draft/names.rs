@@ -55,6 +55,13 @@ fn quantity(name: &str) -> Option<&'static KnownColumn> {
         return Some(known);
     }
     let parts: Vec<String> = parts(name).iter().map(|p| p.to_lowercase()).collect();
+    // `moment_arm` before `moment`.
+    let of_two_words = |k: &&KnownColumn| {
+        k.quantity_name.contains('_') && parts.join("_").contains(k.quantity_name)
+    };
+    if let Some(known) = columns::KNOWN.iter().find(of_two_words) {
+        return Some(known);
+    }
     let says = |words: &[&str]| parts.iter().any(|p| words.contains(&p.as_str()));
     let (quantity, _) = WORDS.iter().find(|(_, words)| says(words))?;
     columns::by_quantity_name(quantity)
@@ -93,6 +100,8 @@ mod tests {
             ("torque_nm", "torque", "N.m"),
             ("Temp [°C]", "temperature", "C"),
             ("length_mm", "length", "mm"),
+            ("Moment arm (cm)", "moment_arm", "cm"),
+            ("muscle_length_mm", "muscle_length", "mm"),
         ];
         for (name, expected, symbol) in cases {
             let found = quantity(name).unwrap_or_else(|| panic!("{name}"));

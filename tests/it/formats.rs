@@ -95,28 +95,17 @@ fn the_same_content_in_every_format_gives_the_same_tidy_data() {
     let reference = (of_session(&plateaus, "s00"), of_session(&rejects, "s00"));
     assert_eq!(reference.0.len(), 10);
     assert_eq!(reference.1.len(), 1, "the cell without a number is counted");
-    for (k, (file, ..)) in LOGS.iter().enumerate() {
+    for (k, (file, _, words)) in LOGS.iter().enumerate() {
         let id = format!("s{k:02}");
-        assert_eq!(of_session(&plateaus, &id), reference.0, "{file}");
+        let mut expected = reference.0.clone();
+        if !words {
+            for row in &mut expected {
+                row.insert("bench".to_owned(), String::new());
+            }
+        }
+        assert_eq!(of_session(&plateaus, &id), expected, "{file}");
         assert_eq!(of_session(&rejects, &id), reference.1, "{file}");
     }
-    let stages = bench.root().join("derived/sessions");
-    assert_eq!(tidy(&stages, "s00").len(), 10);
-    for (k, (file, _, words)) in LOGS.iter().enumerate().filter(|(_, l)| l.2) {
-        assert!(*words);
-        assert_eq!(
-            tidy(&stages, &format!("s{k:02}")),
-            tidy(&stages, "s00"),
-            "{file}"
-        );
-    }
-}
-
-/// The labels of a session's readings.
-fn tidy(stages: &Path, id: &str) -> Vec<Option<String>> {
-    let bytes = std::fs::read(stages.join(id).join("rows.parquet")).unwrap();
-    let frame = pipeline::base::frame::Frame::from_parquet(&bytes).unwrap();
-    frame.texts("bench").expect("a column of words").to_vec()
 }
 
 fn by_name(names: &[&str]) -> Vec<Request> {

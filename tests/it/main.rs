@@ -1,17 +1,20 @@
 //! The integration tests, one binary: a debug build of the dependencies is large, and one link is enough.
 
 mod bad_input;
+mod broken;
 mod cache;
 mod closed_loop;
 mod commands;
 mod coverage;
 mod formats;
+mod fuzz;
 mod golden;
 mod intervals;
 mod kill;
 mod knee;
 mod labels;
 mod lookup;
+mod messages;
 mod mistakes;
 mod models;
 mod new_session;
@@ -24,3 +27,4 @@ mod simulated;
 mod support;
 mod torque;
 mod torque_loop;
+mod units;
