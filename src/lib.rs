@@ -29,7 +29,7 @@
 //! | folder | idea | to add to it |
 //! |---|---|---|
 //! | [`base`] | units, column names, tables, diagnostics, errors; what a session, a reading and a row are | |
-//! | [`cache`] | keys, objects by content, reasons for a rerun | |
+//! | [`cache`] | keys, objects by content, reasons for a rerun, what may go ([`cache::collect`]) | |
 //! | [`formats`] | `session.toml`, logs, finding sessions | a log format: one file, one line in `formats/mod.rs` |
 //! | [`models`] | one file a force model: pure equations, published coefficients, domain | one file, one line in `models/mod.rs` |
 //! | [`effects`] | one file an effect: what a force model or a rig may lack, as an operator on the forward model | one file, one line in `effects/mod.rs` |
@@ -42,9 +42,9 @@
 //! | [`predict`] | the force of a muscle that somebody describes, with its interval; its torque in a described leg | |
 //! | [`draft`] | a first `session.toml` for a log, guessed from its columns | |
 //! | [`golden`] | fresh tables against blessed ones | a table: one entry in `tests/golden/golden.toml` |
-//! | [`run`] | drives the stages through the cache | |
+//! | [`run`] | drives the stages through the cache, one run at a time on a directory; where an artifact comes from ([`run::ancestry`]) | |
 //! | [`config`] | `pipeline.toml` | |
-//! | [`cli`] | arguments, and all printing | |
+//! | [`cli`] | arguments, and all printing: run, status, explain, graph, check, predict, simulate, gc | |
 //!
 //! # Invariants
 //! - **Directions**: `main -> cli -> run -> stages -> {formats, effects, knee, models, numerics, report, audit, simulate} -> base`, and `run -> cache -> base`;
