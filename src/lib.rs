@@ -40,16 +40,17 @@
 //! | [`audit`] | the papers' numeric claims, recomputed | a claim: a few lines of TOML |
 //! | [`report`] | tables, figures, pages | a table or figure: one file, one line in its folder's `mod.rs` |
 //! | [`predict`] | the force of a muscle that somebody describes, with its interval; its torque in a described leg | |
+//! | [`draft`] | a first `session.toml` for a log, guessed from its columns | |
 //! | [`golden`] | fresh tables against blessed ones | a table: one entry in `tests/golden/golden.toml` |
 //! | [`run`] | drives the stages through the cache, one run at a time on a directory, or its jobs side by side ([`run::jobs`]); where an artifact comes from ([`run::ancestry`]) | |
 //! | [`export`] | the jobs of a run as a workflow of another engine | an engine: one file, one line in `export/mod.rs` |
 //! | [`config`] | `pipeline.toml` | |
-//! | [`cli`] | arguments, and all printing: run, status, explain, graph, check, predict, simulate, gc | |
+//! | [`cli`] | arguments, and all printing: run, status, explain, graph, check, predict, simulate, new-session, export, gc | |
 //!
 //! # Invariants
 //! - **Directions**: `main -> cli -> run -> stages -> {formats, effects, knee, models, numerics, report, audit, simulate} -> base`, and `run -> cache -> base`;
-//!   beside `run`, `cli -> predict -> {stages::fit, knee, models, numerics}`, drawn by `report`, and `cli -> golden -> base`,
-//!   `cli -> export -> run`;
+//!   beside `run`, `cli -> predict -> {stages::fit, knee, models, numerics}`, drawn by `report`, `cli -> draft -> formats`, drawn by
+//!   `report` too, `cli -> golden -> base`, `cli -> export -> run`;
 //!   `formats -> knee`, which reads the description of a leg.
 //!   `cache` knows no stage; stages know no cache and no command line; `effects`, `knee`, `models` and `numerics` do no I/O and see no data frame; only
 //!   `report` knows plotters and Typst, and it computes no statistic: every number comes from a stage, every
@@ -69,6 +70,7 @@ pub mod base;
 pub mod cache;
 pub mod cli;
 pub mod config;
+pub mod draft;
 pub mod effects;
 pub mod export;
 pub mod formats;

@@ -159,10 +159,52 @@ impl Phase {
 pub struct LogSpec {
     /// Path relative to the session's folder, with forward slashes.
     pub file: String,
+    /// Which of the file's tables, where it holds several.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub part: Option<Part>,
     /// Recorded without pressure, for the zero of the force channel.
     pub is_zero: bool,
     /// Number of the run, where one is given.
     pub run: Option<i64>,
+}
+
+impl LogSpec {
+    /// The name of the log in tables and messages: its file, and its part where one is named.
+    pub fn name(&self) -> String {
+        match &self.part {
+            None => self.file.clone(),
+            Some(part) => format!("{}#{}", self.file, part.name),
+        }
+    }
+}
+
+/// One of the tables that a file holds.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Part {
+    /// What the parts of such a file are.
+    pub kind: PartKind,
+    /// Its name in the file.
+    pub name: String,
+}
+
+/// What the tables of a file are called.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PartKind {
+    /// A sheet of a workbook.
+    Sheet,
+    /// A matrix or structure of a MATLAB file.
+    Variable,
+}
+
+impl PartKind {
+    /// The key of a `[[log]]` that names such a part.
+    pub fn key(self) -> &'static str {
+        match self {
+            PartKind::Sheet => "sheet",
+            PartKind::Variable => "variable",
+        }
+    }
 }
 
 /// A constant of the set-up that is no known quantity.

@@ -6,6 +6,7 @@ use crate::cli::export::ExportArgs;
 use crate::cli::gc::GcArgs;
 use crate::cli::graph::GraphArgs;
 use crate::cli::manual::{CompletionsArgs, ManArgs};
+use crate::cli::new_session::NewSessionArgs;
 use crate::cli::predict::PredictArgs;
 use crate::simulate::effects::EFFECTS;
 use clap::{ArgAction, Parser, Subcommand};
@@ -54,6 +55,9 @@ pub enum Command {
     /// Write a simulated campaign of raw sessions from a truth file
     #[command(after_help = simulate_help())]
     Simulate(SimulateArgs),
+    /// Look at a log, plot it, and write a first session.toml for it, to be corrected
+    #[command(after_help = new_session_help())]
+    NewSession(NewSessionArgs),
     /// Say where a table, figure, report or single number comes from: stages, options, files, digests
     #[command(
         after_help = "Examples:\n  pipeline explain reports/tables/coefficients.csv\n  pipeline explain coefficients.csv:2:value\n  pipeline explain force.pdf --json\n\nA number is FILE:LINE:COLUMN, the line as an editor counts it; what its row says of campaign and session narrows the answer."
@@ -98,6 +102,16 @@ fn simulate_help() -> String {
          The sessions say in their notes that they are simulated, and nothing of an effect. What was drawn (strengths of specimens, \
          zeros, sizes of effects) goes to the file named with --truth-out, outside of the campaign's folder.",
         ids.join(", ")
+    )
+}
+
+fn new_session_help() -> String {
+    format!(
+        "Examples:\n  pipeline new-session logs/test8.csv --out /tmp/test8\n  pipeline new-session logs/runs.xlsx --sheet \"Run 8\"\n  \
+         pipeline new-session logs/rig.mat --variable log --json\n\nFormats: {}; each also compressed with gzip. What is guessed \
+         (quantities, units, states, the sampling) says so in the comments of session.toml, and what no log can say is marked FILL IN. Correct \
+         it and put it beside the log; until its line `exclude` is removed the session takes part in no fit.",
+        crate::formats::list_of_formats()
     )
 }
 

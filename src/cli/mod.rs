@@ -11,6 +11,7 @@ mod export;
 mod gc;
 mod graph;
 mod manual;
+mod new_session;
 mod predict;
 mod predict_leg;
 mod predict_print;
@@ -47,6 +48,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Check(args) => check::command(args),
         Command::Predict(args) => predict::command(args),
         Command::Simulate(simulate) => simulate_command(simulate),
+        Command::NewSession(args) => new_session::command(args),
         Command::Explain(args) => explain::command(args),
         Command::Graph(args) => graph::command(args),
         Command::Gc(args) => gc::command(args),

@@ -16,7 +16,7 @@ use crate::stages::fit::GroupFit;
 use std::path::{Path, PathBuf};
 
 /// Resolution of a PNG plot, dots per inch.
-const PNG_DPI: f64 = 200.0;
+pub const PNG_DPI: f64 = 200.0;
 
 /// What is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]

@@ -89,7 +89,7 @@ fn walk(root: &Path, seen: &mut BTreeSet<PathBuf>, found: &mut Discovery) -> Vec
                 found.unusable.push(not_a_file(root, entry.path()));
             }
             Ok(_) => {}
-            Err(error) => found.diagnostics.push(unreadable(root, &error)),
+            Err(error) => found.diagnostics.push(unreadable_entry(root, &error)),
         }
     }
     folders
@@ -109,7 +109,7 @@ fn not_a_file(root: &Path, path: &Path) -> Unusable {
     }
 }
 
-fn unreadable(root: &Path, error: &walkdir::Error) -> Diagnostic {
+fn unreadable_entry(root: &Path, error: &walkdir::Error) -> Diagnostic {
     let path = error.path().unwrap_or(root);
     let (what, hint) = match (error.loop_ancestor(), error.io_error()) {
         (Some(_), _) => (

@@ -3,7 +3,8 @@
 use crate::base::columns::{self, KnownColumn};
 use crate::base::diagnostics::Diagnostic;
 use crate::base::session::{
-    ColumnSpec, Constant, Kind, LogSpec, Position, Role, Sampling, Session, Specimen,
+    ColumnSpec, Constant, Kind, LogSpec, Part, PartKind, Position, Role, Sampling, Session,
+    Specimen,
 };
 use crate::base::toml_reader::{Entry, Reader, Section, parse};
 use crate::base::units::{Quantity, Unit};
@@ -290,12 +291,34 @@ fn log(entry: &Entry) -> Option<LogSpec> {
     let file = table.require("file", "the name of a log file", "add it");
     let role = table.get("role").map(|e| e.choice(&[("zero", ())]));
     let run = table.get("run").and_then(|e| e.integer());
+    let part = part(&table);
     table.close();
     Some(LogSpec {
         file: file.and_then(|e| path_below(&e))?,
+        part,
         is_zero: role.is_some(),
         run,
     })
+}
+
+/// Which table of the file, where one is named.
+fn part(table: &Section) -> Option<Part> {
+    let sheet = table.get(PartKind::Sheet.key());
+    let variable = table.get(PartKind::Variable.key());
+    let (kind, entry) = match (sheet, variable) {
+        (Some(sheet), None) => (PartKind::Sheet, sheet),
+        (None, Some(variable)) => (PartKind::Variable, variable),
+        (None, None) => return None,
+        (Some(sheet), Some(_)) => {
+            sheet.reject(
+                "either `sheet` (a workbook) or `variable` (a MATLAB file)",
+                "remove one of them",
+            );
+            return None;
+        }
+    };
+    let name = entry.string()?;
+    Some(Part { kind, name })
 }
 
 /// The columns that this kind and sampling cannot do without.
@@ -354,12 +377,12 @@ fn check_logs(root: &Section, session: &Session) {
         );
     }
     for (k, log) in session.logs.iter().enumerate() {
-        if session.logs[..k].iter().any(|l| l.file == log.file) {
+        if session.logs[..k].iter().any(|l| l.name() == log.name()) {
             root.reader().report(
                 root.line(),
                 &format!("log[{k}].file"),
-                format!("\"{}\" a second time", log.file),
-                "every log file once",
+                format!("\"{}\" a second time", log.name()),
+                "every log once",
                 "remove one of them",
             );
         }

@@ -35,7 +35,7 @@ pub fn words(texts: &StringChunked) -> Vec<Option<String>> {
 #[cfg(test)]
 mod tests {
     use crate::base::session::{Cells, Position};
-    use crate::formats::csv::{Request, read};
+    use crate::formats::log::{Request, read};
 
     #[test]
     fn a_column_of_words_is_one_where_most_cells_are_words_or_where_it_is_declared() {
@@ -46,7 +46,7 @@ mod tests {
                 cells,
                 codes: Vec::new(),
             };
-            read("t", text.as_bytes(), &[request]).unwrap()
+            read("t", text.as_bytes(), None, &[request]).unwrap()
         };
         let mixed = "1, bench A\n2,\"bench B\"\n3,n/a\n4,7\n";
         let words = ["bench A", "bench B", "", "7"].map(|w| (!w.is_empty()).then(|| w.to_owned()));

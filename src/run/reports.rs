@@ -233,7 +233,7 @@ fn traces(
             Ok(Trace {
                 session: result.id.clone(),
                 campaign: input.ingest.session.campaign.clone(),
-                log: header.spec.file.clone(),
+                log: header.spec.name(),
                 simulated: input.ingest.session.is_simulated(),
                 samples: result.samples(engine, &header.output)?,
             })

@@ -1,6 +1,5 @@
 //! The stages of one session: ingest, clean, normalize.
 
-use crate::base::diagnostics::{Diagnostic, Severity};
 use crate::base::error::{Error, Result};
 use crate::base::frame::Frame;
 use crate::base::reject::Reject;
@@ -9,8 +8,8 @@ use crate::base::{reading, reading::Reading};
 use crate::cache::Digest;
 use crate::cache::store::{Entry, Object, Outputs};
 use crate::config::{CleanOptions, Config, flatten};
-use crate::formats::csv::check_line_lengths;
 use crate::formats::discover::Located;
+use crate::formats::log_file;
 use crate::run::engine::{self, Engine};
 use crate::run::step::{Stage, Step};
 use crate::stages::clean::{self, CleanHeader};
@@ -224,39 +223,17 @@ fn unreadable_digest(error: &std::io::Error) -> Digest {
     Digest::of(format!("unreadable: {}", error.kind()).as_bytes())
 }
 
-/// The bytes of a log, or a diagnostic where it cannot be read or has a line without end; and the digest of what was read, if it was
-/// read now.
+/// The bytes of a log, or a diagnostic where it cannot be read; and the digest of what was read, if it was read now.
 fn read_log(path: &Path, file: &str, at_hand: Option<Vec<u8>>) -> (LogBytes, Option<Digest>) {
     if let Some(bytes) = at_hand {
-        return match check_line_lengths(file, bytes.as_slice()) {
+        return match log_file::check(file, bytes.len() as u64, bytes.as_slice()) {
             Ok(Err(diagnostic)) => (Err(diagnostic), None),
             _ => (Ok(bytes), None),
         };
     }
-    match std::fs::File::open(path).and_then(|f| check_line_lengths(file, f)) {
-        Err(e) => unreadable(file, &e),
-        Ok(Err(diagnostic)) => (Err(diagnostic), None),
-        Ok(Ok(())) => match std::fs::read(path) {
-            Ok(bytes) => {
-                let digest = Digest::of(&bytes);
-                (Ok(bytes), Some(digest))
-            }
-            Err(e) => unreadable(file, &e),
-        },
-    }
-}
-
-fn unreadable(file: &str, error: &std::io::Error) -> (LogBytes, Option<Digest>) {
-    let (found, hint) = match error.kind() {
-        std::io::ErrorKind::NotFound => (
-            "no such file".to_owned(),
-            "put the log beside session.toml, or remove its [[log]]",
-        ),
-        kind => (format!("\"{kind}\""), "mend the permissions"),
-    };
-    let diagnostic =
-        Diagnostic::error(file, found, "a readable log", hint).with_severity(Severity::Warning);
-    (Err(diagnostic), Some(unreadable_digest(error)))
+    let bytes = log_file::load(path, file);
+    let digest = bytes.as_deref().ok().map(Digest::of);
+    (bytes, digest)
 }
 
 fn ingest_outputs(ingested: &ingest::Ingested) -> Result<Outputs> {

@@ -8,7 +8,7 @@ use crate::base::diagnostics::{Diagnostic, Severity};
 use crate::base::frame::{Frame, Values};
 use crate::base::reject::{Extent, Reject};
 use crate::base::session::{LogSpec, Session};
-use crate::formats::csv::{self, RawLog, Request};
+use crate::formats::log::{self, RawLog, Request};
 use serde::{Deserialize, Serialize};
 
 /// Raised when results change without a change of this stage's source files.
@@ -139,8 +139,8 @@ pub fn ingest(session: &Session, relative: &str, files: Vec<LogBytes>) -> Ingest
         logs: Vec::new(),
     };
     for (index, (spec, bytes)) in session.logs.iter().zip(files).enumerate() {
-        let file = format!("{relative}/{}", spec.file);
-        match bytes.and_then(|bytes| csv::read(&file, &bytes, &requests)) {
+        let file = format!("{relative}/{}", spec.name());
+        match bytes.and_then(|bytes| log::read(&file, &bytes, spec.part.as_ref(), &requests)) {
             Ok(raw) => keep(&mut ingested, index, spec, &file, raw),
             Err(diagnostic) => leave_out(&mut ingested.header, spec, diagnostic),
         }
@@ -216,7 +216,7 @@ fn what_follows(column: &str, cells: usize) -> (&'static str, String) {
 fn leave_out(header: &mut IngestHeader, spec: &LogSpec, diagnostic: Diagnostic) {
     header.rejects.push(Reject {
         session: header.session.id.clone(),
-        log: spec.file.clone(),
+        log: spec.name(),
         first_row: diagnostic.row,
         last_row: None,
         count: 0,

@@ -287,7 +287,8 @@ pub fn traces_wanted(sessions: &[SessionInput], rows: &[Row]) -> Vec<(usize, usi
             continue;
         }
         for (log, header) in session.ingest.logs.iter().enumerate() {
-            let Some(readings) = of_log.get(&(s.id.as_str(), header.spec.file.as_str())) else {
+            let name = header.spec.name();
+            let Some(readings) = of_log.get(&(s.id.as_str(), name.as_str())) else {
                 continue;
             };
             let phases: BTreeSet<Option<Phase>> = readings.iter().map(|r| r.phase).collect();

@@ -13,6 +13,7 @@ fn every_command_has_help_with_an_example() {
         &["check", "--help"],
         &["predict", "--help"],
         &["simulate", "--help"],
+        &["new-session", "--help"],
         &["config", "--help"],
         &["export", "--help"],
         &["completions", "--help"],

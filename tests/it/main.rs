@@ -1,12 +1,15 @@
 //! The integration tests, one binary: a debug build of the dependencies is large, and one link is enough.
 
 mod bad_input;
+mod broken;
 mod cache;
 mod closed_loop;
 mod commands;
 mod coverage;
 mod crash;
 mod documents;
+mod formats;
+mod fuzz;
 mod golden;
 mod intervals;
 mod jobs;
@@ -14,8 +17,10 @@ mod kill;
 mod knee;
 mod labels;
 mod lookup;
+mod messages;
 mod mistakes;
 mod models;
+mod new_session;
 mod numerics;
 mod predict;
 mod predict_coverage;
@@ -26,3 +31,4 @@ mod simulated;
 mod support;
 mod torque;
 mod torque_loop;
+mod units;

@@ -11,6 +11,7 @@ mod isobars;
 pub mod knee;
 mod laws;
 pub mod leg_prediction;
+pub mod log;
 mod looks;
 mod maximum_force;
 mod model_curves;

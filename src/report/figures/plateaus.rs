@@ -134,7 +134,7 @@ fn windows(
         .ingest
         .logs
         .iter()
-        .find(|l| l.spec.file == trace.log)?;
+        .find(|l| l.spec.name() == trace.log)?;
     let first_line = header.first_line as i64;
     Some(
         readings

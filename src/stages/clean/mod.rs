@@ -66,11 +66,11 @@ pub fn clean(session: &Session, logs: &[LogSamples], options: &CleanOptions) -> 
         }
     }
     for log in screened.iter().filter(|l| !l.log.spec.is_zero) {
-        let file = &log.log.spec.file;
-        if !readings.iter().any(|r| &r.log == file) {
+        let name = log.log.spec.name();
+        if !readings.iter().any(|r| r.log == name) {
             rejects.push(Reject {
                 session: session.id.clone(),
-                log: file.clone(),
+                log: name,
                 first_row: None,
                 last_row: None,
                 count: 0,

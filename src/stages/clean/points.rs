@@ -21,7 +21,7 @@ pub fn readings(
         if column.is_some_and(|c| is_clipped(c, value(FORCE))) {
             rejects.push(Reject {
                 session: session.id.clone(),
-                log: log.log.spec.file.clone(),
+                log: log.log.spec.name(),
                 first_row: Some(line),
                 last_row: Some(line),
                 count: 1,
@@ -31,7 +31,7 @@ pub fn readings(
             continue;
         }
         readings.push(Reading {
-            log: log.log.spec.file.clone(),
+            log: log.log.spec.name(),
             run: log.log.spec.run,
             first_row: line as i64,
             last_row: line as i64,

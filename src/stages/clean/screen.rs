@@ -71,7 +71,7 @@ pub fn screen<'a>(
             .into_iter()
             .map(|(reason, (first, last, count))| Reject {
                 session: session.id.clone(),
-                log: log.spec.file.clone(),
+                log: log.spec.name(),
                 first_row: Some(first),
                 last_row: Some(last),
                 count,
@@ -209,7 +209,7 @@ fn whole_log(session: &Session, log: &LogSamples, bad: usize, summary: &Summary)
     let share = 100.0 * bad as f64 / log.len().max(1) as f64;
     Reject {
         session: session.id.clone(),
-        log: log.spec.file.clone(),
+        log: log.spec.name(),
         first_row: Some(log.first_line),
         last_row: Some(log.first_line + log.len().saturating_sub(1) as u64),
         count: log.len() as u64,

@@ -46,7 +46,7 @@ pub fn readings(
     let found = find_plateaus(&series.time, &series.pressure, &options.plateaus());
     let reject = |range: &Range<usize>, extent: Extent, reason: &str| Reject {
         session: session.id.clone(),
-        log: log.log.spec.file.clone(),
+        log: log.log.spec.name(),
         first_row: Some(log.line(range.start)),
         last_row: Some(log.line(range.end - 1)),
         count: range.len() as u64,
@@ -194,7 +194,7 @@ impl<'a> Series<'a> {
                 .map_or(f64::NAN, standard_deviation)
         };
         Reading {
-            log: self.log.log.spec.file.clone(),
+            log: self.log.log.spec.name(),
             run: self.log.log.spec.run,
             first_row: self.log.line(window.start) as i64,
             last_row: self.log.line(window.end - 1) as i64,

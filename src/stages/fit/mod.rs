@@ -29,7 +29,7 @@ use crate::config::FitOptions;
 use engine::EquationFit;
 use maxima::Maximum;
 use scatter::Scatter;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Raised when results change without a change of this stage's source files.
@@ -73,13 +73,26 @@ pub struct SpecimenSummary {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ranges {
     /// l_rest, m.
+    #[serde(deserialize_with = "range_or_empty")]
     pub rest_length_m: (f64, f64),
     /// Gauge pressure, kPa.
+    #[serde(deserialize_with = "range_or_empty")]
     pub pressure_kpa: (f64, f64),
     /// eps*.
+    #[serde(deserialize_with = "range_or_empty")]
     pub contraction_rel: (f64, f64),
     /// eps_620.
+    #[serde(deserialize_with = "range_or_empty")]
     pub contraction_620: (f64, f64),
+}
+
+/// The ends of a range; those of no rows (every session of the group is excluded) are infinite, for which JSON has only null.
+fn range_or_empty<'de, D: Deserializer<'de>>(from: D) -> Result<(f64, f64), D::Error> {
+    let (low, high) = <(Option<f64>, Option<f64>)>::deserialize(from)?;
+    Ok((
+        low.unwrap_or(f64::INFINITY),
+        high.unwrap_or(f64::NEG_INFINITY),
+    ))
 }
 
 /// Everything that was fitted to one group.

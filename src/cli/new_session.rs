@@ -1,0 +1,187 @@
+//! `pipeline new-session`: a look at a log, and a first `session.toml` for it.
+
+use super::DONE;
+use super::columns::{Align, aligned};
+use super::predict::PNG_DPI;
+use crate::base::error::{Error, Result};
+use crate::base::session::{Part, PartKind};
+use crate::draft::{Draft, Guess, text};
+use crate::formats::discover::SESSION_FILE;
+use crate::formats::overview::{overview, place};
+use crate::formats::{log_file, session_toml};
+use crate::report::figures::{files, log};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// Arguments of `new-session`.
+#[derive(Debug, clap::Args)]
+pub struct NewSessionArgs {
+    /// The log, in any of the formats
+    pub file: PathBuf,
+    /// Where session.toml and the plot go [default: a new folder with the name of the log, here]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// The sheet of a workbook [default: the first]
+    #[arg(long, value_name = "NAME", conflicts_with = "variable")]
+    pub sheet: Option<String>,
+    /// The matrix or structure of a MATLAB file [default: its vectors, or the only one]
+    #[arg(long, value_name = "NAME")]
+    pub variable: Option<String>,
+    /// Overwrite files of an earlier look
+    #[arg(long)]
+    pub force: bool,
+    /// Print what was guessed as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Looks at the log, writes what was guessed and says it.
+///
+/// # Errors
+/// A log that cannot be read, and files that exist already.
+pub fn command(args: &NewSessionArgs) -> Result<u8> {
+    let draft = draft(args)?;
+    let stem = stem(&args.file);
+    let out = args.out.clone().unwrap_or_else(|| PathBuf::from(&stem));
+    let written = files_of(&draft, &stem)?;
+    write(&out, &written, args.force)?;
+    if args.json {
+        let paths: Vec<String> = written
+            .iter()
+            .map(|(n, _)| out.join(n).display().to_string())
+            .collect();
+        let text =
+            serde_json::to_string_pretty(&as_json(&draft, &paths)).map_err(Error::internal)?;
+        println!("{text}");
+    } else {
+        print(&draft, &out, &written);
+    }
+    Ok(DONE)
+}
+
+fn draft(args: &NewSessionArgs) -> Result<Draft> {
+    let named = |kind, name: &Option<String>| name.clone().map(|name| Part { kind, name });
+    let part = named(PartKind::Sheet, &args.sheet).or(named(PartKind::Variable, &args.variable));
+    let shown = args.file.display().to_string();
+    let unreadable = |d| Error::Config(vec![d]);
+    let bytes = log_file::load(&args.file, &shown).map_err(unreadable)?;
+    let columns = overview(&shown, &bytes, part.as_ref()).map_err(unreadable)?;
+    let name = args.file.file_name().unwrap_or_default();
+    Ok(Draft::of(&name.to_string_lossy(), part, &columns))
+}
+
+/// The name of a log without its endings: `test8` of `test8.csv.gz`.
+fn stem(file: &Path) -> String {
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let stem = name.split('.').find(|part| !part.is_empty());
+    stem.unwrap_or("log").to_owned()
+}
+
+/// Names and contents of what is written: the session, checked by its own reader, and the plot.
+fn files_of(draft: &Draft, id: &str) -> Result<Vec<(String, Vec<u8>)>> {
+    let session = text::session_toml(draft, id);
+    if draft.missing().is_empty() {
+        session_toml::read(SESSION_FILE, &session).map_err(Error::Config)?;
+    }
+    let mut written = vec![(SESSION_FILE.to_owned(), session.into_bytes())];
+    if let Some(figure) = log::figure(draft) {
+        let drawn = files(&figure.draw()?, PNG_DPI)?;
+        written.extend(
+            drawn
+                .into_iter()
+                .filter(|(name, _)| !name.ends_with(".pdf")),
+        );
+    }
+    Ok(written)
+}
+
+fn write(out: &Path, written: &[(String, Vec<u8>)], force: bool) -> Result<()> {
+    let exists = |(name, _): &&(String, Vec<u8>)| out.join(name).exists();
+    if let Some((name, _)) = written.iter().find(exists)
+        && !force
+    {
+        return Err(Error::Usage(format!(
+            "{} exists already: choose another folder with --out, or overwrite it with --force",
+            out.join(name).display()
+        )));
+    }
+    std::fs::create_dir_all(out).map_err(Error::io("create", out))?;
+    for (name, bytes) in written {
+        let path = out.join(name);
+        std::fs::write(&path, bytes).map_err(Error::io("write", &path))?;
+    }
+    Ok(())
+}
+
+fn print(draft: &Draft, out: &Path, written: &[(String, Vec<u8>)]) {
+    let cell = |text: &str| text.to_owned();
+    let head = ["column", "quantity", "unit", "from", "to", "because"].map(cell);
+    let rows = draft.guesses.iter().map(|g| row(g).to_vec());
+    let rows: Vec<Vec<String>> = std::iter::once(head.to_vec()).chain(rows).collect();
+    let columns = [
+        Align::Left,
+        Align::Left,
+        Align::Left,
+        Align::Right,
+        Align::Right,
+        Align::Left,
+    ];
+    for line in aligned(&rows, &columns) {
+        println!("{line}");
+    }
+    let interval = draft.interval_s.map_or_else(String::new, |s| {
+        format!(", every {} ms", text::short(1e3 * s))
+    });
+    println!(
+        "\n{}: {} rows{interval}",
+        text::sampling(draft.sampling),
+        draft.rows
+    );
+    for column in draft.missing() {
+        println!("not found: {column}");
+    }
+    let names: Vec<&str> = written.iter().map(|(name, _)| name.as_str()).collect();
+    println!("wrote {} into {}", names.join(", "), out.display());
+    println!(
+        "correct {SESSION_FILE} (lines with {}), put it beside {}, and `pipeline run`",
+        text::FILL_IN,
+        draft.file
+    );
+}
+
+fn row(guess: &Guess) -> [String; 6] {
+    let end = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.3}"));
+    let range = guess.range();
+    [
+        place(&guess.position),
+        guess.quantity.map_or("", |q| q.quantity_name).to_owned(),
+        guess.unit.map_or("", |u| u.symbol).to_owned(),
+        end(range.map(|r| r.0)),
+        end(range.map(|r| r.1)),
+        guess.why.clone(),
+    ]
+}
+
+fn as_json(draft: &Draft, written: &[String]) -> Value {
+    let column = |g: &Guess| {
+        json!({
+            "column": place(&g.position),
+            "quantity": g.quantity.map(|q| q.quantity_name),
+            "unit": g.unit.map(|u| u.symbol),
+            "states": g.states.iter().map(|(raw, phase)| (raw.clone(), phase.name())).collect::<std::collections::BTreeMap<_, _>>(),
+            "smallest": g.range().map(|r| r.0),
+            "largest": g.range().map(|r| r.1),
+            "not_numbers": g.not_numbers(),
+            "because": g.why,
+        })
+    };
+    json!({
+        "log": draft.file,
+        "rows": draft.rows,
+        "sampling": text::sampling(draft.sampling),
+        "interval_s": draft.interval_s,
+        "columns": draft.guesses.iter().map(column).collect::<Vec<_>>(),
+        "not_found": draft.missing(),
+        "written": written,
+    })
+}

@@ -1,0 +1,215 @@
+//! The `session.toml` of a draft: what was guessed says so, and what a person has to fill in is marked.
+
+use super::{Draft, Guess};
+use crate::base::columns::{self, FORCE, LENGTH};
+use crate::base::session::{Kind, Position, Sampling};
+use crate::formats::session_toml::SCHEMA;
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+/// What marks a line that a person has to complete.
+pub const FILL_IN: &str = "FILL IN";
+
+/// Samples at the lowest value, as a share, from which on the converter may clip there.
+const CLIPPED_SHARE: f64 = 0.005;
+
+/// The text of the file; `id` is that of the session to be.
+pub fn session_toml(draft: &Draft, id: &str) -> String {
+    let mut text = head(draft, id);
+    text += SPECIMEN;
+    if draft.kind == Kind::Isometric && draft.quantity(LENGTH).is_none() {
+        text += SETUP;
+    }
+    if draft.kind == Kind::KneeTorque {
+        text += JOINT;
+    }
+    text += &columns_table(draft);
+    text += &log(draft);
+    text
+}
+
+const SPECIMEN: &str = r#"
+[specimen]
+id = "specimen-1"            # FILL IN: the physical actuator; the same in all of its sessions
+diameter_mm = 10             # FILL IN: uninflated inner diameter: 10, 20 or 40
+rest_length_mm = 200         # FILL IN: resting length, hose clamp to hose clamp
+contracted_length_mm = 165   # FILL IN: free length at 620 kPa without load
+"#;
+
+const SETUP: &str = r#"
+[setup]
+length_mm = 200              # FILL IN: length at which the actuator was held; no column looks like one
+"#;
+
+const JOINT: &str = r#"
+[joint]
+knee = "pinned"              # FILL IN: "pinned", "biomimetic", or "described" with file = "leg.toml"
+muscle = "flexor"            # FILL IN: "flexor" or "extensor"
+"#;
+
+fn head(draft: &Draft, id: &str) -> String {
+    let (kind, sampling) = (kind(draft.kind), sampling(draft.sampling));
+    let interval = match draft.interval_s {
+        Some(s) => format!(
+            "{} rows, {} ms apart in the median",
+            draft.rows,
+            short(1e3 * s)
+        ),
+        None => format!("{} rows, no column of time", draft.rows),
+    };
+    format!(
+        r#"# Written by `pipeline new-session`: guesses from the log, to be corrected. Lines with {FILL_IN} hold what no log can say.
+schema = "{SCHEMA}"
+id = {id}      # unique over all sessions
+kind = "{kind}"         # guessed from the columns: "isometric" or "knee-torque"
+sampling = "{sampling}"    # guessed: {interval}
+campaign = "campaign-1"      # {FILL_IN}: what was measured together, with one rig set-up
+exclude = "lines of session.toml are still to be filled in"   # keeps the session out of every fit: remove it when done
+"#,
+        id = quoted(id),
+    )
+}
+
+fn kind(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Isometric => "isometric",
+        Kind::KneeTorque => "knee-torque",
+    }
+}
+
+/// The word of `session.toml` for how a log was taken.
+pub fn sampling(sampling: Sampling) -> &'static str {
+    match sampling {
+        Sampling::Timeseries => "timeseries",
+        Sampling::Points => "points",
+    }
+}
+
+/// A text as TOML writes it.
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}
+
+fn columns_table(draft: &Draft) -> String {
+    let mut text = String::from(
+        "\n[columns]   # value = gain * logged + offset, in `unit`; add gain and offset where the log holds counts or volts\n",
+    );
+    let mut names = BTreeSet::new();
+    for guess in &draft.guesses {
+        text += &column(guess, &mut names);
+    }
+    for column in draft.missing() {
+        let known = columns::KNOWN.iter().find(|k| k.column == column);
+        let name = known.map_or(column, |k| k.quantity_name);
+        let units = known.and_then(|k| k.quantity).map(|q| q.list_of_units());
+        let _ = writeln!(
+            text,
+            "# {FILL_IN}: no column looks like {name} ({})",
+            units.unwrap_or_default()
+        );
+    }
+    text
+}
+
+fn column(guess: &Guess, names: &mut BTreeSet<String>) -> String {
+    let place = match &guess.position {
+        Position::Index(index) => format!("index = {index}"),
+        Position::Name(name) => format!("name = {}", quoted(name)),
+    };
+    let range = match guess.range() {
+        Some((low, high)) => format!("logged {} to {}", short(low), short(high)),
+        None => "words".to_owned(),
+    };
+    let Some(quantity) = guess.quantity else {
+        return match &guess.position {
+            Position::Name(name) => format!(
+                "{} = {{ {place} }}   # {range}; {}\n",
+                free_name(own_name(name), names),
+                guess.why
+            ),
+            Position::Index(index) => {
+                format!("# column_{index} = {{ {place} }}   # {range}; name it to carry it along\n")
+            }
+        };
+    };
+    let mut keys = vec![place];
+    if let Some(unit) = guess.unit {
+        keys.push(format!("unit = \"{}\"", unit.symbol));
+    }
+    if !guess.states.is_empty() {
+        let states = guess.states.iter();
+        let states = states.map(|(raw, phase)| format!("{} = \"{}\"", quoted(raw), phase.name()));
+        let states: Vec<String> = states.collect();
+        keys.push(format!("values = {{ {} }}", states.join(", ")));
+    }
+    format!(
+        "{} = {{ {} }}   # {}; {range}{}\n",
+        quantity.quantity_name,
+        keys.join(", "),
+        guess.why,
+        clipped(guess)
+    )
+}
+
+/// A name for a column of the user's own: one that TOML needs no quotes for and the pipeline does not use itself.
+fn own_name(name: &str) -> String {
+    let plain = |c: char| {
+        if c.is_ascii_alphanumeric() {
+            c.to_ascii_lowercase()
+        } else {
+            '_'
+        }
+    };
+    let name: String = name.trim().chars().map(plain).collect();
+    let name = name.trim_matches('_');
+    let taken = columns::is_reserved(name) || columns::by_quantity_name(name).is_some();
+    match name {
+        "" => "unnamed".to_owned(),
+        name if taken => format!("logged_{name}"),
+        name => name.to_owned(),
+    }
+}
+
+/// The name, with a number behind it where it is taken.
+fn free_name(name: String, taken: &mut BTreeSet<String>) -> String {
+    let numbered = (2..).map(|n| format!("{name}_{n}"));
+    let mut free = std::iter::once(name.clone()).chain(numbered);
+    free.find(|n| taken.insert(n.clone())).unwrap_or(name)
+}
+
+/// A number with at most four decimals.
+pub fn short(x: f64) -> String {
+    let rounded = format!("{x:.4}");
+    rounded
+        .trim_end_matches('0')
+        .trim_end_matches('.')
+        .to_owned()
+}
+
+/// A note where a force stands at its lowest value suspiciously often.
+fn clipped(guess: &Guess) -> String {
+    let (Some(FORCE), Some((low, _))) = (guess.column(), guess.range()) else {
+        return String::new();
+    };
+    let at_limit = guess.numbers.iter().filter(|x| **x == low).count();
+    let share = at_limit as f64 / guess.numbers.len() as f64;
+    if share < CLIPPED_SHARE || at_limit < 3 {
+        return String::new();
+    }
+    format!(
+        "\n# {:.1}% of its samples stand at {low}: if the converter clips there, add saturation_low = {low}",
+        100.0 * share
+    )
+}
+
+fn log(draft: &Draft) -> String {
+    let mut text = format!(
+        "\n[[log]]   # of a workbook `sheet = \"Run 8\"` names the sheet, of a MATLAB file `variable = \"log\"` the variable\nfile = {}\n",
+        quoted(&draft.file)
+    );
+    if let Some(part) = &draft.part {
+        let _ = writeln!(text, "{} = {}", part.kind.key(), quoted(&part.name));
+    }
+    text += "# run = 1\n\n# A log without pressure, for the zero of the force channel:\n# [[log]]\n# file = \"offset.csv\"\n# role = \"zero\"\n";
+    text
+}
