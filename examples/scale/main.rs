@@ -139,15 +139,17 @@ fn runs(program: &Path, folder: &Path, lab: &Laboratory) -> Result<(), Box<dyn E
     row("code of the models changed", &run(&[])?)
 }
 
-/// Another digit near the end of a log.
+/// Another last digit of the first column in every line, so that every reading of the log is another.
 fn change(log: &Path) -> Result<(), Box<dyn Error>> {
-    let mut bytes = std::fs::read(log)?;
-    let last = bytes
-        .iter()
-        .rposition(u8::is_ascii_digit)
-        .ok_or("a log without numbers")?;
-    bytes[last] = b'0' + (bytes[last] - b'0' + 1) % 10;
-    std::fs::write(log, bytes)?;
+    let text = std::fs::read_to_string(log)?;
+    let other = |line: &str| {
+        let (first, rest) = line.split_once(',').unwrap_or((line, ""));
+        let (head, last) = first.split_at(first.len().saturating_sub(1));
+        let digit = last.parse().map_or(0, |d: u8| (d + 1) % 10);
+        format!("{head}{digit},{rest}\n")
+    };
+    let lines: Vec<String> = text.lines().map(other).collect();
+    std::fs::write(log, lines.concat())?;
     Ok(())
 }
 

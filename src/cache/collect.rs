@@ -1,6 +1,6 @@
 //! Throws away what the present state does not need.
 //!
-//! Live are the entries that the last run used ([`crate::cache`], `state.json`) and the objects that a kept entry names. Everything else is
+//! Live are the entries that the last run used ([`crate::cache`], `state.jsonl`) and the objects that a kept entry names. Everything else is
 //! kept for a while, because going back to earlier options or data is then free.
 
 use crate::base::error::{Error, Result};

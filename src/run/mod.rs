@@ -5,7 +5,7 @@
 //!                                                             ├── fit ── compare ──┐   one unit a group
 //!                                                             ├── diagnose ────────┤   one unit a campaign and diameter
 //!                                                             ├── torque ──────────┤   one unit a campaign of torque
-//!                                                             └────────────────────┴── report   one unit
+//!                                                             └────────────────────┴── report   one unit, and one a group for its figures
 //! ```
 //! Everything that a stage reads comes through [`engine::Engine::step`], which derives its key; a stage function itself is pure: values
 //! in, values out. The result is independent of the number of threads, because units meet only in sorted collections. The units can also
