@@ -29,7 +29,7 @@
 //! | folder | idea | to add to it |
 //! |---|---|---|
 //! | [`base`] | units, column names, tables, diagnostics, errors; what a session, a reading and a row are | |
-//! | [`cache`] | keys, objects by content, reasons for a rerun | |
+//! | [`cache`] | keys, objects by content, reasons for a rerun, what may go ([`cache::collect`]) | |
 //! | [`formats`] | `session.toml`, logs, finding sessions | a log format: one file, one line in `formats/mod.rs` |
 //! | [`models`] | one file a force model: pure equations, published coefficients, domain | one file, one line in `models/mod.rs` |
 //! | [`effects`] | one file an effect: what a force model or a rig may lack, as an operator on the forward model | one file, one line in `effects/mod.rs` |
@@ -41,10 +41,10 @@
 //! | [`report`] | tables, figures, pages | a table or figure: one file, one line in its folder's `mod.rs` |
 //! | [`predict`] | the force of a muscle that somebody describes, with its interval; its torque in a described leg | |
 //! | [`golden`] | fresh tables against blessed ones | a table: one entry in `tests/golden/golden.toml` |
-//! | [`run`] | drives the stages through the cache | |
+//! | [`run`] | drives the stages through the cache: one whole run at a time on a directory, or many jobs ([`run::jobs`]); where an artifact comes from ([`run::ancestry`]) | |
 //! | [`export`] | the jobs of a run as a workflow of another engine | an engine: one file, one line in `export/mod.rs` |
 //! | [`config`] | `pipeline.toml` | |
-//! | [`cli`] | arguments, and all printing | |
+//! | [`cli`] | arguments, and all printing: run, status, explain, graph, check, predict, simulate, gc, export, completions, man | |
 //!
 //! # Invariants
 //! - **Directions**: `main -> cli -> run -> stages -> {formats, effects, knee, models, numerics, report, audit, simulate} -> base`, and `run -> cache -> base`;

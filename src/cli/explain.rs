@@ -192,7 +192,7 @@ impl Told<'_> {
                 STAGES[stage],
                 self.listed(units.iter().map(|u| u.name.as_str()))
             ));
-            for unit in units.iter().take(1) {
+            if let Some(unit) = units.first() {
                 line(format!(
                     "  code {}, version {}",
                     short(&unit.entry.parts.code),

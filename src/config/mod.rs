@@ -275,12 +275,28 @@ documented! {
 pub struct TorqueOptions {
     /// Length of one end fitting where a session states none, mm.
     pub fitting_mm: f64,
+    /// Words by which the notes of a torque session say that it is in doubt: it is shown, and takes part in no fit. `[]` for none.
+    pub doubtful_words: Vec<String>,
 }
 }
 
 impl Default for TorqueOptions {
     fn default() -> Self {
-        Self { fitting_mm: 25.4 }
+        let words = [
+            "superseded",
+            "excluded",
+            "reject",
+            "rejected",
+            "doubtful",
+            "uncertain",
+            "unsure",
+            "slipped",
+            "unreliable",
+        ];
+        Self {
+            fitting_mm: 25.4,
+            doubtful_words: words.map(str::to_owned).to_vec(),
+        }
     }
 }
 

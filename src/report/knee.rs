@@ -172,8 +172,8 @@ fn picture(drawn: &Drawn) -> Picture {
 fn campaign(c: &CampaignTorque, figures: &[Drawn]) -> Campaign {
     let tests = || c.configurations.iter().flat_map(|c| &c.tests);
     let points = || tests().flat_map(|t| &t.points);
-    let said = |of: fn(&Test) -> &Option<String>| {
-        let some = tests().filter_map(move |t| Some((t.session.clone(), of(t).clone()?)));
+    let said = |of: fn(&Test) -> Option<String>| {
+        let some = tests().filter_map(move |t| Some((t.session.clone(), of(t)?)));
         some.collect::<Vec<_>>()
     };
     Campaign {
@@ -184,8 +184,8 @@ fn campaign(c: &CampaignTorque, figures: &[Drawn]) -> Campaign {
         configurations: c.configurations.len(),
         readings: points().count(),
         beyond: points().filter(|p| p.beyond.is_some()).count(),
-        excluded: said(|t| &t.excluded),
-        notes: said(|t| &t.notes),
+        excluded: said(Test::left_out_because),
+        notes: said(|t| t.notes.clone()),
         fits: c.fits.iter().filter_map(|f| fit(c, f)).collect(),
         joints: joints(c, figures),
         by_hand: c.diagnoses.iter().any(|j| !j.by_hand.is_empty()),

@@ -3,7 +3,7 @@
 //! Every row of a log is kept, in its order; a cell that is no number is NaN. A column of words is kept as labels. What follows from it is for the clean stage. A log that
 //! cannot be read at all is left out here, with its diagnostic and a reject; a session without any usable log is left out.
 
-use crate::base::columns::{self, FORCE, LENGTH, PHASE, PRESSURE, TIME, TORQUE};
+use crate::base::columns::{self, ANGLE, FORCE, LENGTH, PHASE, PRESSURE, TIME, TORQUE};
 use crate::base::diagnostics::{Diagnostic, Severity};
 use crate::base::frame::{Frame, Values};
 use crate::base::reject::{Extent, Reject};
@@ -185,7 +185,7 @@ fn keep(ingested: &mut Ingested, index: usize, spec: &LogSpec, file: &str, raw: 
     });
 }
 
-/// What is expected of a cell that is no number, and what becomes of its row: without a force, pressure or length it is no reading,
+/// What is expected of a cell that is no number, and what becomes of its row: without a force, torque, pressure, angle or length it is no reading,
 /// anything else it may lack.
 fn what_follows(column: &str, cells: usize) -> (&'static str, String) {
     let such = if cells == 1 {
@@ -199,7 +199,7 @@ fn what_follows(column: &str, cells: usize) -> (&'static str, String) {
             format!("the row is left out ({such})"),
         );
     }
-    if [TIME, FORCE, TORQUE, PRESSURE, LENGTH].contains(&column) {
+    if [TIME, FORCE, TORQUE, ANGLE, PRESSURE, LENGTH].contains(&column) {
         return ("a finite number", format!("the row is left out ({such})"));
     }
     let words = if columns::is_reserved(column) {

@@ -680,3 +680,41 @@ fn mistakes_in_a_description_are_named_with_a_remedy() {
     }
     assert_eq!(parsed(STRAIGHT).routes.len(), 1);
 }
+
+/// The shipped torques of the biomimetic knee come from a load cell, by a script with the moment about the instantaneous centre; here by virtual
+/// work of the same force along the path of the point on which it pulls.
+#[test]
+fn torques_from_the_load_cell_are_the_work_of_its_force() {
+    let knee = shipped("biomimetic");
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let numbers = |line: &str| -> Vec<f64> {
+        let cells = line.split(',').map(|c| c.parse().unwrap_or(f64::NAN));
+        cells.collect()
+    };
+    // Where the cell pulls on the tibia: distance from theta1 in m, direction in degrees (tests/data/knee_load_cell/loads.csv).
+    for (session, distance, direction, unit) in [
+        ("extbio10-518", 0.31246, -91.39, 4.448_221_615_260_5),
+        ("flxbio10-415", 0.31473, -82.97, 1.0),
+        ("flxbio20-423-long", 0.32, -82.97, 1.0),
+        ("flxbio20-423-short", 0.21829, -79.84, 1.0),
+    ] {
+        let points = root.join(format!("raw/knee-load-cell/{session}/points.csv"));
+        let text = std::fs::read_to_string(points).unwrap();
+        let (sin, cos) = libm::sincos(f64::to_radians(direction));
+        let at = [distance * cos, distance * sin, 0.0].map(Dual::<1>::constant);
+        for line in text.lines().skip(1) {
+            let row = numbers(line);
+            let angle = row[0].to_radians();
+            let pose = knee.joint.pose(Dual::<1>::variable(angle, 0)).unwrap();
+            let path = pose.place(at);
+            let pull = angle + row[2].to_radians();
+            let work =
+                libm::cos(pull) * path[0].gradient[0] + libm::sin(pull) * path[1].gradient[0];
+            let torque = (unit * row[1] * work).abs();
+            assert!(
+                (torque - row[3].abs()).abs() < 0.02,
+                "{session} {line}: {torque}"
+            );
+        }
+    }
+}

@@ -88,7 +88,7 @@ fn the_main_job_gives_tables_figures_and_a_report_and_recovers_the_truth() {
     }
     let summary: serde_json::Value =
         serde_json::from_slice(&std::fs::read(reports.join("summary.json")).unwrap()).unwrap();
-    assert_eq!(summary["sessions_used"].as_array().unwrap().len(), 52);
+    assert_eq!(summary["sessions_used"].as_array().unwrap().len(), 56);
     let torque = std::fs::read(reports.join("knee.pdf")).unwrap();
     assert!(torque.starts_with(b"%PDF") && torque.len() > 100_000);
     answers(&said.out, &reports, &summary);
@@ -119,7 +119,11 @@ fn answers(out: &str, reports: &Path, summary: &serde_json::Value) {
     assert_eq!(findings["schema"], "bpa-findings/1");
     let all = findings["campaigns"].as_array().unwrap();
     let joints = all.iter().filter(|c| c["kind"] == "knee-torque");
-    assert_eq!(joints.count(), 6, "one for each route and diameter");
+    assert_eq!(
+        joints.count(),
+        9,
+        "one for each campaign, route and diameter"
+    );
     let campaigns: Vec<_> = all.iter().filter(|c| c["kind"] == "isometric").collect();
     assert_eq!(
         campaigns.len(),

@@ -485,9 +485,19 @@ fn the_loop_finds_what_the_measurers_found(bench: &Bench) {
     );
 
     let extensor = joint(&findings(bench), "pinned knee, extensor", 10);
-    assert_eq!(extensor["effects"][0]["id"], "series_compliance");
+    // Without the tests that their owner doubts, which were furthest off.
+    let effects = extensor["effects"].as_array().unwrap();
+    assert_eq!(effects.len(), 1, "{effects:?}");
+    assert_eq!(effects[0]["id"], "series_compliance");
+    let compliance = effects[0]["parameters"][0]["value"].as_f64().unwrap();
+    assert!((54.0..=94.0).contains(&compliance), "{compliance}");
     let error = |when: &str| extensor[when]["rmse_heldout"].as_f64().unwrap();
-    assert!(error("after") < 0.5 * error("before"), "{extensor}");
+    assert!(error("after") < 0.65 * error("before"), "{extensor}");
+    for doubtful in ["42", "42ten", "48-t1"] {
+        let session = format!("knee-extpin10-{doubtful}");
+        let row = find(&tests, &[("session", &session)]);
+        assert_eq!(row["takes_part"], "false", "{row:?}");
+    }
 }
 
 /// The findings of one joint.

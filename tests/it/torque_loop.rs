@@ -33,6 +33,11 @@ struct Missing {
     friction_nm: f64,
     /// Torque a unit of a column that no effect knows.
     room_nm: f64,
+    /// Zero of the torque, N.m, and whether it shows where the actuator is slack.
+    zero_nm: f64,
+    zero_at_slack: bool,
+    /// So much further does the joint turn, degrees: the actuators go slack.
+    further_deg: f64,
 }
 
 /// Path and arm at an angle in degrees, by the law of cosines.
@@ -87,6 +92,7 @@ fn write(bench: &Bench, campaign: &str, m: &Missing) {
                 let half = READINGS / 2;
                 let share =
                     if k < half { k } else { READINGS - 1 - k } as f64 / (half as f64 - 0.5);
+                let first = first - m.further_deg;
                 let turned = first + (last - first) * share.min(1.0) + stream.normal();
                 let degrees = (2.0 * turned).round() / 2.0;
                 let kpa = 606.0 + stream.normal();
@@ -98,7 +104,10 @@ fn write(bench: &Bench, campaign: &str, m: &Missing) {
                     sense = turned.signum();
                 }
                 before = Some(degrees);
+                let shows = m.zero_at_slack || pulled > 20.0;
+                let zero = if shows { m.zero_nm } else { 0.0 };
                 let torque = kinked * leg(degrees).1 - m.friction_nm * sense
+                    + zero
                     + m.room_nm * (room - 24.0)
                     + 0.15 * stream.normal();
                 rows += &format!("{degrees},{torque:.4},{kpa:.1},{room:.1}\n");
@@ -243,4 +252,87 @@ fn nothing_is_found_where_nothing_is_missing_and_no_physical_name_is_borrowed() 
     }
     assert_eq!(of("room")["verdict"], "unexplained", "{}", of("room"));
     assert_eq!(of("room")["unexplained"][0]["column"], "room");
+}
+
+#[test]
+fn a_zero_of_the_torque_is_named_only_if_slack_actuators_show_it() {
+    let bench = Bench::empty();
+    let everywhere = Missing {
+        zero_nm: -1.2,
+        zero_at_slack: true,
+        further_deg: 12.0,
+        ..Missing::default()
+    };
+    write(&bench, "everywhere", &everywhere);
+    let where_it_pulls = Missing {
+        zero_at_slack: false,
+        ..everywhere
+    };
+    write(&bench, "where-it-pulls", &where_it_pulls);
+    let all = found(&bench);
+    let (id, value, [low, high]) = first(&all, "everywhere", 1);
+    assert_eq!(id, "force_zero_offset");
+    assert!(low < -1.2 && -1.2 < high, "{value} [{low}, {high}]");
+    let other = all.iter().find(|c| c["campaign"] == "where-it-pulls");
+    let effects = other.unwrap()["effects"].as_array().unwrap();
+    let zero = effects.iter().any(|e| e["id"] == "force_zero_offset");
+    assert!(!zero, "{effects:?}");
+}
+
+#[test]
+fn doubtful_tests_are_shown_and_take_part_in_no_fit_but_one_of_their_own() {
+    let bench = Bench::empty();
+    write(&bench, "one", &Missing::default());
+    let yields = Missing {
+        compliance_m_n: 60e-6,
+        ..Missing::default()
+    };
+    write(&bench, "all", &yields);
+    let edit = |file: &str, change: &dyn Fn(&str) -> String| {
+        let text = std::fs::read_to_string(bench.raw().join(file)).unwrap();
+        bench.write(file, change(&text));
+    };
+    let doubt = |session: &str| {
+        edit(&format!("{session}/session.toml"), &|text| {
+            text.replace("\"simulated\"", "\"simulated; superseded by a later test\"")
+        });
+    };
+    doubt("one-a1");
+    edit("one-a1/points.csv", &|text| {
+        let shifted = |line: &str| {
+            let cells: Vec<&str> = line.split(',').collect();
+            let torque: f64 = cells[1].parse().unwrap_or(f64::NAN);
+            format!("{},{},{},{}\n", cells[0], torque - 6.0, cells[2], cells[3])
+        };
+        let mut lines = text.lines();
+        let header = lines.next().unwrap_or_default().to_owned() + "\n";
+        header + &lines.map(shifted).collect::<String>()
+    });
+    for session in ["all-a0", "all-a1", "all-b0", "all-b1", "all-c0"] {
+        doubt(session);
+    }
+    let all = found(&bench);
+    let of = |campaign: &str| all.iter().find(|c| c["campaign"] == campaign).unwrap();
+    assert_eq!(of("one")["verdict"], "none", "{}", of("one"));
+    let tests = bench.table("knee_tests");
+    let doubtful = tests.iter().find(|t| t["session"] == "one-a1").unwrap();
+    assert_eq!(doubtful["doubtful"], "superseded by a later test");
+    let effects = bench.table("knee_effects");
+    let doubtful = effects.iter().find(|t| t["session"] == "one-a1").unwrap();
+    assert_eq!(doubtful["takes_part"], "false");
+    assert!(doubtful["rigid_rmse_nm"].parse::<f64>().unwrap() > 5.0);
+    let (id, ..) = first(&all, "all", 1);
+    assert_eq!(id, "series_compliance");
+    let summary = of("all")["summary"].as_str().unwrap();
+    assert!(
+        summary.starts_with("from doubtful tests alone: "),
+        "{summary}"
+    );
+    let fittings = bench.table("knee_fittings");
+    assert!(
+        fittings
+            .iter()
+            .all(|f| f["campaign"] != "all" || f["n_fitted"].is_empty() || f["n_fitted"] == "0"),
+        "{fittings:?}"
+    );
 }

@@ -3,13 +3,13 @@
 //! All of it follows from the design of the campaign at hand: from the trace of every effect after base model and strengths have been
 //! refitted, and from the residual that is left.
 
-use super::answer::summary::with_unit;
 use super::between;
 use super::findings::{Alias, DetectionLimit, NotMeasurable};
 use super::judge::ALIKE;
 use super::linear::{BLIND, Information, Linear, Stand};
 use super::search::{LEAST_FALL, Search, State};
 use super::term::Scope;
+use super::words::with_unit;
 use crate::effects::{self, Effect};
 use std::collections::BTreeSet;
 

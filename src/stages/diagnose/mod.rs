@@ -4,10 +4,12 @@
 //!
 //! 1. [`data`]: the readings with everything that is known of each ([`labels`] are words); [`base`]: the model to which effects are added.
 //!    [`suspects`]: mistakes of recording, before anything is searched.
-//! 2. [`questions`]: is there anything at all? The residual against every column, by permutation.
+//! 2. [`questions`]: is there anything at all? The residual against every column, by permutation; and whether set points differ by more than
+//!    repeats of one do.
 //! 3. [`candidates`], [`linear`], [`search`]: which additions explain it. Strengths of the specimens are in every model ([`model`]).
 //! 4. [`judge`]: which of them may be believed.
-//! 5. [`folds`]: the held-out error, the whole search inside each fold; [`black_box`]: what is left to explain.
+//! 5. [`folds`]: the held-out error, the whole search inside each fold; [`black_box`]: what is left to explain. `belief`: what the folds do not find
+//!    again, and what zero logs contradict, is not believed.
 //! 6. [`answer`]: intervals, classes, detection limits, the next measurement: the [`findings`].
 //!
 //! Three answers are right answers: an effect, none, or a dependence on a column that has no name in the library.
@@ -37,6 +39,7 @@ pub mod term;
 #[cfg(test)]
 mod tests;
 pub mod uncertainty;
+mod words;
 
 use crate::base::row::Row;
 use crate::base::session::Role;

@@ -10,18 +10,20 @@
 //! | [`point`] | one reading: geometry, prediction of every model, torque back-calculated from length and arm measured by hand |
 //! | [`errors`] | errors of a test and model; how far measured eps* and arm are from the expected ones |
 //! | [`curve`] | what is expected over the range of the joint |
-//! | [`observation`] | what is not excluded, with its leg and a prediction that carries derivatives, for fits |
+//! | [`doubt`] | which tests their owner doubts |
+//! | [`observation`] | what is not left out, with its leg and a prediction that carries derivatives, for fits |
 //! | [`fitting`] | the length of the end fittings as the torque itself has it, held out by actuator |
 //! | [`diagnose`] | what the rigid leg lacks: the effects of the joint |
 //! | [`tidy`] | all readings as one table |
 //! | [`reference`] | what needs no session: both methods for the arm, the linkage, the human muscles beside OpenSim, stress, design |
 //!
-//! Sessions that their owner excludes are predicted like all others and shown, and take part in no fit; so do those with the role
-//! `validation` or `holdout`.
+//! Sessions that their owner excludes, or whose notes say that he doubts them ([`doubt`]), are predicted like all others and shown, and take part in
+//! no fit and in no error of what was held out; those with the role `validation` or `holdout` in no fit.
 
 pub mod build;
 pub mod curve;
 pub mod diagnose;
+pub mod doubt;
 pub mod errors;
 pub mod fitting;
 pub mod observation;
@@ -109,8 +111,10 @@ pub struct Configuration {
 pub struct Test {
     /// Session id.
     pub session: String,
-    /// Why it is kept out of every fit.
+    /// Why its owner keeps it out of every fit.
     pub excluded: Option<String>,
+    /// What its owner's notes doubt, which keeps it out as well.
+    pub doubtful: Option<String>,
     /// The part that it plays in fits, where its owner has decided.
     pub role: Option<Role>,
     /// The owner's remarks.
@@ -126,7 +130,18 @@ pub struct Test {
 impl Test {
     /// Whether the test takes part in fits.
     pub fn is_fitted(&self) -> bool {
-        self.excluded.is_none() && matches!(self.role, None | Some(Role::Train))
+        !self.is_left_out() && matches!(self.role, None | Some(Role::Train))
+    }
+
+    /// Whether it is shown, and no more: excluded or doubtful.
+    pub fn is_left_out(&self) -> bool {
+        self.excluded.is_some() || self.doubtful.is_some()
+    }
+
+    /// Why it is left out: "excluded: bolt slipped".
+    pub fn left_out_because(&self) -> Option<String> {
+        let excluded = self.excluded.as_ref().map(|why| format!("excluded: {why}"));
+        excluded.or_else(|| Some(format!("doubtful: {}", self.doubtful.as_ref()?)))
     }
 }
 
@@ -167,7 +182,7 @@ pub fn torque(
             // The description of the leg was checked when the session was found.
             continue;
         };
-        let test = test(&build, one, &models);
+        let test = test(&build, one, &models, options);
         let fresh = configuration(&build, &one.session);
         let same =
             |(b, c): &&mut (Build, Configuration)| *b == build && c.specimen == fresh.specimen;
@@ -207,13 +222,22 @@ pub fn torque(
     }
 }
 
-fn test(build: &Build, measured: &Measured, models: &[&dyn ForceModel]) -> Test {
+fn test(
+    build: &Build,
+    measured: &Measured,
+    models: &[&dyn ForceModel],
+    options: &TorqueOptions,
+) -> Test {
     let session = &measured.session;
     let rows = measured.rows.iter();
     let points: Vec<Point> = rows.map(|r| point::point(build, r, models)).collect();
     Test {
         session: session.id.clone(),
         excluded: session.exclude.clone(),
+        doubtful: doubt::of(
+            session.notes.as_deref().unwrap_or_default(),
+            &options.doubtful_words,
+        ),
         role: session.role,
         notes: session.notes.clone(),
         errors: errors::of_models(&points, models, build.setup.diameter_mm),

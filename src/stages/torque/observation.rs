@@ -41,12 +41,12 @@ impl Observation<'_> {
     }
 }
 
-/// The observations of a configuration that are not excluded, in the order of its tests.
+/// The observations of a configuration that are not left out, in the order of its tests.
 pub fn observations<'a>(
     build: &'a Build,
     configuration: &'a Configuration,
 ) -> Vec<Observation<'a>> {
-    let tests = configuration.tests.iter().filter(|t| t.excluded.is_none());
+    let tests = configuration.tests.iter().filter(|t| !t.is_left_out());
     tests
         .flat_map(|test| test.points.iter().map(move |p| (test, p)))
         .filter_map(|(test, p)| {

@@ -52,6 +52,10 @@ pub fn frame<'a>(campaigns: impl Iterator<Item = &'a CampaignTorque>) -> Frame {
             "excluded",
             integers(|r| i64::from(r.test.excluded.is_some())),
         )
+        .with(
+            "doubtful",
+            integers(|r| i64::from(r.test.doubtful.is_some())),
+        )
         .with("fitted", integers(|r| i64::from(r.test.is_fitted())))
         .with("simulated", integers(|r| i64::from(r.campaign.simulated)))
         .with(ANGLE, numbers(&|p| Some(p.angle_rad)))

@@ -18,7 +18,7 @@ const BY_PRESSURE: [(Dash, Dash); 3] = [
     (Dash::DashDot, Dash::Long),
     (Dash::Dotted, Dash::Short),
 ];
-/// Marks of the tests, in their order; excluded ones are grey crosses.
+/// Marks of the tests, in their order; those that are left out are grey crosses.
 const TESTS: [(Shape, Ink); 6] = [
     (Shape::Circle, Ink::Blue),
     (Shape::Square, Ink::Vermilion),
@@ -69,9 +69,10 @@ impl Plot<'_> {
                 .iter()
                 .filter_map(|p| Some((p.angle_rad.to_degrees(), of(p)?)))
                 .collect();
-            let name = match test.excluded {
-                Some(_) => format!("{} (excluded)", plain(&test.session)),
-                None => plain(&test.session),
+            let name = match (&test.excluded, &test.doubtful) {
+                (Some(_), _) => format!("{} (excluded)", plain(&test.session)),
+                (None, Some(_)) => format!("{} (doubtful)", plain(&test.session)),
+                (None, None) => plain(&test.session),
             };
             (!points.is_empty()).then(|| Series::marks(&name, points, mark(k, test)))
         };
@@ -218,10 +219,10 @@ impl Plot<'_> {
 /// The mark of a test.
 pub(super) fn mark(k: usize, test: &Test) -> Mark {
     let (shape, ink) = TESTS[k % TESTS.len()];
-    match test.excluded {
-        Some(_) => Mark::open(Shape::Cross, Ink::Grey).wide(1.3),
-        None if shape == Shape::Plus => Mark::open(shape, ink).wide(1.3),
-        None => Mark::filled(shape, ink).wide(1.3),
+    match (test.is_left_out(), shape) {
+        (true, _) => Mark::open(Shape::Cross, Ink::Grey).wide(1.3),
+        (false, Shape::Plus) => Mark::open(shape, ink).wide(1.3),
+        (false, _) => Mark::filled(shape, ink).wide(1.3),
     }
 }
 

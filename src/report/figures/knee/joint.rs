@@ -41,7 +41,7 @@ pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
             campaign.campaign, found.diameter_mm
         )),
         caption: format!(
-            "{simulated}{}, {} mm: measured torque (marks, one kind a test; crosses are excluded), the rigid leg, the leg with what was found, and with what is found \
+            "{simulated}{}, {} mm: measured torque (marks, one kind a test; crosses take no part), the rigid leg, the leg with what was found, and with what is found \
              without the actuator where whole actuators are held out.",
             configuration::capitalised(part),
             found.diameter_mm

@@ -17,6 +17,7 @@ pub fn table(input: &ReportInput) -> Table {
         Column::number("largest_nm", "Largest", "N.m"),
         Column::number("human_largest_nm", "Human, largest", "N.m"),
         Column::text("met_deg", "Meets the human muscle at"),
+        Column::text("met_within_data_deg", "Of that within its data"),
     ];
     let mut table = Table::new(
         "knee_design",
@@ -25,7 +26,8 @@ pub fn table(input: &ReportInput) -> Table {
     );
     let largest = |values: &[f64]| values.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     for d in input.knee.iter().flat_map(|k| &k.reference.design) {
-        for ((law, torques), met) in LAWS.iter().zip(&d.actuator_nm).zip(&d.met_deg) {
+        let met = d.met_deg.iter().zip(&d.met_within_data_deg);
+        for ((law, torques), (met, within_data)) in LAWS.iter().zip(&d.actuator_nm).zip(met) {
             let torques: Vec<f64> = torques.iter().flatten().copied().collect();
             table.push(vec![
                 Cell::text(&d.muscle),
@@ -37,6 +39,7 @@ pub fn table(input: &ReportInput) -> Table {
                 Cell::number(largest(&torques), Rounding::Decimals(1)),
                 Cell::number(largest(&d.human_nm), Rounding::Decimals(1)),
                 Cell::text(stretches(met)),
+                Cell::text(stretches(within_data)),
             ]);
         }
     }

@@ -34,7 +34,8 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
             Column::text("found", "Found").seen_by(Audience::People),
             Column::number("size", "Size", ""),
             Column::interval("interval", "95% interval", ""),
-            Column::text("unit", "Unit"),
+            machines(Column::text("unit", "Unit")),
+            Column::text("unit_words", "Unit").seen_by(Audience::People),
             Column::number("stiffness_n_m", "1/\\v{C}", "N/m"),
             Column::number("p_adjusted", "\\v{p}", ""),
             Column::number("chosen_again", "Again", "%"),
@@ -43,9 +44,10 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
             machines(Column::text("class", "Class")),
         ],
     )
-    .span("Held out", "rmse_held_out_without_nm", "rmse_held_out_with_nm")
+    .span("Held out, set kept", "rmse_held_out_without_nm", "rmse_held_out_with_nm")
     .note(
-        "Held out: RMSE on what took no part (actuators, or tests or stretches of the angle where there is one) without the effect, the others kept, and with it. \
+        "Held out, set kept: RMSE on what took no part (actuators, or tests or stretches of the angle where there is one), sizes fitted without it, without the effect and with it; \
+         everywhere else the search itself is made without what is held out. \
          Again: searches without one test (or stretch) that choose the effect or one that leaves its trace.",
     );
     for campaign in campaigns {
@@ -84,6 +86,7 @@ fn row(joint: &JointDiagnosis, effect: Option<&EffectFinding>) -> Vec<Cell> {
     let parameter = effect.and_then(|e| e.parameters.first());
     row.extend(parameter.map_or([Cell::Empty, Cell::Empty], size));
     row.extend([
+        text(|e| e.parameters[0].unit.clone()),
         text(|e| answers::unit_words(&e.parameters[0].unit)),
         number(Rounding::Digits(2), stiffness),
         number(Rounding::Digits(2), |e| e.p_adjusted),

@@ -34,7 +34,7 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
         Column::number("by_hand_max_abs_nm", "Max.", "N.m"),
         Column::number("by_hand_sse_nm2", "SSE", "N^{2}m^{2}").seen_by(Audience::Machines),
         Column::number("by_hand_fvu", "FVU", ""),
-        Column::text("excluded", "Excluded").seen_by(Audience::Machines),
+        Column::text("left_out", "Left out").seen_by(Audience::Machines),
     ];
     let mut table = Table::new(
         "knee_laws",
@@ -84,6 +84,6 @@ fn row(campaign: &CampaignTorque, test: &Test, law: &str) -> Vec<Cell> {
         size(hand, |s| s.max_abs, 2),
         size(hand, |s| s.sse, 1),
         size(hand, fvu, 2),
-        test.excluded.as_ref().map_or(Cell::Empty, Cell::text),
+        test.left_out_because().map_or(Cell::Empty, Cell::text),
     ]
 }

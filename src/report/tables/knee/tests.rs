@@ -47,6 +47,7 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
             .seen_by(Audience::Machines),
         Column::flag("simulated", "Simulated").seen_by(Audience::Machines),
         Column::text("excluded", "Excluded because").seen_by(Audience::Machines),
+        Column::text("doubtful", "Doubtful because").seen_by(Audience::Machines),
         Column::text("remark", "Remark").seen_by(Audience::People),
         Column::text("remarks", "Remarks").seen_by(Audience::Machines),
         Column::text("notes", "Notes").seen_by(Audience::Machines),
@@ -102,6 +103,7 @@ fn row(campaign: &CampaignTorque, c: &Configuration, test: &Test) -> Vec<Cell> {
         in_mm(hand.projected_arm_m, |d| d.rms),
         Cell::Flag(campaign.simulated),
         text(&test.excluded),
+        text(&test.doubtful),
         remark(test),
         Cell::text(c.remarks.join("; ")),
         text(&test.notes),
@@ -109,9 +111,10 @@ fn row(campaign: &CampaignTorque, c: &Configuration, test: &Test) -> Vec<Cell> {
 }
 
 fn remark(test: &Test) -> Cell {
-    match (&test.excluded, test.is_fitted()) {
+    match (&test.excluded, &test.doubtful) {
         (Some(_), _) => Cell::text("excluded"),
-        (None, false) => Cell::text("not fitted"),
-        (None, true) => Cell::Empty,
+        (None, Some(_)) => Cell::text("doubtful"),
+        (None, None) if test.is_fitted() => Cell::Empty,
+        (None, None) => Cell::text("not fitted"),
     }
 }

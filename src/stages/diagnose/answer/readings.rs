@@ -8,8 +8,8 @@ use super::super::linear::Linear;
 use super::super::model::{MOST_TERMS, Model};
 use super::super::search::Search;
 use super::super::term::{Scope, Term};
+use super::super::words::with_unit;
 use super::super::{WORTH_ASKING, Work, errors, train_error};
-use super::summary::with_unit;
 use std::collections::BTreeSet;
 
 /// A reading of the data whose held-out error is larger by less than this is as good.

@@ -3,6 +3,7 @@
 use super::super::Work;
 use super::super::findings::{EffectFinding, Errors, Rejected, Suspect, Unexplained, Verdict};
 use super::super::held_out::FALLS;
+use super::super::words::with_unit;
 use crate::effects;
 
 /// An effect that fewer of the folds found by themselves is not sure.
@@ -148,19 +149,4 @@ fn look_at(suspect: &Suspect) -> String {
         "Look at {} first (off by {:.0} N, usual are {:.0} N{aside}): {}{then}.",
         suspect.what, suspect.error_n, suspect.usual_n, suspect.explanation
     )
-}
-
-/// A number to three significant digits with its unit; a pure number has none.
-pub(in super::super) fn with_unit(value: f64, unit: &str) -> String {
-    let digits = if value == 0.0 {
-        0
-    } else {
-        2 - libm::floor(libm::log10(value.abs())) as i32
-    };
-    let number = format!("{value:.*}", digits.clamp(0, 6) as usize);
-    if unit == "1" {
-        number
-    } else {
-        format!("{number} {unit}")
-    }
 }

@@ -14,6 +14,9 @@ use crate::stages::diagnose::findings::{
 };
 use std::collections::BTreeSet;
 
+/// Sets whose criterion is worse by so much are told apart by the readings: "very strong" evidence (Kass and Raftery, *J. Am. Stat. Assoc.* 90,
+/// 1995).
+const TOLD_APART: f64 = 10.0;
 /// Part of the held-out error that a curve over a column leaves at most, for the column to be named.
 const HELPS: f64 = 0.95;
 /// Part of the error that is left where searches without a fold found something, for it to count as structure.
@@ -44,7 +47,7 @@ impl<'a> Answered<'_, 'a> {
         &self.whole.readings
     }
 
-    fn sizes(&self) -> &Sizes {
+    pub(super) fn sizes(&self) -> &Sizes {
         &self.whole.accepted.sizes
     }
 
@@ -178,6 +181,7 @@ impl<'a> Answered<'_, 'a> {
         let nothing = self.sizes().terms.is_empty() && found.is_empty();
         let p_adjusted = answers.iter().map(|q| q.p_adjusted).fold(1.0, f64::min);
         let seen = self.seen_in_parts(held_out, p_adjusted);
+        let seen = seen.or_else(|| self.seen_without_a_name(held_out));
         found.extend(seen.filter(|_| nothing));
         found
     }
@@ -200,6 +204,31 @@ impl<'a> Answered<'_, 'a> {
             rmse_heldout_before: Some(before),
             rmse_heldout_after: Some(after),
             curve: black_box::curve(&angles, &rigid),
+        })
+    }
+
+    /// Several effects may each explain by far more than chance does, and the readings be too few to tell which: that is structure as well.
+    fn seen_without_a_name(&self, held_out: &[f64]) -> Option<Unexplained> {
+        let sets = &self.whole.sets;
+        let rigid = sets.iter().find(|s| s.sizes.terms.is_empty())?;
+        let real = |s: &&super::search::Ranked| !s.sizes.terms.contains(&place::PLACEBO);
+        let best = sets.iter().find(real)?;
+        let gain = rigid.criterion - best.criterion;
+        let residuals = rigid.sizes.residuals(self.readings());
+        let angles: Vec<f64> = self
+            .readings()
+            .iter()
+            .map(|r| r.at.angle_rad.to_degrees())
+            .collect();
+        (gain > TOLD_APART).then(|| Unexplained {
+            column: "angle".to_owned(),
+            shape: "offset".to_owned(),
+            // Odds of the rigid leg by the criterion (Kass and Raftery 1995), times the number of sets that were asked.
+            p_adjusted: (sets.len() as f64 * libm::exp(-0.5 * gain)).min(1.0),
+            share_of_residual: 1.0 - best.sizes.sse / rigid.sizes.sse,
+            rmse_heldout_before: Some(rms(held_out)),
+            rmse_heldout_after: None,
+            curve: black_box::curve(&angles, &residuals),
         })
     }
 
@@ -252,24 +281,54 @@ impl<'a> Answered<'_, 'a> {
         chose.count() as f64 / self.held_out.len() as f64
     }
 
-    /// The effect and all that leave its trace; a force that is not along the sensor shrinks as one of a weaker actuator.
+    /// The effect and all that leave its trace and would explain the readings about as well in its place; a force that is not along the
+    /// sensor shrinks as one of a weaker actuator.
     fn class(&self, term: usize, traces: &Traces) -> Vec<String> {
-        let alike = |t: &&usize| **t == term || traces.cosine(term, **t).abs() > ALIKE;
-        let candidates = self
-            .whole
-            .candidates
-            .iter()
-            .filter(|t| **t != place::PLACEBO);
+        let alike = |t: &usize| *t != place::PLACEBO && traces.cosine(term, *t).abs() > ALIKE;
+        let candidates = self.whole.candidates.iter().copied();
+        let alike: Vec<usize> = candidates.filter(alike).collect();
         let mut ids = vec![ALL[term].id.to_owned()];
-        for other in candidates.filter(alike) {
-            ids.push(ALL[*other].id.to_owned());
+        for other in self.as_good_in_place_of(term, &alike) {
+            ids.push(ALL[other].id.to_owned());
         }
         if ids.iter().any(|id| id == "force_gain") {
             ids.extend(["misalignment", "specimen_variation"].map(str::to_owned));
         }
+        // Where the joint drives the actuator, its own hysteresis is friction of the other sign.
+        if term == place::FRICTION && self.sizes().values[term] < 0.0 {
+            ids.push("hysteresis".to_owned());
+        }
         let mut seen = BTreeSet::new();
         ids.retain(|id| seen.insert(id.clone()));
         ids
+    }
+
+    /// Those of `others` that the readings do not tell from a term when they take its place among what was found.
+    fn as_good_in_place_of(&self, term: usize, others: &[usize]) -> Vec<usize> {
+        let found = &self.sizes().terms;
+        let with = |other: usize| {
+            let kept = found.iter().filter(|t| **t != term).copied();
+            let mut terms: Vec<usize> = kept.chain([other]).collect();
+            terms.sort_unstable();
+            terms.dedup();
+            terms
+        };
+        let mut sets: Vec<Vec<usize>> = others.iter().map(|o| with(*o)).collect();
+        sets.push(found.clone());
+        let fits = self
+            .task()
+            .sample()
+            .of(&sets, &super::known_of(&self.whole.sets));
+        let criterion = |terms: &[usize]| {
+            let fit = fits.iter().find(|f| f.sizes.terms == terms);
+            fit.map_or(f64::INFINITY, |f| f.criterion)
+        };
+        let own = criterion(found);
+        let near = |other: &&usize| {
+            let terms = with(**other);
+            terms.len() == found.len() && criterion(&terms) < own + TOLD_APART
+        };
+        others.iter().filter(near).copied().collect()
     }
 
     fn by_fold(&self, rigid: &[f64], held_out: &[f64], smooth: &[f64]) -> Vec<FoldErrors> {

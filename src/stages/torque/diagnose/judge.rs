@@ -10,12 +10,16 @@ use crate::numerics::distributions::{student_t_quantile, student_t_two_sided};
 use crate::numerics::jackknife::{FEWEST_GROUPS, standard_error};
 use crate::numerics::statistics::sum_of_squares;
 use rayon::prelude::*;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Largest corrected probability.
 const SIGNIFICANT: f64 = 0.05;
 /// Sets of each number of terms that are looked at, best first.
 const LOOKED_AT: usize = 8;
+/// An actuator that gives less than this part of a zero of the torque hardly pulls.
+const HARDLY: f64 = 0.25;
+/// Fewest readings of an actuator with hardly any pull that say something of the zero of the torque.
+const FEWEST_SLACK: usize = 3;
 /// Fewest tests that are left out one by one; with fewer, stretches of the angle are.
 const FEWEST_TESTS: usize = 3;
 
@@ -182,6 +186,10 @@ impl<'r, 'a> Task<'r, 'a> {
             let error = traces.error(*t);
             beyond_chance(*t, self.p_adjusted(sizes.values[*t], error, &traces, *t))?;
         }
+        if self.is_contradicted_at_slack(sizes) {
+            let why = "where an actuator hardly pulls the torque is nearer to nothing".to_owned();
+            return Err(refuse(place::ZERO, why));
+        }
         let allowed = (0.1 * again.len() as f64).max(1.0) + 1e-9;
         for t in &sizes.terms {
             let times = chosen_again(*t, &traces, again);
@@ -213,6 +221,25 @@ impl<'r, 'a> Task<'r, 'a> {
             beyond_chance(j.term, j.p_adjusted)?;
         }
         Ok(judged)
+    }
+
+    /// Whether a zero of the torque makes the readings of any actuator worse at which it hardly pulls, and which show it most plainly: the zero
+    /// is the load cell's, and the same for all.
+    fn is_contradicted_at_slack(&self, sizes: &Sizes) -> bool {
+        let zero = sizes.values[place::ZERO];
+        let left = sizes.residuals(self.readings);
+        let mut slack: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+        for (r, left) in self.readings.iter().zip(left) {
+            let pull = sizes.predict(r).0 - zero;
+            if pull.abs() < HARDLY * zero.abs() {
+                slack.entry(r.actuator).or_default().push(left);
+            }
+        }
+        let worse = |with: &Vec<f64>| {
+            let without: Vec<f64> = with.iter().map(|r| r + zero).collect();
+            with.len() >= FEWEST_SLACK && sum_of_squares(&without) < sum_of_squares(with)
+        };
+        slack.values().any(worse)
     }
 
     /// Probability of a size by chance, times the number of questions.

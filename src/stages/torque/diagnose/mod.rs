@@ -91,6 +91,10 @@ pub(crate) struct Group<'a> {
     pub sessions: Vec<&'a str>,
     /// Whether each test is fitted.
     pub fitted: Vec<bool>,
+    /// What is doubted of each test.
+    pub doubts: Vec<Option<&'a str>>,
+    /// Whether there are none but doubtful tests, which are then searched by themselves.
+    pub doubtful: bool,
     /// Actuators by number.
     pub actuators: Vec<&'a str>,
     /// Measured arm of each reading in `all`, m.
@@ -296,6 +300,8 @@ impl<'a> Group<'a> {
             all: Vec::new(),
             sessions: Vec::new(),
             fitted: Vec::new(),
+            doubts: Vec::new(),
+            doubtful: false,
             actuators: Vec::new(),
             arms_by_hand: Vec::new(),
             extras: Vec::new(),
@@ -303,6 +309,7 @@ impl<'a> Group<'a> {
         for (build, configuration) in group.members.clone() {
             group.add(build, configuration);
         }
+        group.fall_back_to_doubtful();
         group.number_units();
         Some(group)
     }
@@ -345,6 +352,16 @@ impl<'a> Group<'a> {
             self.all.extend(shuffled(readings, &test.session));
             self.sessions.push(&test.session);
             self.fitted.push(test.is_fitted());
+            let doubt = test.doubtful.as_deref();
+            self.doubts.push(doubt.filter(|_| test.excluded.is_none()));
+        }
+    }
+
+    /// A joint of which nothing but doubtful tests exist is searched on these, and its findings say so.
+    fn fall_back_to_doubtful(&mut self) {
+        self.doubtful = !self.fitted.contains(&true) && self.doubts.iter().any(Option::is_some);
+        if self.doubtful {
+            self.fitted = self.doubts.iter().map(Option::is_some).collect();
         }
     }
 

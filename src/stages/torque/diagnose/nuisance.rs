@@ -160,3 +160,88 @@ pub fn reduce(vector: &mut [f64], basis: &[Vec<f64>]) {
             .for_each(|(v, d)| *v -= along * d);
     }
 }
+
+#[cfg(test)]
+mod unit {
+    use super::*;
+    use crate::knee::{Setup, choice::named};
+    use crate::models::published;
+    use crate::stages::torque::build::Build;
+    use crate::stages::torque::diagnose::operator::{At, Joint};
+
+    fn build() -> Build {
+        Build {
+            knee: named("pinned").unwrap(),
+            route: "flexor".to_owned(),
+            setup: Setup {
+                diameter_mm: 10.0,
+                rest_length_m: 0.485,
+                contracted_length_m: 0.398,
+                fitting_m: 0.0352,
+                tendon_m: 0.0,
+            },
+            remarks: Vec::new(),
+        }
+    }
+
+    /// So many tests of two actuators, each read at the same angles.
+    fn readings<'a>(build: &'a Build, tests: usize, angles: &[f64]) -> Vec<Reading<'a>> {
+        let all = published();
+        let law = all.iter().find(|m| m.id() == "new_published").unwrap();
+        let joint = Joint::new(build, *law);
+        let one = |test: usize, degrees: &f64| Reading {
+            joint,
+            at: At::still(degrees.to_radians(), 606.0),
+            torque_nm: 0.0,
+            actuator: test % 2,
+            test,
+            unit: test,
+            own: [0.0; 2],
+        };
+        let all = (0..tests).flat_map(|t| angles.iter().map(move |a| one(t, a)));
+        all.collect()
+    }
+
+    #[test]
+    fn what_a_test_has_of_its_own_costs_what_theory_says() {
+        let build = build();
+        let mut all = readings(&build, 1, &[-60.0, -50.0, -40.0, -30.0]);
+        all.iter_mut().for_each(|r| r.own = [1.0, 0.0]);
+        let spreads = Spreads {
+            noise_nm: 0.5,
+            between: [2.0, 0.02],
+        };
+        let left = Nuisance::of(&all, &spreads).left(&[3.0; 4]);
+        // Of sum (r - b)^2 + rho b^2 with n readings r the least is r^2 n rho/(n + rho).
+        let spread = 0.5_f64 / 2.0;
+        let rho = spread * spread;
+        let least = 9.0 * 4.0 * rho / (4.0 + rho);
+        assert!((sum_of_squares(&left) - least).abs() < 1e-9, "{left:?}");
+    }
+
+    #[test]
+    fn the_spread_between_tests_is_found() {
+        let build = build();
+        let angles = [-80.0, -70.0, -60.0, -50.0, -40.0, -30.0];
+        let (tests, offset_mm, noise_nm) = (24, 5.0, 0.05);
+        let plain = readings(&build, tests, &angles);
+        let rigid = Sizes::rigid(&plain, &Spreads::before(1.0));
+        let mut all = rigid.with_own(&plain);
+        for (k, r) in all.iter_mut().enumerate() {
+            // Both signs in either actuator, which a strength of its own cannot take up.
+            let mounted = if r.test % 4 < 2 {
+                offset_mm
+            } else {
+                -offset_mm
+            };
+            let scatter = if k % 2 == 0 { noise_nm } else { -noise_nm };
+            r.torque_nm = rigid.predict(r).0 + mounted * r.own[MOUNTING] + scatter;
+        }
+        let found = Spreads::of(&all, &rigid);
+        let n = tests as f64;
+        let expected = ((WORTH + n * offset_mm * offset_mm) / (WORTH + n)).sqrt();
+        let between = found.between[MOUNTING];
+        assert!((between - expected).abs() < 0.05 * expected, "{found:?}");
+        assert!((0.03..0.08).contains(&found.noise_nm), "{found:?}");
+    }
+}

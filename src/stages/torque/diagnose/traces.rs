@@ -23,7 +23,8 @@ pub struct Traces {
     chosen: Vec<usize>,
     /// Standard deviation of what is left, inflated by how much readings of one stretch are alike, N.m.
     noise_nm: f64,
-    units: f64,
+    /// Degrees of freedom of that noise: of the effective number of readings, and at least of the stretches.
+    freedom_of_readings: f64,
     tests: f64,
 }
 
@@ -32,8 +33,10 @@ impl Traces {
     pub fn new(sample: &Sample, sizes: &Sizes) -> Self {
         let readings = sample.readings;
         let n = readings.len() as f64;
-        let inflated = n / sample.effective(sizes);
-        let freedom = (n - sizes.terms.len() as f64).max(1.0);
+        let effective = sample.effective(sizes);
+        let terms = sizes.terms.len() as f64;
+        let inflated = n / effective;
+        let freedom = (n - terms).max(1.0);
         let plain = sizes.traces(readings);
         let nuisance = Nuisance::of(readings, sample.spreads);
         let units: BTreeSet<usize> = readings.iter().map(|r| r.unit).collect();
@@ -43,7 +46,7 @@ impl Traces {
             plain,
             chosen: sizes.terms.clone(),
             noise_nm: (sizes.left / freedom * inflated).sqrt().max(FINEST_NM),
-            units: units.len() as f64,
+            freedom_of_readings: (effective - terms).max(units.len() as f64 - 1.0).max(1.0),
             tests: tests.len() as f64,
         }
     }
@@ -77,14 +80,14 @@ impl Traces {
     }
 
     /// Degrees of freedom of a standard error of this size (Satterthwaite): that part of it which tests and actuators bring in is known from
-    /// as many of them as there are, the rest from the stretches.
+    /// as many of them as there are, the rest from the effective number of readings.
     pub fn freedom(&self, term: usize, error: f64) -> f64 {
         let alone = self.noise_nm / norm(&self.projected(&self.plain, term, &[]));
         let of_readings = (alone / error).min(1.0);
         let readings = of_readings * of_readings;
         let own = 1.0 - readings;
-        let sum = readings * readings / (self.units - 1.0).max(1.0)
-            + own * own / (WORTH + self.tests - 1.0);
+        let sum =
+            readings * readings / self.freedom_of_readings + own * own / (WORTH + self.tests - 1.0);
         1.0 / sum
     }
 

@@ -4,14 +4,18 @@ use super::answer::{Answered, label};
 use super::judge::Task;
 use super::refit::Sizes;
 use super::terms::{ALL, place};
+use super::tests::TestErrors;
 use crate::stages::diagnose::findings::{
     EffectFinding, Errors, Reading as Alternative, Unexplained, Verdict,
 };
+use crate::stages::torque::errors::Size;
 use std::collections::BTreeSet;
 
 /// Sets whose criterion is within this of the best are shown.
 const NEAR: f64 = 6.0;
 const MOST_SHOWN: usize = 8;
+/// An actuator is predicted worse where its error grows by more than this factor.
+const WORSE: f64 = 1.05;
 
 impl Answered<'_, '_> {
     pub(super) fn summary(
@@ -22,7 +26,11 @@ impl Answered<'_, '_> {
         before: &Errors,
         after: &Errors,
     ) -> String {
-        match verdict {
+        let of_doubtful = match self.group.doubtful {
+            true => "from doubtful tests alone: ",
+            false => "",
+        };
+        let found = match verdict {
             Verdict::EffectFound => {
                 let named: Vec<String> = effects
                     .iter()
@@ -46,7 +54,8 @@ impl Answered<'_, '_> {
                     columns.join(" and ")
                 )
             }
-        }
+        };
+        format!("{of_doubtful}{found}")
     }
 
     /// The sets that do nearly as well as the best one, with held-out errors and numbers.
@@ -90,6 +99,14 @@ impl Answered<'_, '_> {
 
     pub(super) fn notes(&self, tests: &BTreeSet<usize>) -> Vec<String> {
         let mut notes = Vec::new();
+        if self.group.doubtful {
+            let doubts: BTreeSet<&str> = self.group.doubts.iter().copied().flatten().collect();
+            let doubts: Vec<&str> = doubts.into_iter().collect();
+            notes.push(format!(
+                "nothing but doubtful tests ({}): searched by themselves, and part of no other fit",
+                doubts.join("; ")
+            ));
+        }
         if tests.len() == 1 {
             notes.push(
                 "one test of the joint: how it was mounted cannot be told from what belongs to the joint, but for its size"
@@ -103,6 +120,14 @@ impl Answered<'_, '_> {
             self.whole.spreads.noise_nm
         ));
         notes.extend(self.both_brackets());
+        notes.extend(self.implausible());
+        notes.extend(self.made_worse());
+        if self.sizes().values[place::FRICTION] < 0.0 {
+            notes.push(
+                "the friction has the sign of an actuator's own hysteresis: dry friction of the joint would be positive"
+                    .to_owned(),
+            );
+        }
         if let Some(largest) = self.largest {
             let named: Vec<String> = largest.terms.iter().map(|t| label(*t, largest)).collect();
             notes.push(match named.is_empty() {
@@ -143,6 +168,47 @@ impl Answered<'_, '_> {
             ));
         }
         notes
+    }
+
+    /// Sizes beyond those that such parts were measured to have.
+    fn implausible(&self) -> Vec<String> {
+        let sizes = self.sizes();
+        let beyond = |t: &&usize| sizes.values[**t].abs() > ALL[**t].usual;
+        let terms = sizes.terms.iter().filter(beyond);
+        terms
+            .map(|t| {
+                format!(
+                    "{}: implausibly large for what its name says (such parts have up to {} {}); something else is probably in it",
+                    label(*t, sizes),
+                    ALL[*t].usual,
+                    ALL[*t].unit
+                )
+            })
+            .collect()
+    }
+
+    /// Actuators that are predicted worse than by the rigid leg.
+    fn made_worse(&self) -> Vec<String> {
+        let actuators: BTreeSet<&str> = self.tests.iter().map(|t| &t.specimen[..]).collect();
+        let of = |actuator: &str, size: fn(&TestErrors) -> Option<Size>| {
+            let own = self.tests.iter();
+            let own = own.filter(|t| t.fitted && t.specimen == actuator);
+            let sizes: Vec<Size> = own.filter_map(size).collect();
+            let (n, sse) = sizes
+                .iter()
+                .fold((0, 0.0), |(n, sse), s| (n + s.n, sse + s.sse));
+            (sse / n as f64).sqrt()
+        };
+        let worse = |actuator: &&str| {
+            let rigid = of(actuator, |t| t.before);
+            let (after, held_out) = (of(actuator, |t| t.after), of(actuator, |t| t.held_out));
+            (after > WORSE * rigid || held_out > WORSE * rigid).then(|| {
+                format!(
+                    "worse than the rigid leg on {actuator}: {rigid:.2} → {after:.2} N.m fitted, {held_out:.2} held out"
+                )
+            })
+        };
+        actuators.iter().filter_map(worse).collect()
     }
 
     /// Whether the readings determine the stiffness of both brackets, beside an offset of the length.

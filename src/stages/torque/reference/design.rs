@@ -7,7 +7,7 @@
 use crate::knee::choice::named;
 use crate::knee::human::{VASTI, met, torque};
 use crate::knee::{Leg, Setup};
-use crate::models::P_620_KPA;
+use crate::models::{ForceModel, P_620_KPA, Prediction};
 use crate::stages::torque::curve::{angles, laws};
 use serde::{Deserialize, Serialize};
 
@@ -37,6 +37,8 @@ pub struct Design {
     pub actuator_nm: Vec<Vec<Option<f64>>>,
     /// Angles at which the actuator's torque is at least the human's, degrees, by law: beginnings and ends.
     pub met_deg: Vec<Vec<(f64, f64)>>,
+    /// The same where the law does not extrapolate.
+    pub met_within_data_deg: Vec<Vec<(f64, f64)>>,
 }
 
 /// The two actuators of Fig. 15.
@@ -66,7 +68,13 @@ pub fn designs() -> Vec<Design> {
         .filter_map(|(muscle, name, heads, route, setup)| {
             let at = |a: &f64| torque(&human, heads, *a);
             let human_nm = angles.iter().map(at).collect::<Option<Vec<f64>>>()?;
-            let actuator_nm = by_law(&robot.leg(route)?, &setup, &angles);
+            let leg = robot.leg(route)?;
+            let actuator_nm = by_law(&leg, &setup, &angles, &Prediction::force_n);
+            let within_data = |p: &Prediction| match p {
+                Prediction::Force(force) => Some(*force),
+                _ => None,
+            };
+            let within_data = by_law(&leg, &setup, &angles, &within_data);
             let degrees: Vec<f64> = angles.iter().map(|a| a.to_degrees()).collect();
             let met = |found: &Vec<Option<f64>>| met(&degrees, &human_nm, found);
             Some(Design {
@@ -76,6 +84,7 @@ pub fn designs() -> Vec<Design> {
                 rest_length_m: setup.rest_length_m,
                 contracted_length_m: setup.contracted_length_m,
                 met_deg: actuator_nm.iter().map(met).collect(),
+                met_within_data_deg: within_data.iter().map(met).collect(),
                 angles_rad: angles.clone(),
                 human_nm,
                 actuator_nm,
@@ -84,9 +93,18 @@ pub fn designs() -> Vec<Design> {
         .collect()
 }
 
-fn by_law(leg: &Leg, setup: &Setup, angles: &[f64]) -> Vec<Vec<Option<f64>>> {
-    let of = |law: &&'static dyn crate::models::ForceModel| {
-        let at = |a: &f64| leg.torque(setup, *law, P_620_KPA, *a).ok()?.torque_nm;
+/// Torques by each of the laws, from as much of its prediction as `force` takes, N.m.
+fn by_law(
+    leg: &Leg,
+    setup: &Setup,
+    angles: &[f64],
+    force: &dyn Fn(&Prediction) -> Option<f64>,
+) -> Vec<Vec<Option<f64>>> {
+    let of = |law: &&'static dyn ForceModel| {
+        let at = |a: &f64| {
+            let found = leg.torque(setup, *law, P_620_KPA, *a).ok()?;
+            Some(found.arm_m * force(&found.force)?)
+        };
         angles.iter().map(at).collect()
     };
     laws().iter().map(of).collect()
