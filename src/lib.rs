@@ -42,10 +42,10 @@
 //! | [`predict`] | the force of a muscle that somebody describes, with its interval; its torque in a described leg | |
 //! | [`draft`] | a first `session.toml` for a log, guessed from its columns | |
 //! | [`golden`] | fresh tables against blessed ones | a table: one entry in `tests/golden/golden.toml` |
-//! | [`run`] | drives the stages through the cache, one run at a time on a directory, or its jobs side by side ([`run::jobs`]); where an artifact comes from ([`run::ancestry`]) | |
+//! | [`run`] | drives the stages through the cache: one whole run at a time on a directory, or many jobs ([`run::jobs`]); where an artifact comes from ([`run::ancestry`]) | |
 //! | [`export`] | the jobs of a run as a workflow of another engine | an engine: one file, one line in `export/mod.rs` |
 //! | [`config`] | `pipeline.toml` | |
-//! | [`cli`] | arguments, and all printing: run, status, explain, graph, check, predict, simulate, new-session, export, gc | |
+//! | [`cli`] | arguments, and all printing: run, status, explain, graph, check, predict, simulate, new-session, gc, export, completions, man | |
 //!
 //! # Invariants
 //! - **Directions**: `main -> cli -> run -> stages -> {formats, effects, knee, models, numerics, report, audit, simulate} -> base`, and `run -> cache -> base`;

@@ -16,7 +16,7 @@ use serde_json::json;
 #[derive(Debug, clap::Args)]
 pub struct ExportArgs {
     /// The engine
-    #[arg(value_parser = PossibleValuesParser::new(ENGINES.iter().map(|(name, _)| *name)))]
+    #[arg(value_parser = PossibleValuesParser::new(ENGINES.iter().map(|e| e.name)))]
     pub engine: String,
     /// Where things are
     #[command(flatten)]
@@ -30,9 +30,9 @@ pub fn command(args: &ExportArgs) -> Result<u8> {
         print_json(&json!({ "tasks": plan.tasks }))?;
         return Ok(DONE);
     }
-    let engine = ENGINES.iter().find(|(name, _)| *name == args.engine);
-    let (_, workflow) = engine.ok_or_else(|| Error::internal("an engine that is not there"))?;
-    line(workflow(&plan)?.trim_end());
+    let engine = ENGINES.iter().find(|e| e.name == args.engine);
+    let engine = engine.ok_or_else(|| Error::internal("an engine that is not there"))?;
+    line((engine.workflow)(&plan)?.trim_end());
     Ok(DONE)
 }
 

@@ -16,8 +16,20 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Engines by name, each with what writes the text of its workflow.
-pub const ENGINES: &[(&str, fn(&Plan) -> Result<String>)] = &[("snakemake", snakemake::workflow)];
+/// What runs workflows.
+#[derive(Clone, Copy, Debug)]
+pub struct Engine {
+    /// As it is named in commands.
+    pub name: &'static str,
+    /// The text of a plan's workflow; an error for a path that the engine cannot have.
+    pub workflow: fn(&Plan) -> Result<String>,
+}
+
+/// Every engine.
+pub const ENGINES: &[Engine] = &[Engine {
+    name: "snakemake",
+    workflow: snakemake::workflow,
+}];
 
 /// Where the workflow finds and leaves things, as every machine sees it.
 #[derive(Clone, Debug)]

@@ -71,15 +71,19 @@ fn lock(path: &Path, shared: bool, progress: &dyn Progress) -> Result<Option<Fil
         .write(true)
         .open(path)
         .map_err(Error::io("open the lock", path))?;
-    let (attempt, wait): (fn(&File) -> _, fn(&File) -> _) = match shared {
-        true => (File::try_lock_shared, File::lock_shared),
-        false => (File::try_lock, File::lock),
+    let attempt = match shared {
+        true => file.try_lock_shared(),
+        false => file.try_lock(),
     };
-    match attempt(&file) {
+    match attempt {
         Ok(()) => Ok(Some(file)),
         Err(std::fs::TryLockError::WouldBlock) => {
             progress.note("another run works on this directory; waiting for it to end");
-            wait(&file).map_err(Error::io("lock", path))?;
+            let locked = match shared {
+                true => file.lock_shared(),
+                false => file.lock(),
+            };
+            locked.map_err(Error::io("lock", path))?;
             Ok(Some(file))
         }
         Err(std::fs::TryLockError::Error(e)) if e.kind() == std::io::ErrorKind::Unsupported => {

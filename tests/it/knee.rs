@@ -700,7 +700,7 @@ fn torques_from_the_load_cell_are_the_work_of_its_force() {
     ] {
         let points = root.join(format!("raw/knee-load-cell/{session}/points.csv"));
         let text = std::fs::read_to_string(points).unwrap();
-        let (sin, cos) = f64::sin_cos(f64::to_radians(direction));
+        let (sin, cos) = libm::sincos(f64::to_radians(direction));
         let at = [distance * cos, distance * sin, 0.0].map(Dual::<1>::constant);
         for line in text.lines().skip(1) {
             let row = numbers(line);
@@ -708,7 +708,8 @@ fn torques_from_the_load_cell_are_the_work_of_its_force() {
             let pose = knee.joint.pose(Dual::<1>::variable(angle, 0)).unwrap();
             let path = pose.place(at);
             let pull = angle + row[2].to_radians();
-            let work = pull.cos() * path[0].gradient[0] + pull.sin() * path[1].gradient[0];
+            let work =
+                libm::cos(pull) * path[0].gradient[0] + libm::sin(pull) * path[1].gradient[0];
             let torque = (unit * row[1] * work).abs();
             assert!(
                 (torque - row[3].abs()).abs() < 0.02,

@@ -213,7 +213,8 @@ mod unit {
         };
         let left = Nuisance::of(&all, &spreads).left(&[3.0; 4]);
         // Of sum (r - b)^2 + rho b^2 with n readings r the least is r^2 n rho/(n + rho).
-        let rho = (0.5_f64 / 2.0).powi(2);
+        let spread = 0.5_f64 / 2.0;
+        let rho = spread * spread;
         let least = 9.0 * 4.0 * rho / (4.0 + rho);
         assert!((sum_of_squares(&left) - least).abs() < 1e-9, "{left:?}");
     }
