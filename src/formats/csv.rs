@@ -108,6 +108,20 @@ impl Text<'_> {
             .finish()
     }
 
+    /// Quotes that pair across cells or lines would join rows in silence.
+    fn check_rows(&self, rows: usize) -> Result<(), Diagnostic> {
+        let lines = self.plain.lines().count() - usize::from(self.has_header);
+        if rows == lines || !self.plain.contains('"') {
+            return Ok(());
+        }
+        Err(unreadable(
+            self.file,
+            format!("quotes that join cells: {rows} rows in {lines} lines"),
+            "one row a line",
+            "take the quotes out, or close each in its cell",
+        ))
+    }
+
     fn parsed(&self, wanted: &[Wanted]) -> PolarsResult<Vec<Cells>> {
         let frame = self.parse(wanted)?;
         let cells = |w: &Wanted| {
@@ -133,14 +147,16 @@ impl Table for Text<'_> {
         if self.has_header && self.original.lines().nth(1).is_none() {
             return Ok(wanted.iter().map(|_| Cells::Numbers(Vec::new())).collect());
         }
-        self.parsed(wanted).map_err(|e| {
+        let cells = self.parsed(wanted).map_err(|e| {
             unreadable(
                 self.file,
                 quoted(&e.to_string()),
                 "a table of rows",
                 "open the file and look",
             )
-        })
+        })?;
+        self.check_rows(cells.first().map_or(0, Cells::len))?;
+        Ok(cells)
     }
 
     fn quote(&self, row: usize, index: usize) -> String {

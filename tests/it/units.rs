@@ -11,7 +11,7 @@ const DRAWS: u64 = 2000;
 /// Numbers over the magnitudes that logs hold, of both signs.
 fn value(draw: &mut Draw) -> f64 {
     let mantissa = draw.below(2_000_001) as f64 / 1e6 - 1.0;
-    mantissa * f64::powi(10.0, draw.below(13) as i32 - 4)
+    mantissa * libm::pow(10.0, draw.below(13) as f64 - 4.0)
 }
 
 fn each_unit(check: impl Fn(Unit, f64, f64)) {
