@@ -317,3 +317,48 @@ fn a_pull_in_some_zero_logs_is_found_by_the_zeros_that_stand_out() {
     assert_eq!(pull.form, "pull in the zero logs");
     assert!((pull.parameters[0].value - 1.0).abs() < 0.05, "{pull:?}");
 }
+
+/// What is found in readings, beside the published model as it is.
+fn beside_the_published(rows: &[Row]) -> CampaignFindings {
+    let options = DiagnoseOptions {
+        base_model: "new_published".into(),
+        refit: false,
+        ..DiagnoseOptions::default()
+    };
+    diagnose(&group(), rows, &FitOptions::default(), &options)
+        .unwrap()
+        .findings
+}
+
+#[test]
+fn a_gain_of_all_readings_is_found_beside_a_base_that_is_not_fitted() {
+    let mut rows = campaign_rows(&trials::truth(trials::NULL.design, "", 85)).rows;
+    rows.iter_mut().for_each(|r| r.force_n *= 1.06);
+    let found = beside_the_published(&rows);
+    assert_eq!(found.verdict, Verdict::EffectFound, "{}", found.summary);
+    assert!(names(&found, "force_gain"), "{}", found.summary);
+    let (before, after) = (found.before.rmse_heldout, found.after.rmse_heldout);
+    assert!(after < 0.7 * before, "{before} {after}");
+}
+
+/// A residual of one shape and either sign, as the specimen: no column explains it, and yet readings of one set point agree.
+#[test]
+fn set_points_that_differ_by_more_than_repeats_are_asked_for() {
+    let mut rows = campaign_rows(&trials::truth(trials::NULL.design, "", 86)).rows;
+    let specimens: std::collections::BTreeSet<String> =
+        rows.iter().map(|r| r.specimen.clone()).collect();
+    let sign = |specimen: &str| match specimens.iter().position(|s| s == specimen) {
+        Some(k) if k % 2 == 0 => 6.0,
+        _ => -6.0,
+    };
+    for row in &mut rows {
+        row.force_n += sign(&row.specimen) * libm::sin(9.0 * row.contraction_rel);
+    }
+    let options = DiagnoseOptions::default();
+    let found = diagnose(&group(), &rows, &FitOptions::default(), &options)
+        .unwrap()
+        .findings;
+    let asked = found.questions.iter().find(|q| q.column == "set_point");
+    assert!(asked.is_some_and(|q| q.p_adjusted < 0.01), "{asked:?}");
+    assert_ne!(found.verdict, Verdict::None, "{}", found.summary);
+}
