@@ -60,7 +60,7 @@ fn remove(file: &Path) {
 /// Damages every file below `derived/`, some at a time and each in one of three ways; the next run has to mend them.
 #[test]
 fn every_damaged_file_below_derived_is_mended_by_the_next_run() {
-    const AT_ONCE: usize = 8;
+    const AT_ONCE: usize = 32;
     let bench = small();
     runs(&bench);
     let right = shown(&bench);
