@@ -138,8 +138,9 @@ fn stages(raw: &Path, work: &Path) -> Result<(), Box<dyn Error>> {
         force: None,
         dry_run: false,
         keep_going: false,
+        only: None,
     };
-    let engine = Engine::open(&options, &Silent).map_err(|e| e.to_string())?;
+    let engine = Engine::open(&options, None, &Silent).map_err(|e| e.to_string())?;
     let found = discover(&options.raw);
     let workshop = Workshop::new(&engine, &options.config).map_err(|e| e.to_string())?;
     let done = parallel::each(0, &found.sessions, |located| {
