@@ -279,8 +279,9 @@ fn a_panic_in_one_unit_is_named_and_stops_only_a_run_that_does_not_keep_going() 
             force: None,
             dry_run: false,
             keep_going,
+            only: None,
         };
-        let engine = Engine::open(&options, &Silent).unwrap();
+        let engine = Engine::open(&options, None, &Silent).unwrap();
         let broken = || Ok(Outputs::from([("x".to_owned(), vec![readings[3] as u8])]));
         let broken = engine.step(stage, "iso10", BTreeMap::new(), BTreeMap::new(), broken);
         let whole = || Ok(Outputs::from([("x".to_owned(), b"y".to_vec())]));
