@@ -146,8 +146,13 @@ impl Ancestry {
     pub fn find(&self, artifact: &str) -> Result<(usize, Option<String>)> {
         let artifact = artifact.trim_start_matches("./");
         let mut found: Vec<(usize, Option<String>)> = Vec::new();
+        // People may keep reports and derived data in folders of other names.
+        let below = |name: &str| name.split_once('/').map_or("", |(_, rest)| rest).to_owned();
         let ends = |name: &str| {
             name == artifact
+                || artifact
+                    .strip_suffix(&below(name))
+                    .is_some_and(|rest| rest.ends_with('/'))
                 || name
                     .strip_suffix(artifact)
                     .is_some_and(|rest| rest.ends_with('/'))

@@ -336,3 +336,52 @@ fn doubtful_tests_are_shown_and_take_part_in_no_fit_but_one_of_their_own() {
         "{fittings:?}"
     );
 }
+
+/// What an owner holds out takes part in nothing and is what the held-out error is of; a test with the wrong tendon is pointed at.
+#[test]
+fn the_owners_held_out_tests_are_the_judge_and_an_odd_test_is_pointed_at() {
+    let bench = Bench::empty();
+    let yields = Missing {
+        compliance_m_n: 60e-6,
+        ..Missing::default()
+    };
+    write(&bench, "held", &yields);
+    write(&bench, "odd", &Missing::default());
+    let edit = |session: &str, from: &str, to: &str| {
+        let file = format!("{session}/session.toml");
+        let text = std::fs::read_to_string(bench.raw().join(&file)).unwrap();
+        assert!(text.contains(from), "{text}");
+        bench.write(&file, text.replace(from, to));
+    };
+    let sampling = "sampling = \"points\"\n";
+    edit(
+        "held-b0",
+        sampling,
+        &format!("{sampling}role = \"holdout\"\n"),
+    );
+    edit(
+        "held-b1",
+        sampling,
+        &format!("{sampling}role = \"holdout\"\n"),
+    );
+    edit("odd-b1", "tendon_mm = 0\n", "tendon_mm = 35\n");
+    let all = found(&bench);
+    let of = |campaign: &str| all.iter().find(|c| c["campaign"] == campaign).unwrap();
+    let (id, ..) = first(&all, "held", 1);
+    assert_eq!(id, "series_compliance");
+    assert_eq!(of("held")["readings_held_out"], 2 * READINGS);
+    let rows = bench.table("knee_effects");
+    let row = |session: &str| rows.iter().find(|r| r["session"] == session).unwrap();
+    let squares = |column: &str| {
+        let of = |session: &str| row(session)[column].parse::<f64>().unwrap();
+        ((of("held-b0").powi(2) + of("held-b1").powi(2)) / 2.0).sqrt()
+    };
+    for (when, column) in [("before", "rigid_rmse_nm"), ("after", "held_out_rmse_nm")] {
+        let said = of("held")[when]["rmse_heldout"].as_f64().unwrap();
+        assert!((said - squares(column)).abs() < 1e-9, "{when} {said}");
+    }
+    assert_eq!(row("held-b0")["takes_part"], "false");
+    assert_ne!(of("odd")["verdict"], "none", "{}", of("odd"));
+    let summary = of("odd")["summary"].as_str().unwrap();
+    assert!(summary.contains("look at odd-b1 first"), "{summary}");
+}

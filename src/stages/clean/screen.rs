@@ -43,6 +43,7 @@ const UNKNOWN_STATE: &str = "an unknown state";
 const NO_PRESSURE: &str = "a pressure outside the possible range";
 const NO_FORCE: &str = "a force outside the possible range";
 const NO_LENGTH: &str = "a length that is not positive";
+const NO_ANGLE: &str = "an angle beyond half a turn: is its unit right?";
 const BACKWARDS: &str = "the clock runs backwards";
 const SPIKE: &str = "an isolated spike";
 
@@ -117,6 +118,11 @@ fn impossible_values(
     }
     if let Some(values) = log.column(LENGTH) {
         mark(reasons, values, NO_LENGTH, |l| l <= 0.0);
+    }
+    if let Some(values) = log.column(ANGLE) {
+        mark(reasons, values, NO_ANGLE, |a| {
+            a.abs() > std::f64::consts::PI
+        });
     }
     if let Some(values) = log.column(PHASE) {
         mark(reasons, values, UNKNOWN_STATE, |x| x.is_nan());

@@ -39,7 +39,7 @@ pub mod term;
 #[cfg(test)]
 mod tests;
 pub mod uncertainty;
-mod words;
+pub(crate) mod words;
 
 use crate::base::row::Row;
 use crate::base::session::Role;

@@ -1,7 +1,7 @@
 //! Numbers as summaries, notes and tables say them.
 
 /// A number to three significant digits with its unit; a pure number has none.
-pub(super) fn with_unit(value: f64, unit: &str) -> String {
+pub(crate) fn with_unit(value: f64, unit: &str) -> String {
     let digits = if value == 0.0 {
         0
     } else {

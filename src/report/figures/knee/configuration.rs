@@ -203,8 +203,30 @@ impl Plot<'_> {
         hand.into_iter().fold(panel, Panel::with)
     }
 
+    /// Which figure of the knee paper shows such an actuator on that knee.
+    fn paper_figure(&self) -> Option<&'static str> {
+        let length_mm = (1e3 * self.c.rest_length_m).round() as i64;
+        match (
+            &self.c.knee[..],
+            &self.c.muscle[..],
+            self.c.diameter_mm,
+            length_mm,
+        ) {
+            _ if self.campaign.simulated => None,
+            ("pinned", "flexor", 10, 485) => Some("10 (A to C)"),
+            ("pinned", "flexor", 10, 457) => Some("10 (D)"),
+            ("pinned", "extensor", 10, 480 | 485 | 457 | 455 | 415) => Some("11"),
+            ("biomimetic", "flexor", 10, 415) => Some("12"),
+            ("biomimetic", "extensor", 10, 518) => Some("13"),
+            _ => None,
+        }
+    }
+
     fn caption(&self) -> String {
         let mut caption = capitalised(&self.c.title()) + ".";
+        if let Some(figure) = self.paper_figure() {
+            caption += &format!(" The knee paper's Fig. {figure}.");
+        }
         for remark in &self.c.remarks {
             caption += &format!(" {}.", capitalised(remark));
         }

@@ -34,7 +34,7 @@ pub(super) struct Answered<'s, 'a> {
     pub confidence: f64,
 }
 
-fn rms(residuals: &[f64]) -> f64 {
+pub(super) fn rms(residuals: &[f64]) -> f64 {
     (sum_of_squares(residuals) / residuals.len().max(1) as f64).sqrt()
 }
 
@@ -78,14 +78,20 @@ impl<'a> Answered<'_, 'a> {
             max_abs_error_heldout: largest(out),
             rmse_heldout_own_strength: rms(out),
         };
-        let (before, after) = (errors(&rigid, &rigid), errors(&fitted, &held_out));
+        let (rigid_out, after_out) = self
+            .held_by_their_owner()
+            .unwrap_or((rigid.clone(), held_out.clone()));
+        let (before, after) = (errors(&rigid, &rigid_out), errors(&fitted, &after_out));
         let traces = Traces::new(&self.task().sample(), self.sizes());
         let judged = self.whole.accepted.judged.iter();
         let effects: Vec<EffectFinding> = judged.map(|j| self.effect(j, &traces)).collect();
         let asked = self.asked();
         let sample = self.task().sample();
         let nothing = Sizes::rigid(self.readings(), &self.whole.spreads);
-        let unexplained = self.unexplained(&asked, &held_out, &folds);
+        let mut unexplained = self.unexplained(&asked, &held_out, &folds);
+        if effects.is_empty() && unexplained.is_empty() && !self.odd().is_empty() {
+            unexplained.push(self.between_tests(&held_out));
+        }
         let verdict = match (effects.is_empty(), unexplained.is_empty()) {
             (false, _) => Verdict::EffectFound,
             (true, false) => Verdict::Unexplained,
@@ -109,7 +115,7 @@ impl<'a> Answered<'_, 'a> {
             readings: self.readings().len(),
             sessions: tests.len(),
             specimens: actuators.len(),
-            readings_held_out: self.group.all.len() - self.readings().len(),
+            readings_held_out: self.group.held_readings().len(),
             held_out_by: self.held_out_by(actuators.len()).to_owned(),
             questions: questions::ask(&sample, &nothing, &asked),
             questions_after: questions::ask(&sample, self.sizes(), &asked),
@@ -135,9 +141,19 @@ impl<'a> Answered<'_, 'a> {
         }
     }
 
+    /// Residuals of the tests that their owner holds out, rigid and with what was found on the others; none where there are none.
+    fn held_by_their_owner(&self) -> Option<(Vec<f64>, Vec<f64>)> {
+        let held = self.group.held_readings();
+        let rigid = Sizes::rigid(&held, &self.whole.spreads).residuals(&held);
+        (!held.is_empty()).then(|| (rigid, self.sizes().residuals(&held)))
+    }
+
     fn held_out_by(&self, actuators: usize) -> &'static str {
         let tests: BTreeSet<usize> = self.readings().iter().map(|r| r.test).collect();
         let folds = self.held_out.len();
+        if self.group.held.contains(&true) {
+            return "the sessions with the role holdout";
+        }
         match (actuators, folds == tests.len()) {
             (1, true) if folds > 1 => "leave-one-test-out",
             (1, _) => "leave-one-stretch-of-the-angle-out",

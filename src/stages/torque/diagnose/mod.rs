@@ -17,6 +17,7 @@
 //! | [`tests`] | errors of every test: rigid, fitted, held out, and with sizes from the largest configuration alone |
 //! | [`measurers`] | beside what was reached by hand |
 //! | [`curves`] | torque over the angle before and after, for figures |
+//! | `odd` | mistakes of recording: tests that are far off by themselves, torques of the other sign |
 //! | [`answer`], `words` | the findings |
 
 pub mod answer;
@@ -25,6 +26,7 @@ pub mod curves;
 pub mod judge;
 pub mod measurers;
 pub mod nuisance;
+mod odd;
 pub mod operator;
 pub mod questions;
 pub mod refit;
@@ -35,6 +37,7 @@ pub mod traces;
 mod words;
 
 use crate::base::random::Stream;
+use crate::base::session::Role;
 use crate::models::{ForceModel, published};
 use crate::stages::diagnose::findings::CampaignFindings;
 use crate::stages::torque::Configuration;
@@ -91,6 +94,8 @@ pub(crate) struct Group<'a> {
     pub sessions: Vec<&'a str>,
     /// Whether each test is fitted.
     pub fitted: Vec<bool>,
+    /// Whether each test is held out by its owner, of all that is chosen and fitted.
+    pub held: Vec<bool>,
     /// What is doubted of each test.
     pub doubts: Vec<Option<&'a str>>,
     /// Whether there are none but doubtful tests, which are then searched by themselves.
@@ -300,6 +305,7 @@ impl<'a> Group<'a> {
             all: Vec::new(),
             sessions: Vec::new(),
             fitted: Vec::new(),
+            held: Vec::new(),
             doubts: Vec::new(),
             doubtful: false,
             actuators: Vec::new(),
@@ -352,6 +358,8 @@ impl<'a> Group<'a> {
             self.all.extend(shuffled(readings, &test.session));
             self.sessions.push(&test.session);
             self.fitted.push(test.is_fitted());
+            let held = !test.is_left_out() && test.role == Some(Role::Holdout);
+            self.held.push(held);
             let doubt = test.doubtful.as_deref();
             self.doubts.push(doubt.filter(|_| test.excluded.is_none()));
         }
@@ -387,6 +395,12 @@ impl<'a> Group<'a> {
     pub fn searched_readings(&self) -> Vec<Reading<'a>> {
         let fitted = self.all.iter().filter(|r| self.fitted[r.test]);
         fitted.copied().collect()
+    }
+
+    /// The readings of the tests that their owner holds out.
+    pub fn held_readings(&self) -> Vec<Reading<'a>> {
+        let held = self.all.iter().filter(|r| self.held[r.test]);
+        held.copied().collect()
     }
 
     /// The other columns that all readings of the tests that are fitted have.

@@ -20,7 +20,8 @@ pub struct TestErrors {
     pub before: Option<Size>,
     /// With the effects, found and fitted on all tests that take part.
     pub after: Option<Size>,
-    /// With the effects that the search finds without the actuator (or stretch of the angle); none for tests that take no part.
+    /// With the effects that the search finds without the actuator (or stretch of the angle); of a test that its owner holds out, with those
+    /// found on all others; none for tests that take no part.
     pub held_out: Option<Size>,
     /// With the effects found on all tests, their sizes fitted to the configuration with most readings alone, as the measurers did.
     pub from_largest: Option<Size>,
@@ -67,11 +68,20 @@ pub(super) fn errors(
             let n = squares.len() as f64;
             (n > 0.0).then(|| (squares.iter().sum::<f64>() / n).sqrt())
         };
-        let without = |r: &Reading| held_out.iter().find(|(f, _)| *f == fold(r));
-        let fitted = group.fitted[number];
+        if readings.is_empty() {
+            return None;
+        }
+        let (fitted, held) = (group.fitted[number], group.held[number]);
+        let without = |r: &Reading| match held {
+            true => Some(sizes),
+            false => {
+                let of_fold = held_out.iter().find(|(f, _)| fitted && *f == fold(r));
+                of_fold.map(|(_, sizes)| sizes)
+            }
+        };
         let own_offset_mm = own_offset(sizes, &readings);
         let with_own = shifted(sizes, own_offset_mm);
-        TestErrors {
+        Some(TestErrors {
             session: (*session).to_owned(),
             specimen: readings
                 .first()
@@ -79,16 +89,16 @@ pub(super) fn errors(
             fitted,
             before: size(&|r| Some(rigid.predict(r).0)),
             after: size(&|r| Some(sizes.predict(r).0)),
-            held_out: size(&|r| Some(without(r).filter(|_| fitted)?.1.predict(r).0)),
+            held_out: size(&|r| Some(without(r)?.predict(r).0)),
             from_largest: size(&|r| Some(largest?.1.predict(r).0)),
             in_largest: largest.is_some_and(|(tests, _)| tests.contains(&number)),
             own_offset_mm,
             with_own_offset: size(&|r| Some(with_own.predict(r).0)),
             arm_before_m: arm(&rigid),
             arm_after_m: arm(sizes),
-        }
+        })
     };
-    group.sessions.iter().enumerate().map(one).collect()
+    group.sessions.iter().enumerate().filter_map(one).collect()
 }
 
 /// The sizes with so much more of an offset of the length, mm.

@@ -8,6 +8,7 @@ use super::tests::TestErrors;
 use crate::stages::diagnose::findings::{
     EffectFinding, Errors, Reading as Alternative, Unexplained, Verdict,
 };
+use crate::stages::diagnose::words::with_unit;
 use crate::stages::torque::errors::Size;
 use std::collections::BTreeSet;
 
@@ -36,7 +37,18 @@ impl Answered<'_, '_> {
                     .iter()
                     .map(|e| {
                         let p = &e.parameters[0];
-                        format!("{} ({} = {:.1} {})", e.title, p.name, p.value, p.unit)
+                        let twice = effects.iter().filter(|o| o.title == e.title).count() > 1;
+                        let form = if twice {
+                            format!(", {}", e.form)
+                        } else {
+                            String::new()
+                        };
+                        format!(
+                            "{}{form} ({} = {})",
+                            e.title,
+                            p.name,
+                            with_unit(p.value, &p.unit)
+                        )
                     })
                     .collect();
                 format!(
@@ -55,7 +67,12 @@ impl Answered<'_, '_> {
                 )
             }
         };
-        format!("{of_doubtful}{found}")
+        let large = match self.implausible().is_empty() {
+            true => "",
+            false => " (implausibly large: see the notes)",
+        };
+        let odd: String = self.odd().iter().map(|o| format!("; {o}")).collect();
+        format!("{of_doubtful}{found}{large}{odd}")
     }
 
     /// The sets that do nearly as well as the best one, with held-out errors and numbers.
@@ -120,6 +137,7 @@ impl Answered<'_, '_> {
             self.whole.spreads.noise_nm
         ));
         notes.extend(self.both_brackets());
+        notes.extend(self.odd());
         notes.extend(self.implausible());
         notes.extend(self.made_worse());
         if self.sizes().values[place::FRICTION] < 0.0 {
