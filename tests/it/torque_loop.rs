@@ -374,7 +374,8 @@ fn the_owners_held_out_tests_are_the_judge_and_an_odd_test_is_pointed_at() {
     let row = |session: &str| rows.iter().find(|r| r["session"] == session).unwrap();
     let squares = |column: &str| {
         let of = |session: &str| row(session)[column].parse::<f64>().unwrap();
-        ((of("held-b0").powi(2) + of("held-b1").powi(2)) / 2.0).sqrt()
+        let (a, b) = (of("held-b0"), of("held-b1"));
+        ((a * a + b * b) / 2.0).sqrt()
     };
     for (when, column) in [("before", "rigid_rmse_nm"), ("after", "held_out_rmse_nm")] {
         let said = of("held")[when]["rmse_heldout"].as_f64().unwrap();
