@@ -90,7 +90,7 @@ fn watch(start: Instant) {
 
 /// Runs the cases of a target; one line of what happened.
 fn fuzz(target: &Target, cases: u64, seed: u64, first: u64, start: Instant) -> String {
-    let (mut panics, mut refused, mut slowest, mut largest) = (0, 0, Duration::ZERO, 0);
+    let (mut panics, mut sound, mut slowest, mut largest) = (0, 0, Duration::ZERO, 0);
     let begin = Instant::now();
     for case in first..first + cases {
         let input = target.input(seed, case);
@@ -100,7 +100,7 @@ fn fuzz(target: &Target, cases: u64, seed: u64, first: u64, start: Instant) -> S
         BEGAN.store(start.elapsed().as_millis() as u64 + 1, Relaxed);
         let one = Instant::now();
         match catch_unwind(AssertUnwindSafe(|| target.read(&input))) {
-            Ok(said) => refused += u64::from(!said.is_empty()),
+            Ok(outcome) => sound += u64::from(outcome.is_read),
             Err(panic) => {
                 panics += 1;
                 keep(target, case, &input, panic.as_ref());
@@ -111,7 +111,7 @@ fn fuzz(target: &Target, cases: u64, seed: u64, first: u64, start: Instant) -> S
         largest = largest.max(PEAK.load(Relaxed).saturating_sub(held));
     }
     format!(
-        "{}: {cases} cases in {:.0} s, {refused} with messages, {panics} panics, slowest {:.0} ms, largest {:.1} MB",
+        "{}: {cases} cases in {:.0} s, {sound} read, the others refused, {panics} panics, slowest {:.0} ms, largest {:.1} MB",
         target.name,
         begin.elapsed().as_secs_f64(),
         1e3 * slowest.as_secs_f64(),

@@ -17,7 +17,16 @@ pub struct Target {
     pub name: &'static str,
     seeds: Vec<Vec<u8>>,
     pack: fn(&mut Draw, &[Vec<u8>]) -> Vec<u8>,
-    read: fn(&[u8]) -> Vec<Diagnostic>,
+    read: fn(&[u8]) -> Outcome,
+}
+
+/// What became of an input.
+#[derive(Default)]
+pub struct Outcome {
+    /// Whether it was read, in whole or in part.
+    pub is_read: bool,
+    /// What was said of it.
+    pub diagnostics: Vec<Diagnostic>,
 }
 
 impl Target {
@@ -26,8 +35,8 @@ impl Target {
         (self.pack)(&mut Draw::of_case(seed, case), &self.seeds)
     }
 
-    /// Reads an input; what is said of it.
-    pub fn read(&self, input: &[u8]) -> Vec<Diagnostic> {
+    /// Reads an input.
+    pub fn read(&self, input: &[u8]) -> Outcome {
         (self.read)(input)
     }
 }
@@ -128,20 +137,24 @@ fn workbook(draw: &mut Draw, seeds: &[Vec<u8>]) -> Vec<u8> {
     written.finish().expect("writing to memory").into_inner()
 }
 
-fn read_session(input: &[u8]) -> Vec<Diagnostic> {
+fn read_session(input: &[u8]) -> Outcome {
     let Ok(text) = std::str::from_utf8(input) else {
-        return Vec::new();
+        return Outcome::default();
     };
-    session_toml::read("session.toml", text)
-        .err()
-        .unwrap_or_default()
+    let read = session_toml::read("session.toml", text);
+    Outcome {
+        is_read: read.is_ok(),
+        diagnostics: read.err().unwrap_or_default(),
+    }
 }
 
-/// Everything that the program does with a log: the look before it is read, the columns that a session names, and the guess.
-fn read_log(input: &[u8]) -> Vec<Diagnostic> {
-    let mut said = Vec::new();
+/// Everything that the program does with a log: the look before it is read, the columns that a session names, in the file and in its parts,
+/// and the guess.
+fn read_log(input: &[u8]) -> Outcome {
+    let mut outcome = Outcome::default();
     if let Ok(Err(diagnostic)) = log_file::check("log", input.len() as u64, input) {
-        return vec![diagnostic];
+        outcome.diagnostics.push(diagnostic);
+        return outcome;
     }
     let parts = [PartKind::Sheet, PartKind::Variable];
     let parts = parts.into_iter().zip(["Run 8", "log"]).map(|(kind, name)| {
@@ -151,16 +164,19 @@ fn read_log(input: &[u8]) -> Vec<Diagnostic> {
         })
     });
     for part in std::iter::once(None).chain(parts) {
-        said.extend(log::read("log", input, part.as_ref(), &requests()).err());
+        match log::read("log", input, part.as_ref(), &requests()) {
+            Ok(_) => outcome.is_read = true,
+            Err(diagnostic) => outcome.diagnostics.push(diagnostic),
+        }
     }
     match overview("log", input, None) {
         Ok(columns) => {
             let draft = Draft::of("log", None, &columns);
             pipeline::draft::text::session_toml(&draft, "fuzz");
         }
-        Err(diagnostic) => said.push(diagnostic),
+        Err(diagnostic) => outcome.diagnostics.push(diagnostic),
     }
-    said
+    outcome
 }
 
 fn requests() -> Vec<Request> {

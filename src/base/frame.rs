@@ -137,14 +137,9 @@ impl Frame {
         let mut table = Frame::default();
         for column in frame.columns() {
             let values = match column.dtype() {
-                DataType::Float64 => Values::Number(
-                    column
-                        .f64()
-                        .map_err(Error::internal)?
-                        .iter()
-                        .map(|x| x.unwrap_or(f64::NAN))
-                        .collect(),
-                ),
+                DataType::Float64 => {
+                    Values::Number(numbers(column.f64().map_err(Error::internal)?))
+                }
                 DataType::Int64 => {
                     Values::Integer(column.i64().map_err(Error::internal)?.iter().collect())
                 }
@@ -161,6 +156,15 @@ impl Frame {
             table.columns.push((column.name().to_string(), values));
         }
         Ok(table)
+    }
+}
+
+/// The numbers of a polars column, NaN where there is none.
+pub fn numbers(column: &Float64Chunked) -> Vec<f64> {
+    match column.cont_slice() {
+        Ok(numbers) => numbers.to_vec(),
+        // In several pieces, or some are missing.
+        Err(_) => column.iter().map(|x| x.unwrap_or(f64::NAN)).collect(),
     }
 }
 

@@ -6,6 +6,8 @@ use std::fmt;
 use std::io::Read;
 use std::path::Path;
 
+const PREFIX: &str = "sha256:";
+
 /// The SHA-256 of some bytes, written `sha256:` and 64 hexadecimal digits.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(transparent)]
@@ -24,13 +26,17 @@ impl Digest {
     }
 
     fn tagged(hash: &[u8]) -> Self {
-        let hex: String = hash.iter().map(|b| format!("{b:02x}")).collect();
-        Self(format!("sha256:{hex}"))
+        const DIGITS: &[u8; 16] = b"0123456789abcdef";
+        let nibbles = hash.iter().flat_map(|b| [b >> 4, b & 15]);
+        let mut text = String::with_capacity(PREFIX.len() + 2 * hash.len());
+        text.push_str(PREFIX);
+        text.extend(nibbles.map(|n| char::from(DIGITS[usize::from(n)])));
+        Self(text)
     }
 
     /// The 64 hexadecimal digits.
     pub fn hex(&self) -> &str {
-        self.0.strip_prefix("sha256:").unwrap_or(&self.0)
+        self.0.strip_prefix(PREFIX).unwrap_or(&self.0)
     }
 
     /// The first twelve digits, enough for a person.

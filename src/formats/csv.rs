@@ -6,6 +6,7 @@
 use super::dialect::Dialect;
 use super::table::{Cells, LogFormat, Source, Table, Wanted, quoted, unreadable};
 use crate::base::diagnostics::Diagnostic;
+use crate::base::frame;
 use polars::prelude::*;
 use std::borrow::Cow;
 use std::io::Cursor;
@@ -110,8 +111,11 @@ impl Text<'_> {
 
     /// Quotes that pair across cells or lines would join rows in silence.
     fn check_rows(&self, rows: usize) -> Result<(), Diagnostic> {
+        if memchr::memchr(b'"', self.plain.as_bytes()).is_none() {
+            return Ok(());
+        }
         let lines = self.plain.lines().count() - usize::from(self.has_header);
-        if rows == lines || !self.plain.contains('"') {
+        if rows == lines {
             return Ok(());
         }
         Err(unreadable(
@@ -127,10 +131,7 @@ impl Text<'_> {
         let cells = |w: &Wanted| {
             let column = frame.column(&w.index.to_string())?;
             Ok(match column.dtype() {
-                DataType::Float64 => {
-                    let numbers = column.f64()?.iter();
-                    Cells::Numbers(numbers.map(|x| x.unwrap_or(f64::NAN)).collect())
-                }
+                DataType::Float64 => Cells::Numbers(frame::numbers(column.f64()?)),
                 _ => Cells::Texts(column.str()?.clone()),
             })
         };

@@ -80,7 +80,7 @@ impl Dialect {
 }
 
 fn has_open_quotes(text: &str) -> bool {
-    text.contains('"') && text.lines().any(|l| l.matches('"').count() % 2 == 1)
+    memchr::memchr(b'"', text.as_bytes()).is_some() && text.lines().any(|l| l.matches('"').count() % 2 == 1)
 }
 
 fn without_open_quote(line: &str) -> Cow<'_, str> {
@@ -99,8 +99,11 @@ fn exchanged(c: char) -> char {
 }
 
 fn has_blanks(text: &str, separator: char) -> bool {
-    text.bytes()
-        .any(|b| (b == b' ' || b == b'\t') && char::from(b) != separator)
+    let is_blank = |b: &u8| (*b == b' ' || *b == b'\t') && char::from(*b) != separator;
+    // A block at a time without a way out of it, which the compiler makes many bytes at a time of.
+    text.as_bytes()
+        .chunks(4096)
+        .any(|block| block.iter().fold(false, |found, b| found | is_blank(b)))
 }
 
 /// Whether a cell is written as a number, with a decimal comma if `comma` is set: digits and a sign, no word such as `inf`.

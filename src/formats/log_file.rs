@@ -121,7 +121,7 @@ pub fn check_line_lengths(
             return Ok(Ok(()));
         }
         let mut rest = &chunk[..n];
-        while let Some(end) = rest.iter().position(|b| *b == b'\n') {
+        while let Some(end) = memchr::memchr(b'\n', rest) {
             if length + end > LONGEST_LINE {
                 return Ok(Err(too_long(file, line)));
             }

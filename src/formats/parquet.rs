@@ -4,6 +4,7 @@ use super::columns::Columns;
 use super::guard::guarded;
 use super::table::{Cells, LARGEST_LOG, LogFormat, Source, Table, quoted, unreadable};
 use crate::base::diagnostics::Diagnostic;
+use crate::base::frame;
 use polars::prelude::*;
 use polars_buffer::Buffer;
 use polars_parquet::parquet::page::CompressedPage;
@@ -92,8 +93,7 @@ fn cells(column: &Column) -> PolarsResult<Cells> {
     let is_number = column.dtype().is_primitive_numeric() || column.dtype().is_bool();
     polars_ensure!(is_number, ComputeError: "no numbers");
     let numbers = column.cast(&DataType::Float64)?;
-    let numbers = numbers.f64()?.iter().map(|x| x.unwrap_or(f64::NAN));
-    Ok(Cells::Numbers(numbers.collect()))
+    Ok(Cells::Numbers(frame::numbers(numbers.f64()?)))
 }
 
 #[cfg(test)]

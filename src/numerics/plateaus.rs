@@ -213,8 +213,9 @@ pub fn rising(levels: &[f64], hysteresis: f64) -> Vec<bool> {
 
 /// The median of what is finite; NaN of nothing.
 fn median(values: &[f64]) -> f64 {
-    let finite: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
-    statistics::median(&finite)
+    let mut finite = Vec::with_capacity(values.len());
+    finite.extend(values.iter().copied().filter(|x| x.is_finite()));
+    statistics::quantile_in_place(&mut finite, 0.5)
 }
 
 #[cfg(test)]

@@ -67,27 +67,26 @@ fn sorted(values: &[f64]) -> Vec<f64> {
 ///
 /// Definition 7 of Hyndman and Fan, *The American Statistician* 50, 1996: the default of R, NumPy and Excel.
 pub fn quantile(values: &[f64], probability: f64) -> f64 {
+    quantile_in_place(&mut values.to_vec(), probability)
+}
+
+/// The same as [`quantile`], without a copy: the order of the values is lost.
+pub fn quantile_in_place(values: &mut [f64], probability: f64) -> f64 {
     if values.is_empty() || !(0.0..=1.0).contains(&probability) {
         return f64::NAN;
     }
-    of_sorted(&sorted(values), probability)
+    let position = probability * (values.len() - 1) as f64;
+    let place = position.floor() as usize;
+    // Two order statistics do not need all of them sorted.
+    let (_, below, larger) = values.select_nth_unstable_by(place, f64::total_cmp);
+    let above = larger.iter().copied().min_by(f64::total_cmp);
+    *below + (position - place as f64) * (above.unwrap_or(*below) - *below)
 }
 
 /// The distance between two quantiles, such as 0.01 and 0.99 for a range that stray values do not widen; NaN like [`quantile`].
 pub fn quantile_range(values: &[f64], low: f64, high: f64) -> f64 {
-    let outside = |p: f64| !(0.0..=1.0).contains(&p);
-    if values.is_empty() || outside(low) || outside(high) {
-        return f64::NAN;
-    }
-    let sorted = sorted(values);
-    of_sorted(&sorted, high) - of_sorted(&sorted, low)
-}
-
-fn of_sorted(sorted: &[f64], probability: f64) -> f64 {
-    let position = probability * (sorted.len() - 1) as f64;
-    let below = position.floor() as usize;
-    let above = (below + 1).min(sorted.len() - 1);
-    sorted[below] + (position - below as f64) * (sorted[above] - sorted[below])
+    let mut values = values.to_vec();
+    quantile_in_place(&mut values, high) - quantile_in_place(&mut values, low)
 }
 
 /// The median; NaN of no values.

@@ -117,7 +117,7 @@ fn attempt(workshop: &Workshop, located: &Located) -> std::result::Result<Sessio
     let engine = workshop.engine;
     let (session, id) = (&located.session, located.session.id.clone());
     let description = Digest::of(&to_json(session)?);
-    let ingest = ingest_step(engine, located, &description)?;
+    let (ingest, at_hand) = ingest_step(engine, located, &description)?;
     let Some(entry) = ingest.entry() else {
         return Ok(SessionResult {
             clean: engine.waits(CLEAN, &id, "ingest")?,
@@ -129,7 +129,7 @@ fn attempt(workshop: &Workshop, located: &Located) -> std::result::Result<Sessio
     };
     let (options, inputs) = (workshop.keyed.clone(), digests(entry, "ingest"));
     let clean = engine.step(CLEAN, &id, options, inputs, || {
-        let logs = read_logs(engine, &ingest)?;
+        let logs = at_hand.map_or_else(|| read_logs(engine, &ingest), Ok)?;
         let cleaned = clean::clean(session, &logs, workshop.clean);
         let readings = reading::to_frame(&cleaned.readings).to_parquet()?;
         Ok(Outputs::from([
@@ -179,11 +179,12 @@ fn digests(entry: &Entry, stage: &str) -> BTreeMap<String, Digest> {
     entry.outputs.iter().map(named).collect()
 }
 
+/// The ingest of a session, with its samples if it was done now.
 fn ingest_step(
     engine: &Engine,
     located: &Located,
     description: &Digest,
-) -> std::result::Result<Step, Again> {
+) -> std::result::Result<(Step, Option<Vec<LogSamples>>), Again> {
     let session = &located.session;
     let mut inputs = BTreeMap::from([("session.toml".to_owned(), description.clone())]);
     let mut at_hand = Vec::with_capacity(session.logs.len());
@@ -197,7 +198,7 @@ fn ingest_step(
         at_hand.push((path, digest, bytes));
     }
     let options = BTreeMap::from([("folder".to_owned(), located.relative.clone())]);
-    let mut changed = false;
+    let (mut changed, mut samples) = (false, None);
     let step = engine.step(INGEST, &session.id, options, inputs, || {
         let mut files = Vec::with_capacity(at_hand.len());
         for (log, (path, digest, bytes)) in session.logs.iter().zip(at_hand) {
@@ -209,12 +210,15 @@ fn ingest_step(
         if changed {
             return Err(Error::Usage(String::new()));
         }
-        ingest_outputs(&ingest::ingest(session, &located.relative, files))
+        let ingested = ingest::ingest(session, &located.relative, files);
+        let outputs = ingest_outputs(&ingested)?;
+        samples = Some(ingested.logs);
+        Ok(outputs)
     });
     match step {
         Err(_) if changed => Err(Again::Retry),
         Err(error) => Err(error.into()),
-        Ok(step) => Ok(step),
+        Ok(step) => Ok((step, samples)),
     }
 }
 

@@ -13,13 +13,16 @@ const SEED: u64 = 20_261_121;
 #[test]
 fn mutated_sessions_and_logs_of_every_format_give_messages_and_no_panic() {
     for target in targets::targets() {
-        let mut messages = 0;
+        let (mut messages, mut read) = (0, 0);
         for case in 0..CASES {
-            for diagnostic in target.read(&target.input(SEED, case)) {
+            let outcome = target.read(&target.input(SEED, case));
+            read += usize::from(outcome.is_read);
+            for diagnostic in outcome.diagnostics {
                 assert_complete(&diagnostic, &format!("{} case {case}", target.name));
                 messages += 1;
             }
         }
         assert!(messages > 0, "{} is never refused", target.name);
+        assert!(read > 0, "{} is never read", target.name);
     }
 }
