@@ -62,6 +62,8 @@ const STAGES: &[(&str, &[&str])] = &[
             "stages/torque",
         ],
     ),
+    // Everything, for a run in which nothing at all has changed.
+    ("PROGRAM", &[""]),
 ];
 
 fn main() {

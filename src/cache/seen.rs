@@ -48,14 +48,16 @@ fn nanoseconds(time: SystemTime) -> u64 {
         .as_nanos() as u64
 }
 
+/// Time of change of the description in nanoseconds since 1970; 0 where the system keeps none.
 #[cfg(unix)]
-fn described_ns(metadata: &Metadata) -> u64 {
+pub fn described_ns(metadata: &Metadata) -> u64 {
     use std::os::unix::fs::MetadataExt;
     (metadata.ctime().unsigned_abs()) * 1_000_000_000 + metadata.ctime_nsec().unsigned_abs()
 }
 
+/// Time of change of the description: 0, for the system keeps none.
 #[cfg(not(unix))]
-fn described_ns(_metadata: &Metadata) -> u64 {
+pub fn described_ns(_metadata: &Metadata) -> u64 {
     0
 }
 

@@ -35,19 +35,27 @@ impl Cache {
     /// # Errors
     /// The directory cannot be made or written.
     pub fn open(derived: &Path, access: Access, progress: &dyn Progress) -> Result<Self> {
-        let root = derived.join("cache");
-        let lock = if access == Access::Look {
-            None
-        } else {
-            std::fs::create_dir_all(&root).map_err(Error::io("create the folder", &root))?;
-            lock(&root.join(LOCK), access == Access::Shared, progress)?
-        };
-        let store = Store::new(&root);
+        let lock = Self::lock(derived, access, progress)?;
+        let store = Store::new(&derived.join("cache"));
         Ok(Self {
             last: store.read_aside(STATE),
             store,
             _lock: lock,
         })
+    }
+
+    /// Takes the lock of the cache below `derived/`, waiting like [`Cache::open`]; it lasts as long as the file lives. None for who only
+    /// looks, and where the file system has no locks.
+    ///
+    /// # Errors
+    /// The directory cannot be made or written.
+    pub fn lock(derived: &Path, access: Access, progress: &dyn Progress) -> Result<Option<File>> {
+        if access == Access::Look {
+            return Ok(None);
+        }
+        let root = derived.join("cache");
+        std::fs::create_dir_all(&root).map_err(Error::io("create the folder", &root))?;
+        lock(&root.join(LOCK), access == Access::Shared, progress)
     }
 
     /// Objects and entries.

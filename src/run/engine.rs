@@ -286,13 +286,17 @@ impl Engine {
     }
 
     /// What was computed, by stage and unit; how many units were fresh; what failed.
-    pub fn into_work(self) -> (Vec<Work>, usize, Vec<Failure>) {
+    ///
+    /// # Errors
+    /// Another thread panicked.
+    pub fn take_work(&self) -> Result<(Vec<Work>, usize, Vec<Failure>)> {
         let place = |stage: &str| crate::run::STAGES.iter().position(|s| *s == stage);
-        let mut work = self.work.into_inner().unwrap_or_default();
+        let mut work = std::mem::take(&mut *self.work.lock().map_err(Error::internal)?);
         work.sort_by(|a, b| (place(a.stage), &a.unit).cmp(&(place(b.stage), &b.unit)));
-        let mut failed = self.failed.into_inner().unwrap_or_default();
+        let mut failed = std::mem::take(&mut *self.failed.lock().map_err(Error::internal)?);
         failed.sort_by(|a, b| (place(a.stage), &a.unit).cmp(&(place(b.stage), &b.unit)));
-        (work, self.fresh.into_inner().unwrap_or_default(), failed)
+        let fresh = *self.fresh.lock().map_err(Error::internal)?;
+        Ok((work, fresh, failed))
     }
 }
 

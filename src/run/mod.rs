@@ -8,7 +8,7 @@
 //!                                                             └────────────────────┴── report   one unit, and one a group for its figures
 //! ```
 //! Everything that a stage reads comes through [`engine::Engine::step`], which derives its key; a stage function itself is pure: values
-//! in, values out. The result is independent of the number of threads, because units meet only in sorted collections. The units can also
+//! in, values out. Where no file has changed at all no stage is asked ([`unchanged`]). The result is independent of the number of threads, because units meet only in sorted collections. The units can also
 //! be brought up to date one by one, by many processes on one cache ([`jobs`]).
 
 pub mod ancestry;
@@ -26,6 +26,7 @@ pub mod sessions;
 pub mod step;
 pub mod told;
 pub mod torque;
+pub mod unchanged;
 
 use crate::base::diagnostics::Diagnostic;
 use crate::base::error::{Error, Result};
@@ -34,11 +35,12 @@ use crate::config::Config;
 use crate::formats::discover::{Discovery, discover};
 use crate::stages::diagnose::findings::{CampaignFindings, Verdict};
 use engine::Engine;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sessions::{SessionResult, Workshop};
 use std::path::{Path, PathBuf};
 use step::{Failure, Step, Work};
 use told::Told;
+use unchanged::Watch;
 
 /// The stages, in order, as users name them.
 pub const STAGES: &[&str] = &[
@@ -75,14 +77,16 @@ pub struct RunOptions {
     pub only: Option<String>,
 }
 
-/// What a run did.
-#[derive(Debug, Default)]
+/// What a run did. What it remembers of itself for the next is without the work.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Outcome {
     /// Every unit that was computed (or would be), in the order of stages and units.
+    #[serde(skip)]
     pub work: Vec<Work>,
     /// Units whose results were there already.
     pub fresh: usize,
     /// Units that could not be computed, and those that need them; none unless the run was to keep going.
+    #[serde(skip)]
     pub failed: Vec<Failure>,
     /// Usable sessions found.
     pub sessions: usize,
@@ -95,12 +99,14 @@ pub struct Outcome {
     /// What is wrong with the inputs.
     pub diagnostics: Vec<Diagnostic>,
     /// Files written below `reports/` (or that would be), because they were missing or had other contents.
+    #[serde(skip)]
     pub written: Vec<PathBuf>,
     /// Reports that exist now.
     pub pdfs: Vec<PathBuf>,
     /// Where the findings are, of everything that was diagnosed.
     pub findings_file: Option<PathBuf>,
     /// The answers that are new.
+    #[serde(skip)]
     pub answers: Vec<Answer>,
 }
 
@@ -139,6 +145,12 @@ pub fn run(options: &RunOptions, progress: &dyn Progress) -> Result<Outcome> {
         check_outside(raw, &options.derived, "--derived")?;
         check_outside(raw, &options.reports, "--reports")?;
     }
+    let watch = Watch::begin(options);
+    if let Some(watch) = &watch
+        && let Some(outcome) = watch.unchanged(progress)?
+    {
+        return Ok(outcome);
+    }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.jobs)
         .build()
@@ -166,7 +178,13 @@ pub fn run(options: &RunOptions, progress: &dyn Progress) -> Result<Outcome> {
     if !options.dry_run {
         engine.close()?;
     }
-    (outcome.work, outcome.fresh, outcome.failed) = engine.into_work();
+    (outcome.work, outcome.fresh, outcome.failed) = engine.take_work()?;
+    if let Some(watch) = watch
+        && !options.dry_run
+        && outcome.failed.is_empty()
+    {
+        watch.end(&engine, &outcome)?;
+    }
     Ok(outcome)
 }
 

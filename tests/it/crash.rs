@@ -288,7 +288,7 @@ fn a_panic_in_one_unit_is_named_and_stops_only_a_run_that_does_not_keep_going() 
         let inputs = BTreeMap::from([("log".to_owned(), Digest::of(b"log"))]);
         let whole = engine.step(stage, "iso20", BTreeMap::new(), inputs, whole);
         assert!(whole.unwrap().entry().is_some());
-        let failed = engine.into_work().2;
+        let failed = engine.take_work().unwrap().2;
         (broken, failed)
     };
     let why = "clean of iso10: index out of bounds: the len is 0 but the index is 3";

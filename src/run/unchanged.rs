@@ -1,0 +1,121 @@
+//! The shortest answer: no file has changed since the last run, so there is nothing to ask the stages.
+//!
+//! A whole run writes down the fingerprint of the raw files, taken before it read any of them, that of everything that it has left below
+//! `derived/` and `reports/`, and what it told its user. Where both are the same in the next run, and the program and its options too, that
+//! is told again: no `session.toml` is read and no key is made. With anything else the stages are asked as if this did not exist, so that it
+//! saves time and decides nothing.
+
+use crate::base::error::Result;
+use crate::cache::{Digest, Store, tree};
+use crate::run::cache::{Access, Cache};
+use crate::run::engine::{self, Engine};
+use crate::run::{Outcome, Progress, RunOptions, parallel};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+const UNCHANGED: &str = "unchanged.jsonl";
+
+#[derive(Serialize, Deserialize)]
+struct Left {
+    /// The program, its options and where its files are.
+    program: Digest,
+    /// The raw files before the run.
+    raw: Digest,
+    /// What the run left.
+    made: Digest,
+    outcome: Outcome,
+}
+
+/// A run that watches whether anything has changed.
+pub struct Watch<'a> {
+    options: &'a RunOptions,
+    program: Digest,
+    raw: Digest,
+}
+
+impl<'a> Watch<'a> {
+    /// Looks at the raw files. None for a run that is to do something in any case or concerns a part only, and where they prove nothing
+    /// ([`tree::fingerprint`]).
+    pub fn begin(options: &'a RunOptions) -> Option<Self> {
+        if options.force.is_some() || options.only.is_some() {
+            return None;
+        }
+        let parts: Vec<PathBuf> = options.raw.iter().flat_map(|r| tree::parts(r)).collect();
+        Some(Self {
+            options,
+            program: program(options),
+            raw: all(options, &parts, true)?,
+        })
+    }
+
+    /// What the last run told, if nothing has changed since.
+    ///
+    /// # Errors
+    /// The cache cannot be opened.
+    pub fn unchanged(&self, progress: &dyn Progress) -> Result<Option<Outcome>> {
+        let derived = &self.options.derived;
+        let store = Store::new(&derived.join("cache"));
+        let left: Option<Left> = store.read_aside(UNCHANGED);
+        let Some(left) = left.filter(|l| l.program == self.program && l.raw == self.raw) else {
+            return Ok(None);
+        };
+        let access = match self.options.dry_run {
+            true => Access::Look,
+            false => Access::Alone,
+        };
+        let _nobody_else_writes = Cache::lock(derived, access, progress)?;
+        let same = made(self.options).is_some_and(|made| made == left.made);
+        Ok(same.then_some(left.outcome))
+    }
+
+    /// Writes down what a run that is whole has left.
+    ///
+    /// # Errors
+    /// System errors of the store.
+    pub fn end(self, engine: &Engine, outcome: &Outcome) -> Result<()> {
+        let Some(made) = made(self.options) else {
+            return Ok(());
+        };
+        let mut outcome = outcome.clone();
+        outcome.fresh += outcome.work.len();
+        let left = Left {
+            program: self.program,
+            raw: self.raw,
+            made,
+            outcome,
+        };
+        engine.write_aside(UNCHANGED, &left)
+    }
+}
+
+fn program(options: &RunOptions) -> Digest {
+    let places = (&options.raw, &options.derived, &options.reports);
+    let text = format!("{} {places:?} {:?}", engine::PROGRAM, options.config);
+    Digest::of(text.as_bytes())
+}
+
+/// The fingerprint of what a run leaves; the small files of the cache aside, which only save time and of which this is one.
+fn made(options: &RunOptions) -> Option<Digest> {
+    let cache = options.derived.join("cache");
+    let sessions = options.derived.join("sessions");
+    let below = |folder: &Path| tree::parts(folder).into_iter();
+    let parts = below(&options.derived)
+        .filter(|part| *part != cache && *part != sessions)
+        .chain(below(&sessions))
+        .chain(below(&cache.join("entries")))
+        .chain(below(&cache.join("objects")))
+        .chain(below(&options.reports));
+    all(options, &parts.collect::<Vec<_>>(), false)
+}
+
+/// One fingerprint of all parts.
+fn all(options: &RunOptions, parts: &[PathBuf], follow: bool) -> Option<Digest> {
+    let one = |part: &PathBuf| Ok(tree::fingerprint(part, follow));
+    let prints: Vec<Option<Digest>> = parallel::each(options.jobs, parts, one).ok()?;
+    let names = parts.iter().map(|p| p.display().to_string());
+    let named: Option<Vec<(String, Digest)>> = names
+        .zip(prints)
+        .map(|(name, print)| Some((name, print?)))
+        .collect();
+    Some(Digest::of_named(named?.iter().map(|(n, d)| (n, d))))
+}
