@@ -12,10 +12,7 @@ use walkdir::WalkDir;
 /// new time stamp ([`seen`]).
 pub fn fingerprint(root: &Path, follow: bool) -> Option<Digest> {
     let mut lines = String::new();
-    for entry in WalkDir::new(root)
-        .follow_links(follow)
-        .sort_by_file_name()
-    {
+    for entry in WalkDir::new(root).follow_links(follow).sort_by_file_name() {
         let entry = entry.ok()?;
         let metadata = entry.metadata().ok()?;
         let name = entry.path().strip_prefix(root).ok()?;

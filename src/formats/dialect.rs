@@ -80,7 +80,8 @@ impl Dialect {
 }
 
 fn has_open_quotes(text: &str) -> bool {
-    memchr::memchr(b'"', text.as_bytes()).is_some() && text.lines().any(|l| l.matches('"').count() % 2 == 1)
+    memchr::memchr(b'"', text.as_bytes()).is_some()
+        && text.lines().any(|l| l.matches('"').count() % 2 == 1)
 }
 
 fn without_open_quote(line: &str) -> Cow<'_, str> {

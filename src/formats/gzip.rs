@@ -5,7 +5,7 @@ use super::table::{LARGEST_LOG, unreadable};
 use crate::base::diagnostics::Diagnostic;
 use flate2::read::MultiGzDecoder;
 use std::borrow::Cow;
-use std::io::Read;
+use std::io::{BufReader, Read};
 
 /// Whether the bytes are compressed.
 pub fn is_compressed(bytes: &[u8]) -> bool {
@@ -29,7 +29,7 @@ pub fn unpacked<'a>(file: &str, bytes: &'a [u8]) -> Result<Cow<'a, [u8]>, Diagno
         )
     };
     // The lines of a text are looked at before anything is held in memory: a few kilobytes may unpack to gigabytes.
-    log_file::check(file, 0, MultiGzDecoder::new(bytes)).map_err(damaged)??;
+    log_file::check(file, 0, BufReader::new(MultiGzDecoder::new(bytes))).map_err(damaged)??;
     let mut unpacked = Vec::new();
     MultiGzDecoder::new(bytes)
         .take(LARGEST_LOG + 1)

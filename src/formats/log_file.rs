@@ -5,7 +5,7 @@ use super::gzip;
 use super::table::{LARGEST_LOG, unreadable};
 use super::{FORMATS, csv};
 use crate::base::diagnostics::Diagnostic;
-use std::io::{ErrorKind, Read};
+use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
 
 /// A line longer than this is no line of a log, bytes.
@@ -25,7 +25,7 @@ pub fn load(path: &Path, file: &str) -> Result<Vec<u8>, Diagnostic> {
         return Err(no_file(file, &metadata));
     }
     let open = std::fs::File::open(path).map_err(failed)?;
-    check(file, metadata.len(), open).map_err(failed)??;
+    check(file, metadata.len(), BufReader::new(open)).map_err(failed)??;
     std::fs::read(path).map_err(failed)
 }
 
@@ -36,13 +36,13 @@ pub fn load(path: &Path, file: &str) -> Result<Vec<u8>, Diagnostic> {
 pub fn check(
     file: &str,
     size: u64,
-    mut read: impl Read,
+    mut read: impl BufRead,
 ) -> std::io::Result<Result<(), Diagnostic>> {
     let mut head = vec![0; 1024];
     let n = read_full(&mut read, &mut head)?;
     head.truncate(n);
     if !is_binary(&head) {
-        return check_line_lengths(file, head.chain(read));
+        return check_line_lengths(file, head.as_slice().chain(read));
     }
     if size > LARGEST_LOG {
         return Ok(Err(unreadable(
@@ -111,16 +111,16 @@ fn cannot_read(file: &str, error: &std::io::Error) -> Diagnostic {
 /// The line that is too long. System errors are passed on.
 pub fn check_line_lengths(
     file: &str,
-    mut read: impl Read,
+    mut read: impl BufRead,
 ) -> std::io::Result<Result<(), Diagnostic>> {
-    let mut chunk = vec![0_u8; LONGEST_LINE];
     let (mut line, mut length) = (1_u64, 0_usize);
     loop {
-        let n = read.read(&mut chunk)?;
+        let chunk = read.fill_buf()?;
+        let n = chunk.len();
         if n == 0 {
             return Ok(Ok(()));
         }
-        let mut rest = &chunk[..n];
+        let mut rest = chunk;
         while let Some(end) = memchr::memchr(b'\n', rest) {
             if length + end > LONGEST_LINE {
                 return Ok(Err(too_long(file, line)));
@@ -133,6 +133,7 @@ pub fn check_line_lengths(
         if length > LONGEST_LINE {
             return Ok(Err(too_long(file, line)));
         }
+        read.consume(n);
     }
 }
 
@@ -153,7 +154,7 @@ mod tests {
     #[test]
     fn a_line_without_end_is_refused_before_it_is_read() {
         let endless = std::io::repeat(b'1');
-        let refused = check("t", u64::MAX, endless).unwrap();
+        let refused = check("t", u64::MAX, BufReader::new(endless)).unwrap();
         assert!(refused.unwrap_err().found.contains("more than"));
         assert!(check("t", 7, &b"1,2\n3,4"[..]).unwrap().is_ok());
     }

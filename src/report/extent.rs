@@ -7,11 +7,15 @@
 use crate::report::input::GroupInput;
 
 /// Most rows of a table in a PDF.
-pub const MOST_ROWS_ON_PAGES: usize = 250;
+pub const MOST_ROWS_ON_PAGES: usize = 100;
 /// Most rows of a table as LaTeX, Typst or Markdown.
 pub const MOST_ROWS_PRINTED: usize = 20_000;
 /// Most groups, and logs, that a PDF shows in full.
 pub const MOST_GROUPS: usize = 12;
+/// Up to so many sessions the documents are typeset side by side; beyond, the largest waits until the others no longer need their memory.
+pub const SIDE_BY_SIDE: usize = 1000;
+/// Most sessions that a sentence names.
+pub const MOST_NAMED: usize = 10;
 
 /// Which of the groups have a section of their own: those of several campaigns first, then those with most readings.
 pub fn with_section(groups: &[GroupInput]) -> Vec<bool> {

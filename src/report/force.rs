@@ -4,7 +4,7 @@ use crate::base::error::Result;
 use crate::base::reject::Extent;
 use crate::base::session::Kind;
 use crate::config::{Config, ReportOptions};
-use crate::report::extent::{MOST_GROUPS, MOST_ROWS_ON_PAGES};
+use crate::report::extent::{MOST_GROUPS, MOST_NAMED, MOST_ROWS_ON_PAGES};
 use crate::report::figures::{Drawn, slug};
 use crate::report::input::{GroupInput, ReportInput};
 use crate::report::render::{Renderer, typst::Typst};
@@ -30,6 +30,7 @@ struct Data {
     further_groups: Vec<String>,
     traces: Vec<Picture>,
     unusable: Vec<String>,
+    more_unusable: usize,
     version: &'static str,
     input: String,
     split: Split,
@@ -56,9 +57,39 @@ struct Counts {
 struct Campaign {
     id: String,
     simulated: bool,
-    excluded: Vec<(String, String)>,
+    excluded: Vec<Excluded>,
     sessions: usize,
     knee: bool,
+}
+
+/// Sessions that are kept out of every fit for one reason.
+#[derive(Serialize)]
+struct Excluded {
+    why: String,
+    /// The first of them.
+    named: Vec<String>,
+    /// How many more there are.
+    more: usize,
+}
+
+impl Excluded {
+    fn add(excluded: &mut Vec<Self>, why: &str, session: &str) {
+        let place = excluded.iter().position(|e| e.why == why);
+        let place = place.unwrap_or_else(|| {
+            excluded.push(Self {
+                why: why.to_owned(),
+                named: Vec::new(),
+                more: 0,
+            });
+            excluded.len() - 1
+        });
+        let of_reason = &mut excluded[place];
+        if of_reason.named.len() < MOST_NAMED {
+            of_reason.named.push(session.to_owned());
+        } else {
+            of_reason.more += 1;
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -171,6 +202,7 @@ fn data(input: &ReportInput, traces: &[Drawn], config: &Config, split_digest: &s
         .split(',')
         .map(|a| a.trim().to_owned())
         .filter(|a| !a.is_empty());
+    let unusable = input.unusable.iter().flat_map(|(_, all)| all);
     Data {
         title: options.title.clone(),
         authors: authors.collect(),
@@ -195,10 +227,10 @@ fn data(input: &ReportInput, traces: &[Drawn], config: &Config, split_digest: &s
             .zip(&input.traces)
             .map(|(named, trace)| picture(named, trace.simulated))
             .collect(),
-        unusable: input
-            .unusable
-            .iter()
-            .flat_map(|(_, diagnostics)| diagnostics.iter().map(ToString::to_string))
+        more_unusable: unusable.clone().skip(MOST_ROWS_ON_PAGES).count(),
+        unusable: unusable
+            .take(MOST_ROWS_ON_PAGES)
+            .map(ToString::to_string)
             .collect(),
         version: env!("CARGO_PKG_VERSION"),
         input: input.input_digest.clone(),
@@ -247,7 +279,7 @@ fn campaigns(input: &ReportInput) -> Vec<Campaign> {
         campaign.simulated |= session.is_simulated();
         campaign.knee |= session.kind == Kind::KneeTorque;
         if let Some(why) = &session.exclude {
-            campaign.excluded.push((session.id.clone(), why.clone()));
+            Excluded::add(&mut campaign.excluded, why, &session.id);
         }
     }
     campaigns

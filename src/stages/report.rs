@@ -10,7 +10,7 @@ use crate::cache::Digest;
 use crate::cache::store::Outputs;
 use crate::config::Config;
 use crate::report::audit::audit_pdf;
-use crate::report::extent::MOST_ROWS_PRINTED;
+use crate::report::extent::{MOST_ROWS_PRINTED, SIDE_BY_SIDE};
 use crate::report::figures::{self, Drawn, Named};
 use crate::report::force::{date_of, force_pdf};
 use crate::report::knee::{self, knee_pdf};
@@ -80,23 +80,23 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
     let comparisons: Vec<&GroupComparison> = input.groups.iter().map(|g| &g.comparison).collect();
     let audit = audit(&fits, &comparisons);
     let date = date_of(input, &config.report);
-    let (pages, files) = rayon::join(
-        || {
-            rayon::join(
-                || force_pdf(input, &traces, config, &split_digest),
-                || -> Result<(Pdf, Option<Pdf>, Option<Pdf>)> {
-                    let audit = audit_pdf(&audit, &input.input_digest, date)?;
-                    let residual = residual_pdf(input, date)?;
-                    Ok((audit, residual, knee_pdf(input, &knees, date)?))
-                },
-            )
-        },
-        || {
-            let knees = torque.iter().flatten().chain(&legs).chain(&once);
-            figure_files(traces.iter().chain(knees), config.report.png_dpi)
-        },
-    );
-    let (force_pages, (audit_pages, residual_pages, knee_pages)) = (pages.0?, pages.1?);
+    let force_pages = || force_pdf(input, &traces, config, &split_digest);
+    let other_pages = || -> Result<(Pdf, Option<Pdf>, Option<Pdf>)> {
+        let audit = audit_pdf(&audit, &input.input_digest, date)?;
+        let residual = residual_pdf(input, date)?;
+        Ok((audit, residual, knee_pdf(input, &knees, date)?))
+    };
+    let figures = || {
+        let knees = torque.iter().flatten().chain(&legs).chain(&once);
+        figure_files(traces.iter().chain(knees), config.report.png_dpi)
+    };
+    let (force_pages, (other_pages, files)) = if input.sessions.len() > SIDE_BY_SIDE {
+        let others = rayon::join(other_pages, figures);
+        (force_pages(), others)
+    } else {
+        rayon::join(force_pages, || rayon::join(other_pages, figures))
+    };
+    let (force_pages, (audit_pages, residual_pages, knee_pages)) = (force_pages?, other_pages?);
     let mut outputs = Outputs::from([
         ("reports/force.pdf".to_owned(), force_pages.bytes),
         ("reports/audit.pdf".to_owned(), audit_pages.bytes),

@@ -37,15 +37,37 @@ impl Screened<'_> {
     }
 }
 
-/// The reasons, in the order in which they are looked for.
-const NOT_A_NUMBER: &str = "a cell that is not a finite number";
-const UNKNOWN_STATE: &str = "an unknown state";
-const NO_PRESSURE: &str = "a pressure outside the possible range";
-const NO_FORCE: &str = "a force outside the possible range";
-const NO_LENGTH: &str = "a length that is not positive";
-const NO_ANGLE: &str = "an angle beyond half a turn: is its unit right?";
-const BACKWARDS: &str = "the clock runs backwards";
-const SPIKE: &str = "an isolated spike";
+/// Why a row is left out: one byte a row, for logs are long.
+#[derive(Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+enum Reason {
+    /// The row stays.
+    None,
+    NotANumber,
+    UnknownState,
+    NoPressure,
+    NoForce,
+    NoLength,
+    NoAngle,
+    Backwards,
+    Spike,
+}
+
+impl Reason {
+    fn words(self) -> &'static str {
+        match self {
+            Reason::None => "none",
+            Reason::NotANumber => "a cell that is not a finite number",
+            Reason::UnknownState => "an unknown state",
+            Reason::NoPressure => "a pressure outside the possible range",
+            Reason::NoForce => "a force outside the possible range",
+            Reason::NoLength => "a length that is not positive",
+            Reason::NoAngle => "an angle beyond half a turn: is its unit right?",
+            Reason::Backwards => "the clock runs backwards",
+            Reason::Spike => "an isolated spike",
+        }
+    }
+}
 
 /// Screens one log; `None` where it is left out whole. What is left out is added to `rejects`.
 pub fn screen<'a>(
@@ -54,13 +76,13 @@ pub fn screen<'a>(
     options: &CleanOptions,
     rejects: &mut Vec<Reject>,
 ) -> Option<Screened<'a>> {
-    let mut reasons: Vec<Option<&'static str>> = vec![None; log.len()];
+    let mut reasons = vec![Reason::None; log.len()];
     impossible_values(log, options, &mut reasons);
     if session.sampling == Sampling::Timeseries {
         backward_clock(log, &mut reasons);
         spikes(log, options.spike_fraction, &mut reasons);
     }
-    let bad = reasons.iter().filter(|r| r.is_some()).count();
+    let bad = log.len() - usable(&reasons).count();
     let by_reason = summarise(log, &reasons);
     let timeseries = session.sampling == Sampling::Timeseries;
     if bad == log.len() || (timeseries && bad as f64 > options.most_bad_rows * log.len() as f64) {
@@ -80,59 +102,57 @@ pub fn screen<'a>(
                 reason: reason.to_owned(),
             }),
     );
-    let rows = (0..log.len()).filter(|k| reasons[*k].is_none()).collect();
+    let rows = usable(&reasons).collect();
     Some(Screened { log, rows })
 }
 
-fn mark(
-    reasons: &mut [Option<&'static str>],
-    values: &[f64],
-    reason: &'static str,
-    bad: impl Fn(f64) -> bool,
-) {
+/// The rows that stay.
+fn usable(reasons: &[Reason]) -> impl Iterator<Item = usize> {
+    let rows = reasons.iter().enumerate();
+    rows.filter(|(_, reason)| **reason == Reason::None)
+        .map(|(k, _)| k)
+}
+
+fn mark(reasons: &mut [Reason], values: &[f64], reason: Reason, bad: impl Fn(f64) -> bool) {
     for (slot, value) in reasons.iter_mut().zip(values) {
-        if slot.is_none() && bad(*value) {
-            *slot = Some(reason);
+        if *slot == Reason::None && bad(*value) {
+            *slot = reason;
         }
     }
 }
 
-fn impossible_values(
-    log: &LogSamples,
-    options: &CleanOptions,
-    reasons: &mut [Option<&'static str>],
-) {
+fn impossible_values(log: &LogSamples, options: &CleanOptions, reasons: &mut [Reason]) {
     for name in [TIME, FORCE, TORQUE, ANGLE, PRESSURE, LENGTH] {
         if let Some(values) = log.column(name) {
-            mark(reasons, values, NOT_A_NUMBER, |x| !x.is_finite());
+            mark(reasons, values, Reason::NotANumber, |x| !x.is_finite());
         }
     }
     let [low, high] = options.pressure_range_kpa;
     if let Some(values) = log.column(PRESSURE) {
-        mark(reasons, values, NO_PRESSURE, |p| p < low || p > high);
+        mark(reasons, values, Reason::NoPressure, |p| p < low || p > high);
     }
     if let Some(values) = log.column(FORCE) {
-        mark(reasons, values, NO_FORCE, |f| {
+        mark(reasons, values, Reason::NoForce, |f| {
             f.abs() > options.largest_force_n
         });
     }
     if let Some(values) = log.column(LENGTH) {
-        mark(reasons, values, NO_LENGTH, |l| l <= 0.0);
+        mark(reasons, values, Reason::NoLength, |l| l <= 0.0);
     }
     if let Some(values) = log.column(ANGLE) {
-        mark(reasons, values, NO_ANGLE, |a| {
+        mark(reasons, values, Reason::NoAngle, |a| {
             a.abs() > std::f64::consts::PI
         });
     }
     if let Some(values) = log.column(PHASE) {
-        mark(reasons, values, UNKNOWN_STATE, |x| x.is_nan());
+        mark(reasons, values, Reason::UnknownState, |x| x.is_nan());
     }
 }
 
 /// Marks the rows outside the longest sequence whose time does not decrease.
-fn backward_clock(log: &LogSamples, reasons: &mut [Option<&'static str>]) {
+fn backward_clock(log: &LogSamples, reasons: &mut [Reason]) {
     let Some(time) = log.column(TIME) else { return };
-    let usable: Vec<usize> = (0..time.len()).filter(|k| reasons[*k].is_none()).collect();
+    let usable: Vec<usize> = usable(reasons).collect();
     if usable.windows(2).all(|w| time[w[0]] <= time[w[1]]) {
         return;
     }
@@ -142,7 +162,7 @@ fn backward_clock(log: &LogSamples, reasons: &mut [Option<&'static str>]) {
         if keep.peek() == Some(&&k) {
             keep.next();
         } else {
-            reasons[k] = Some(BACKWARDS);
+            reasons[k] = Reason::Backwards;
         }
     }
 }
@@ -171,21 +191,19 @@ fn longest_rising(rows: &[usize], time: &[f64]) -> Vec<usize> {
 }
 
 /// Marks samples that stand out alone while their neighbours agree.
-fn spikes(log: &LogSamples, fraction: f64, reasons: &mut [Option<&'static str>]) {
+fn spikes(log: &LogSamples, fraction: f64, reasons: &mut [Reason]) {
     for name in [FORCE, PRESSURE] {
         let Some(values) = log.column(name) else {
             continue;
         };
-        let usable: Vec<usize> = (0..values.len())
-            .filter(|k| reasons[*k].is_none())
-            .collect();
+        let usable: Vec<usize> = usable(reasons).collect();
         let levels: Vec<f64> = usable.iter().map(|k| values[*k]).collect();
         let range = quantile_range(&levels, 0.01, 0.99);
         let limit = (fraction * range).max(20.0);
-        for w in usable.windows(3) {
-            let [a, b, c] = [values[w[0]], values[w[1]], values[w[2]]];
-            if (a - c).abs() < 0.25 * limit && (b - 0.5 * (a + c)).abs() > limit {
-                reasons[w[1]] = Some(SPIKE);
+        for (w, row) in levels.windows(3).zip(usable.iter().skip(1)) {
+            let (beside, between) = ((w[0] - w[2]).abs(), 0.5 * (w[0] + w[2]));
+            if beside < 0.25 * limit && (w[1] - between).abs() > limit {
+                reasons[*row] = Reason::Spike;
             }
         }
     }
@@ -194,15 +212,14 @@ fn spikes(log: &LogSamples, fraction: f64, reasons: &mut [Option<&'static str>])
 type Summary = BTreeMap<&'static str, (u64, u64, u64)>;
 
 /// First line, last line and count of every reason.
-fn summarise(log: &LogSamples, reasons: &[Option<&'static str>]) -> Summary {
+fn summarise(log: &LogSamples, reasons: &[Reason]) -> Summary {
     let mut summary = Summary::new();
-    for (k, reason) in reasons.iter().enumerate() {
-        if let Some(reason) = reason {
-            let line = log.first_line + k as u64;
-            let slot = summary.entry(reason).or_insert((line, line, 0));
-            slot.1 = line;
-            slot.2 += 1;
-        }
+    let rows = reasons.iter().enumerate();
+    for (k, reason) in rows.filter(|(_, reason)| **reason != Reason::None) {
+        let line = log.first_line + k as u64;
+        let slot = summary.entry(reason.words()).or_insert((line, line, 0));
+        slot.1 = line;
+        slot.2 += 1;
     }
     summary
 }
