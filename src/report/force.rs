@@ -4,7 +4,7 @@ use crate::base::error::Result;
 use crate::base::reject::Extent;
 use crate::base::session::Kind;
 use crate::config::{Config, ReportOptions};
-use crate::report::extent::{MOST_GROUPS, MOST_NAMED, MOST_ROWS_ON_PAGES};
+use crate::report::extent::{MOST_GROUPS, MOST_NAMED, MOST_ROWS_ON_PAGES, SIDE_BY_SIDE};
 use crate::report::figures::{Drawn, slug};
 use crate::report::input::{GroupInput, ReportInput};
 use crate::report::render::{Renderer, typst::Typst};
@@ -165,6 +165,9 @@ pub fn force_pdf(
     let of_groups = input.with_section().flat_map(|(_, f)| &f.group);
     for named in traces.iter().chain(of_groups) {
         document = document.file(&format!("figures/{}.svg", named.name), &named.svg);
+    }
+    if input.sessions.len() > SIDE_BY_SIDE {
+        document = document.forgotten();
     }
     document.compile()
 }

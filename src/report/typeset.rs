@@ -36,6 +36,7 @@ static FONTS: LazyLock<Vec<Font>> = LazyLock::new(|| {
 pub struct Document {
     files: BTreeMap<String, Vec<u8>>,
     date: Option<(i32, u8, u8)>,
+    remembered: usize,
 }
 
 /// A typeset document.
@@ -55,6 +56,7 @@ impl Document {
         Document {
             files: BTreeMap::new(),
             date: None,
+            remembered: REMEMBERED,
         }
         .file("style.typ", STYLE)
         .file(MAIN, main)
@@ -82,6 +84,12 @@ impl Document {
         self
     }
 
+    /// The same document, after which no results of layout are remembered: those of a long one take hundreds of megabytes.
+    pub fn forgotten(mut self) -> Document {
+        self.remembered = 0;
+        self
+    }
+
     /// Typesets the document.
     ///
     /// # Errors
@@ -100,7 +108,7 @@ impl Document {
             .with_static_file_resolver(
                 binaries.map(|(path, bytes)| (path.as_str(), Bytes::new(bytes.clone()))),
             )
-            .comemo_evict_max_age(Some(REMEMBERED))
+            .comemo_evict_max_age(Some(self.remembered))
             .build();
         engine
             .with_world(|world| typeset(world, &options))
