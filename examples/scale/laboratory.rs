@@ -13,7 +13,7 @@ use std::time::{Duration, SystemTime};
 const SPECIMENS: usize = 10;
 const CONTRACTIONS: usize = 10;
 /// Sessions of a whole campaign.
-const CAMPAIGN: usize = SPECIMENS * CONTRACTIONS;
+pub const CAMPAIGN: usize = SPECIMENS * CONTRACTIONS;
 /// First year of measurement.
 const FIRST_YEAR: usize = 2016;
 const MONTHS: usize = 120;
@@ -26,7 +26,8 @@ pub struct Laboratory {
     pub sessions: usize,
 }
 
-/// Makes `sessions` sessions of `rows` rows a log below `folder`, or takes those that an earlier benchmark left there.
+/// Makes `sessions` sessions of `rows` rows a log below `folder`, `fitted` of each campaign's and the others kept out of every fit, or takes those
+/// that an earlier benchmark left there.
 ///
 /// # Errors
 /// What the program and the system say.
@@ -35,9 +36,14 @@ pub fn make(
     folder: &Path,
     sessions: usize,
     rows: usize,
+    fitted: usize,
 ) -> Result<Laboratory, Box<dyn Error>> {
-    let raw = folder.join(format!("raw-{sessions}-of-{rows}"));
-    let done = folder.join(format!("raw-{sessions}-of-{rows}.whole"));
+    let name = match fitted < CAMPAIGN {
+        true => format!("raw-{sessions}-of-{rows}-fitted-{fitted}"),
+        false => format!("raw-{sessions}-of-{rows}"),
+    };
+    let raw = folder.join(&name);
+    let done = folder.join(format!("{name}.whole"));
     if !done.exists() {
         let _ = std::fs::remove_dir_all(&raw);
         let campaigns = sessions.div_ceil(CAMPAIGN);
@@ -58,7 +64,13 @@ pub fn make(
                 return Err("the simulation failed".into());
             }
         }
+        let mut session = 0;
         for file in files(&raw) {
+            if file.file_name().is_some_and(|n| n == "session.toml") {
+                // Spread over the specimens.
+                describe(&file, session * fitted % CAMPAIGN < fitted)?;
+                session += 1;
+            }
             settle(&file)?;
         }
         std::fs::write(&done, b"")?;
@@ -95,16 +107,21 @@ fn truth_file(k: usize, campaigns: usize, specimens: usize, rows: usize) -> Stri
     text
 }
 
-/// Takes the note off a session, and makes a file look as old as those of a real tree.
-fn settle(file: &Path) -> Result<(), Box<dyn Error>> {
-    if file.file_name().is_some_and(|n| n == "session.toml") {
-        let text = std::fs::read_to_string(file)?;
-        let lines: Vec<&str> = text
-            .lines()
-            .filter(|l| !l.starts_with("notes = "))
-            .collect();
-        std::fs::write(file, lines.join("\n"))?;
+/// Takes the note off a session, and keeps it out of every fit unless it `is_fitted`.
+fn describe(file: &Path, is_fitted: bool) -> Result<(), Box<dyn Error>> {
+    let text = std::fs::read_to_string(file)?;
+    let mut lines: Vec<&str> = text
+        .lines()
+        .filter(|l| !l.starts_with("notes = "))
+        .collect();
+    if !is_fitted {
+        lines.insert(0, "exclude = \"not fitted in this benchmark\"");
     }
+    Ok(std::fs::write(file, lines.join("\n"))?)
+}
+
+/// Makes a file look as old as those of a real tree.
+fn settle(file: &Path) -> Result<(), Box<dyn Error>> {
     let open = std::fs::File::options().write(true).open(file)?;
     open.set_modified(SystemTime::now() - Duration::from_secs(3600))?;
     Ok(())
