@@ -96,15 +96,35 @@ impl fmt::Display for Diagnostic {
             Severity::Warning => "warning",
             Severity::Error => "error",
         };
+        let (place, found) = (self.place(), shown(&self.found));
+        let (expected, hint) = (&self.expected, &self.hint);
         write!(
             f,
-            "{label}: {}: found {}; expected {}; {}",
-            self.place(),
-            self.found,
-            self.expected,
-            self.hint
+            "{label}: {}: found {found}; expected {}; {}",
+            shown(&place),
+            shown(expected),
+            shown(hint)
         )
     }
+}
+
+/// A text of which parts may come from a file, as it may be shown: control characters, which would steer a terminal, by their codes, and no
+/// more than a few lines.
+fn shown(text: &str) -> String {
+    const MOST: usize = 2000;
+    let mut shown = String::with_capacity(text.len().min(MOST));
+    for (k, c) in text.chars().enumerate() {
+        if k == MOST {
+            shown.push_str("...");
+            break;
+        }
+        if c.is_control() && c != '\n' {
+            shown.extend(c.escape_default());
+        } else {
+            shown.push(c);
+        }
+    }
+    shown
 }
 
 /// The known name nearest to `name`, if one is near enough to be a slip of the finger.

@@ -24,6 +24,8 @@ struct Stamp {
     size: u64,
     modified_ns: u64,
     described_ns: u64,
+    /// Of two folders that change places their files keep their times.
+    number: u64,
 }
 
 impl Stamp {
@@ -32,6 +34,7 @@ impl Stamp {
             size: metadata.len(),
             modified_ns: modified_ns(metadata),
             described_ns: described_ns(metadata),
+            number: number(metadata),
         }
     }
 }
@@ -58,6 +61,23 @@ pub fn described_ns(metadata: &Metadata) -> u64 {
 /// Time of change of the description: 0, for the system keeps none.
 #[cfg(not(unix))]
 pub fn described_ns(_metadata: &Metadata) -> u64 {
+    0
+}
+
+/// The later of the times of change of contents and description, ns since 1970: whoever sets back the one moves the other.
+pub fn changed_ns(metadata: &Metadata) -> u64 {
+    modified_ns(metadata).max(described_ns(metadata))
+}
+
+/// The number of a file on its file system; 0 where the system keeps none.
+#[cfg(unix)]
+pub fn number(metadata: &Metadata) -> u64 {
+    std::os::unix::fs::MetadataExt::ino(metadata)
+}
+
+/// The number of a file: 0, for the system keeps none.
+#[cfg(not(unix))]
+pub fn number(_metadata: &Metadata) -> u64 {
     0
 }
 

@@ -25,7 +25,7 @@ pub struct Object {
     pub digest: Digest,
     /// Number of bytes.
     pub size: u64,
-    /// When the file with these bytes was written, ns since 1970; 0 where that is not known. An entry does not keep it.
+    /// When the file with these bytes, or its description, was last changed, ns since 1970; 0 where that is not known. An entry does not keep it.
     #[serde(default, skip_serializing_if = "is_unknown")]
     pub written_ns: u64,
 }
@@ -125,7 +125,7 @@ impl Store {
             if metadata.len() != object.size {
                 return Err(format!("{name} has another size"));
             }
-            let written_ns = seen::modified_ns(&metadata);
+            let written_ns = seen::changed_ns(&metadata);
             if object.written_ns != written_ns || written_ns == 0 {
                 if hashing::of_file(&path).ok().as_ref() != Some(&object.digest) {
                     return Err(format!("{name} does not agree with its digest"));
@@ -230,7 +230,7 @@ impl Store {
 }
 
 fn written_ns(path: &Path) -> u64 {
-    std::fs::metadata(path).map_or(0, |m| seen::modified_ns(&m))
+    std::fs::metadata(path).map_or(0, |m| seen::changed_ns(&m))
 }
 
 /// How the names of files begin that are being written, or were when a run was killed.

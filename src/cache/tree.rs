@@ -8,8 +8,8 @@ use walkdir::WalkDir;
 
 /// The fingerprint of everything at and below `root`, with links followed if `follow` says so.
 ///
-/// None where it would prove nothing: something cannot be looked at, or was changed so short a time ago that it may change again without a
-/// new time stamp ([`seen`]).
+/// None where it would prove nothing: something cannot be looked at or opened, which may be otherwise for another user, or was changed so short a time
+/// ago that it may change again without a new time stamp ([`seen`]).
 pub fn fingerprint(root: &Path, follow: bool) -> Option<Digest> {
     let mut lines = String::new();
     for entry in WalkDir::new(root).follow_links(follow).sort_by_file_name() {
@@ -25,9 +25,25 @@ pub fn fingerprint(root: &Path, follow: bool) -> Option<Digest> {
         if !seen::is_settled(modified.max(described)) {
             return None;
         }
-        writeln!(lines, "{name:?} {} {modified} {described}", metadata.len()).ok()?;
+        if !is_open_to_all(&metadata) && std::fs::File::open(entry.path()).is_err() {
+            return None;
+        }
+        let (size, number) = (metadata.len(), seen::number(&metadata));
+        writeln!(lines, "{name:?} {size} {modified} {described} {number}").ok()?;
     }
     Some(Digest::of(lines.as_bytes()))
+}
+
+/// Whether the permissions let everybody read.
+#[cfg(unix)]
+fn is_open_to_all(metadata: &std::fs::Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    metadata.mode() & 0o444 == 0o444 || !metadata.is_file()
+}
+
+#[cfg(not(unix))]
+fn is_open_to_all(metadata: &std::fs::Metadata) -> bool {
+    !metadata.is_file()
 }
 
 /// What lies directly in a folder, sorted: parts of its tree, whose fingerprints can be taken side by side. The folder itself where it

@@ -2,13 +2,15 @@
 
 use crate::base::diagnostics::nearest;
 use crate::base::error::{Error, Result};
-use crate::cache::hashing;
+use crate::cache::{Digest, hashing};
 use crate::cli::DONE;
 use crate::cli::print::{line, print_json};
 use crate::config::Config;
 use crate::golden::table::Table;
 use crate::run::STAGES;
 use crate::run::ancestry::{Ancestry, Unit};
+use crate::run::materialize::PROVENANCE;
+use serde::Deserialize;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -33,6 +35,12 @@ pub struct ExplainArgs {
     /// Print as JSON, everything
     #[arg(long)]
     pub json: bool,
+}
+
+/// `provenance.json`.
+#[derive(Default, Deserialize)]
+struct Provenance {
+    sessions: BTreeMap<String, BTreeMap<String, Digest>>,
 }
 
 /// One number of a table, with what its row says of where it belongs.
@@ -255,21 +263,22 @@ impl Told<'_> {
         }
     }
 
-    /// Raw files by folder and name.
+    /// Raw files by folder and name, with their digests as the run wrote them down; the key of a session has what its description says and not
+    /// the digest of that file.
     fn raw(&self) -> BTreeMap<String, String> {
+        let path = self.args.reports.join(PROVENANCE);
+        let text = std::fs::read_to_string(path).unwrap_or_default();
+        let written: Provenance = serde_json::from_str(&text).unwrap_or_default();
         let ingest = self.units().filter(|u| u.stage_name() == "ingest");
         ingest
             .flat_map(|u| {
-                let folder = u
-                    .entry
-                    .parts
-                    .options
-                    .get("folder")
-                    .map_or("", String::as_str);
-                let file = move |(name, digest): (&String, &crate::cache::Digest)| {
+                let options = &u.entry.parts.options;
+                let folder = options.get("folder").map_or("", String::as_str);
+                let file = move |(name, digest): (&String, &Digest)| {
                     (format!("{folder}/{name}"), digest.hex().to_owned())
                 };
-                u.given.iter().map(file)
+                let files = written.sessions.get(&u.name).unwrap_or(&u.given);
+                files.iter().map(file).collect::<Vec<_>>()
             })
             .collect()
     }

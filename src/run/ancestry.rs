@@ -4,10 +4,13 @@
 //! file if no unit made it, so that an ancestry is what the keys say and no second opinion.
 
 use crate::base::error::{Error, Result};
+use crate::base::names::file_name;
 use crate::cache::store::{Entry, Store};
 use crate::cache::{Digest, Left, State};
 use crate::run::STAGES;
 use crate::run::cache::STATE;
+use crate::run::materialize::SESSIONS;
+use crate::run::sessions::{READINGS, ROWS};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -145,6 +148,9 @@ impl Ancestry {
     /// No artifact has that name, or several have.
     pub fn find(&self, artifact: &str) -> Result<(usize, Option<String>)> {
         let artifact = artifact.trim_start_matches("./");
+        if let Some(unit) = self.of_session(artifact) {
+            return Ok((unit, None));
+        }
         let mut found: Vec<(usize, Option<String>)> = Vec::new();
         // People may keep reports and derived data in folders of other names.
         let below = |name: &str| name.split_once('/').map_or("", |(_, rest)| rest).to_owned();
@@ -199,6 +205,19 @@ impl Ancestry {
                 )))
             }
         }
+    }
+
+    /// The unit that made a file of `derived/sessions/<id>/`.
+    fn of_session(&self, artifact: &str) -> Option<usize> {
+        let mut parts = artifact.split('/').skip_while(|part| *part != SESSIONS);
+        let (_, folder, file) = (parts.next()?, parts.next()?, parts.next().unwrap_or(ROWS));
+        let stage = match file {
+            ROWS => "normalize",
+            READINGS => "clean",
+            _ => "ingest",
+        };
+        let made = |u: &Unit| u.stage_name() == stage && file_name(&u.name) == folder;
+        self.units.iter().position(made)
     }
 
     fn no_such(&self, artifact: &str) -> String {

@@ -7,6 +7,7 @@ use crate::base::error::{Error, Result};
 use crate::base::names::file_name;
 use crate::cache::Digest;
 use crate::cache::store::{Object, UNFINISHED, write_atomically};
+use crate::formats::discover::{Discovery, SESSION_FILE};
 use crate::run::RunOptions;
 use crate::run::engine::Engine;
 use crate::run::sessions::{READINGS, ROWS, SessionResult};
@@ -26,11 +27,14 @@ pub struct Written {
     pub findings: Option<PathBuf>,
 }
 
+/// Folder of the sessions' tidy data, below `derived/`.
+pub const SESSIONS: &str = "sessions";
 const DERIVED: &str = "derived/";
 const REPORTS: &str = "reports/";
 const FINDINGS: &str = "reports/findings.json";
 const LIST: &str = "materialized.jsonl";
-const PROVENANCE: &str = "provenance.json";
+/// Digests of raw files, below `reports/`.
+pub const PROVENANCE: &str = "provenance.json";
 
 /// Brings `reports/` and the tidy part of `derived/` in line with the results; a dry run only says which files differ.
 ///
@@ -40,6 +44,7 @@ pub fn materialize(
     engine: &Engine,
     reports: &[&Step],
     sessions: &[SessionResult],
+    discovery: &Discovery,
     options: &RunOptions,
 ) -> Result<Written> {
     let mut written = Written::default();
@@ -47,20 +52,27 @@ pub fn materialize(
     for step in reports {
         put(engine, step, options, &mut written, &mut present)?;
     }
-    if options.dry_run {
-        return Ok(written);
-    }
-    let raw = raw_files(sessions)?;
+    let raw = raw_files(engine, sessions, discovery)?;
     let path = options.reports.join(PROVENANCE);
     let (name, digest) = (format!("{REPORTS}{PROVENANCE}"), Digest::of(&raw));
     if !stands(engine, &name, &path, &digest) {
-        write_atomically(&path, &raw)?;
+        if !options.dry_run {
+            write_atomically(&path, &raw)?;
+        }
         written.changed.push(path);
     }
     present.insert(name, digest);
-    sessions
-        .par_iter()
-        .try_for_each(|session| link_session(engine, session, options))?;
+    let linked = sessions.par_iter().map(|session| {
+        let folder = session_folder(&session.id, options);
+        let is_other = link_session(engine, session, &folder, options.dry_run)?;
+        Ok(is_other.then_some(folder))
+    });
+    let linked: Vec<Option<PathBuf>> = linked.collect::<Result<_>>()?;
+    written.changed.extend(linked.into_iter().flatten());
+    if options.dry_run {
+        return Ok(written);
+    }
+    remove_sessions(sessions, options);
     remove_stale(engine, &present, options)?;
     remove_unfinished(&present, options);
     Ok(written)
@@ -102,11 +114,30 @@ fn put(
 
 /// `reports/provenance.json`: the SHA-256 of every raw file, by session. It stands outside of the report stage, because a raw file may change
 /// without a change of any number.
-fn raw_files(sessions: &[SessionResult]) -> Result<Vec<u8>> {
-    let files: BTreeMap<&str, &BTreeMap<String, Digest>> = sessions
-        .iter()
-        .filter_map(|s| Some((s.id.as_str(), &s.ingest.entry()?.parts.inputs)))
-        .collect();
+fn raw_files(
+    engine: &Engine,
+    sessions: &[SessionResult],
+    discovery: &Discovery,
+) -> Result<Vec<u8>> {
+    let mut files: BTreeMap<&str, BTreeMap<String, Digest>> = BTreeMap::new();
+    for (result, located) in sessions.iter().zip(&discovery.sessions) {
+        let Some(entry) = result.ingest.entry() else {
+            continue;
+        };
+        let mut digests = entry.parts.inputs.clone();
+        // Its key has what the description says, not how; here stand the files.
+        digests.remove(SESSION_FILE);
+        let leg = located.session.joint.as_ref();
+        let leg = leg.and_then(|joint| Some(joint.description.as_ref()?.file.as_str()));
+        for name in [SESSION_FILE].into_iter().chain(leg) {
+            let path = located.directory.join(name);
+            let found = engine
+                .hashes
+                .digest(&format!("{}:{name}", result.id), &path);
+            digests.extend(found.ok().map(|(digest, _)| (name.to_owned(), digest)));
+        }
+        files.insert(&result.id, digests);
+    }
     let json = serde_json::json!({ "schema": "bpa-provenance/1", "sessions": files });
     let mut bytes = serde_json::to_vec_pretty(&json).map_err(Error::internal)?;
     bytes.push(b'\n');
@@ -164,19 +195,24 @@ fn remove_unfinished(present: &BTreeMap<String, Digest>, options: &RunOptions) {
     }
 }
 
+fn session_folder(id: &str, options: &RunOptions) -> PathBuf {
+    options.derived.join(SESSIONS).join(file_name(id))
+}
+
 /// `derived/sessions/<id>/`: the calibrated logs, the readings and the normalised rows of one session, as links to the cache's objects
-/// (copies where the file system has no links).
-fn link_session(engine: &Engine, session: &SessionResult, options: &RunOptions) -> Result<()> {
-    let folder = options
-        .derived
-        .join("sessions")
-        .join(file_name(&session.id));
+/// (copies where the file system has no links). Whether something was missing or other; `only_look` leaves it so.
+fn link_session(
+    engine: &Engine,
+    session: &SessionResult,
+    folder: &Path,
+    only_look: bool,
+) -> Result<bool> {
     let (Some(ingest), Some(clean), Some(normalize)) = (
         session.ingest.entry(),
         session.clean.entry(),
         session.normalize.entry(),
     ) else {
-        return Ok(());
+        return Ok(false);
     };
     let mut links: Vec<(PathBuf, &Object)> = Vec::new();
     let logs = ingest
@@ -191,16 +227,58 @@ fn link_session(engine: &Engine, session: &SessionResult, options: &RunOptions) 
             .map(|o| (folder.join(READINGS), o)),
     );
     links.extend(normalize.outputs.get(ROWS).map(|o| (folder.join(ROWS), o)));
-    for (path, object) in links {
-        link(&engine.object_path(object), &path, object.size)?;
+    let mut is_other = false;
+    for (path, object) in &links {
+        let place = engine.object_path(object);
+        if same_file(&place, path, object.size) {
+            continue;
+        }
+        is_other = true;
+        if !only_look {
+            link(&place, path)?;
+        }
     }
-    Ok(())
+    let wanted: BTreeSet<&Path> = links.iter().map(|(path, _)| path.as_path()).collect();
+    for path in files_of_session(folder).filter(|path| !wanted.contains(path.as_path())) {
+        is_other = true;
+        if !only_look {
+            std::fs::remove_file(&path).map_err(Error::io("remove", &path))?;
+        }
+    }
+    Ok(is_other)
 }
 
-fn link(object: &Path, path: &Path, size: u64) -> Result<()> {
-    if same_file(object, path, size) {
-        return Ok(());
+/// The files in a session's folder that have names as a run gives them.
+fn files_of_session(folder: &Path) -> impl Iterator<Item = PathBuf> {
+    let logs = std::fs::read_dir(folder.join("logs")).into_iter().flatten();
+    let logs = logs.flatten().map(|entry| entry.path()).filter(|path| {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let is_number = !stem.is_empty() && stem.bytes().all(|b| b.is_ascii_digit());
+        is_number && path.extension().is_some_and(|e| e == "parquet")
+    });
+    let others = [READINGS, ROWS].map(|name| folder.join(name));
+    logs.chain(others.into_iter().filter(|path| path.exists()))
+}
+
+/// Removes what earlier runs put into the folders of sessions that are no longer there. What somebody else put there stays, and what cannot
+/// be removed hurts nobody.
+fn remove_sessions(sessions: &[SessionResult], options: &RunOptions) {
+    let known: BTreeSet<PathBuf> = sessions
+        .iter()
+        .map(|session| session_folder(&session.id, options))
+        .collect();
+    let folders = std::fs::read_dir(options.derived.join(SESSIONS));
+    let folders = folders.into_iter().flatten().flatten().map(|f| f.path());
+    for folder in folders.filter(|folder| !known.contains(folder)) {
+        for file in files_of_session(&folder) {
+            let _ = std::fs::remove_file(file);
+        }
+        let _ = std::fs::remove_dir(folder.join("logs"));
+        let _ = std::fs::remove_dir(folder);
     }
+}
+
+fn link(object: &Path, path: &Path) -> Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).map_err(Error::io("create the folder", folder))?;
     let _ = std::fs::remove_file(path);

@@ -145,10 +145,8 @@ pub fn run(options: &RunOptions, progress: &dyn Progress) -> Result<Outcome> {
         check_outside(raw, &options.derived, "--derived")?;
         check_outside(raw, &options.reports, "--reports")?;
     }
-    let watch = Watch::begin(options);
-    if let Some(watch) = &watch
-        && let Some(outcome) = watch.unchanged(progress)?
-    {
+    let (watch, unchanged) = Watch::begin(options, progress)?;
+    if let Some(outcome) = unchanged {
         return Ok(outcome);
     }
     let pool = rayon::ThreadPoolBuilder::new()

@@ -71,7 +71,7 @@ pub fn process(
         return Ok(Written::default());
     }
     let steps: Vec<&Step> = done.figures.iter().chain([&step]).collect();
-    materialize(engine, &steps, done.sessions, options)
+    materialize(engine, &steps, done.sessions, discovery, options)
 }
 
 /// Digests by name; or the first result that is not there yet.

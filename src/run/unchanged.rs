@@ -34,38 +34,40 @@ pub struct Watch<'a> {
 }
 
 impl<'a> Watch<'a> {
-    /// Looks at the raw files. None for a run that is to do something in any case or concerns a part only, and where they prove nothing
-    /// ([`tree::fingerprint`]).
-    pub fn begin(options: &'a RunOptions) -> Option<Self> {
-        if options.force.is_some() || options.only.is_some() {
-            return None;
-        }
-        let parts: Vec<PathBuf> = options.raw.iter().flat_map(|r| tree::parts(r)).collect();
-        Some(Self {
-            options,
-            program: program(options),
-            raw: all(options, &parts, true)?,
-        })
-    }
-
-    /// What the last run told, if nothing has changed since.
+    /// Looks at the raw files, and what the last run told if nothing has changed since. No watch for a run that is to do something in any case or
+    /// concerns a part only, and where the files prove nothing ([`tree::fingerprint`]).
     ///
     /// # Errors
     /// The cache cannot be opened.
-    pub fn unchanged(&self, progress: &dyn Progress) -> Result<Option<Outcome>> {
-        let derived = &self.options.derived;
-        let store = Store::new(&derived.join("cache"));
+    pub fn begin(
+        options: &'a RunOptions,
+        progress: &dyn Progress,
+    ) -> Result<(Option<Self>, Option<Outcome>)> {
+        if options.force.is_some() || options.only.is_some() {
+            return Ok((None, None));
+        }
+        let program = program(options);
+        let store = Store::new(&options.derived.join("cache"));
         let left: Option<Left> = store.read_aside(UNCHANGED);
-        let Some(left) = left.filter(|l| l.program == self.program && l.raw == self.raw) else {
-            return Ok(None);
-        };
-        let access = match self.options.dry_run {
+        let left = left.filter(|left| left.program == program);
+        let access = match options.dry_run || left.is_none() {
             true => Access::Look,
             false => Access::Alone,
         };
-        let _nobody_else_writes = Cache::lock(derived, access, progress)?;
-        let same = made(self.options).is_some_and(|made| made == left.made);
-        Ok(same.then_some(left.outcome))
+        // Whoever waits for another run looks after it.
+        let _nobody_else_writes = Cache::lock(&options.derived, access, progress)?;
+        let parts: Vec<PathBuf> = options.raw.iter().flat_map(|r| tree::parts(r)).collect();
+        let Some(raw) = all(options, &parts, true) else {
+            return Ok((None, None));
+        };
+        let left = left.filter(|left| left.raw == raw);
+        let left = left.filter(|left| made(options).is_some_and(|made| made == left.made));
+        let watch = Self {
+            options,
+            program,
+            raw,
+        };
+        Ok((Some(watch), left.map(|left| left.outcome)))
     }
 
     /// Writes down what a run that is whole has left.

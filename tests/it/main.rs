@@ -31,4 +31,5 @@ mod simulated;
 mod support;
 mod torque;
 mod torque_loop;
+mod unchanged;
 mod units;
