@@ -16,11 +16,20 @@ struct Unit<'a> {
     input: Vec<String>,
 }
 
+/// What Snakemake takes for the beginning and end of a wildcard.
+const BRACES: [char; 2] = ['{', '}'];
+
 /// The text of a Snakefile.
 ///
 /// # Errors
 /// A path that Snakemake cannot have.
 pub fn workflow(plan: &Plan) -> Result<String> {
+    let mut files = plan.tasks.iter().flat_map(|task| &task.files);
+    if let Some(file) = files.find(|file| file.contains(BRACES)) {
+        return Err(Error::Usage(format!(
+            "Snakemake takes the braces in {file} for wildcards; give the folder or the file another name"
+        )));
+    }
     let stamps = place(&plan.places.derived.join("cache").join("snakemake"))?;
     let summary = place(&plan.places.reports.join("summary.json"))?;
     let stamp = |task: &Task| format!("{stamps}/{}/{}", task.stage, task.name);
@@ -64,7 +73,7 @@ rule {stage}:
 /// A path of an output, in which braces would be wildcards.
 fn place(path: &Path) -> Result<String> {
     let text = super::text(path)?;
-    if text.contains(['{', '}']) {
+    if text.contains(BRACES) {
         return Err(Error::Usage(format!(
             "Snakemake takes the braces in {text} for wildcards; choose another place with --derived or --reports"
         )));
