@@ -121,7 +121,7 @@ fn what_a_removed_session_left_is_removed_and_what_others_put_there_stays() {
     fs::remove_dir_all(&gone).unwrap();
     run(&bench);
     assert_eq!(of(), before, "the note stays in its folder");
-    assert_eq!(files(note.parent().unwrap()), [note.clone()]);
+    assert_eq!(files(note.parent().unwrap()), std::slice::from_ref(&note));
     fs::remove_file(&note).unwrap();
     let other = logs(&bench)[0].parent().unwrap().to_path_buf();
     fs::remove_dir_all(other).unwrap();
