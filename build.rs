@@ -14,8 +14,7 @@ const STAGES: &[(&str, &[&str])] = &[
         "CLEAN",
         &[
             "base",
-            "numerics/statistics.rs",
-            "numerics/plateaus.rs",
+            "numerics",
             "stages/clean",
         ],
     ),

@@ -35,6 +35,8 @@
 //! | [`effects`] | one file an effect: what a force model or a rig may lack, as an operator on the forward model | one file, one line in `effects/mod.rs` |
 //! | [`numerics`] | least squares, robust losses, statistics, plateaus: slices in, vectors out | |
 //! | [`knee`] | joints, routes, moment arms, torque of actuators and of human muscles | a knee: one TOML file |
+//! | [`inference`] | one mixed model and what is asked of it; knows neither force nor torque (a crate of its own) | |
+//! | [`findings`] | the answers of the loop as values: `findings.json` | |
 //! | [`simulate`] | the test rig in software | |
 //! | [`stages`] | one file or folder a stage, pure | |
 //! | [`audit`] | the papers' numeric claims, recomputed | a claim: a few lines of TOML |
@@ -73,11 +75,13 @@ pub mod config;
 pub mod draft;
 pub mod effects;
 pub mod export;
+pub mod findings;
 pub mod formats;
 pub mod golden;
 pub mod knee;
 pub mod models;
-pub mod numerics;
+pub use pipeline_inference as inference;
+pub use pipeline_numerics as numerics;
 pub mod predict;
 pub mod report;
 pub mod run;

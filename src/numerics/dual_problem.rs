@@ -125,7 +125,7 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numerics::real::Real;
+    use crate::real::Real;
 
     #[test]
     fn held_parameters_are_invisible_and_weights_scale_the_rows() {

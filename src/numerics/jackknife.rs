@@ -32,7 +32,7 @@ pub fn half_width(full: f64, refits: &[f64], confidence: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numerics::statistics::{mean, standard_deviation};
+    use crate::statistics::{mean, standard_deviation};
 
     #[test]
     fn of_a_mean_it_is_the_usual_standard_error() {

@@ -288,8 +288,8 @@ impl<P: LeastSquaresProblem + ?Sized> LarFitter<'_, P> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numerics::dual_problem::DualProblem;
-    use crate::numerics::real::Dual;
+    use crate::dual_problem::DualProblem;
+    use crate::real::Dual;
 
     #[test]
     fn too_few_rows_and_undefined_models_are_errors() {

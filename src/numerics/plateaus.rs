@@ -14,7 +14,7 @@
 //! Whether the actuator was being filled or vented follows from the sequence of plateaus, by turning points with a hysteresis, so it
 //! is known for rigs that do not log it.
 
-use crate::numerics::statistics;
+use crate::statistics;
 use std::ops::Range;
 
 /// What counts as steady.

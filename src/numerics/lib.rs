@@ -1,3 +1,4 @@
+#![warn(missing_docs)]
 //! Numerical methods: slices in, vectors out.
 //!
 //! | module | idea |
@@ -27,7 +28,7 @@ mod fit_report;
 pub mod interpolate;
 pub mod jackknife;
 pub mod lar;
-pub(crate) mod lar_scale;
+mod lar_scale;
 pub mod levenberg_marquardt;
 pub mod loss;
 pub mod matrix;
