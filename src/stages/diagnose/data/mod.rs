@@ -31,6 +31,10 @@ pub struct Data {
     pub specimen: Vec<usize>,
     /// A number for the log, unique over the campaign.
     pub log: Vec<usize>,
+    /// Place of the reading's campaign in `campaigns`.
+    pub campaign: Vec<usize>,
+    /// Campaign ids, by name.
+    pub campaigns: Vec<String>,
     /// Session ids, in the order of time (date, then id).
     pub sessions: Vec<String>,
     /// Specimen ids, by name.
@@ -58,6 +62,8 @@ impl Data {
         let dates: BTreeSet<&str> = by_time.iter().map(|(date, _)| *date).collect();
         let specimens: BTreeSet<&str> = rows.iter().map(|r| r.specimen.as_str()).collect();
         let specimens: Vec<String> = specimens.into_iter().map(str::to_owned).collect();
+        let campaigns: BTreeSet<&str> = rows.iter().map(|r| r.campaign.as_str()).collect();
+        let campaigns: Vec<String> = campaigns.into_iter().map(str::to_owned).collect();
         let place = |list: &[String], id: &str| list.iter().position(|x| x == id).unwrap_or(0);
         let logs: BTreeSet<(usize, &str)> = rows
             .iter()
@@ -75,6 +81,11 @@ impl Data {
                 .iter()
                 .map(|r| place(&specimens, &r.specimen))
                 .collect(),
+            campaign: rows
+                .iter()
+                .map(|r| place(&campaigns, &r.campaign))
+                .collect(),
+            campaigns,
             sessions,
             specimens,
             ..Data::default()
@@ -122,6 +133,8 @@ impl Data {
             session: pick(&self.session),
             specimen: pick(&self.specimen),
             log: pick(&self.log),
+            campaign: pick(&self.campaign),
+            campaigns: self.campaigns.clone(),
             sessions: self.sessions.clone(),
             specimens: self.specimens.clone(),
             extras: self

@@ -1,0 +1,452 @@
+//! The nonlinear mixed model: linearised about the mode of the random effects, again and again.
+//!
+//! First-order conditional estimation (Lindstrom and Bates, Biometrics 46 (1990) 673; Pinheiro and Bates 2000, chapter 7): at a point, the
+//! forward model is linearised; the variances maximise the marginal likelihood of that linear model ([`crate::variance`]); coefficients,
+//! amplitudes and random effects move to their estimates, shortened until the penalised sum of squares falls. Sensitivities inside the
+//! covariance are frozen within an iteration, else the likelihood would reward small predictions.
+
+use crate::gram::{Design, Gram, Square};
+use crate::problem::{Component, Linearised, Point, Problem};
+use crate::system::{Factor, Likelihood, Posterior, Variances};
+use crate::variance::{Effort, Maximiser, Prior, Scale};
+
+/// Most outer iterations.
+const MOST_ITERATIONS: usize = 24;
+/// An outer iteration that moves no estimate by more than this share of its standard error ends the fit.
+const CONVERGED: f64 = 0.02;
+/// After so many iterations steps are halved: readings that go slack and taut again in turn make the iteration alternate.
+const DAMPED_AFTER: usize = 8;
+/// Factors on the prior of the misfit through which a fit from nothing goes.
+const CONTINUATION: [f64; 2] = [0.0, 1.0];
+/// Shortest part of a step that is tried.
+const SHORTEST: f64 = 1.0 / 256.0;
+
+/// A problem, and the part of it that is fitted.
+#[derive(Clone)]
+pub struct Setting<'a> {
+    /// The problem.
+    pub problem: &'a dyn Problem,
+    /// For each node whether its readings take part.
+    pub active: Vec<bool>,
+    /// Factor on the prior scales of the misfit.
+    pub misfit_factor: f64,
+    /// Factor on the usual sizes of components where searches start (the tests of convergence move it).
+    pub start_factor: f64,
+    /// Values of terms that are not fitted: place among [`Point::terms`], number of the value.
+    pub pinned: Vec<(usize, usize)>,
+}
+
+/// A free variable of the fixed part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Free {
+    /// A coefficient.
+    Coefficient(usize),
+    /// A value of a term in the model: place among [`Point::terms`], number of the value.
+    Value(usize, usize),
+}
+
+/// A fitted model; everything else is a query of it.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// Coefficients, terms and random effects.
+    pub point: Point,
+    /// Standard deviations (full likelihood).
+    pub variances: Variances,
+    /// Marginal log-likelihood with the priors of the misfit.
+    pub log_likelihood: f64,
+    /// The linear model of the last iteration: response less predictions, with the random effects added back.
+    pub design: Design,
+    /// Its sums over the active nodes.
+    pub gram: Gram,
+    /// The fixed effects of the design.
+    pub free: Vec<Free>,
+    /// Inverse curvature of the likelihood in the logarithms of the standard deviations.
+    pub inverse: Vec<f64>,
+    /// Predictions at the point, linear components left out.
+    pub predicted: Vec<f64>,
+    /// Whether the iteration ended by itself.
+    pub converged: bool,
+    /// Whether a coefficient ended at a bound.
+    pub at_bound: Vec<bool>,
+}
+
+impl<'a> Setting<'a> {
+    /// All readings of a problem.
+    pub fn new(problem: &'a dyn Problem) -> Self {
+        Self {
+            problem,
+            active: vec![true; problem.tree().len()],
+            misfit_factor: 1.0,
+            start_factor: 1.0,
+            pinned: Vec::new(),
+        }
+    }
+
+    /// Without the readings of a node and of those below it.
+    pub fn without(&self, node: usize) -> Self {
+        let tree = self.problem.tree();
+        let mut rest = self.clone();
+        for n in 0..tree.len() {
+            if tree.path(n).contains(&node) {
+                rest.active[n] = false;
+            }
+        }
+        rest
+    }
+
+    /// Scales of the components, with the prior of the misfit as set here.
+    pub fn scales(&self) -> Vec<Scale> {
+        let of = |c: &Component| {
+            let mut scale = c.scale;
+            if let (true, Prior::HalfNormal(s)) = (c.misfit, scale.prior) {
+                scale.prior = if self.misfit_factor > 0.0 {
+                    Prior::HalfNormal(s * self.misfit_factor)
+                } else {
+                    Prior::Fixed(0.0)
+                };
+            }
+            scale
+        };
+        self.problem.components().iter().map(of).collect()
+    }
+
+    /// Variances where a search that knows nothing starts: usual sizes, and a tenth of them.
+    pub fn fresh(&self) -> Vec<Variances> {
+        let scales = self.scales();
+        let maximiser = self.maximiser(&scales, Likelihood::Full);
+        [1.0, 0.2]
+            .map(|f| maximiser.start(f * self.start_factor))
+            .to_vec()
+    }
+
+    /// The maximiser over the variances.
+    pub fn maximiser<'s>(&'s self, scales: &'s [Scale], likelihood: Likelihood) -> Maximiser<'s> {
+        Maximiser {
+            tree: self.problem.tree(),
+            components: scales,
+            noise: self.problem.noise(),
+            likelihood,
+        }
+    }
+
+    /// Fits from a point about which nothing is known: first without misfit, then as it is set here. Else a
+    /// misfit takes the place of coefficients that are still far off, and keeps it.
+    pub fn fit_afresh(&self, from: &Point) -> Fitted {
+        let mut fitted: Option<Fitted> = None;
+        for share in CONTINUATION {
+            let step = Self {
+                misfit_factor: share * self.misfit_factor,
+                ..self.clone()
+            };
+            fitted = Some(match fitted {
+                None => step.fit(from, &step.fresh()),
+                Some(f) => step.fit(&f.point, &[step.widened(&f.variances)]),
+            });
+        }
+        fitted.expect("the continuation has steps")
+    }
+
+    /// Variances from which a fit with this setting starts: none so small that it cannot grow again.
+    fn widened(&self, from: &Variances) -> Variances {
+        let mut wide = from.clone();
+        for (value, scale) in wide.components.iter_mut().zip(self.scales()) {
+            *value = match scale.prior {
+                Prior::Fixed(sd) => sd,
+                Prior::HalfNormal(s) => value.max(s),
+                Prior::Free => value.max(0.2 * scale.usual),
+            };
+        }
+        wide
+    }
+
+    /// Fits from a point and from several starts of the variances.
+    pub fn fit(&self, from: &Point, starts: &[Variances]) -> Fitted {
+        let scales = self.scales();
+        let maximiser = self.maximiser(&scales, Likelihood::Full);
+        let mut point = self.inside(from);
+        let mut variances: Option<Variances> = None;
+        let mut held: Vec<Free> = Vec::new();
+        let mut before = f64::NEG_INFINITY;
+        let mut converged = false;
+        let mut iteration = 0;
+        loop {
+            let linear = self.problem.linearise(&point);
+            let free = self.free(&point, &held);
+            let design = self.design(&point, &linear, &free);
+            let gram = self.sums(&design);
+            let maximum = match &variances {
+                None => maximiser.best(&gram, starts, Effort::FULL),
+                Some(v) => maximiser.maximise(&gram, v, Effort::STEP),
+            };
+            let posterior = Factor::new(&design.tree, &gram, &maximum.variances)
+                .posterior(Likelihood::Full);
+            let settled = (maximum.log_likelihood - before).abs() < 0.01;
+            before = maximum.log_likelihood;
+            iteration += 1;
+            if (converged && settled) || iteration >= MOST_ITERATIONS {
+                let at_bound = self.at_bound(&point);
+                let mut last = point.clone();
+                last.random = posterior.random;
+                return Fitted {
+                    point: last,
+                    variances: maximum.variances,
+                    log_likelihood: maximum.log_likelihood,
+                    design,
+                    gram,
+                    free,
+                    inverse: maximum.inverse,
+                    predicted: linear.predicted,
+                    converged: converged && settled,
+                    at_bound,
+                };
+            }
+            let longest = if iteration > DAMPED_AFTER { 0.5 } else { 1.0 };
+            let moved = self.step(&point, &linear, &free, &posterior, &maximum.variances, longest);
+            converged = self.small(&design, &gram, &maximum.variances, &moved.taken);
+            held.extend(moved.stopped);
+            point = moved.point;
+            variances = Some(maximum.variances);
+        }
+    }
+
+    /// The best of fits from several points.
+    pub fn best(&self, from: &[Point], starts: &[Variances]) -> Option<Fitted> {
+        let fits = from.iter().map(|p| self.fit(p, starts));
+        fits.filter(|f| f.log_likelihood.is_finite())
+            .max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood))
+    }
+
+    fn inside(&self, point: &Point) -> Point {
+        let mut point = point.clone();
+        for (x, c) in point.coefficients.iter_mut().zip(self.problem.coefficients()) {
+            *x = x.clamp(c.bounds.0, c.bounds.1);
+        }
+        for (term, values) in &mut point.terms {
+            for (x, (low, high)) in values.iter_mut().zip(&self.problem.terms()[*term].bounds) {
+                *x = x.clamp(*low, *high);
+            }
+        }
+        point
+    }
+
+    fn free(&self, point: &Point, held: &[Free]) -> Vec<Free> {
+        let coefficients = self.problem.coefficients().iter().enumerate();
+        let mut free: Vec<Free> = coefficients
+            .filter(|(_, c)| c.free)
+            .map(|(k, _)| Free::Coefficient(k))
+            .collect();
+        for (t, (_, values)) in point.terms.iter().enumerate() {
+            free.extend((0..values.len()).map(|k| Free::Value(t, k)));
+        }
+        let pinned = |f: &Free| self.pinned.iter().any(|(t, k)| *f == Free::Value(*t, *k));
+        free.retain(|f| !held.contains(f) && !pinned(f));
+        free
+    }
+
+    /// The linear mixed model at a point.
+    fn design(&self, point: &Point, linear: &Linearised, free: &[Free]) -> Design {
+        let problem = self.problem;
+        let tree = problem.tree();
+        let nonlinear = self.nonlinear_columns();
+        let paths: Vec<Vec<usize>> = (0..tree.len()).map(|n| tree.path_numbers(n)).collect();
+        let y = (0..linear.predicted.len())
+            .map(|i| {
+                let path = &paths[problem.node()[i]];
+                let own: f64 = path
+                    .iter()
+                    .zip(&linear.random[i])
+                    .filter(|(c, _)| nonlinear[**c])
+                    .map(|(c, z)| z * point.random[*c])
+                    .sum();
+                problem.observed()[i] - linear.predicted[i] + own
+            })
+            .collect();
+        Design {
+            tree: tree.clone(),
+            node: problem.node().to_vec(),
+            class: problem.class().to_vec(),
+            classes: problem.noise().len(),
+            z: linear.random.clone(),
+            x: free
+                .iter()
+                .map(|f| column(point, linear, *f).to_vec())
+                .collect(),
+            y,
+        }
+    }
+
+    /// The sums over the active nodes.
+    pub fn sums(&self, design: &Design) -> Gram {
+        design.gram().without(|n| !self.active[n])
+    }
+
+    /// For each column of the tree whether the forward model is nonlinear in it.
+    pub fn nonlinear_columns(&self) -> Vec<bool> {
+        let tree = self.problem.tree();
+        let components = self.problem.components();
+        (0..tree.len())
+            .flat_map(|n| tree.components_of(n))
+            .map(|c| !components[c].linear)
+            .collect()
+    }
+
+    /// Penalised sum of squares at a point; the columns of linear components are those of `linear`.
+    fn objective(&self, point: &Point, linear: &Linearised, variances: &Variances) -> f64 {
+        let problem = self.problem;
+        let tree = problem.tree();
+        let nonlinear = self.nonlinear_columns();
+        let predicted = problem.predict(point);
+        let paths: Vec<Vec<usize>> = (0..tree.len()).map(|n| tree.path_numbers(n)).collect();
+        let mut sum = 0.0;
+        for (i, p) in predicted.iter().enumerate() {
+            let node = problem.node()[i];
+            if !self.active[node] {
+                continue;
+            }
+            let fixed: f64 = paths[node]
+                .iter()
+                .zip(&linear.random[i])
+                .filter(|(c, _)| !nonlinear[**c])
+                .map(|(c, z)| z * point.random[*c])
+                .sum();
+            let r = (problem.observed()[i] - p - fixed) / variances.noise[problem.class()[i]];
+            sum += r * r;
+        }
+        let components = (0..tree.len()).flat_map(|n| tree.components_of(n));
+        for (b, c) in point.random.iter().zip(components) {
+            let u = b / variances.components[c].max(f64::MIN_POSITIVE);
+            sum += if *b == 0.0 { 0.0 } else { u * u };
+        }
+        sum
+    }
+
+    /// Moves to the estimates of the linear model, shortened until the penalised sum of squares does not rise.
+    fn step(
+        &self,
+        point: &Point,
+        linear: &Linearised,
+        free: &[Free],
+        posterior: &Posterior,
+        variances: &Variances,
+        longest: f64,
+    ) -> Moved {
+        // Where it starts, the random effects are those that go with the new variances: otherwise their penalty alone would decide.
+        let mut start = point.clone();
+        start.random = posterior.random.clone();
+        let here = self
+            .objective(point, linear, variances)
+            .min(self.objective(&start, linear, variances));
+        let mut length = longest;
+        loop {
+            let (next, stopped) = self.moved(point, free, posterior, length);
+            let value = self.objective(&next, linear, variances);
+            if (value.is_finite() && value <= here * (1.0 + 1e-9)) || length <= SHORTEST {
+                let taken = posterior.fixed.iter().map(|d| d * length).collect();
+                return Moved {
+                    point: next,
+                    taken,
+                    stopped,
+                };
+            }
+            length *= 0.5;
+        }
+    }
+
+    fn moved(
+        &self,
+        point: &Point,
+        free: &[Free],
+        posterior: &Posterior,
+        length: f64,
+    ) -> (Point, Vec<Free>) {
+        let mut next = point.clone();
+        for (b, to) in next.random.iter_mut().zip(&posterior.random) {
+            *b += length * (to - *b);
+        }
+        let mut stopped = Vec::new();
+        for (f, d) in free.iter().zip(&posterior.fixed) {
+            let (value, (low, high)) = match *f {
+                Free::Coefficient(k) => (
+                    &mut next.coefficients[k],
+                    self.problem.coefficients()[k].bounds,
+                ),
+                Free::Value(t, k) => {
+                    let (term, values) = &mut next.terms[t];
+                    (&mut values[k], self.problem.terms()[*term].bounds[k])
+                }
+            };
+            let wanted = *value + length * d;
+            let bounded = wanted.clamp(low, high);
+            // A bound that is met twice holds.
+            if bounded != wanted && bounded == *value {
+                stopped.push(*f);
+            }
+            *value = bounded;
+        }
+        (next, stopped)
+    }
+
+    /// Whether a step is small against the standard errors.
+    fn small(&self, design: &Design, gram: &Gram, variances: &Variances, taken: &[f64]) -> bool {
+        let covariance = Factor::new(&design.tree, gram, variances).fixed_covariance();
+        let is_small = |(k, d): (usize, &f64)| d.abs() <= CONVERGED * covariance.at(k, k).sqrt();
+        taken.iter().enumerate().all(is_small)
+    }
+
+    fn at_bound(&self, point: &Point) -> Vec<bool> {
+        let coefficients = self.problem.coefficients();
+        let values = point.coefficients.iter().zip(coefficients);
+        values
+            .map(|(x, c)| c.free && (*x <= c.bounds.0 || *x >= c.bounds.1))
+            .collect()
+    }
+}
+
+struct Moved {
+    point: Point,
+    taken: Vec<f64>,
+    stopped: Vec<Free>,
+}
+
+fn column<'l>(point: &Point, linear: &'l Linearised, free: Free) -> &'l [f64] {
+    match free {
+        Free::Coefficient(k) => &linear.by_coefficients[k],
+        Free::Value(t, k) => {
+            let before: usize = point.terms[..t].iter().map(|(_, v)| v.len()).sum();
+            &linear.by_terms[before + k]
+        }
+    }
+}
+
+impl Fitted {
+    /// The factor at the estimates.
+    pub fn factor(&self) -> Factor<'_> {
+        Factor::new(&self.design.tree, &self.gram, &self.variances)
+    }
+
+    /// The place among the fixed effects of a term's value.
+    pub fn place(&self, term: usize, value: usize) -> Option<usize> {
+        let t = self.point.terms.iter().position(|(k, _)| *k == term)?;
+        self.free.iter().position(|f| *f == Free::Value(t, value))
+    }
+
+    /// The values of a term in the model.
+    pub fn values(&self, term: usize) -> Option<&[f64]> {
+        let found = self.point.terms.iter().find(|(k, _)| *k == term);
+        found.map(|(_, values)| values.as_slice())
+    }
+
+    /// Variances by the restricted likelihood, from those of the full one.
+    pub fn restricted(&self, setting: &Setting) -> Variances {
+        let scales = setting.scales();
+        setting
+            .maximiser(&scales, Likelihood::Restricted)
+            .maximise(&self.gram, &self.variances, Effort::FULL)
+            .variances
+    }
+
+    /// Covariance of the fixed effects at some variances.
+    pub fn covariance(&self, variances: &Variances) -> Square {
+        Factor::new(&self.design.tree, &self.gram, variances).fixed_covariance()
+    }
+}

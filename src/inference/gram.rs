@@ -1,0 +1,227 @@
+//! Sums of products: all that the likelihood needs of the readings while sensitivities are frozen.
+//!
+//! For every node with readings, the matrix D'D of D = [z | x | y], z the columns of its path, x the fixed effects, y the response, one
+//! matrix for each class of noise. Whatever the variances, marginal likelihood, its gradient, estimates and predictions follow from
+//! these alone ([`crate::system`]), so that a draw of a bootstrap costs a new column y and nothing else.
+
+use crate::tree::Tree;
+
+/// A square matrix by rows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Square {
+    /// Rows, and columns.
+    pub n: usize,
+    /// Entries, row after row.
+    pub a: Vec<f64>,
+}
+
+impl Square {
+    /// Zeros.
+    pub fn zeros(n: usize) -> Self {
+        Self {
+            n,
+            a: vec![0.0; n * n],
+        }
+    }
+
+    /// An entry.
+    #[inline]
+    pub fn at(&self, i: usize, j: usize) -> f64 {
+        self.a[i * self.n + j]
+    }
+
+    /// An entry for writing.
+    #[inline]
+    pub fn at_mut(&mut self, i: usize, j: usize) -> &mut f64 {
+        &mut self.a[i * self.n + j]
+    }
+}
+
+/// The linear mixed model of an outer iteration: response, fixed effects and random effects of every reading.
+#[derive(Clone, Debug)]
+pub struct Design {
+    /// The groups.
+    pub tree: Tree,
+    /// Node of each reading.
+    pub node: Vec<usize>,
+    /// Class of noise of each reading.
+    pub class: Vec<usize>,
+    /// Number of classes.
+    pub classes: usize,
+    /// Columns of random effects: for each reading those of its path.
+    pub z: Vec<Vec<f64>>,
+    /// Fixed effects, one list of all readings a column.
+    pub x: Vec<Vec<f64>>,
+    /// Response.
+    pub y: Vec<f64>,
+}
+
+/// The sums of one node and one class.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// Node.
+    pub node: usize,
+    /// Class of noise.
+    pub class: usize,
+    /// Readings.
+    pub count: usize,
+    /// D'D; the path's columns first, then the fixed effects, then the response.
+    pub products: Square,
+}
+
+/// The sums of a design.
+#[derive(Clone, Debug)]
+pub struct Gram {
+    /// Number of fixed effects.
+    pub fixed: usize,
+    /// Readings in each class.
+    pub counts: Vec<usize>,
+    /// One entry a node and class with readings, by node.
+    pub parts: Vec<Part>,
+}
+
+impl Design {
+    /// Number of readings.
+    pub fn len(&self) -> usize {
+        self.y.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.y.is_empty()
+    }
+
+    /// The readings of each node and class, by node.
+    pub fn members(&self) -> Vec<(usize, usize, Vec<usize>)> {
+        let mut lists = vec![Vec::new(); self.tree.len() * self.classes];
+        for (i, (node, class)) in self.node.iter().zip(&self.class).enumerate() {
+            lists[node * self.classes + class].push(i);
+        }
+        let named = lists.into_iter().enumerate();
+        named
+            .filter(|(_, list)| !list.is_empty())
+            .map(|(k, list)| (k / self.classes, k % self.classes, list))
+            .collect()
+    }
+
+    /// The sums of products.
+    pub fn gram(&self) -> Gram {
+        let mut counts = vec![0; self.classes];
+        let mut parts = Vec::new();
+        for (node, class, list) in self.members() {
+            let path = self.tree.path_columns(node);
+            let n = path + self.x.len() + 1;
+            let mut products = Square::zeros(n);
+            let mut row = vec![0.0; n];
+            for &i in &list {
+                self.row(i, &mut row);
+                add_outer(&mut products, &row);
+            }
+            mirror(&mut products);
+            counts[class] += list.len();
+            parts.push(Part {
+                node,
+                class,
+                count: list.len(),
+                products,
+            });
+        }
+        Gram {
+            fixed: self.x.len(),
+            counts,
+            parts,
+        }
+    }
+
+    /// Columns of the path, fixed effects and response of reading `i`.
+    fn row(&self, i: usize, row: &mut [f64]) {
+        let path = self.z[i].len();
+        row[..path].copy_from_slice(&self.z[i]);
+        for (slot, column) in row[path..].iter_mut().zip(&self.x) {
+            *slot = column[i];
+        }
+        row[path + self.x.len()] = self.y[i];
+    }
+
+    /// Sums of some or all of this design's nodes, with further fixed effects behind its own and another response.
+    pub fn with_response_of(&self, gram: &Gram, extra: &[Vec<f64>], y: &[f64]) -> Gram {
+        let mut gram = gram.clone();
+        let fixed = gram.fixed;
+        let members = self.members();
+        for part in &mut gram.parts {
+            let path = part.products.n - fixed - 1;
+            let mut sums = vec![0.0; part.products.n];
+            for &i in readings(&members, part) {
+                for (s, z) in sums.iter_mut().zip(&self.z[i]) {
+                    *s += z * y[i];
+                }
+                for (s, column) in sums[path..].iter_mut().zip(self.x.iter().chain(extra)) {
+                    *s += column[i] * y[i];
+                }
+                sums[path + fixed] += y[i] * y[i];
+            }
+            let last = path + fixed;
+            for (k, s) in sums.into_iter().enumerate() {
+                *part.products.at_mut(last, k) = s;
+                *part.products.at_mut(k, last) = s;
+            }
+        }
+        gram
+    }
+}
+
+/// The readings of a part, among the members of a design.
+pub(crate) fn readings<'m>(members: &'m [(usize, usize, Vec<usize>)], part: &Part) -> &'m [usize] {
+    let found = members
+        .iter()
+        .find(|(node, class, _)| *node == part.node && *class == part.class);
+    found.map_or(&[], |(_, _, list)| list.as_slice())
+}
+
+impl Gram {
+    /// Readings.
+    pub fn count(&self) -> usize {
+        self.counts.iter().sum()
+    }
+
+    /// The sums without the readings of some nodes.
+    pub fn without(&self, left_out: impl Fn(usize) -> bool) -> Gram {
+        let parts: Vec<Part> = self
+            .parts
+            .iter()
+            .filter(|p| !left_out(p.node))
+            .cloned()
+            .collect();
+        let mut counts = vec![0; self.counts.len()];
+        for part in &parts {
+            counts[part.class] += part.count;
+        }
+        Gram {
+            fixed: self.fixed,
+            counts,
+            parts,
+        }
+    }
+}
+
+/// Adds the upper triangle of `row row'`.
+fn add_outer(products: &mut Square, row: &[f64]) {
+    let n = products.n;
+    for (i, a) in row.iter().enumerate() {
+        if *a == 0.0 {
+            continue;
+        }
+        let line = &mut products.a[i * n + i..(i + 1) * n];
+        for (slot, b) in line.iter_mut().zip(&row[i..]) {
+            *slot += a * b;
+        }
+    }
+}
+
+fn mirror(products: &mut Square) {
+    for i in 0..products.n {
+        for j in 0..i {
+            *products.at_mut(i, j) = products.at(j, i);
+        }
+    }
+}

@@ -1,0 +1,252 @@
+//! The search: forward from the null model, one term at a time, each tested against the maximum over all candidates; then deletions and
+//! swaps among terms that show alike.
+
+use crate::fit::{Fitted, Setting};
+use crate::problem::Point;
+use crate::screen::{Normal, Screen, Shown};
+use crate::statistic::{critical, deviate, upper_tail};
+use crate::system::Variances;
+
+/// The numbers on which a search decides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Decision {
+    /// Family-wise level.
+    pub level: f64,
+    /// Draws of the bootstrap.
+    pub draws: usize,
+    /// Models whose log-likelihoods differ by less are alike: their terms are indistinguishable.
+    pub alike: f64,
+    /// Most terms in a model.
+    pub most_terms: usize,
+}
+
+/// A term that was accepted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Accepted {
+    /// Number of the term.
+    pub term: usize,
+    /// Family-wise probability, at the step where it came in.
+    pub p: f64,
+    /// Gain in log-likelihood over the final model without it.
+    pub gain: f64,
+    /// Terms of other kinds that do as well in its place: number, log-likelihood less that of the model.
+    pub in_its_place: Vec<(usize, f64)>,
+}
+
+/// What a search found; the models are where queries start.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The model without terms.
+    pub null: Fitted,
+    /// The final model.
+    pub model: Fitted,
+    /// Its terms, in the order in which they came in.
+    pub accepted: Vec<Accepted>,
+    /// The candidates beside the null, strongest first, with the number of the term.
+    pub tested: Vec<(usize, Shown)>,
+    /// Maxima of the draws from the null.
+    pub draws: Vec<f64>,
+    /// The value of [`deviate`] from which a candidate is accepted.
+    pub critical: f64,
+}
+
+/// A candidate whose probability under the draws from the null lies in this range is tested against draws from its own model as well; beyond
+/// it they could not change the answer, because the distribution of the maximum follows from the design far more than from the model.
+const CLOSE: (f64, f64) = (0.2, 4.0);
+/// How many of the strongest candidates are fitted in full.
+const FITTED: usize = 3;
+/// A swap has to gain this much in log-likelihood, else the search would go in circles.
+const WORTH_A_SWAP: f64 = 0.1;
+
+/// A problem's search.
+pub struct Search<'a> {
+    /// The problem and its active part.
+    pub setting: &'a Setting<'a>,
+    /// What decides.
+    pub decision: Decision,
+}
+
+/// The strongest candidate beside a model, fitted.
+struct Next {
+    fitted: Fitted,
+    term: usize,
+    p: f64,
+}
+
+impl Search<'_> {
+    /// Searches from a fitted null. `known` are draws of the same design, which stand for draws from this null.
+    pub fn run(&self, null: Fitted, normal: &Normal, known: Option<&[f64]>) -> Found {
+        let screen = Screen::new(self.setting, &null);
+        let shown = screen.shown(2 * Screen::refined_in_draws());
+        let draws = known.map_or_else(|| screen.draws(self.decision.draws, normal), <[f64]>::to_vec);
+        let mut found = Found {
+            critical: critical(&draws, self.decision.level),
+            tested: shown
+                .iter()
+                .map(|s| (screen.directions[s.direction].term, s.clone()))
+                .collect(),
+            model: null.clone(),
+            null: null.clone(),
+            accepted: Vec::new(),
+            draws,
+        };
+        drop(screen);
+        while found.accepted.len() < self.decision.most_terms {
+            let before = found.model.clone();
+            let Some(next) = self.next(&before, &found, normal, known.is_none()) else {
+                break;
+            };
+            found.accepted.push(Accepted {
+                term: next.term,
+                p: next.p,
+                gain: next.fitted.log_likelihood - before.log_likelihood,
+                in_its_place: Vec::new(),
+            });
+            found.model = next.fitted;
+        }
+        self.tidy(&mut found);
+        found
+    }
+
+    /// The candidate that comes in next, or none.
+    fn next(&self, model: &Fitted, found: &Found, normal: &Normal, again: bool) -> Option<Next> {
+        let screen = Screen::new(self.setting, model);
+        let shown = screen.shown(2 * Screen::refined_in_draws());
+        let first = shown.first()?.deviate();
+        let mut draws = found.draws.clone();
+        let close = (CLOSE.0 * self.decision.level, CLOSE.1 * self.decision.level);
+        let p = upper_tail(&draws, first);
+        if again && !found.accepted.is_empty() && p > close.0 && p < close.1 {
+            draws = screen.draws(self.decision.draws, normal);
+        }
+        let limit = critical(&draws, self.decision.level);
+        if first < limit {
+            return None;
+        }
+        let (fitted, term) = self.best_of(&screen, model, &shown)?;
+        let amplitudes = self.setting.problem.terms()[term].amplitudes;
+        let gain = fitted.log_likelihood - model.log_likelihood;
+        let statistic = deviate(2.0 * gain, amplitudes);
+        (statistic >= limit).then(|| Next {
+            p: upper_tail(&draws, statistic),
+            fitted,
+            term,
+        })
+    }
+
+    /// The strongest candidates fitted in full; the best of them, a term with a name before one without where both are alike.
+    fn best_of(&self, screen: &Screen, model: &Fitted, shown: &[Shown]) -> Option<(Fitted, usize)> {
+        let problem = self.setting.problem;
+        let best = shown.first()?.likelihood_ratio;
+        let mut fits: Vec<(Fitted, usize)> = Vec::new();
+        let mut kinds: Vec<usize> = Vec::new();
+        for s in shown {
+            let direction = &screen.directions[s.direction];
+            let kind = problem.terms()[direction.term].kind;
+            let behind = best - s.likelihood_ratio;
+            let forms = kinds.iter().filter(|k| **k == kind).count();
+            if behind > 0.5 * best || fits.len() >= 2 * FITTED || forms >= FITTED {
+                continue;
+            }
+            kinds.push(kind);
+            let mut from = model.point.clone();
+            let start = direction.start.iter().enumerate();
+            let start: Vec<f64> = start
+                .map(|(k, x)| s.estimate.get(k).map_or(*x, |e| e * x))
+                .collect();
+            from.terms.push((direction.term, start));
+            let fit = self.setting.fit(&from, &self.starts(model));
+            fits.push((fit, direction.term));
+        }
+        let best = best_fit(fits.iter())?;
+        let named = fits.iter().filter(|(_, t)| problem.terms()[*t].named);
+        let named = best_fit(named).filter(|n| n.0.log_likelihood > best.0.log_likelihood - self.decision.alike);
+        Some(named.unwrap_or(best).clone())
+    }
+
+    /// Variances where a fit starts: those of the model before it, and usual ones.
+    fn starts(&self, model: &Fitted) -> Vec<Variances> {
+        let mut starts = vec![model.variances.clone()];
+        starts.extend(self.setting.fresh());
+        starts
+    }
+
+    /// A model with one of its terms left out, or another in its place.
+    fn altered(&self, model: &Fitted, term: usize, other: Option<(usize, Vec<f64>)>) -> Fitted {
+        let mut from: Point = model.point.clone();
+        from.terms.retain(|(t, _)| *t != term);
+        from.terms.extend(other);
+        self.setting.fit(&from, &self.starts(model))
+    }
+
+    /// Deletions and swaps, and the alternatives to every term.
+    fn tidy(&self, found: &mut Found) {
+        let mut place = 0;
+        let mut swaps = found.accepted.len();
+        while place < found.accepted.len() {
+            let term = found.accepted[place].term;
+            let without = self.altered(&found.model, term, None);
+            let gain = found.model.log_likelihood - without.log_likelihood;
+            let amplitudes = self.setting.problem.terms()[term].amplitudes;
+            if deviate(2.0 * gain, amplitudes) < found.critical {
+                found.accepted.remove(place);
+                found.model = without;
+                place = 0;
+                continue;
+            }
+            found.accepted[place].gain = gain;
+            let others = self.others(&found.model, &without, term, gain);
+            let better = others
+                .iter()
+                .filter(|(_, f)| f.log_likelihood > found.model.log_likelihood + WORTH_A_SWAP)
+                .max_by(|a, b| a.1.log_likelihood.total_cmp(&b.1.log_likelihood));
+            if let (Some((other, fit)), true) = (better, swaps > 0) {
+                swaps -= 1;
+                found.accepted[place].term = *other;
+                found.model = fit.clone();
+                place = 0;
+                continue;
+            }
+            let kind = self.setting.problem.terms()[term].kind;
+            found.accepted[place].in_its_place = others
+                .into_iter()
+                .filter(|(t, _)| self.setting.problem.terms()[*t].kind != kind)
+                .map(|(t, f)| (t, f.log_likelihood - found.model.log_likelihood))
+                .collect();
+            place += 1;
+        }
+    }
+
+    /// Fits of the terms that would explain nearly as much in the place of one, the best form of each kind.
+    fn others(&self, model: &Fitted, without: &Fitted, term: usize, gain: f64) -> Vec<(usize, Fitted)> {
+        let problem = self.setting.problem;
+        let screen = Screen::new(self.setting, without);
+        let mut kinds = Vec::new();
+        let mut fits = Vec::new();
+        for s in screen.shown(3 * Screen::refined_in_draws()) {
+            let direction = &screen.directions[s.direction];
+            let other = &problem.terms()[direction.term];
+            let behind = 2.0 * gain - s.likelihood_ratio;
+            let same = direction.term == term || model.values(direction.term).is_some();
+            if same || kinds.contains(&other.kind) || behind > 4.0 * self.decision.alike + 0.3 * gain {
+                continue;
+            }
+            if fits.len() >= 2 * FITTED {
+                break;
+            }
+            kinds.push(other.kind);
+            let start = direction.start.iter().enumerate();
+            let start = start.map(|(k, x)| s.estimate.get(k).map_or(*x, |e| e * x));
+            let fit = self.altered(model, term, Some((direction.term, start.collect())));
+            if fit.log_likelihood > model.log_likelihood - self.decision.alike {
+                fits.push((direction.term, fit));
+            }
+        }
+        fits
+    }
+}
+
+fn best_fit<'f>(fits: impl Iterator<Item = &'f (Fitted, usize)>) -> Option<&'f (Fitted, usize)> {
+    fits.max_by(|a, b| a.0.log_likelihood.total_cmp(&b.0.log_likelihood))
+}
+

@@ -1,0 +1,666 @@
+//! The marginal likelihood of a linear mixed model, and what follows from its factor.
+//!
+//! With b = T u, u ~ N(0, 1), T the standard deviations of the components, the joint precision of u and the readings is
+//! M = I + T Z' S^-1 Z T, S the variances of the noise. M has the shape of the tree, so that its Cholesky factor is found node by node,
+//! children first, each node leaving a Schur complement to its parent (multifrontal elimination; Duff and Reid, ACM TOMS 9 (1983) 302).
+//! The fixed effects and the response come last: what is left of them at the root is X'V^-1 X, X'V^-1 y and y'V^-1 y, and
+//! log|V| = log|M| + log|S| (Sylvester). Cost goes with the number of groups, not with the number of readings.
+
+use crate::gram::{Gram, Part, Square};
+use crate::tree::Tree;
+use std::f64::consts::TAU;
+
+/// Standard deviations of components and classes of noise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variances {
+    /// One a component.
+    pub components: Vec<f64>,
+    /// One a class of noise.
+    pub noise: Vec<f64>,
+}
+
+/// Which likelihood.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Likelihood {
+    /// Of the response: to compare models with other fixed effects.
+    Full,
+    /// Of what is left of the response after the fixed effects: for variances and predictions (Patterson and Thompson, Biometrika 58
+    /// (1971) 545).
+    Restricted,
+}
+
+/// A pivot below this part of its diagonal is none: the column is spanned by those before it.
+const NO_PIVOT: f64 = 1e-11;
+
+/// The factor of one node: L of its own columns, and L^-1 times the columns below which they stand.
+struct Eliminated {
+    lower: Square,
+    /// Own rows by the rest: columns above, fixed effects, response.
+    rest: Vec<f64>,
+}
+
+/// The factor of a system at some variances.
+pub struct Factor<'a> {
+    tree: &'a Tree,
+    gram: &'a Gram,
+    variances: &'a Variances,
+    nodes: Vec<Eliminated>,
+    /// Cholesky factor of X'V^-1 X; a zero pivot where a column is spanned by others.
+    fixed_lower: Square,
+    /// L^-1 X'V^-1 y.
+    fixed_response: Vec<f64>,
+    log_det: f64,
+    /// y'P y.
+    quadratic: f64,
+}
+
+/// Means and covariances of fixed and random effects given the readings.
+#[derive(Clone, Debug)]
+pub struct Posterior {
+    /// Fixed effects.
+    pub fixed: Vec<f64>,
+    /// Random effects, all columns, in units of their component (not scaled).
+    pub random: Vec<f64>,
+    /// For each node the covariance of the columns of its path, then of the fixed effects.
+    pub path_covariances: Vec<Square>,
+    /// Derivative of the log-likelihood by the logarithm of each component's standard deviation.
+    pub by_components: Vec<f64>,
+    /// The same for the noise.
+    pub by_noise: Vec<f64>,
+}
+
+/// Scales of the columns of a part: standard deviations of the path, 1 for the rest; all divided by the noise.
+fn scales(tree: &Tree, variances: &Variances, part: &Part, fixed: usize) -> Vec<f64> {
+    let noise = variances.noise[part.class];
+    let path = tree.path(part.node);
+    let of = path.iter().flat_map(|n| tree.components_of(*n));
+    let random = of.map(|c| variances.components[c] / noise);
+    random
+        .chain(std::iter::repeat_n(1.0 / noise, fixed + 1))
+        .collect()
+}
+
+impl<'a> Factor<'a> {
+    /// Factors the system.
+    pub fn new(tree: &'a Tree, gram: &'a Gram, variances: &'a Variances) -> Self {
+        let tail = gram.fixed + 1;
+        let mut fronts: Vec<Square> = (0..tree.len())
+            .map(|n| Square::zeros(tree.path_columns(n) + tail))
+            .collect();
+        for part in &gram.parts {
+            let s = scales(tree, variances, part, gram.fixed);
+            add_scaled(&mut fronts[part.node], &part.products, &s);
+        }
+        let mut log_det = 0.0;
+        let mut nodes: Vec<Eliminated> = Vec::with_capacity(tree.len());
+        for node in (0..tree.len()).rev() {
+            let mut front = std::mem::take(&mut fronts[node]);
+            let (above, width) = (tree.above(node), tree.width(node));
+            let eliminated = eliminate(&mut front, above, width);
+            log_det += (0..width)
+                .map(|k| 2.0 * libm::log(eliminated.lower.at(k, k)))
+                .sum::<f64>();
+            nodes.push(eliminated);
+            if node == 0 {
+                fronts[0] = without_own(&front, above, width);
+            } else {
+                let complement = without_own(&front, above, width);
+                let parent = &mut fronts[tree.parent(node)];
+                for (a, b) in parent.a.iter_mut().zip(&complement.a) {
+                    *a += b;
+                }
+            }
+        }
+        nodes.reverse();
+        let (fixed_lower, fixed_response, quadratic) = finish(&fronts[0], gram.fixed);
+        Self {
+            tree,
+            gram,
+            variances,
+            nodes,
+            fixed_lower,
+            fixed_response,
+            log_det,
+            quadratic,
+        }
+    }
+
+    /// y'P y: the squared length of the whitened response after the fixed effects.
+    pub fn quadratic(&self) -> f64 {
+        self.quadratic
+    }
+
+    /// The logarithm of the likelihood.
+    pub fn log_likelihood(&self, likelihood: Likelihood) -> f64 {
+        let counts = self.gram.counts.iter().zip(&self.variances.noise);
+        let noise: f64 = counts
+            .map(|(n, s)| *n as f64 * libm::log(TAU * s * s))
+            .sum();
+        let full = -0.5 * (noise + self.log_det + self.quadratic);
+        match likelihood {
+            Likelihood::Full => full,
+            Likelihood::Restricted => {
+                let pivots = (0..self.gram.fixed).map(|k| self.fixed_lower.at(k, k));
+                let known: Vec<f64> = pivots.filter(|l| *l > 0.0).collect();
+                let log_det: f64 = known.iter().map(|l| 2.0 * libm::log(*l)).sum();
+                full - 0.5 * (log_det - known.len() as f64 * libm::log(TAU))
+            }
+        }
+    }
+
+    /// The fixed effects by generalised least squares; 0 where a column is spanned by others.
+    pub fn fixed(&self) -> Vec<f64> {
+        back_substitute(&self.fixed_lower, &self.fixed_response)
+    }
+
+    /// (X'V^-1 X)^-1.
+    pub fn fixed_covariance(&self) -> Square {
+        let n = self.gram.fixed;
+        let mut inverse = Square::zeros(n);
+        for j in 0..n {
+            if self.fixed_lower.at(j, j) == 0.0 {
+                continue;
+            }
+            let mut unit = vec![0.0; n];
+            unit[j] = 1.0;
+            let half = forward(&self.fixed_lower, &unit);
+            for (i, v) in back_substitute(&self.fixed_lower, &half)
+                .into_iter()
+                .enumerate()
+            {
+                *inverse.at_mut(i, j) = v;
+            }
+        }
+        inverse
+    }
+
+    /// Means, covariances and the gradient; for the restricted likelihood the covariances hold what the fixed effects leave open.
+    pub fn posterior(&self, likelihood: Likelihood) -> Posterior {
+        let tree = self.tree;
+        let fixed = self.fixed();
+        let p = fixed.len();
+        let mut random = vec![0.0; tree.columns()];
+        let mut by_components = vec![0.0; self.variances.components.len()];
+        let at_root = match likelihood {
+            Likelihood::Full => Square::zeros(p),
+            Likelihood::Restricted => self.fixed_covariance(),
+        };
+        let mut covariances: Vec<Square> = Vec::with_capacity(tree.len());
+        // Standardised random effects of each node's path, then the fixed effects.
+        let mut means: Vec<Vec<f64>> = Vec::with_capacity(tree.len());
+        for node in 0..tree.len() {
+            let (above_covariance, above_mean) = if node == 0 {
+                (&at_root, &fixed)
+            } else {
+                (&covariances[tree.parent(node)], &means[tree.parent(node)])
+            };
+            let (mean, covariance) = self.descend(node, above_mean, above_covariance);
+            let (above, first) = (tree.above(node), tree.first_column(node));
+            for (k, c) in tree.components_of(node).enumerate() {
+                let u = mean[above + k];
+                by_components[c] += u * u + covariance.at(above + k, above + k) - 1.0;
+                random[first + k] = u * self.variances.components[c];
+            }
+            means.push(mean);
+            covariances.push(covariance);
+        }
+        let by_noise = self.by_noise(&means, &covariances);
+        for (node, covariance) in covariances.iter_mut().enumerate() {
+            self.unscale(node, covariance);
+        }
+        Posterior {
+            fixed,
+            random,
+            path_covariances: covariances,
+            by_components,
+            by_noise,
+        }
+    }
+
+    /// Mean and covariance of the path of a node and the fixed effects, from those of its parent.
+    fn descend(&self, node: usize, above_mean: &[f64], above: &Square) -> (Vec<f64>, Square) {
+        let (before, width) = (self.tree.above(node), self.tree.width(node));
+        let rest = above.n;
+        let eliminated = &self.nodes[node];
+        let stride = rest + 1;
+        // A = L^-T B and the own mean.
+        let mut a = vec![0.0; width * rest];
+        let mut own = vec![0.0; width];
+        let mut column = vec![0.0; width];
+        for j in 0..stride {
+            for (k, slot) in column.iter_mut().enumerate() {
+                *slot = eliminated.rest[k * stride + j];
+            }
+            let solved = back_substitute(&eliminated.lower, &column);
+            for (k, v) in solved.into_iter().enumerate() {
+                if j < rest {
+                    a[k * rest + j] = v;
+                } else {
+                    own[k] += v;
+                }
+            }
+        }
+        for k in 0..width {
+            own[k] -= dot(&a[k * rest..(k + 1) * rest], above_mean);
+        }
+        let place = |j: usize| if j < before { j } else { j + width };
+        let mut mean = vec![0.0; rest + width];
+        for (j, m) in above_mean.iter().enumerate() {
+            mean[place(j)] = *m;
+        }
+        mean[before..before + width].copy_from_slice(&own);
+        let mut covariance = Square::zeros(rest + width);
+        for i in 0..rest {
+            for j in 0..rest {
+                *covariance.at_mut(place(i), place(j)) = above.at(i, j);
+            }
+        }
+        let inverse = inverse_of(&eliminated.lower);
+        for k in 0..width {
+            let row = &a[k * rest..(k + 1) * rest];
+            let cross: Vec<f64> = (0..rest)
+                .map(|j| dot(row, &above.a[j * rest..(j + 1) * rest]))
+                .collect();
+            for (j, c) in cross.iter().enumerate() {
+                *covariance.at_mut(before + k, place(j)) = -c;
+                *covariance.at_mut(place(j), before + k) = -c;
+            }
+            for l in 0..width {
+                let other = &a[l * rest..(l + 1) * rest];
+                *covariance.at_mut(before + k, before + l) = inverse.at(k, l) + dot(&cross, other);
+            }
+        }
+        (mean, covariance)
+    }
+
+    /// Derivatives by the logarithm of the noise: (expected sum of squares)/s^2 - n, class by class.
+    fn by_noise(&self, means: &[Vec<f64>], covariances: &[Square]) -> Vec<f64> {
+        let mut sums: Vec<f64> = self.gram.counts.iter().map(|n| -(*n as f64)).collect();
+        for part in &self.gram.parts {
+            let s = scales(self.tree, self.variances, part, self.gram.fixed);
+            let (mean, covariance) = (&means[part.node], &covariances[part.node]);
+            let n = part.products.n;
+            let mut v: Vec<f64> = mean.iter().zip(&s).map(|(m, s)| m * s).collect();
+            v.push(-s[n - 1]);
+            let mut sum = 0.0;
+            for i in 0..n {
+                let row = &part.products.a[i * n..(i + 1) * n];
+                sum += v[i] * dot(row, &v);
+                if i + 1 < n {
+                    let line = &covariance.a[i * (n - 1)..i * (n - 1) + n - 1];
+                    let products = row.iter().zip(line).zip(&s);
+                    sum += s[i] * products.map(|((g, c), s)| g * c * s).sum::<f64>();
+                }
+            }
+            sums[part.class] += sum;
+        }
+        sums
+    }
+
+    fn unscale(&self, node: usize, covariance: &mut Square) {
+        let path = self.tree.path(node);
+        let of = path.iter().flat_map(|n| self.tree.components_of(*n));
+        let mut scale: Vec<f64> = of.map(|c| self.variances.components[c]).collect();
+        scale.resize(covariance.n, 1.0);
+        for i in 0..covariance.n {
+            for j in 0..covariance.n {
+                *covariance.at_mut(i, j) *= scale[i] * scale[j];
+            }
+        }
+    }
+
+    /// What is left of further columns c after whitening and projecting off the fixed effects: c'P c and c'P y.
+    pub fn project(&self, panel: &Panel) -> Projected {
+        let width = panel.columns;
+        let tail = self.gram.fixed + 1;
+        let mut fronts: Vec<Vec<f64>> = (0..self.tree.len())
+            .map(|n| vec![0.0; (self.tree.path_columns(n) + tail) * width])
+            .collect();
+        let mut squares = vec![0.0; width];
+        for (part, sums) in self.gram.parts.iter().zip(&panel.parts) {
+            let s = scales(self.tree, self.variances, part, self.gram.fixed);
+            let noise = 1.0 / self.variances.noise[part.class];
+            let front = &mut fronts[part.node];
+            for (i, scale) in s.iter().enumerate() {
+                let factor = scale * noise;
+                let to = &mut front[i * width..(i + 1) * width];
+                add_times(to, factor, &sums.products[i * width..(i + 1) * width]);
+            }
+            add_times(&mut squares, noise * noise, &sums.squares);
+        }
+        let mut whitened = Vec::new();
+        for node in (0..self.tree.len()).rev() {
+            let mut front = std::mem::take(&mut fronts[node]);
+            let (above, own) = (self.tree.above(node), self.tree.width(node));
+            self.pass(node, &mut front, width, &mut squares);
+            if panel.keep {
+                whitened.extend_from_slice(&front[above * width..(above + own) * width]);
+            }
+            let rest = front.len() / width - own;
+            let parent = if node == 0 { 0 } else { self.tree.parent(node) };
+            if node == 0 {
+                front.drain(above * width..(above + own) * width);
+                fronts[0] = front;
+            } else {
+                let to = &mut fronts[parent];
+                for j in 0..rest {
+                    let from = if j < above { j } else { j + own };
+                    add_times(
+                        &mut to[j * width..(j + 1) * width],
+                        1.0,
+                        &front[from * width..(from + 1) * width],
+                    );
+                }
+            }
+        }
+        self.finish_projection(&fronts[0], squares, whitened, panel.keep)
+    }
+
+    /// Eliminates a node's own rows of a panel.
+    fn pass(&self, node: usize, front: &mut [f64], width: usize, squares: &mut [f64]) {
+        let (above, own) = (self.tree.above(node), self.tree.width(node));
+        let eliminated = &self.nodes[node];
+        let total = front.len() / width;
+        for k in 0..own {
+            let (done, rest) = front.split_at_mut((above + k) * width);
+            let row = &mut rest[..width];
+            for l in 0..k {
+                let known = &done[(above + l) * width..(above + l + 1) * width];
+                add_times(row, -eliminated.lower.at(k, l), known);
+            }
+            let pivot = 1.0 / eliminated.lower.at(k, k);
+            for (v, s) in row.iter_mut().zip(squares.iter_mut()) {
+                *v *= pivot;
+                *s -= *v * *v;
+            }
+        }
+        let stride = total - own;
+        for k in 0..own {
+            let row: Vec<f64> = front[(above + k) * width..(above + k + 1) * width].to_vec();
+            for j in 0..stride {
+                let to = if j < above { j } else { j + own };
+                let factor = eliminated.rest[k * stride + j];
+                add_times(&mut front[to * width..(to + 1) * width], -factor, &row);
+            }
+        }
+    }
+
+    fn finish_projection(
+        &self,
+        front: &[f64],
+        mut squares: Vec<f64>,
+        mut whitened: Vec<f64>,
+        keep: bool,
+    ) -> Projected {
+        let width = squares.len();
+        let p = self.gram.fixed;
+        let mut scores = front[p * width..(p + 1) * width].to_vec();
+        let before = squares.clone();
+        let mut rows: Vec<Vec<f64>> = Vec::with_capacity(p);
+        for k in 0..p {
+            let mut row = front[k * width..(k + 1) * width].to_vec();
+            for (l, known) in rows.iter().enumerate() {
+                add_times(&mut row, -self.fixed_lower.at(k, l), known);
+            }
+            let pivot = self.fixed_lower.at(k, k);
+            let inverse = if pivot > 0.0 { 1.0 / pivot } else { 0.0 };
+            for (j, v) in row.iter_mut().enumerate() {
+                *v *= inverse;
+                squares[j] -= *v * *v;
+                scores[j] -= *v * self.fixed_response[k];
+            }
+            rows.push(row);
+        }
+        if keep {
+            whitened.extend(rows.iter().flatten());
+        }
+        Projected {
+            unprojected: before,
+            squares,
+            scores,
+            whitened,
+        }
+    }
+}
+
+/// Products of further columns with those of a design.
+#[derive(Clone, Debug)]
+pub struct Panel {
+    /// Number of columns.
+    pub columns: usize,
+    /// Whether [`Projected::whitened`] is wanted.
+    pub keep: bool,
+    /// One entry for each part of the Gram.
+    pub parts: Vec<PanelPart>,
+}
+
+/// Products in one part.
+#[derive(Clone, Debug)]
+pub struct PanelPart {
+    /// Rows: path, fixed effects, response; by columns of the panel.
+    pub products: Vec<f64>,
+    /// Squares of the columns.
+    pub squares: Vec<f64>,
+}
+
+/// What is left of a panel's columns.
+#[derive(Clone, Debug)]
+pub struct Projected {
+    /// c'V^-1 c.
+    pub unprojected: Vec<f64>,
+    /// c'P c.
+    pub squares: Vec<f64>,
+    /// c'P y.
+    pub scores: Vec<f64>,
+    /// Rows that have to be subtracted, as products, from C'S^-1 C to give C'P C.
+    pub whitened: Vec<f64>,
+}
+
+impl Panel {
+    /// The products of columns, one list of all readings each, with a design.
+    pub fn new(design: &crate::gram::Design, columns: &[Vec<f64>], keep: bool) -> Self {
+        let width = columns.len();
+        let parts = design
+            .members()
+            .into_iter()
+            .map(|(node, _, list)| {
+                let path = design.tree.path_columns(node);
+                let rows = path + design.x.len() + 1;
+                let mut products = vec![0.0; rows * width];
+                let mut squares = vec![0.0; width];
+                let mut values = vec![0.0; width];
+                for &i in &list {
+                    for ((v, column), s) in values.iter_mut().zip(columns).zip(&mut squares) {
+                        *v = column[i];
+                        *s += *v * *v;
+                    }
+                    let fixed = design.x.iter().map(|x| x[i]);
+                    let row = design.z[i].iter().copied().chain(fixed);
+                    for (k, d) in row.chain([design.y[i]]).enumerate() {
+                        if d != 0.0 {
+                            add_times(&mut products[k * width..(k + 1) * width], d, &values);
+                        }
+                    }
+                }
+                PanelPart { products, squares }
+            })
+            .collect();
+        Self {
+            columns: width,
+            keep,
+            parts,
+        }
+    }
+
+    /// The products with another response, for the parts of a Gram.
+    pub fn with_response_of(
+        &self,
+        gram: &Gram,
+        design: &crate::gram::Design,
+        columns: &[Vec<f64>],
+        y: &[f64],
+    ) -> Self {
+        let mut panel = self.clone();
+        let width = self.columns;
+        let members = design.members();
+        for (part, of) in panel.parts.iter_mut().zip(&gram.parts) {
+            let list = crate::gram::readings(&members, of);
+            let last = part.products.len() - width;
+            for (j, column) in columns.iter().enumerate() {
+                part.products[last + j] = list.iter().map(|&i| column[i] * y[i]).sum();
+            }
+        }
+        panel
+    }
+}
+
+/// Adds S G S to a front.
+fn add_scaled(front: &mut Square, products: &Square, s: &[f64]) {
+    let n = products.n;
+    for i in 0..n {
+        let from = &products.a[i * n..(i + 1) * n];
+        let to = &mut front.a[i * n..(i + 1) * n];
+        for ((slot, g), t) in to.iter_mut().zip(from).zip(s) {
+            *slot += s[i] * g * t;
+        }
+    }
+}
+
+/// Eliminates rows and columns `first..first + width`, to which 1 is added on the diagonal (the prior precision).
+fn eliminate(front: &mut Square, first: usize, width: usize) -> Eliminated {
+    let n = front.n;
+    let rest: Vec<usize> = (0..first).chain(first + width..n).collect();
+    let mut lower = Square::zeros(width);
+    let mut b = vec![0.0; width * rest.len()];
+    for k in 0..width {
+        let mut pivot = front.at(first + k, first + k) + 1.0;
+        for l in 0..k {
+            pivot -= lower.at(k, l) * lower.at(k, l);
+        }
+        let root = pivot.max(f64::MIN_POSITIVE).sqrt();
+        *lower.at_mut(k, k) = root;
+        for m in k + 1..width {
+            let mut x = front.at(first + m, first + k);
+            for l in 0..k {
+                x -= lower.at(m, l) * lower.at(k, l);
+            }
+            *lower.at_mut(m, k) = x / root;
+        }
+        let stride = rest.len();
+        let (done, own) = b.split_at_mut(k * stride);
+        let own = &mut own[..stride];
+        for (slot, j) in own.iter_mut().zip(&rest) {
+            *slot = front.at(first + k, *j);
+        }
+        for l in 0..k {
+            add_times(own, -lower.at(k, l), &done[l * stride..(l + 1) * stride]);
+        }
+        for slot in own.iter_mut() {
+            *slot /= root;
+        }
+    }
+    let stride = rest.len();
+    for k in 0..width {
+        let row = &b[k * stride..(k + 1) * stride];
+        for (x, i) in row.iter().zip(&rest) {
+            if *x == 0.0 {
+                continue;
+            }
+            let line = &mut front.a[i * n..(i + 1) * n];
+            for (y, j) in row.iter().zip(&rest) {
+                line[*j] -= x * y;
+            }
+        }
+    }
+    Eliminated { lower, rest: b }
+}
+
+fn without_own(front: &Square, first: usize, width: usize) -> Square {
+    let rest: Vec<usize> = (0..first).chain(first + width..front.n).collect();
+    let mut kept = Square::zeros(rest.len());
+    for (i, from) in rest.iter().enumerate() {
+        for (j, column) in rest.iter().enumerate() {
+            *kept.at_mut(i, j) = front.at(*from, *column);
+        }
+    }
+    kept
+}
+
+/// Factor of X'V^-1 X, L^-1 X'V^-1 y and y'P y, from what is left at the root.
+fn finish(front: &Square, p: usize) -> (Square, Vec<f64>, f64) {
+    let mut lower = Square::zeros(p);
+    for j in 0..p {
+        let mut pivot = front.at(j, j);
+        for k in 0..j {
+            pivot -= lower.at(j, k) * lower.at(j, k);
+        }
+        if pivot <= NO_PIVOT * front.at(j, j) || pivot <= 0.0 {
+            continue;
+        }
+        let root = pivot.sqrt();
+        *lower.at_mut(j, j) = root;
+        for i in j + 1..p {
+            let mut x = front.at(i, j);
+            for k in 0..j {
+                x -= lower.at(i, k) * lower.at(j, k);
+            }
+            *lower.at_mut(i, j) = x / root;
+        }
+    }
+    let right: Vec<f64> = (0..p).map(|i| front.at(i, p)).collect();
+    let half = forward(&lower, &right);
+    let quadratic = front.at(p, p) - dot(&half, &half);
+    (lower, half, quadratic)
+}
+
+/// L^-1 b; 0 where there is no pivot.
+pub(crate) fn forward(lower: &Square, b: &[f64]) -> Vec<f64> {
+    let mut x = vec![0.0; b.len()];
+    for i in 0..b.len() {
+        let pivot = lower.at(i, i);
+        if pivot > 0.0 {
+            let known = dot(&lower.a[i * lower.n..i * lower.n + i], &x[..i]);
+            x[i] = (b[i] - known) / pivot;
+        }
+    }
+    x
+}
+
+/// L^-T b; 0 where there is no pivot.
+pub(crate) fn back_substitute(lower: &Square, b: &[f64]) -> Vec<f64> {
+    let n = b.len();
+    let mut x = vec![0.0; n];
+    for i in (0..n).rev() {
+        let pivot = lower.at(i, i);
+        if pivot > 0.0 {
+            let known: f64 = (i + 1..n).map(|k| lower.at(k, i) * x[k]).sum();
+            x[i] = (b[i] - known) / pivot;
+        }
+    }
+    x
+}
+
+/// (L L')^-1.
+fn inverse_of(lower: &Square) -> Square {
+    let n = lower.n;
+    let mut inverse = Square::zeros(n);
+    for j in 0..n {
+        let mut unit = vec![0.0; n];
+        unit[j] = 1.0;
+        let column = back_substitute(lower, &forward(lower, &unit));
+        for (i, v) in column.into_iter().enumerate() {
+            *inverse.at_mut(i, j) = v;
+        }
+    }
+    inverse
+}
+
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+fn add_times(to: &mut [f64], factor: f64, from: &[f64]) {
+    for (t, f) in to.iter_mut().zip(from) {
+        *t += factor * f;
+    }
+}

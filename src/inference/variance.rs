@@ -1,0 +1,306 @@
+//! The variances: maximum of the marginal (or restricted) likelihood while sensitivities are frozen.
+//!
+//! Variables are logarithms of standard deviations, so that none can become negative and a component may fade to nothing. The gradient is
+//! exact ([`crate::system::Posterior`]; Fisher's identity), the ascent is BFGS with a backtracking line search. The likelihood may have
+//! several maxima: callers that need the global one give several starts.
+
+use crate::gram::Gram;
+use crate::system::{Factor, Likelihood, Variances};
+use crate::tree::Tree;
+
+/// What is known beforehand of a standard deviation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Prior {
+    /// Nothing.
+    Free,
+    /// It is this: declared, or a convention such as rounding to 1 mm.
+    Fixed(f64),
+    /// Every group's own size is half-normal with this scale, and all are alike: the prior counts once a group.
+    HalfNormal(f64),
+}
+
+/// A standard deviation to be estimated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    /// What is known of it.
+    pub prior: Prior,
+    /// A usual size, where searches start.
+    pub usual: f64,
+    /// Number of groups that have a value.
+    pub groups: usize,
+}
+
+/// Standard deviations are kept within these multiples of their usual size.
+const RANGE: (f64, f64) = (1e-4, 1e3);
+/// Longest step of a logarithm.
+const LONGEST_STEP: f64 = 2.0;
+
+/// How hard to try.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effort {
+    /// Evaluations of the likelihood.
+    pub evaluations: usize,
+    /// A gain below this ends the ascent.
+    pub tolerance: f64,
+}
+
+impl Effort {
+    /// To the maximum, for what is reported.
+    pub const FULL: Self = Self {
+        evaluations: 60,
+        tolerance: 1e-6,
+    };
+    /// Within an outer iteration, from the maximum of the one before it.
+    pub const STEP: Self = Self {
+        evaluations: 12,
+        tolerance: 1e-3,
+    };
+    /// A few steps from a point close by: in the draws of a bootstrap.
+    pub const SHORT: Self = Self {
+        evaluations: 4,
+        tolerance: 0.02,
+    };
+}
+
+/// A maximum.
+#[derive(Clone, Debug)]
+pub struct Maximum {
+    /// Where.
+    pub variances: Variances,
+    /// Log-likelihood, with the logarithm of the priors.
+    pub log_likelihood: f64,
+    /// Evaluations made.
+    pub evaluations: usize,
+    /// Inverse curvature in the logarithms, as the ascent learnt it: a start for ascents close by.
+    pub inverse: Vec<f64>,
+}
+
+/// The variables among the standard deviations, and what is known of all.
+pub struct Maximiser<'a> {
+    /// The groups.
+    pub tree: &'a Tree,
+    /// One entry a component.
+    pub components: &'a [Scale],
+    /// One entry a class of noise.
+    pub noise: &'a [Scale],
+    /// Which likelihood.
+    pub likelihood: Likelihood,
+}
+
+impl Maximiser<'_> {
+    /// Usual sizes times a factor; what is fixed as it is.
+    pub fn start(&self, factor: f64) -> Variances {
+        let of = |scales: &[Scale], factor: f64| -> Vec<f64> {
+            let value = |s: &Scale| match s.prior {
+                Prior::Fixed(sd) => sd,
+                _ => s.usual * factor,
+            };
+            scales.iter().map(value).collect()
+        };
+        Variances {
+            components: of(self.components, factor),
+            noise: of(self.noise, 1.0),
+        }
+    }
+
+    fn scales(&self) -> impl Iterator<Item = &Scale> {
+        self.components.iter().chain(self.noise)
+    }
+
+    fn variables(&self, at: &Variances) -> Vec<f64> {
+        let values = at.components.iter().chain(&at.noise);
+        let free = self.scales().zip(values);
+        free.filter(|(s, _)| !matches!(s.prior, Prior::Fixed(_)))
+            .map(|(s, v)| libm::log(v.clamp(s.usual * RANGE.0, s.usual * RANGE.1)))
+            .collect()
+    }
+
+    fn variances(&self, variables: &[f64]) -> Variances {
+        let mut next = variables.iter();
+        let mut all = self.scales().map(|s| match s.prior {
+            Prior::Fixed(sd) => sd,
+            _ => next.next().map_or(s.usual, |v| libm::exp(*v)),
+        });
+        let components = all.by_ref().take(self.components.len()).collect();
+        Variances {
+            components,
+            noise: all.collect(),
+        }
+    }
+
+    /// Log-likelihood with priors at some variances.
+    pub fn value(&self, gram: &Gram, at: &Variances) -> f64 {
+        let factor = Factor::new(self.tree, gram, at);
+        factor.log_likelihood(self.likelihood) + self.log_prior(at)
+    }
+
+    fn log_prior(&self, at: &Variances) -> f64 {
+        let values = at.components.iter().chain(&at.noise);
+        self.scales()
+            .zip(values)
+            .map(|(s, v)| match s.prior {
+                Prior::HalfNormal(scale) => -0.5 * s.groups as f64 * (v / scale) * (v / scale),
+                _ => 0.0,
+            })
+            .sum()
+    }
+
+    fn value_and_gradient(&self, gram: &Gram, variables: &[f64]) -> (f64, Vec<f64>) {
+        let at = self.variances(variables);
+        let factor = Factor::new(self.tree, gram, &at);
+        let value = factor.log_likelihood(self.likelihood) + self.log_prior(&at);
+        let posterior = factor.posterior(self.likelihood);
+        let slopes = posterior.by_components.iter().chain(&posterior.by_noise);
+        let values = at.components.iter().chain(&at.noise);
+        let all = self.scales().zip(slopes).zip(values);
+        let gradient = all
+            .filter(|((s, _), _)| !matches!(s.prior, Prior::Fixed(_)))
+            .map(|((s, slope), v)| match s.prior {
+                Prior::HalfNormal(scale) => slope - s.groups as f64 * (v / scale) * (v / scale),
+                _ => *slope,
+            })
+            .collect();
+        (value, gradient)
+    }
+
+    fn limits(&self) -> Vec<(f64, f64)> {
+        self.scales()
+            .filter(|s| !matches!(s.prior, Prior::Fixed(_)))
+            .map(|s| (libm::log(s.usual * RANGE.0), libm::log(s.usual * RANGE.1)))
+            .collect()
+    }
+
+    /// Ascends from a point.
+    pub fn maximise(&self, gram: &Gram, from: &Variances, effort: Effort) -> Maximum {
+        self.maximise_with(gram, from, effort, None)
+    }
+
+    /// Ascends from a point, with the inverse curvature of an ascent close by.
+    pub fn maximise_with(
+        &self,
+        gram: &Gram,
+        from: &Variances,
+        effort: Effort,
+        known: Option<&[f64]>,
+    ) -> Maximum {
+        let limits = self.limits();
+        let mut x = self.variables(from);
+        let (mut value, mut gradient) = self.value_and_gradient(gram, &x);
+        let n = x.len();
+        let mut evaluations = 1;
+        let mut inverse = known
+            .filter(|k| k.len() == n * n)
+            .map_or_else(|| identity(n, &gradient), <[f64]>::to_vec);
+        while evaluations < effort.evaluations {
+            let direction = ascent(&inverse, &gradient, &x, &limits);
+            let slope: f64 = direction.iter().zip(&gradient).map(|(d, g)| d * g).sum();
+            if slope < effort.tolerance * 0.1 {
+                break;
+            }
+            let mut length = 1.0;
+            let mut moved = None;
+            while evaluations < effort.evaluations && length > 1e-4 {
+                let y = step(&x, &direction, length, &limits);
+                let (v, g) = self.value_and_gradient(gram, &y);
+                evaluations += 1;
+                if v.is_finite() && v >= value + 1e-4 * length * slope {
+                    moved = Some((y, v, g));
+                    break;
+                }
+                length *= 0.3;
+            }
+            let Some((y, v, g)) = moved else { break };
+            update(&mut inverse, &x, &y, &gradient, &g);
+            let gain = v - value;
+            (x, value, gradient) = (y, v, g);
+            if gain < effort.tolerance {
+                break;
+            }
+        }
+        Maximum {
+            variances: self.variances(&x),
+            log_likelihood: value,
+            evaluations,
+            inverse,
+        }
+    }
+
+    /// The best of ascents from several starts.
+    pub fn best(&self, gram: &Gram, starts: &[Variances], effort: Effort) -> Maximum {
+        let mut best: Option<Maximum> = None;
+        for start in starts {
+            let found = self.maximise(gram, start, effort);
+            if best
+                .as_ref()
+                .is_none_or(|b| found.log_likelihood > b.log_likelihood)
+            {
+                best = Some(found);
+            }
+        }
+        best.unwrap_or_else(|| self.maximise(gram, &self.start(1.0), effort))
+    }
+}
+
+/// A first guess of the inverse curvature: a step of at most one half.
+fn identity(n: usize, gradient: &[f64]) -> Vec<f64> {
+    let largest = gradient.iter().fold(1.0_f64, |m, g| m.max(g.abs()));
+    let mut a = vec![0.0; n * n];
+    for k in 0..n {
+        a[k * n + k] = 0.5 / largest;
+    }
+    a
+}
+
+/// The quasi-Newton direction among the variables that do not press against a limit, bounded in length.
+fn ascent(inverse: &[f64], gradient: &[f64], x: &[f64], limits: &[(f64, f64)]) -> Vec<f64> {
+    let n = x.len();
+    let held: Vec<bool> = (0..n)
+        .map(|k| (x[k] <= limits[k].0 && gradient[k] < 0.0) || (x[k] >= limits[k].1 && gradient[k] > 0.0))
+        .collect();
+    let mut direction: Vec<f64> = (0..n)
+        .map(|i| {
+            if held[i] {
+                return 0.0;
+            }
+            (0..n)
+                .filter(|j| !held[*j])
+                .map(|j| inverse[i * n + j] * gradient[j])
+                .sum()
+        })
+        .collect();
+    let longest = direction.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
+    if longest > LONGEST_STEP {
+        for d in &mut direction {
+            *d *= LONGEST_STEP / longest;
+        }
+    }
+    direction
+}
+
+fn step(x: &[f64], direction: &[f64], length: f64, limits: &[(f64, f64)]) -> Vec<f64> {
+    let moved = x.iter().zip(direction).zip(limits);
+    moved
+        .map(|((x, d), (low, high))| (x + length * d).clamp(*low, *high))
+        .collect()
+}
+
+/// BFGS for a maximum: curvature pairs with the sign of the gradient turned.
+fn update(inverse: &mut [f64], x: &[f64], y: &[f64], old: &[f64], new: &[f64]) {
+    let n = x.len();
+    let s: Vec<f64> = y.iter().zip(x).map(|(a, b)| a - b).collect();
+    let d: Vec<f64> = old.iter().zip(new).map(|(a, b)| a - b).collect();
+    let sd: f64 = s.iter().zip(&d).map(|(a, b)| a * b).sum();
+    if sd <= 1e-12 {
+        return;
+    }
+    let hd: Vec<f64> = (0..n)
+        .map(|i| (0..n).map(|j| inverse[i * n + j] * d[j]).sum())
+        .collect();
+    let dhd: f64 = hd.iter().zip(&d).map(|(a, b)| a * b).sum();
+    for i in 0..n {
+        for j in 0..n {
+            inverse[i * n + j] +=
+                (1.0 + dhd / sd) * s[i] * s[j] / sd - (hd[i] * s[j] + s[i] * hd[j]) / sd;
+        }
+    }
+}

@@ -1,0 +1,271 @@
+//! The terms of a campaign: every form of every effect that its readings can show, on all readings, on the levels of a column of labels,
+//! or from a change point on; and smooth functions of every column.
+
+use super::data::{Data, PLACEBO};
+use crate::effects::{self, Applied, Form, Grouping, Need};
+use crate::inference::problem;
+use crate::models::P_620_KPA;
+use crate::numerics::real::Real;
+
+/// What is added.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum What {
+    /// A form of an effect, by their places in [`effects::all`] and its forms, and the shape at which a fit starts (not a number where the
+    /// form has none).
+    Effect {
+        /// Place in [`effects::all`].
+        effect: usize,
+        /// Place in its forms.
+        form: usize,
+        /// Shape where the fit starts.
+        shape: f64,
+    },
+    /// A dependence without a physical name.
+    Column(Column),
+}
+
+/// A smooth dependence on a column, a polynomial of second degree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Column {
+    /// F (1 + a x + b x^2), x an extra column by its place in the data.
+    Gain(usize),
+    /// F + a x + b x^2.
+    Offset(usize),
+    /// F (1 + a F/S + b F^2/S^2): the force channel is not straight.
+    Force,
+    /// F (1 + a P* + b P*^2): the pressure channel is not straight.
+    Pressure,
+}
+
+/// S: the scale of the force in [`Column::Force`], N.
+const FORCE_SCALE_N: f64 = 500.0;
+
+/// On which readings a term acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scope {
+    /// All.
+    All,
+    /// One session and all after it.
+    From(usize),
+    /// A value for every level of an extra column that names groups, less the first.
+    Levels(usize),
+}
+
+/// A term of the library.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Term {
+    /// What.
+    pub what: What,
+    /// Where.
+    pub scope: Scope,
+    /// For each session the number of the amplitude that acts on it, or none.
+    pub acts_on: Vec<Option<usize>>,
+    /// Number of amplitudes.
+    pub amplitudes: usize,
+}
+
+/// Fewest sessions on either side of a change point: with fewer it is a value of single sessions, which is scatter or a recording error.
+const FEWEST_ON_A_SIDE: usize = 3;
+
+/// The terms that the search tries. Their number follows from the design of the campaign alone.
+pub fn terms(data: &Data) -> Vec<Term> {
+    let mut terms = Vec::new();
+    for (effect, e) in effects::all().iter().enumerate() {
+        for (form, f) in e.forms().iter().enumerate() {
+            let known = f.needs.iter().all(|n| !data.missing.contains_key(n));
+            if !known || e.id() == SPECIMEN_GAIN {
+                continue;
+            }
+            for shape in f.shape.map_or(&[f64::NAN][..], |(_, grid)| grid) {
+                let what = What::Effect {
+                    effect,
+                    form,
+                    shape: *shape,
+                };
+                terms.push(Term::new(what, Scope::All, data));
+                let within = !f.needs.contains(&Need::Zeros);
+                if e.grouping() == Grouping::Parts && within {
+                    terms.extend(parts(data).into_iter().map(|s| Term::new(what, s, data)));
+                }
+            }
+        }
+    }
+    let columns = data.extras.iter().enumerate();
+    let columns = columns.filter(|(_, e)| !e.names_groups);
+    let extras = columns.flat_map(|(k, _)| [Column::Gain(k), Column::Offset(k)]);
+    let columns = extras.chain([Column::Force, Column::Pressure]);
+    terms.extend(columns.map(|c| Term::new(What::Column(c), Scope::All, data)));
+    terms
+}
+
+/// Id of the effect whose random form every model has: the gain of a specimen.
+pub const SPECIMEN_GAIN: &str = "specimen_variation";
+
+fn parts(data: &Data) -> Vec<Scope> {
+    let sessions = data.sessions.len();
+    let mut parts = Vec::new();
+    if !data.missing.contains_key(&Need::CampaignTime) && sessions >= 2 * FEWEST_ON_A_SIDE {
+        parts.extend((FEWEST_ON_A_SIDE..=sessions - FEWEST_ON_A_SIDE).map(Scope::From));
+    }
+    let groups = data.extras.iter().enumerate();
+    parts.extend(
+        groups
+            .filter(|(_, e)| e.names_groups)
+            .map(|(k, _)| Scope::Levels(k)),
+    );
+    parts
+}
+
+impl Term {
+    /// A term on the sessions of some data.
+    pub fn new(what: What, scope: Scope, data: &Data) -> Self {
+        let sessions = data.sessions.len();
+        let (acts_on, groups) = match scope {
+            Scope::All => (vec![Some(0); sessions], 1),
+            Scope::From(first) => {
+                let acts = (0..sessions).map(|s| (s >= first).then_some(0));
+                (acts.collect(), 1)
+            }
+            Scope::Levels(column) => data.levels(column),
+        };
+        Self {
+            what,
+            scope,
+            acts_on,
+            amplitudes: groups * if matches!(what, What::Column(_)) { 2 } else { 1 },
+        }
+    }
+
+    /// The form, of an effect of the library.
+    pub fn form(&self) -> Option<&'static Form> {
+        match self.what {
+            What::Effect { effect, form, .. } => Some(&effects::all()[effect].forms()[form]),
+            What::Column(_) => None,
+        }
+    }
+
+    /// Id of the effect; none of a dependence on a column.
+    pub fn id(&self) -> Option<&'static str> {
+        match self.what {
+            What::Effect { effect, .. } => Some(effects::all()[effect].id()),
+            What::Column(_) => None,
+        }
+    }
+
+    /// Whether it has a shape.
+    pub fn has_shape(&self) -> bool {
+        self.form().is_some_and(|f| f.shape.is_some())
+    }
+
+    /// Values where a fit starts: amplitudes `amplitude`, and the shape.
+    pub fn start(&self, amplitude: f64) -> Vec<f64> {
+        let mut values = vec![amplitude; self.amplitudes];
+        if let (true, What::Effect { shape, .. }) = (self.has_shape(), self.what) {
+            values.push(shape);
+        }
+        values
+    }
+
+    /// The term as the engine sees it.
+    pub fn for_engine(&self, columns: usize) -> problem::Term {
+        let amplitude = self.form().map_or((-5e3, 5e3), |f| f.amplitude.bounds);
+        let mut bounds = vec![amplitude; self.amplitudes];
+        if let Some((shape, _)) = self.form().and_then(|f| f.shape) {
+            bounds.push(shape.bounds);
+        }
+        let effects = effects::all().len();
+        let kind = match self.what {
+            What::Effect { effect, .. } => effect,
+            What::Column(Column::Gain(k) | Column::Offset(k)) => effects + k,
+            What::Column(Column::Force) => effects + columns,
+            What::Column(Column::Pressure) => effects + columns + 1,
+        };
+        problem::Term {
+            kind,
+            named: self.id().is_some(),
+            bounds,
+            amplitudes: self.amplitudes,
+        }
+    }
+
+    /// The operator of the library with these parameters, for the chain.
+    pub fn applied<R>(&self, parameters: [R; 2]) -> Option<Applied<R>> {
+        match self.what {
+            What::Effect { effect, form, .. } => Some(Applied {
+                effect,
+                form,
+                parameters,
+            }),
+            What::Column(_) => None,
+        }
+    }
+
+    /// Whether it is the shuffled column, which must never be chosen.
+    pub fn is_placebo(&self, data: &Data) -> bool {
+        match self.what {
+            What::Column(Column::Gain(k) | Column::Offset(k)) => data.extras[k].name == PLACEBO,
+            _ => false,
+        }
+    }
+}
+
+impl Column {
+    /// The force with the dependence, of reading `i`.
+    pub fn apply<R: Real>(self, force: R, [a, b]: [R; 2], data: &Data, i: usize) -> R {
+        match self {
+            Column::Gain(column) => {
+                let x = data.extras[column].values[i];
+                force * ((b * x + a) * x + 1.0)
+            }
+            Column::Offset(column) => {
+                let x = data.extras[column].values[i];
+                force + (b * x + a) * x
+            }
+            Column::Force => {
+                let x = force / FORCE_SCALE_N;
+                force * ((b * x + a) * x + 1.0)
+            }
+            Column::Pressure => {
+                let x = data.conditions[i].pressure_kpa / P_620_KPA;
+                force * ((b * x + a) * x + 1.0)
+            }
+        }
+    }
+
+    /// The column on which it depends, as findings name it.
+    pub fn name(self, data: &Data) -> String {
+        match self {
+            Column::Gain(k) | Column::Offset(k) => data.extras[k].name.clone(),
+            Column::Force => "force_n".to_owned(),
+            Column::Pressure => "pressure_kpa".to_owned(),
+        }
+    }
+
+    /// Whether it changes the force by a share of it, or by newtons.
+    pub fn is_gain(self) -> bool {
+        !matches!(self, Column::Offset(_))
+    }
+
+    /// The dependence over the range of its column: value of the column, share of the force or N.
+    pub fn curve(self, data: &Data, [a, b]: [f64; 2]) -> Vec<(f64, f64)> {
+        let (values, (middle, sd)) = match self {
+            Column::Gain(k) | Column::Offset(k) => {
+                (data.extras[k].values.clone(), data.extras[k].scale)
+            }
+            Column::Force => {
+                let scaled = data.force.iter().map(|f| f / FORCE_SCALE_N);
+                (scaled.collect(), (0.0, FORCE_SCALE_N))
+            }
+            Column::Pressure => {
+                let scaled = data.conditions.iter().map(|c| c.pressure_kpa / P_620_KPA);
+                (scaled.collect(), (0.0, P_620_KPA))
+            }
+        };
+        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        (0..=20)
+            .map(|k| low + f64::from(k) / 20.0 * (high - low))
+            .map(|x| (middle + sd * x, (b * x + a) * x))
+            .collect()
+    }
+}

@@ -1,0 +1,607 @@
+//! The isometric campaign as a problem for the engine: groups, forward model with derivatives, nuisance components.
+//!
+//! F_i = sensor(effects; (1 + u_k) (1 + g_c) A(P_i, l_i + d_s; theta)) + z_s + z_c + misfit + noise, where u_k is the gain of the specimen,
+//! d_s the set length and z_s the zero of the force of the session, g_c and z_c gain and zero of the campaign (of a pool only). Resting and
+//! contracted length of a specimen are known to their rounding. The misfit is proportional to the force, with a small floor, and absent
+//! where the actuator is slack: one over (eps*, P*) that all specimens share, one of each session along P, both Gaussian processes in
+//! a cosine basis (Solin and Sarkka, Statistics and Computing 30 (2020) 419).
+
+use super::base::Base;
+use super::data::Data;
+use super::library::{Term, What};
+use super::settings;
+use crate::effects::{self, Applied, Conditions};
+use crate::inference::fit::Setting;
+use crate::inference::problem::{Coefficient, Component, Direction, Linearised, Point, Problem};
+use crate::inference::problem::Term as EngineTerm;
+use crate::inference::tree::{Block, Tree};
+use crate::inference::variance::{Prior, Scale};
+use crate::models::P_620_KPA;
+use crate::numerics::real::{Dual, Real};
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// The components, by their numbers.
+pub mod component {
+    /// Gain of a specimen, relative.
+    pub const GAIN: usize = 0;
+    /// Set length of a session, mm.
+    pub const SET_LENGTH: usize = 1;
+    /// Zero of the force of a session, N.
+    pub const ZERO: usize = 2;
+    /// Resting length of a specimen, mm.
+    pub const REST_LENGTH: usize = 3;
+    /// Contracted length of a specimen, mm.
+    pub const CONTRACTED_LENGTH: usize = 4;
+    /// Misfit that all specimens share, share of the force.
+    pub const COMMON_MISFIT: usize = 5;
+    /// Misfit of a session along the pressure, share of the force.
+    pub const SESSION_MISFIT: usize = 6;
+    /// Gain of a campaign of a pool, relative.
+    pub const CAMPAIGN_GAIN: usize = 7;
+    /// Zero of the force of a campaign of a pool, N.
+    pub const CAMPAIGN_ZERO: usize = 8;
+    /// How many there are.
+    pub const COUNT: usize = 9;
+}
+
+/// Most terms in one model.
+pub const MOST_TERMS: usize = 5;
+/// Slots of the derivatives: five coefficients, gain, length, zero, two for each term.
+const SLOTS: usize = 8 + 2 * MOST_TERMS;
+const GAIN: usize = 5;
+const LENGTH: usize = 6;
+const ZERO: usize = 7;
+const TERMS: usize = 8;
+
+/// Cosines of the misfit along the pressure, and the pressure at which they end, kPa.
+const SESSION_COSINES: usize = 9;
+const PRESSURE_RANGE_KPA: f64 = 700.0;
+/// Cosines of the common misfit along each of eps* and P*.
+const COMMON_COSINES: usize = 4;
+/// A step of the resting or contracted length by which their sensitivities are taken, m.
+const LENGTH_STEP_M: f64 = 1e-4;
+
+/// Where the operators of the random effects stand in the library.
+struct Operators {
+    length: usize,
+    zero: usize,
+}
+
+/// An isometric campaign, or a pool of them.
+pub struct ForceProblem<'a> {
+    /// The base law.
+    pub base: &'a Base,
+    /// The readings.
+    pub data: &'a Data,
+    /// The terms of the library.
+    pub library: &'a [Term],
+    tree: Tree,
+    node: Vec<usize>,
+    class: Vec<usize>,
+    /// Node of each specimen.
+    pub specimens: Vec<usize>,
+    /// Node of each session.
+    pub sessions: Vec<usize>,
+    /// Node of each campaign of a pool.
+    pub campaigns: Vec<usize>,
+    components: Vec<Component>,
+    noise: Vec<Scale>,
+    coefficients: Vec<Coefficient>,
+    terms: Vec<EngineTerm>,
+    operators: Operators,
+    /// Cosines of the session's misfit, reading by reading.
+    session_basis: Vec<[f64; SESSION_COSINES]>,
+    /// Cosines of the common misfit.
+    common_basis: Vec<Vec<f64>>,
+    /// Floor of the scale of the misfit, N.
+    floor: f64,
+    /// The force by which the misfit is scaled, N: predictions of a fit without misfit. They are frozen, so that all models of a campaign have
+    /// one covariance for it.
+    reference: Vec<f64>,
+}
+
+impl<'a> ForceProblem<'a> {
+    /// The problem of some readings.
+    pub fn new(base: &'a Base, data: &'a Data, library: &'a [Term]) -> Self {
+        let block = |component, columns| Block { component, columns };
+        let common = COMMON_COSINES * COMMON_COSINES - 1;
+        let mut tree = Tree::new(vec![block(component::COMMON_MISFIT, common)]);
+        let pooled = data.campaigns.len() > 1;
+        let campaigns: Vec<usize> = if pooled {
+            let of = |_| {
+                let blocks = vec![
+                    block(component::CAMPAIGN_GAIN, 1),
+                    block(component::CAMPAIGN_ZERO, 1),
+                ];
+                tree.add(0, blocks)
+            };
+            (0..data.campaigns.len()).map(of).collect()
+        } else {
+            Vec::new()
+        };
+        // A specimen that was measured in two campaigns is one specimen in each.
+        let mut specimens = vec![usize::MAX; data.specimens.len()];
+        let mut sessions = vec![usize::MAX; data.sessions.len()];
+        let mut node = Vec::with_capacity(data.len());
+        for i in 0..data.len() {
+            let (k, s) = (data.specimen[i], data.session[i]);
+            if specimens[k] == usize::MAX {
+                let above = if pooled { campaigns[data.campaign[i]] } else { 0 };
+                let blocks = vec![
+                    block(component::GAIN, 1),
+                    block(component::REST_LENGTH, 1),
+                    block(component::CONTRACTED_LENGTH, 1),
+                ];
+                specimens[k] = tree.add(above, blocks);
+            }
+            if sessions[s] == usize::MAX {
+                let blocks = vec![
+                    block(component::SET_LENGTH, 1),
+                    block(component::ZERO, 1),
+                    block(component::SESSION_MISFIT, SESSION_COSINES),
+                ];
+                sessions[s] = tree.add(specimens[k], blocks);
+            }
+            node.push(sessions[s]);
+        }
+        let largest = data.force.iter().copied().fold(0.0, f64::max);
+        let columns = data.extras.len();
+        Self {
+            base,
+            data,
+            library,
+            class: vec![0; data.len()],
+            tree,
+            node,
+            specimens,
+            sessions,
+            campaigns,
+            components: components(data, pooled),
+            noise: vec![Scale {
+                prior: Prior::Free,
+                usual: 0.01 * largest,
+                groups: 1,
+            }],
+            coefficients: base
+                .coefficients
+                .iter()
+                .map(|c| Coefficient {
+                    start: c.start,
+                    bounds: c.bounds,
+                    free: c.free,
+                })
+                .collect(),
+            terms: library.iter().map(|t| t.for_engine(columns)).collect(),
+            operators: Operators {
+                length: effects::index("length_offset").unwrap_or(0),
+                zero: effects::index("force_zero_offset").unwrap_or(0),
+            },
+            session_basis: data.conditions.iter().map(session_basis).collect(),
+            common_basis: data.conditions.iter().map(common_basis).collect(),
+            reference: vec![0.0; data.len()],
+            floor: env("FLOOR", settings::MISFIT_FLOOR) * largest,
+        }
+    }
+
+    /// The same with the misfit scaled by the predictions of a fit without it.
+    pub fn with_reference(mut self) -> Self {
+        let setting = Setting {
+            misfit_factor: 0.0,
+            ..Setting::new(&self)
+        };
+        let fit = setting.fit(&self.start(), &setting.fresh());
+        self.reference = self.predict(&fit.point);
+        self
+    }
+
+    /// The force of reading `i`, misfit left out.
+    fn force<R: Real>(
+        &self,
+        i: usize,
+        at: &Conditions,
+        coefficients: &[R],
+        [gain, length, zero]: [R; 3],
+        terms: &[(usize, [R; 2])],
+    ) -> R {
+        let applied = |effect: usize, value: R| Applied {
+            effect,
+            form: 0,
+            parameters: [value, R::constant(0.0)],
+        };
+        let mut list = [applied(self.operators.length, length); MOST_TERMS + 2];
+        let mut count = 1;
+        for (t, values) in terms {
+            if let Some(a) = self.library[*t].applied(*values) {
+                list[count] = a;
+                count += 1;
+            }
+        }
+        list[count] = applied(self.operators.zero, zero);
+        let mut force = effects::force(self.base, coefficients, gain, &list[..=count], at);
+        for (t, values) in terms {
+            if let What::Column(column) = self.library[*t].what {
+                force = column.apply(force, *values, self.data, i);
+            }
+        }
+        force
+    }
+
+    /// The terms that act on reading `i`, with their amplitude and shape; the numbers of the values among all values of the terms.
+    fn acting<'p>(
+        &'p self,
+        point: &'p Point,
+        i: usize,
+    ) -> impl Iterator<Item = (usize, [f64; 2], [usize; 2])> + 'p {
+        let session = self.data.session[i];
+        let mut before = 0;
+        point.terms.iter().filter_map(move |(t, values)| {
+            let first = before;
+            before += values.len();
+            let term = &self.library[*t];
+            let group = term.acts_on[session]?;
+            let places = match term.what {
+                What::Column(_) => [2 * group, 2 * group + 1],
+                What::Effect { .. } => [group, term.amplitudes],
+            };
+            let shape = values.get(places[1]).copied().unwrap_or(0.0);
+            Some((*t, [values[places[0]], shape], places.map(|p| first + p)))
+        })
+    }
+
+    /// Gain (as a factor), set length and zero that act on reading `i`.
+    fn random(&self, point: &Point, i: usize) -> [f64; 3] {
+        let b = &point.random;
+        let of = |node: usize, c: usize| self.tree.columns_of(node, c).map_or(0.0, |(k, _)| b[k]);
+        let session = self.node[i];
+        let specimen = self.tree.parent(session);
+        let campaign = self.tree.parent(specimen);
+        [
+            (1.0 + of(specimen, component::GAIN)) * (1.0 + of(campaign, component::CAMPAIGN_GAIN)),
+            of(session, component::SET_LENGTH),
+            of(session, component::ZERO) + of(campaign, component::CAMPAIGN_ZERO),
+        ]
+    }
+
+    fn value(&self, point: &Point, i: usize, at: &Conditions) -> f64 {
+        let mut terms = [(0, [0.0; 2]); MOST_TERMS + 1];
+        let mut count = 0;
+        for (t, values, _) in self.acting(point, i) {
+            terms[count] = (t, values);
+            count += 1;
+        }
+        let random = self.random(point, i);
+        self.force(i, at, &point.coefficients, random, &terms[..count])
+    }
+
+    /// The scale of the misfit where the actuator pulls with this force, N.
+    fn misfit_scale(&self, force: f64) -> f64 {
+        if force > 0.0 { force + self.floor } else { 0.0 }
+    }
+
+    fn derivatives(&self, point: &Point, i: usize) -> (f64, [f64; SLOTS], Vec<f64>) {
+        let at = &self.data.conditions[i];
+        let mut coefficients = [Dual::<SLOTS>::constant(0.0); 5];
+        let known = point.coefficients.len();
+        for (k, (slot, c)) in coefficients.iter_mut().zip(&point.coefficients).enumerate() {
+            *slot = Dual::variable(*c, k);
+        }
+        let [gain, length, zero] = self.random(point, i);
+        let random = [
+            Dual::variable(gain, GAIN),
+            Dual::variable(length, LENGTH),
+            Dual::variable(zero, ZERO),
+        ];
+        let mut terms = [(0, [Dual::<SLOTS>::constant(0.0); 2]); MOST_TERMS];
+        let mut count = 0;
+        for (k, (t, [amplitude, shape], _)) in self.acting(point, i).enumerate() {
+            let slot = TERMS + 2 * k;
+            let second = if self.library[t].has_shape() || self.library[t].id().is_none() {
+                Dual::variable(shape, slot + 1)
+            } else {
+                Dual::constant(shape)
+            };
+            terms[count] = (t, [Dual::variable(amplitude, slot), second]);
+            count += 1;
+        }
+        let force = self.force(i, at, &coefficients[..known], random, &terms[..count]);
+        let by_lengths = [(LENGTH_STEP_M, 0.0), (0.0, LENGTH_STEP_M)].map(|(rest, contracted)| {
+            let moved = Conditions {
+                rest_length_m: at.rest_length_m + rest,
+                contracted_length_m: at.contracted_length_m + contracted,
+                ..*at
+            };
+            (self.value(point, i, &moved) - force.value) / (LENGTH_STEP_M * 1e3)
+        });
+        let row = self.random_row(i, &force, gain, by_lengths, point);
+        (force.value, force.gradient, row)
+    }
+
+    /// Derivatives by the random effects of the path of reading `i`.
+    fn random_row(
+        &self,
+        i: usize,
+        force: &Dual<SLOTS>,
+        gain: f64,
+        by_lengths: [f64; 2],
+        point: &Point,
+    ) -> Vec<f64> {
+        let scale = self.misfit_scale(self.reference[i]);
+        let mut row: Vec<f64> = self.common_basis[i].iter().map(|c| c * scale).collect();
+        let specimen = self.tree.parent(self.node[i]);
+        let of = |node: usize, c: usize| {
+            self.tree.columns_of(node, c).map_or(0.0, |(k, _)| point.random[k])
+        };
+        // The gain is a product of two: its derivative by each is that by the product times the other.
+        let by_gain = force.gradient[GAIN];
+        let of_specimen = 1.0 + of(specimen, component::GAIN);
+        if !self.campaigns.is_empty() {
+            row.push(by_gain * of_specimen);
+            row.push(force.gradient[ZERO]);
+        }
+            row.push(by_gain * gain / of_specimen);
+        row.extend(by_lengths);
+        row.push(force.gradient[LENGTH]);
+        row.push(force.gradient[ZERO]);
+        row.extend(self.session_basis[i].iter().map(|c| c * scale));
+        row
+    }
+}
+
+/// The components of a campaign or pool.
+fn components(data: &Data, pooled: bool) -> Vec<Component> {
+    let sessions = data.sessions.len();
+    let component = |prior, usual, linear, calibrates, misfit| Component {
+        scale: Scale {
+            prior,
+            usual,
+            groups: 1,
+        },
+        linear,
+        calibrates,
+        misfit,
+    };
+    let misfit = |scale: f64| component(Prior::HalfNormal(scale), scale, true, false, true);
+    let rounding = settings::ROUNDING_SD_MM;
+    let pool = |usual: f64| {
+        let prior = if pooled { Prior::Free } else { Prior::Fixed(0.0) };
+        component(prior, usual, false, true, false)
+    };
+    vec![
+        component(Prior::Free, 0.04, false, true, false),
+        component(Prior::Free, 1.0, false, true, false),
+        component(Prior::Free, 1.0, false, true, false),
+        component(Prior::Fixed(rounding), rounding, true, true, false),
+        component(Prior::Fixed(rounding), rounding, true, true, false),
+        { let c = env("COMMON", settings::COMMON_MISFIT); if std::env::var("HARD").is_ok() { component(Prior::Fixed(c), c, true, false, true) } else { misfit(c) } },
+        with_groups(misfit(env("SESSION", settings::SESSION_MISFIT)), sessions),
+        pool(0.04),
+        pool(1.0),
+    ]
+}
+
+fn with_groups(mut component: Component, groups: usize) -> Component {
+    component.scale.groups = groups;
+    component
+}
+
+/// Weights of the cosines of a Gaussian process with a squared-exponential covariance of unit variance: the roots of its spectral density,
+/// scaled so that the mean variance over the range is 1.
+fn weights(count: usize, length_over_range: f64) -> Vec<f64> {
+    let density = |k: usize| {
+        let w = PI * k as f64 * length_over_range;
+        libm::exp(-0.5 * w * w)
+    };
+    // A cosine has half the mean square of a constant.
+    let total: f64 = (0..count).map(|k| density(k) * if k == 0 { 1.0 } else { 0.5 }).sum();
+    (0..count).map(|k| (density(k) / total).sqrt()).collect()
+}
+
+fn session_basis(at: &Conditions) -> [f64; SESSION_COSINES] {
+    let w = weights(SESSION_COSINES, settings::PRESSURE_LENGTH_KPA / PRESSURE_RANGE_KPA);
+    let mut basis = [0.0; SESSION_COSINES];
+    for (k, slot) in basis.iter_mut().enumerate() {
+        *slot = w[k] * libm::cos(PI * k as f64 * at.pressure_kpa / PRESSURE_RANGE_KPA);
+    }
+    basis
+}
+
+/// Products of cosines over eps* and P*, without the constant, which is a gain of all readings.
+fn common_basis(at: &Conditions) -> Vec<f64> {
+    let w = weights(COMMON_COSINES, env("SURF", settings::SURFACE_LENGTH));
+    let eps_620 = (at.rest_length_m - at.contracted_length_m) / at.rest_length_m;
+    let contraction = (at.rest_length_m - at.length_m) / at.rest_length_m / eps_620;
+    let pressure = at.pressure_kpa / P_620_KPA;
+    let cosine = |k: usize, x: f64| w[k] * libm::cos(PI * k as f64 * x);
+    let pairs = (0..COMMON_COSINES).flat_map(|j| (0..COMMON_COSINES).map(move |k| (j, k)));
+    // The constant's share of the variance goes to the others.
+    let share = 1.0 / (1.0 - w[0] * w[0] * w[0] * w[0]).sqrt();
+    pairs
+        .skip(1)
+        .map(|(j, k)| share * cosine(j, contraction) * cosine(k, pressure))
+        .collect()
+}
+
+impl Problem for ForceProblem<'_> {
+    fn tree(&self) -> &Tree {
+        &self.tree
+    }
+    fn node(&self) -> &[usize] {
+        &self.node
+    }
+    fn class(&self) -> &[usize] {
+        &self.class
+    }
+    fn noise(&self) -> &[Scale] {
+        &self.noise
+    }
+    fn observed(&self) -> &[f64] {
+        &self.data.force
+    }
+    fn components(&self) -> &[Component] {
+        &self.components
+    }
+    fn coefficients(&self) -> &[Coefficient] {
+        &self.coefficients
+    }
+    fn terms(&self) -> &[EngineTerm] {
+        &self.terms
+    }
+
+    fn predict(&self, point: &Point) -> Vec<f64> {
+        let conditions = self.data.conditions.iter().enumerate();
+        conditions.map(|(i, at)| self.value(point, i, at)).collect()
+    }
+
+    fn linearise(&self, point: &Point) -> Linearised {
+        let n = self.data.len();
+        let values: usize = point.terms.iter().map(|(_, v)| v.len()).sum();
+        let mut linear = Linearised {
+            predicted: Vec::with_capacity(n),
+            by_coefficients: vec![vec![0.0; n]; point.coefficients.len()],
+            by_terms: vec![vec![0.0; n]; values],
+            random: Vec::with_capacity(n),
+        };
+        for i in 0..n {
+            let (force, gradient, row) = self.derivatives(point, i);
+            for (k, column) in linear.by_coefficients.iter_mut().enumerate() {
+                column[i] = gradient[k];
+            }
+            for (k, (t, _, places)) in self.acting(point, i).enumerate() {
+                linear.by_terms[places[0]][i] = gradient[TERMS + 2 * k];
+                if self.library[t].has_shape() || self.library[t].id().is_none() {
+                    linear.by_terms[places[1]][i] = gradient[TERMS + 2 * k + 1];
+                }
+            }
+            linear.predicted.push(force);
+            linear.random.push(row);
+        }
+        linear
+    }
+
+    fn directions(&self, point: &Point) -> Vec<Direction> {
+        let base = self.predict(point);
+        let mut whole: Vec<(What, Vec<Direction>)> = Vec::new();
+        for (t, term) in self.library.iter().enumerate() {
+            if term.scope == Scope::All && !point.terms.iter().any(|(u, _)| *u == t) {
+                whole.push((term.what, Vec::new()));
+            }
+        }
+        whole.par_iter_mut().for_each(|(what, directions)| {
+            let t = self.library.iter().position(|t| t.scope == Scope::All && t.what == *what || same(t, *what));
+            if let Some(t) = t {
+                *directions = self.whole_directions(point, &base, t);
+            }
+        });
+        let mut all = Vec::new();
+        for (t, term) in self.library.iter().enumerate() {
+            if point.terms.iter().any(|(u, _)| *u == t) {
+                continue;
+            }
+            let found = whole.iter().find(|(what, _)| same(term, *what));
+            for direction in found.map_or(&[][..], |(_, d)| d) {
+                all.push(self.masked(t, term, direction));
+            }
+        }
+        all
+    }
+}
+
+use super::library::Scope;
+
+/// Whether a term is of this form (shapes are compared as bits: not a number where there is none).
+fn same(term: &Term, what: What) -> bool {
+    match (term.what, what) {
+        (
+            What::Effect { effect, form, shape },
+            What::Effect {
+                effect: e,
+                form: f,
+                shape: s,
+            },
+        ) => effect == e && form == f && shape.to_bits() == s.to_bits(),
+        (a, b) => a == b,
+    }
+}
+
+impl ForceProblem<'_> {
+    /// Changes of the force by a term on all readings, per unit of its amplitude: at a small amplitude, and at one that changes the force
+    /// visibly, where that has another form.
+    fn whole_directions(&self, point: &Point, base: &[f64], t: usize) -> Vec<Direction> {
+        let term = &self.library[t];
+        let engine = &self.terms[t];
+        let (low, high) = engine.bounds[0];
+        let rms = |v: &[f64]| (v.iter().map(|x| x * x).sum::<f64>() / v.len().max(1) as f64).sqrt();
+        let target = settings::LARGE_CHANGE * rms(base);
+        if let What::Column(_) = term.what {
+            let columns = (0..2).map(|k| {
+                let mut values = vec![0.0; 2];
+                values[k] = 1e-3;
+                self.change(point, base, t, &values, 1e-3)
+            });
+            return vec![Direction {
+                term: t,
+                start: vec![1.0; 2],
+                columns: columns.collect(),
+            }];
+        }
+        let near = term.id().and_then(effects::index).map_or(0.0, |e| effects::all()[e].near());
+        let small = if near == 0.0 { 1e-4 * high } else { near };
+        let mut directions: Vec<Direction> = Vec::new();
+        let mut add = |amplitude: f64| {
+            let change = self.change(point, base, t, &term.start(amplitude), amplitude);
+            if directions.iter().all(|d| cosine(&d.columns[0], &change) < settings::SAME_DIRECTION) {
+                directions.push(Direction {
+                    term: t,
+                    start: term.start(1.0),
+                    columns: vec![change.clone()],
+                });
+            }
+            change
+        };
+        let change = rms(&add(small));
+        if change > 0.0 && change.is_finite() {
+            let large = (target / change).min(0.5 * high);
+            add(large);
+            if low < 0.0 {
+                add((-large).max(0.5 * low));
+            }
+        }
+        directions
+    }
+
+    fn change(&self, point: &Point, base: &[f64], t: usize, values: &[f64], unit: f64) -> Vec<f64> {
+        let mut with = point.clone();
+        with.terms.push((t, values.to_vec()));
+        let predicted = self.predict(&with);
+        predicted.iter().zip(base).map(|(a, b)| (a - b) / unit).collect()
+    }
+
+    /// The direction of a term that acts on a part of the sessions, from that on all readings.
+    fn masked(&self, t: usize, term: &Term, whole: &Direction) -> Direction {
+        if term.scope == Scope::All {
+            return Direction {
+                term: t,
+                ..whole.clone()
+            };
+        }
+        let columns = (0..term.amplitudes).map(|g| {
+            let acts = |i: usize| term.acts_on[self.data.session[i]] == Some(g);
+            let column = whole.columns[0].iter().enumerate();
+            column.map(|(i, x)| if acts(i) { *x } else { 0.0 }).collect()
+        });
+        Direction {
+            term: t,
+            start: term.start(1.0),
+            columns: columns.collect(),
+        }
+    }
+}
+
+fn cosine(a: &[f64], b: &[f64]) -> f64 {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+    let norms = (dot(a, a) * dot(b, b)).sqrt();
+    if norms > 0.0 { dot(a, b) / norms } else { 1.0 }
+}
+
+fn env(name: &str, otherwise: f64) -> f64 { std::env::var(name).ok().and_then(|s| s.parse().ok()).unwrap_or(otherwise) }
