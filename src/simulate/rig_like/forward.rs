@@ -156,6 +156,9 @@ fn acting(put: &Put) -> Acting {
         *value = parameter.default.unwrap_or(parameter.neutral);
     }
     p[0] = put.size;
+    for (value, other) in p[1..].iter_mut().zip(put.others) {
+        *value = *other;
+    }
     let column = match effect.column {
         Column::Named(name) => COLUMNS.iter().position(|(c, _)| *c == name),
         Column::None | Column::Chosen => None,

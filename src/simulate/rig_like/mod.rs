@@ -57,6 +57,8 @@ pub struct Put {
     pub form: &'static str,
     /// Its size in the unit of the form's first parameter (a gain is 1 + what it adds).
     pub size: f64,
+    /// The form's other numbers, in their order; its defaults where the list ends.
+    pub others: &'static [f64],
     /// It acts on the sessions from this part of the campaign on, in the order of time: 0 for all.
     pub from: f64,
 }

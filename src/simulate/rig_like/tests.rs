@@ -15,6 +15,7 @@ fn put(id: &'static str, form: &'static str, size: f64) -> Put {
         id,
         form,
         size,
+        others: &[],
         from: 0.0,
     }
 }
