@@ -135,3 +135,111 @@ pub fn scatter_ratios(found: &CampaignFindings, sizes: &Sizes) -> [Option<f64>; 
         ratio("specimen_variation", Level::Specimen, sizes.gain),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::cases::SINGLE;
+    use super::*;
+    use serde_json::{Value, json};
+
+    fn effect(id: &str, class: &[&str]) -> Value {
+        json!({
+            "id": id, "class": class, "acts_on": "all", "column": null, "from": null, "form": "constant", "equation": "",
+            "parameters": [{"name": "h", "value": 4.2, "ci_low": 3.9, "ci_high": 4.5, "unit": "N"}],
+            "p_familywise": 0.001, "log_likelihood_gain": 20.0, "found_in_folds": 1.0, "negligible": false, "rms": 1.0,
+            "by_specimen": {}, "profile": [], "free_form": null, "in_its_place": [], "measurement": "", "source": "",
+        })
+    }
+
+    fn found(effects: Vec<Value>, columns: &[&str]) -> CampaignFindings {
+        let errors = json!({"rmse_train": 1.0, "rmse_heldout": 9.0, "max_abs_error_heldout": null, "rmse_heldout_calibrated": null,
+            "rmse_heldout_after": {}, "log_density_heldout": null});
+        let column = |c: &&str| json!({"column": c, "shape": "gain", "p_familywise": 0.001, "log_likelihood_gain": 9.0, "share_of_variance": 0.1, "curve": []});
+        let columns: Vec<Value> = columns.iter().map(column).collect();
+        let verdict = match (effects.is_empty(), columns.is_empty()) {
+            (false, _) => "effect_found",
+            (true, false) => "unexplained",
+            (true, true) => "none",
+        };
+        let all = json!({
+            "campaign": "c", "diameter_mm": 10, "simulated": true, "kind": "isometric", "base_model": "new", "base_refitted": true,
+            "unit": "N", "design": {"readings": 100, "readings_outside_domain": 0, "sessions": 16, "specimens": 4, "readings_held_out": 0,
+            "held_out_by": "specimen"}, "verdict": verdict, "not_assessed": null, "effects": effects, "scatter": [],
+            "misfit": {"common": 0.0, "session": 0.0, "sensitive": []}, "unexplained": columns, "recording_errors": [],
+            "before": errors, "after": errors, "by_unit": [], "budget": [], "expected_rmse_heldout": 9.0, "inside_50": null,
+            "inside_95": null, "pit": [], "noise": 2.0, "black_box_rmse_heldout": null, "tested": [], "detection_limits": [],
+            "not_measurable": [], "aliases": [], "next_measurement": [], "coefficients": [], "alternatives": [],
+        });
+        serde_json::from_value(all).expect("findings")
+    }
+
+    #[test]
+    fn the_exact_set_may_be_named_by_its_class_and_by_nothing_more() {
+        let threshold = || {
+            effect(
+                "pressure_zero_offset",
+                &["pressure_zero_offset", "bladder_threshold"],
+            )
+        };
+        let right = of_effects(&found(vec![threshold()], &[]), &["bladder_threshold"]);
+        assert!(right.detected && right.exact && right.wrong_names == 0);
+        let two = || vec![threshold(), effect("hysteresis", &[])];
+        let more = of_effects(&found(two(), &[]), &["bladder_threshold"]);
+        assert!(more.detected && !more.exact && more.wrong_names == 1);
+        assert!(of_effects(&found(two(), &[]), &["hysteresis", "bladder_threshold"]).exact);
+        let column = of_effects(
+            &found(vec![threshold()], &["humidity"]),
+            &["bladder_threshold"],
+        );
+        assert!(column.detected && !column.exact);
+    }
+
+    #[test]
+    fn one_effect_does_not_stand_for_two() {
+        let one = || effect("force_gain", &["force_gain", "temperature"]);
+        assert!(!of_effects(&found(vec![one()], &[]), &["force_gain", "temperature"]).detected);
+        assert!(
+            of_effects(
+                &found(vec![one(), one()], &[]),
+                &["force_gain", "temperature"]
+            )
+            .exact
+        );
+        // The same effect twice is more than was put in.
+        assert!(!of_effects(&found(vec![one(), one()], &[]), &["temperature"]).exact);
+    }
+
+    #[test]
+    fn what_is_negligible_counts_as_nothing_but_for_what_was_put_in() {
+        let mut small = effect("hysteresis", &[]);
+        small["negligible"] = json!(true);
+        assert!(of_effects(&found(vec![small.clone()], &[]), &[]).exact);
+        assert!(of_effects(&found(vec![small], &[]), &["hysteresis"]).exact);
+    }
+
+    #[test]
+    fn outside_the_library_the_column_has_to_be_right_and_alone() {
+        assert!(of_column(&found(vec![], &["humidity"]), "humidity").exact);
+        assert!(!of_column(&found(vec![], &["temperature_c"]), "humidity").detected);
+        let named = of_column(
+            &found(vec![effect("temperature", &[])], &["humidity"]),
+            "humidity",
+        );
+        assert!(named.detected && !named.exact);
+    }
+
+    #[test]
+    fn an_interval_counts_only_for_the_form_that_was_put_in() {
+        let case = SINGLE
+            .iter()
+            .find(|c| c.id == "hysteresis")
+            .expect("a case");
+        let covered_at = |f: &CampaignFindings, a: f64| covered(f, case, a).found;
+        let mut own = effect("hysteresis", &[]);
+        assert_eq!(covered_at(&found(vec![own.clone()], &[]), 4.0), Some(true));
+        assert_eq!(covered_at(&found(vec![own.clone()], &[]), 5.0), Some(false));
+        own["form"] = json!("proportional to force");
+        assert_eq!(covered_at(&found(vec![own], &[]), 4.0), None);
+        assert_eq!(covered(&found(vec![], &[]), case, 4.0), Covered::default());
+    }
+}

@@ -70,3 +70,21 @@ pub fn quantile(values: impl IntoIterator<Item = f64>, probability: f64) -> Opti
 pub fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     quantile(values, 0.5)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_are_wilson_s() {
+        // 15 of 200, by hand.
+        let (low, high) = Rate { hits: 15, of: 200 }.bounds();
+        assert!(
+            (low - 0.04595).abs() < 5e-5 && (high - 0.12003).abs() < 5e-5,
+            "{low} {high}"
+        );
+        assert_eq!(Rate { hits: 0, of: 10 }.bounds().0, 0.0);
+        assert_eq!(Rate { hits: 10, of: 10 }.bounds().1, 1.0);
+        assert_eq!(Rate::default().to_string(), "-");
+    }
+}

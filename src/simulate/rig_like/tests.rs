@@ -99,11 +99,9 @@ fn an_effect_from_the_middle_of_the_campaign_on_leaves_the_first_half_alone() {
     let middle = *dates.iter().nth(dates.len().div_ceil(2)).expect("dates");
     for (a, b) in null.rows.iter().zip(&changed.rows) {
         let acts = a.date.as_ref() >= Some(middle);
-        assert_eq!(
-            acts && a.force_n.abs() > 30.0,
-            acts && (a.force_n - b.force_n).abs() > 1.0
-        );
         assert!(acts || a.force_n == b.force_n);
+        // Noise is not part of what is gained.
+        assert!(!acts || a.force_n < 60.0 || (b.force_n / a.force_n - 1.1).abs() < 0.03);
     }
 }
 
@@ -171,7 +169,9 @@ fn mistakes_are_made_in_one_session_or_specimen() {
         let made = campaign(6, &settings);
         let told = made.truth.mistaken.as_ref().expect("a mistake");
         for (a, b) in null.rows.iter().zip(&made.rows) {
-            assert_eq!(a != b, told.sessions.contains(&b.session));
+            let recorded = |r: &Row| [r.force_n, r.pressure_kpa, r.length_m, r.rest_length_m];
+            let wrong = told.sessions.contains(&b.session);
+            assert_eq!(recorded(a) != recorded(b), wrong);
         }
     }
 }
