@@ -70,6 +70,16 @@ pub mod derived {
     pub const REST_LENGTH: &str = "rest_length_m";
     /// Free length at 620 kPa, m.
     pub const CONTRACTED_LENGTH: &str = "contracted_length_m";
+    /// Declared standard deviation of the resting length, m.
+    pub const REST_LENGTH_SD: &str = "rest_length_sd_m";
+    /// Declared standard deviation of the free length at 620 kPa, m.
+    pub const CONTRACTED_LENGTH_SD: &str = "contracted_length_sd_m";
+    /// Declared standard deviation of the length that was held, m.
+    pub const LENGTH_SD: &str = "length_sd_m";
+    /// Declared standard deviation of a length measured by hand on the knee stand, m.
+    pub const MUSCLE_LENGTH_SD: &str = "muscle_length_sd_m";
+    /// Declared standard deviation of a moment arm measured by hand, m.
+    pub const MOMENT_ARM_SD: &str = "moment_arm_sd_m";
     /// eps = (l_rest - l) / l_rest.
     pub const CONTRACTION: &str = "contraction";
     /// eps* = eps / eps_620.
@@ -148,6 +158,11 @@ pub fn is_reserved(name: &str) -> bool {
             DIAMETER,
             REST_LENGTH,
             CONTRACTED_LENGTH,
+            REST_LENGTH_SD,
+            CONTRACTED_LENGTH_SD,
+            LENGTH_SD,
+            MUSCLE_LENGTH_SD,
+            MOMENT_ARM_SD,
             CONTRACTION,
             CONTRACTION_REL,
             PRESSURE_REL,

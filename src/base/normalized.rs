@@ -30,6 +30,8 @@ pub fn row(session: &Session, reading: &Reading) -> Row {
     let contraction_620 =
         (specimen.rest_length_m - specimen.contracted_length_m) / specimen.rest_length_m;
     let pressure_kpa = quantity(PRESSURE);
+    let joint = session.joint.as_ref();
+    let declared = |sd: Option<f64>| sd.unwrap_or(f64::NAN);
     Row {
         session: session.id.clone(),
         campaign: session.campaign.clone(),
@@ -51,6 +53,11 @@ pub fn row(session: &Session, reading: &Reading) -> Row {
         diameter_mm: specimen.diameter_mm,
         rest_length_m: specimen.rest_length_m,
         contracted_length_m: specimen.contracted_length_m,
+        rest_length_sd_m: declared(specimen.rest_length_sd_m),
+        contracted_length_sd_m: declared(specimen.contracted_length_sd_m),
+        length_sd_m: declared(session.length_sd_m),
+        muscle_length_sd_m: declared(joint.and_then(|j| j.muscle_length_sd_m)),
+        moment_arm_sd_m: declared(joint.and_then(|j| j.moment_arm_sd_m)),
         time_s: reading.value(TIME),
         pressure_kpa,
         force_n: quantity(FORCE),

@@ -50,6 +50,16 @@ pub struct Row {
     pub rest_length_m: f64,
     /// l_620, m.
     pub contracted_length_m: f64,
+    /// Declared standard deviation of l_rest, m; NaN where there is none.
+    pub rest_length_sd_m: f64,
+    /// Declared standard deviation of l_620, m; NaN where there is none.
+    pub contracted_length_sd_m: f64,
+    /// Declared standard deviation of the length that was held, m; NaN where there is none.
+    pub length_sd_m: f64,
+    /// Declared standard deviation of lengths measured by hand at a knee, m; NaN where there is none.
+    pub muscle_length_sd_m: f64,
+    /// Declared standard deviation of moment arms measured by hand, m; NaN where there is none.
+    pub moment_arm_sd_m: f64,
     /// Time in the log, s; NaN where there is none.
     pub time_s: f64,
     /// Gauge pressure, kPa.
@@ -98,6 +108,31 @@ const NUMBERS: &[NumberField] = &[
         derived::CONTRACTED_LENGTH,
         |r| r.contracted_length_m,
         |r, x| r.contracted_length_m = x,
+    ),
+    (
+        derived::REST_LENGTH_SD,
+        |r| r.rest_length_sd_m,
+        |r, x| r.rest_length_sd_m = x,
+    ),
+    (
+        derived::CONTRACTED_LENGTH_SD,
+        |r| r.contracted_length_sd_m,
+        |r, x| r.contracted_length_sd_m = x,
+    ),
+    (
+        derived::LENGTH_SD,
+        |r| r.length_sd_m,
+        |r, x| r.length_sd_m = x,
+    ),
+    (
+        derived::MUSCLE_LENGTH_SD,
+        |r| r.muscle_length_sd_m,
+        |r, x| r.muscle_length_sd_m = x,
+    ),
+    (
+        derived::MOMENT_ARM_SD,
+        |r| r.moment_arm_sd_m,
+        |r, x| r.moment_arm_sd_m = x,
     ),
     (columns::TIME, |r| r.time_s, |r, x| r.time_s = x),
     (
@@ -257,6 +292,11 @@ impl Row {
             diameter_mm: f64::NAN,
             rest_length_m: f64::NAN,
             contracted_length_m: f64::NAN,
+            rest_length_sd_m: f64::NAN,
+            contracted_length_sd_m: f64::NAN,
+            length_sd_m: f64::NAN,
+            muscle_length_sd_m: f64::NAN,
+            moment_arm_sd_m: f64::NAN,
             time_s: f64::NAN,
             pressure_kpa: f64::NAN,
             force_n: f64::NAN,
@@ -386,5 +426,22 @@ mod tests {
         }
         let rows = vec![row.clone(), row];
         assert_eq!(from_frame(&to_frame(&rows)).unwrap(), rows);
+    }
+
+    #[test]
+    fn what_was_not_declared_stays_undeclared_in_the_table() {
+        let mut declared = Row::blank();
+        declared.length_sd_m = 0.5e-3;
+        declared.moment_arm_sd_m = 4e-3;
+        let back = from_frame(&to_frame(&[declared, Row::blank()])).unwrap();
+        assert_eq!(
+            (back[0].length_sd_m, back[0].moment_arm_sd_m),
+            (0.5e-3, 4e-3)
+        );
+        for row in &back {
+            assert!(row.rest_length_sd_m.is_nan() && row.contracted_length_sd_m.is_nan());
+            assert!(row.muscle_length_sd_m.is_nan() && row.extras.is_empty());
+        }
+        assert!(back[1].length_sd_m.is_nan() && back[1].moment_arm_sd_m.is_nan());
     }
 }

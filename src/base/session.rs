@@ -46,6 +46,10 @@ pub struct Specimen {
     pub rest_length_m: f64,
     /// l_620, free length at 620 kPa without load, m.
     pub contracted_length_m: f64,
+    /// One standard deviation of l_rest, m, where it was declared.
+    pub rest_length_sd_m: Option<f64>,
+    /// One standard deviation of l_620, m, where it was declared.
+    pub contracted_length_sd_m: Option<f64>,
 }
 
 /// The knee of a torque session.
@@ -59,6 +63,10 @@ pub struct Joint {
     pub tendon_m: Option<f64>,
     /// One end fitting, m, where it was recorded.
     pub fitting_m: Option<f64>,
+    /// One standard deviation of lengths measured by hand, m, where it was declared.
+    pub muscle_length_sd_m: Option<f64>,
+    /// One standard deviation of moment arms measured by hand, m, where it was declared.
+    pub moment_arm_sd_m: Option<f64>,
     /// The route over the knee, where it is not the usual one of the muscle.
     pub route: Option<String>,
     /// The laboratory's own leg.
@@ -241,6 +249,8 @@ pub struct Session {
     /// Constants of the set-up: known quantities in the unit used inside, by the name of their column; others as given. A text is a label
     /// of every reading.
     pub setup: BTreeMap<String, Constant>,
+    /// One standard deviation of the length that was held, m, where it was declared. No constant of the set-up: it describes another one.
+    pub length_sd_m: Option<f64>,
     /// The knee, for torque sessions.
     pub joint: Option<Joint>,
     /// The columns of every log.

@@ -17,8 +17,12 @@ const CLIPPED_SHARE: f64 = 0.005;
 pub fn session_toml(draft: &Draft, id: &str) -> String {
     let mut text = head(draft, id);
     text += SPECIMEN;
-    if draft.kind == Kind::Isometric && draft.quantity(LENGTH).is_none() {
-        text += SETUP;
+    if draft.kind == Kind::Isometric {
+        text += if draft.quantity(LENGTH).is_none() {
+            SETUP
+        } else {
+            SETUP_OF_LENGTHS
+        };
     }
     if draft.kind == Kind::KneeTorque {
         text += JOINT;
@@ -34,17 +38,32 @@ id = "specimen-1"            # FILL IN: the physical actuator; the same in all o
 diameter_mm = 10             # FILL IN: uninflated inner diameter: 10, 20 or 40
 rest_length_mm = 200         # FILL IN: resting length, hose clamp to hose clamp
 contracted_length_mm = 165   # FILL IN: free length at 620 kPa without load
+# How well these lengths are known, one standard deviation each: optional. The mixed model of the residual search takes it as the standard
+# deviation of that length; left out, those of resting and contracted length are 0.29 mm (rounded to 1 mm).
+# rest_length_sd_mm = 0.5
+# contracted_length_sd_mm = 1
 "#;
 
 const SETUP: &str = r#"
 [setup]
 length_mm = 200              # FILL IN: length at which the actuator was held; no column looks like one
+# length_sd_mm = 0.5         # optional: how well it is known, one standard deviation; left out, the residual search estimates it
+"#;
+
+/// For a log with a column of lengths: the table is needed for nothing else.
+const SETUP_OF_LENGTHS: &str = r#"
+# [setup]
+# length_sd_mm = 0.5         # optional: how well the lengths are known, one standard deviation; left out, the residual search estimates it
 "#;
 
 const JOINT: &str = r#"
 [joint]
 knee = "pinned"              # FILL IN: "pinned", "biomimetic", or "described" with file = "leg.toml"
 muscle = "flexor"            # FILL IN: "flexor" or "extensor"
+# How well the columns muscle_length and moment_arm are known that were measured by hand, one standard deviation each: optional; left out,
+# 5 mm and 7 mm.
+# muscle_length_sd_mm = 5
+# moment_arm_sd_mm = 7
 "#;
 
 fn head(draft: &Draft, id: &str) -> String {

@@ -1,7 +1,7 @@
 //! Finding sessions: every folder below a raw directory that holds a `session.toml`, in sorted order.
 
 use crate::base::diagnostics::{Diagnostic, Severity};
-use crate::base::session::Session;
+use crate::base::session::{Session, Specimen};
 use crate::formats::{leg, session_toml};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -225,6 +225,21 @@ fn reject_duplicates(found: &mut Discovery) {
     found.unusable.sort_by(|a, b| a.relative.cmp(&b.relative));
 }
 
+/// A length of a specimen with its declared standard deviation.
+type Length = fn(&Specimen) -> (f64, Option<f64>);
+const REST: Length = |s| (s.rest_length_m, s.rest_length_sd_m);
+const CONTRACTED: Length = |s| (s.contracted_length_m, s.contracted_length_sd_m);
+
+/// A length in words; its standard deviation only where the other description has another one.
+fn length(specimen: &Specimen, other: &Specimen, of: Length) -> String {
+    let ((length, sd), (_, others)) = (of(specimen), of(other));
+    match sd {
+        _ if sd == others => format!("{length:.4} m"),
+        Some(sd) => format!("{length:.4} m (standard deviation {:.3} mm)", 1e3 * sd),
+        None => format!("{length:.4} m (standard deviation not declared)"),
+    }
+}
+
 /// One specimen described in two ways is worth a note; the lengths may have been measured twice.
 fn note_contradictions(found: &mut Discovery) {
     let mut first: BTreeMap<&str, &Located> = BTreeMap::new();
@@ -237,17 +252,17 @@ fn note_contradictions(found: &mut Discovery) {
                 Diagnostic::error(
                     format!("{}/{SESSION_FILE}", located.relative),
                     format!(
-                        "specimen \"{}\" with diameter {} mm, l_rest {:.4} m, l_620 {:.4} m",
+                        "specimen \"{}\" with diameter {} mm, l_rest {}, l_620 {}",
                         specimen.id,
                         specimen.diameter_mm,
-                        specimen.rest_length_m,
-                        specimen.contracted_length_m
+                        length(specimen, other, REST),
+                        length(specimen, other, CONTRACTED),
                     ),
                     format!(
-                        "{} mm, {:.4} m, {:.4} m as in {}/{SESSION_FILE}",
+                        "{} mm, {}, {} as in {}/{SESSION_FILE}",
                         other.diameter_mm,
-                        other.rest_length_m,
-                        other.contracted_length_m,
+                        length(other, specimen, REST),
+                        length(other, specimen, CONTRACTED),
                         seen.relative
                     ),
                     "correct one of them, or give the second actuator its own id",

@@ -20,6 +20,7 @@ pub mod overview;
 mod parquet;
 mod session_columns;
 mod session_joint;
+mod session_sd;
 pub mod session_toml;
 pub mod table;
 mod words;

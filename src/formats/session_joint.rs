@@ -1,5 +1,6 @@
 //! `[joint]` of a `session.toml`: the knee of a torque session, and how the actuator is built into it.
 
+use super::session_sd;
 use super::session_toml::path_below;
 use crate::base::session::{Description, Joint, Kind};
 use crate::base::toml_reader::{Entry, Section};
@@ -46,6 +47,8 @@ fn joint_table(table: &Section) -> Option<Joint> {
         .and_then(|e| e.choice(&[("flexor", "flexor"), ("extensor", "extensor")]));
     let tendon_m = table.get("tendon_mm").and_then(|e| millimetres(&e));
     let fitting_m = table.get("fitting_mm").and_then(|e| millimetres(&e));
+    let muscle_length_sd_m = session_sd::declared(table, session_sd::MUSCLE_LENGTH);
+    let moment_arm_sd_m = session_sd::declared(table, session_sd::MOMENT_ARM);
     let route = table.get("route").and_then(|e| e.string());
     let file = match (knee, table.get("file")) {
         (Some("described"), None) => {
@@ -71,6 +74,8 @@ fn joint_table(table: &Section) -> Option<Joint> {
         muscle: muscle?.to_owned(),
         tendon_m,
         fitting_m,
+        muscle_length_sd_m,
+        moment_arm_sd_m,
         route,
         description: file.map(|file| Description {
             file,

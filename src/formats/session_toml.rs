@@ -1,4 +1,6 @@
 //! `session.toml`, schema `bpa-session/1`: strict, every mistake at once.
+//!
+//! `README.md` has the format by example. How well the lengths of a session are known may be declared: `super::session_sd` has the keys.
 
 use crate::base::columns::{self, KnownColumn};
 use crate::base::diagnostics::Diagnostic;
@@ -8,7 +10,7 @@ use crate::base::session::{
 };
 use crate::base::toml_reader::{Entry, Reader, Section, parse};
 use crate::base::units::{Quantity, Unit};
-use crate::formats::{session_columns, session_joint};
+use crate::formats::{session_columns, session_joint, session_sd};
 use std::collections::BTreeMap;
 
 /// The only schema that is understood.
@@ -96,7 +98,14 @@ fn session(root: &Section) -> Option<Session> {
         .and_then(|e| e.table())
         .and_then(|t| specimen(&t));
     let setup = root.get("setup").and_then(|e| e.table());
-    let setup = setup.map(|t| setup_constants(&t)).unwrap_or_default();
+    let (setup, length_sd_m) = setup
+        .map(|t| {
+            (
+                setup_constants(&t),
+                session_sd::of_held_length(&t, head.kind),
+            )
+        })
+        .unwrap_or_default();
     let joint_entry = root.get("joint");
     let columns = root
         .require(
@@ -123,6 +132,7 @@ fn session(root: &Section) -> Option<Session> {
         notes: head.notes,
         specimen: specimen?,
         setup,
+        length_sd_m,
         joint,
         columns: columns?,
         logs: logs?,
@@ -207,12 +217,16 @@ fn specimen(table: &Section) -> Option<Specimen> {
         }
         Some(mm)
     });
+    let rest_length_sd_m = session_sd::declared(table, session_sd::REST_LENGTH);
+    let contracted_length_sd_m = session_sd::declared(table, session_sd::CONTRACTED_LENGTH);
     table.close();
     Some(Specimen {
         id: id?,
         diameter_mm: diameter?,
         rest_length_m: rest? * 1e-3,
         contracted_length_m: contracted? * 1e-3,
+        rest_length_sd_m,
+        contracted_length_sd_m,
     })
 }
 
@@ -231,6 +245,10 @@ fn split_unit(key: &str) -> Option<(&'static KnownColumn, Unit)> {
 fn setup_constants(table: &Section) -> BTreeMap<String, Constant> {
     let mut constants = BTreeMap::new();
     for (key, entry) in table.entries() {
+        if key == session_sd::HELD_LENGTH {
+            // It describes the length that was held and is no constant of its own, which the residual search would look at.
+            continue;
+        }
         if let Some((known, unit)) = split_unit(&key) {
             if let Some(value) = entry
                 .number()
@@ -247,6 +265,8 @@ fn setup_constants(table: &Section) -> BTreeMap<String, Constant> {
                 "the unit in the key",
                 &format!("write `{key}_{}`", example.to_lowercase()),
             );
+        } else if let Some((expected, hint)) = session_sd::slip_in_setup(&key) {
+            entry.reject(&expected, &hint);
         } else if columns::is_reserved(&key) {
             entry.reject(
                 "a name that the pipeline does not use itself",

@@ -44,6 +44,10 @@ pub struct ByHand {
     pub contraction_rel: Option<f64>,
     /// r, m, with the sign of the torque.
     pub arm_m: Option<f64>,
+    /// One standard deviation of l_m as declared, m.
+    pub length_sd_m: Option<f64>,
+    /// One standard deviation of r as declared, m.
+    pub arm_sd_m: Option<f64>,
 }
 
 /// What the geometry says at an angle.
@@ -100,6 +104,8 @@ pub fn point(build: &Build, row: &Row, models: &[&dyn ForceModel]) -> Point {
         length_m: extra(MUSCLE_LENGTH),
         contraction_rel: Some(row.contraction_rel).filter(|x| x.is_finite()),
         arm_m: extra(MOMENT_ARM).map(|arm| sign * arm.abs()),
+        length_sd_m: Some(row.muscle_length_sd_m).filter(|x| x.is_finite()),
+        arm_sd_m: Some(row.moment_arm_sd_m).filter(|x| x.is_finite()),
     };
     let predict = |model: &&dyn ForceModel| match expected {
         None => Answer::NONE,

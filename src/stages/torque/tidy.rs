@@ -64,6 +64,11 @@ pub fn frame<'a>(campaigns: impl Iterator<Item = &'a CampaignTorque>) -> Frame {
         .with(MUSCLE_LENGTH, numbers(&|p| p.by_hand.length_m))
         .with(MOMENT_ARM, numbers(&|p| p.by_hand.arm_m))
         .with(
+            derived::MUSCLE_LENGTH_SD,
+            numbers(&|p| p.by_hand.length_sd_m),
+        )
+        .with(derived::MOMENT_ARM_SD, numbers(&|p| p.by_hand.arm_sd_m))
+        .with(
             derived::CONTRACTION_REL,
             numbers(&|p| p.by_hand.contraction_rel),
         )
