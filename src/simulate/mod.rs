@@ -14,6 +14,7 @@
 //! | [`moment`], [`setting`], [`chain`] | length, pressure, force, sensor: where effects work |
 //! | `log`, `session_file`, `number` | the bytes of the files |
 //! | [`steady`], [`campaign_rows`](mod@campaign_rows) | steady readings without logs, and their rows |
+//! | [`rig_like`] | campaigns that scatter as a laboratory's rig does, as rows: what the residual search is judged on |
 //! | [`write`](mod@write) | folders |
 //!
 //! Architecture invariant: everything but [`write`](mod@write) is a pure function of the truth file. Transcendental functions come
@@ -32,6 +33,7 @@ mod log;
 pub mod logged_columns;
 pub mod moment;
 mod number;
+pub mod rig_like;
 pub mod rig_settings;
 pub mod schedule;
 mod session_file;

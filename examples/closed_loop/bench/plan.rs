@@ -1,0 +1,163 @@
+//! All campaigns of the benchmark.
+
+use super::cases::{self, Case, SINGLE};
+use super::trial::{Part, Trial};
+use pipeline::simulate::rig_like::{Family, Mistake, Pace, Scatter};
+
+/// Sizes of a single effect, in detection limits.
+pub const MULTIPLES: [f64; 3] = [1.0, 1.5, 4.0];
+/// Size of everything else.
+const FOUR: f64 = 4.0;
+/// Campaigns without an effect, for one seed of every effect.
+const NOTHING: u64 = 10;
+/// Base models that do not know the resting length.
+const BASES: [&str; 2] = ["hunt2017", "festo_tool"];
+/// Recording errors.
+const MISTAKES: [Mistake; 4] = [
+    Mistake::SwappedColumns,
+    Mistake::RestLength,
+    Mistake::SetLength,
+    Mistake::Sign,
+];
+
+/// What the campaigns have in common.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan {
+    /// Constants of the generator.
+    pub family: Family,
+    /// Seeds of every single effect: 20 for the whole table.
+    pub seeds: u64,
+}
+
+impl Plan {
+    /// The whole table: rig-like campaigns, then clean ones.
+    pub fn trials(&self) -> Vec<Trial> {
+        let rig = Scatter::RigLike;
+        let mut list = self.nothing(rig, NOTHING * self.seeds);
+        for multiple in MULTIPLES {
+            list.extend(self.singles(rig, multiple, self.seeds));
+        }
+        list.extend(self.pairs(rig, 5 * self.seeds));
+        list.extend(self.each(
+            Part::OtherForm,
+            rig,
+            cases::other_forms(self.family),
+            self.seeds,
+        ));
+        list.extend(self.each(Part::Outside, rig, cases::outside(self.family), self.seeds));
+        list.extend(self.rediscovery(2 * self.seeds));
+        list.extend(self.recording(3 * self.seeds));
+        let clean = Scatter::Clean;
+        list.extend(self.nothing(clean, NOTHING * self.seeds));
+        list.extend(self.singles(clean, FOUR, self.seeds));
+        list.extend(self.pairs(clean, 5 * self.seeds));
+        list.extend(self.each(
+            Part::OtherForm,
+            clean,
+            cases::other_forms(self.family),
+            self.seeds,
+        ));
+        list.extend(self.each(
+            Part::Outside,
+            clean,
+            cases::outside(self.family),
+            self.seeds,
+        ));
+        list
+    }
+
+    /// A form of minutes: every row of the rig-like block.
+    pub fn short(&self) -> Vec<Trial> {
+        let rig = Scatter::RigLike;
+        let mut list = self.nothing(rig, 8);
+        list.extend(self.singles(rig, FOUR, 1));
+        list.extend(self.pairs(rig, 4));
+        let some = |cases: &'static [Case]| cases.iter().step_by(3).copied().collect::<Vec<Case>>();
+        list.extend(self.each(
+            Part::OtherForm,
+            rig,
+            &some(cases::other_forms(self.family)),
+            1,
+        ));
+        list.extend(self.each(Part::Outside, rig, &some(cases::outside(self.family)), 2));
+        list.extend(self.rediscovery(2));
+        list.extend(self.recording(4));
+        list
+    }
+
+    fn trial(&self, part: Part, scatter: Scatter, seed: u64) -> Trial {
+        // Seeds of the published table are nobody else's.
+        let apart = match self.family {
+            Family::Design => 0,
+            Family::Published => 700_000,
+        };
+        Trial {
+            part,
+            family: self.family,
+            scatter,
+            pace: Pace::Staircase,
+            specimens: None,
+            cases: Vec::new(),
+            multiple: 0.0,
+            mistake: None,
+            base: "new",
+            seed: apart + seed,
+        }
+    }
+
+    fn nothing(&self, scatter: Scatter, n: u64) -> Vec<Trial> {
+        let trial = |seed| self.trial(Part::Nothing, scatter, seed);
+        (0..n).map(trial).collect()
+    }
+
+    fn singles(&self, scatter: Scatter, multiple: f64, n: u64) -> Vec<Trial> {
+        let list = self.each(Part::Single, scatter, SINGLE, n).into_iter();
+        list.map(|t| Trial { multiple, ..t }).collect()
+    }
+
+    /// Campaigns of every case, at four detection limits. Their seeds are those of campaigns without an effect, so that these serve for
+    /// the limits; as few cases as possible share one.
+    fn each(&self, part: Part, scatter: Scatter, cases: &[Case], n: u64) -> Vec<Trial> {
+        let seeds = NOTHING * self.seeds.max(1);
+        let one = |(k, case): (usize, &Case)| {
+            let case = *case;
+            (0..n).map(move |j| Trial {
+                pace: case.pace,
+                cases: vec![case],
+                multiple: FOUR,
+                ..self.trial(part, scatter, (k as u64 * n + j) % seeds)
+            })
+        };
+        cases.iter().enumerate().flat_map(one).collect()
+    }
+
+    fn pairs(&self, scatter: Scatter, n: u64) -> Vec<Trial> {
+        let pairs = cases::pairs();
+        let seeds = NOTHING * self.seeds.max(1);
+        // A step that has no divisor in common with the number of pairs visits all of them.
+        let step = (7..).find(|s| pairs.len() % s != 0).unwrap_or(1);
+        let one = |k: u64| Trial {
+            cases: pairs[(k as usize * step) % pairs.len()].to_vec(),
+            multiple: FOUR,
+            ..self.trial(Part::Two, scatter, k % seeds)
+        };
+        (0..n).map(one).collect()
+    }
+
+    fn rediscovery(&self, n: u64) -> Vec<Trial> {
+        let one = |k: u64| Trial {
+            specimens: Some(6 + (k / 2) as usize % 3),
+            base: BASES[k as usize % 2],
+            ..self.trial(Part::Rediscovery, Scatter::RigLike, 9_000 + k)
+        };
+        (0..n).map(one).collect()
+    }
+
+    fn recording(&self, n: u64) -> Vec<Trial> {
+        let one = |k: u64| Trial {
+            mistake: Some(MISTAKES[k as usize % MISTAKES.len()]),
+            ..self.trial(Part::Recording, Scatter::RigLike, 8_000 + k)
+        };
+        (0..n).map(one).collect()
+    }
+}

@@ -1,0 +1,315 @@
+//! The table in Markdown: what was tried, how often it was right, and the bar.
+
+use super::outcome::Outcome;
+use super::plan::MULTIPLES;
+use super::rate::{Rate, median, quantile};
+use super::trial::{Part, Trial};
+use pipeline::simulate::rig_like::Scatter;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+/// A campaign and what came of it.
+type Pair<'a> = (&'a Trial, &'a Outcome);
+
+/// A line of the table of bars.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bar {
+    /// What is counted.
+    pub case: String,
+    /// What came of it.
+    pub result: String,
+    /// What it has to be.
+    pub bar: String,
+    /// Whether it is; none where nothing was counted.
+    pub met: Option<bool>,
+}
+
+impl Bar {
+    /// A share within bounds.
+    fn share(case: &str, rate: Rate, (low, high): (f64, f64)) -> Self {
+        let percent = |x: f64| format!("{:.0}%", 100.0 * x);
+        let bar = match (low > 0.0, high < 1.0) {
+            (true, true) => format!("{} to {}", percent(low), percent(high)),
+            (true, false) => format!("at least {}", percent(low)),
+            _ => format!("at most {:.1}%", 100.0 * high),
+        };
+        let share = rate.share();
+        Self {
+            case: case.to_owned(),
+            result: rate.to_string(),
+            bar,
+            met: (rate.of > 0).then_some(low <= share && share <= high),
+        }
+    }
+
+    /// A number within bounds.
+    fn number(case: &str, value: Option<f64>, bar: &str, (low, high): (f64, f64)) -> Self {
+        Self {
+            case: case.to_owned(),
+            result: value.map_or("-".to_owned(), |x| format!("{x:.3}")),
+            bar: bar.to_owned(),
+            met: value.map(|x| low <= x && x <= high),
+        }
+    }
+}
+
+/// Every bar of one block.
+pub fn bars(trials: &[Trial], outcomes: &[Outcome], scatter: Scatter) -> Vec<Bar> {
+    let all: Vec<Pair> = trials
+        .iter()
+        .zip(outcomes)
+        .filter(|(t, _)| t.scatter == scatter)
+        .collect();
+    let of = |part: Part| -> Vec<Pair> {
+        all.iter()
+            .copied()
+            .filter(|(t, _)| t.part == part)
+            .collect()
+    };
+    let mut list = of_nothing(&of(Part::Nothing), scatter);
+    list.extend(of_singles(&of(Part::Single), scatter));
+    let exact = |list: &[Pair]| Rate::of(list.iter().map(|(_, o)| o.exact));
+    let two = of(Part::Two);
+    list.push(Bar::share(
+        "two effects, 4 times the limit: both and nothing else",
+        exact(&two),
+        (0.85, 1.0),
+    ));
+    let forms = of(Part::OtherForm);
+    list.push(Bar::share(
+        "another form, 4 times the limit: right id and nothing else",
+        exact(&forms),
+        (0.9, 1.0),
+    ));
+    let ratio = median(forms.iter().filter_map(|(_, o)| o.error_ratio));
+    let title = "the same: error on unseen specimens, over that without the effect, median";
+    list.push(Bar::number(title, ratio, "at most 1.10", (0.0, 1.1)));
+    list.extend(of_outside(&of(Part::Outside)));
+    let found = Rate::of(of(Part::Rediscovery).iter().map(|(_, o)| o.detected));
+    list.push(Bar::share(
+        "Hunt 2017 or the Festo tool: `rest_length_scaling` found",
+        found,
+        (0.9, 1.0),
+    ));
+    let recording = of(Part::Recording);
+    let pointed = Rate::of(recording.iter().map(|(_, o)| o.detected));
+    list.push(Bar::share(
+        "recording errors pointed at",
+        pointed,
+        (0.9, 1.0),
+    ));
+    let invented = Rate::of(recording.iter().map(|(_, o)| !o.found.is_empty()));
+    list.push(Bar::share(
+        "recording errors: an effect invented beside them",
+        invented,
+        (0.0, 0.05),
+    ));
+    list.retain(|b| b.met.is_some());
+    list
+}
+
+fn of_nothing(list: &[Pair], scatter: Scatter) -> Vec<Bar> {
+    let found = Rate::of(list.iter().map(|(_, o)| !o.found.is_empty()));
+    let column = Rate::of(list.iter().map(|(_, o)| !o.columns.is_empty()));
+    let pointed = Rate::of(list.iter().map(|(_, o)| !o.pointed.is_empty()));
+    let mut bars = vec![
+        Bar::share("no effect: one found", found, (0.0, 0.075)),
+        Bar::share("no effect: a column found", column, (0.0, 0.075)),
+        Bar::share(
+            "no effect: a recording error pointed at",
+            pointed,
+            (0.0, 0.075),
+        ),
+    ];
+    if scatter == Scatter::Clean {
+        return bars;
+    }
+    for (k, name) in ["set length", "gain"].iter().enumerate() {
+        let many = list.iter().filter(|(_, o)| o.specimens >= 6);
+        let ratio = median(many.filter_map(|(_, o)| o.scatter_ratios[k]));
+        let title = format!(
+            "no effect, 6 specimens or more: estimated over true scatter of {name}, median"
+        );
+        bars.push(Bar::number(&title, ratio, "0.80 to 1.25", (0.8, 1.25)));
+    }
+    bars.push(gap("no effect", list));
+    bars
+}
+
+/// Log density of held-out readings less the generating model's.
+fn gap(of: &str, list: &[Pair]) -> Bar {
+    let gap = median(list.iter().filter_map(|(_, o)| o.log_density_gap));
+    let title =
+        format!("{of}: held-out log density a reading, less the generating model's, median");
+    Bar::number(&title, gap, "-0.05 to 0.05", (-0.05, 0.05))
+}
+
+fn of_singles(list: &[Pair], scatter: Scatter) -> Vec<Bar> {
+    let mut bars = Vec::new();
+    for multiple in MULTIPLES {
+        let own: Vec<Pair> = list
+            .iter()
+            .copied()
+            .filter(|(t, _)| t.multiple == multiple)
+            .collect();
+        let exact = Rate::of(own.iter().map(|(_, o)| o.exact));
+        let title = format!("one effect, {multiple} times the limit: it and nothing else");
+        let bounds = match multiple {
+            1.0 => (0.7, 0.9),
+            4.0 => (0.9, 1.0),
+            // Between the two: no bar of its own, but no worse than at the limit.
+            _ => (0.7, 1.0),
+        };
+        bars.push(Bar::share(&title, exact, bounds));
+        let detected = Rate::of(own.iter().map(|(_, o)| o.detected));
+        let title = format!("one effect, {multiple} times the limit: it, whatever else");
+        bars.push(Bar::share(&title, detected, bounds));
+    }
+    let found = Rate::of(list.iter().filter_map(|(_, o)| o.covered.found));
+    bars.push(Bar::share(
+        "intervals of those found cover",
+        found,
+        (0.9, 0.98),
+    ));
+    let either = |o: &Outcome| o.covered.found.or(o.covered.not_found);
+    let all = Rate::of(list.iter().filter_map(|(_, o)| either(o)));
+    bars.push(Bar::share("intervals of all cover", all, (0.9, 0.98)));
+    let creep = list.iter().filter(|(t, _)| t.cases[0].id == "creep");
+    let creep = Rate::of(creep.filter_map(|(_, o)| either(o)));
+    bars.push(Bar::share(
+        "intervals of creep's k cover",
+        creep,
+        (0.9, 1.0),
+    ));
+    if scatter == Scatter::RigLike {
+        bars.push(gap("one effect", list));
+    }
+    bars
+}
+
+fn of_outside(list: &[Pair]) -> Vec<Bar> {
+    let right = |o: &Outcome| o.detected && o.verdict == "unexplained";
+    let right = Rate::of(list.iter().map(|(_, o)| right(o)));
+    let named = Rate::of(list.iter().map(|(_, o)| !o.found.is_empty()));
+    vec![
+        Bar::share(
+            "outside the library, 4 times the limit: unexplained, the right column",
+            right,
+            (0.9, 1.0),
+        ),
+        Bar::share("outside the library: a physical name", named, (0.0, 0.05)),
+    ]
+}
+
+/// The whole document, but for its head.
+pub fn document(trials: &[Trial], outcomes: &[Outcome]) -> String {
+    let mut text = String::new();
+    for (scatter, title) in [
+        (Scatter::RigLike, "Rig-like campaigns"),
+        (Scatter::Clean, "Clean campaigns"),
+    ] {
+        let bars = bars(trials, outcomes, scatter);
+        if bars.is_empty() {
+            continue;
+        }
+        let _ = writeln!(
+            text,
+            "\n## {title}\n\n| case | result | bar | |\n|---|---|---|---|"
+        );
+        for b in bars {
+            let met = if b.met == Some(true) {
+                "met"
+            } else {
+                "**missed**"
+            };
+            let _ = writeln!(text, "| {} | {} | {} | {met} |", b.case, b.result, b.bar);
+        }
+        text.push_str(&by_case(trials, outcomes, scatter));
+    }
+    text.push_str(&sizes_and_times(trials, outcomes));
+    text
+}
+
+/// Case by case: how often exact, and what was found instead.
+fn by_case(trials: &[Trial], outcomes: &[Outcome], scatter: Scatter) -> String {
+    let mut groups: BTreeMap<(Part, String, String), Vec<Pair>> = BTreeMap::new();
+    for pair in trials
+        .iter()
+        .zip(outcomes)
+        .filter(|(t, _)| t.scatter == scatter)
+    {
+        let (part, name, multiple) = label(pair.0);
+        groups.entry((part, name, multiple)).or_default().push(pair);
+    }
+    let mut text = "\n| put in | limits | found, and nothing else | found | interval covers | error | found instead |\n".to_owned();
+    text.push_str("|---|---|---|---|---|---|---|\n");
+    for ((_, name, multiple), list) in &groups {
+        let exact = Rate::of(list.iter().map(|(_, o)| o.exact));
+        let detected = list.iter().filter(|(_, o)| o.detected).count();
+        let covered = Rate::of(list.iter().filter_map(|(_, o)| o.covered.found));
+        let covered = if covered.of == 0 {
+            "-".to_owned()
+        } else {
+            format!("{}/{}", covered.hits, covered.of)
+        };
+        let ratio = median(list.iter().filter_map(|(_, o)| o.error_ratio));
+        let ratio = ratio.map_or("-".to_owned(), |r| format!("{r:.2}"));
+        let instead = instead(list);
+        let _ = writeln!(
+            text,
+            "| {name} | {multiple} | {exact} | {detected} | {covered} | {ratio} | {instead} |"
+        );
+    }
+    text
+}
+
+/// The row of the detailed table.
+fn label(trial: &Trial) -> (Part, String, String) {
+    let names: Vec<String> = trial.cases.iter().map(super::cases::Case::name).collect();
+    let name = match trial.part {
+        Part::Nothing | Part::Limits => "nothing".to_owned(),
+        Part::Two => "two effects".to_owned(),
+        Part::Rediscovery => format!("nothing, base {}", trial.base),
+        Part::Recording => trial.mistake.map_or(String::new(), |m| format!("{m:?}")),
+        _ => names.join(" + "),
+    };
+    let multiple = if trial.cases.is_empty() {
+        String::new()
+    } else {
+        trial.multiple.to_string()
+    };
+    (trial.part, name, multiple)
+}
+
+/// What was found where it was not exact, the most frequent first.
+fn instead(list: &[Pair]) -> String {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for (_, o) in list.iter().filter(|(_, o)| !o.exact) {
+        *counts.entry(o.words()).or_default() += 1;
+    }
+    let mut counts: Vec<(String, usize)> = counts.into_iter().collect();
+    counts.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
+    let words: Vec<String> = counts
+        .iter()
+        .take(4)
+        .map(|(w, n)| format!("{w} ({n})"))
+        .collect();
+    words.join(", ")
+}
+
+fn sizes_and_times(trials: &[Trial], outcomes: &[Outcome]) -> String {
+    let pairs: Vec<Pair> = trials.iter().zip(outcomes).collect();
+    let generating = pairs
+        .iter()
+        .filter(|(_, o)| o.size.generating_limit)
+        .count();
+    let capped = pairs.iter().filter(|(_, o)| o.size.capped).count();
+    let seconds = |p| quantile(outcomes.iter().map(|o| o.seconds), p).unwrap_or(f64::NAN);
+    format!(
+        "\nIn {generating} of {} campaigns the findings stated no detection limit for what was put in, and that of the generating model stood in for it; in \
+         {capped} the size asked for was absurd and a smaller one was taken. A search took {:.1} s (median), {:.1} s at most, beside others on the same cores.\n",
+        pairs.len(),
+        seconds(0.5),
+        seconds(1.0)
+    )
+}
