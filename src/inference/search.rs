@@ -92,14 +92,13 @@ impl Search<'_> {
         };
         drop(screen);
         while found.accepted.len() < self.decision.most_terms {
-            let before = found.model.clone();
-            let Some(next) = self.next(&before, &found, normal, known.is_none()) else {
+            let Some(next) = self.next(&mut found, normal, known.is_none()) else {
                 break;
             };
             found.accepted.push(Accepted {
                 term: next.term,
                 p: next.p,
-                gain: next.fitted.log_likelihood - before.log_likelihood,
+                gain: next.fitted.log_likelihood - found.model.log_likelihood,
                 in_its_place: Vec::new(),
             });
             found.model = next.fitted;
@@ -108,11 +107,12 @@ impl Search<'_> {
         found
     }
 
-    /// The candidate that comes in next, or none.
-    fn next(&self, model: &Fitted, found: &Found, normal: &Normal, again: bool) -> Option<Next> {
-        let screen = Screen::new(self.setting, model);
+    /// The candidate that comes in next, or none. A model to which a better null belongs replaces it.
+    fn next(&self, found: &mut Found, normal: &Normal, again: bool) -> Option<Next> {
+        let model = found.model.clone();
+        let screen = Screen::new(self.setting, &model);
         let shown = screen.shown(2 * Screen::refined_in_draws());
-        let first = shown.first()?.deviate();
+        let first = shown.first().map_or(f64::NEG_INFINITY, Shown::deviate);
         let mut draws = found.draws.clone();
         let close = (CLOSE.0 * self.decision.level, CLOSE.1 * self.decision.level);
         let p = upper_tail(&draws, first);
@@ -120,12 +120,22 @@ impl Search<'_> {
             draws = screen.draws(self.decision.draws, normal);
         }
         let limit = critical(&draws, self.decision.level);
-        if first < limit {
-            return None;
+        let mut fits = if first < limit {
+            Vec::new()
+        } else {
+            self.fits(&screen, &model, &shown)
+        };
+        fits.extend(self.fits_afresh(&model));
+        let (fitted, term) = self.preferred(&fits)?;
+        let without = self.altered(&fitted, term, None);
+        if without.log_likelihood > model.log_likelihood {
+            if found.accepted.is_empty() {
+                found.null = without.clone();
+            }
+            found.model = without;
         }
-        let (fitted, term) = self.best_of(&screen, model, &shown)?;
         let amplitudes = self.setting.problem.terms()[term].amplitudes;
-        let gain = fitted.log_likelihood - model.log_likelihood;
+        let gain = fitted.log_likelihood - found.model.log_likelihood;
         let statistic = deviate(2.0 * gain, amplitudes);
         (statistic >= limit).then(|| Next {
             p: upper_tail(&draws, statistic),
@@ -134,34 +144,65 @@ impl Search<'_> {
         })
     }
 
-    /// The strongest candidates fitted in full; the best of them, a term with a name before one without where both are alike.
-    fn best_of(&self, screen: &Screen, model: &Fitted, shown: &[Shown]) -> Option<(Fitted, usize)> {
+    /// Fits of the terms that gain most beside a model without misfit: where a law is far off, its misfit has taken the place of what it
+    /// lacks, and the directions there no longer show it.
+    fn fits_afresh(&self, model: &Fitted) -> Vec<(Fitted, usize)> {
+        let exact = Setting {
+            misfit_factor: 0.0,
+            ..self.setting.clone()
+        };
+        let bare = exact.fit(&model.point, &exact.fresh());
+        let screen = Screen::new(&exact, &bare);
+        let shown = screen.shown(2 * FITTED);
+        let mut kinds = Vec::new();
+        let mut starts = Vec::new();
+        for s in &shown {
+            let direction = &screen.directions[s.direction];
+            let kind = self.setting.problem.terms()[direction.term].kind;
+            if kinds.contains(&kind) || kinds.len() >= FITTED {
+                continue;
+            }
+            kinds.push(kind);
+            let mut from = bare.point.clone();
+            from.terms.push((direction.term, scaled(&direction.start, &s.estimate)));
+            starts.push((from, direction.term));
+        }
+        starts
+            .into_iter()
+            .map(|(from, term)| (self.setting.fit_afresh(&from), term))
+            .collect()
+    }
+
+    /// The strongest candidates fitted in full.
+    fn fits(&self, screen: &Screen, model: &Fitted, shown: &[Shown]) -> Vec<(Fitted, usize)> {
         let problem = self.setting.problem;
-        let best = shown.first()?.likelihood_ratio;
+        let best = shown.first().map_or(0.0, |s| s.likelihood_ratio);
         let mut fits: Vec<(Fitted, usize)> = Vec::new();
         let mut kinds: Vec<usize> = Vec::new();
         for s in shown {
             let direction = &screen.directions[s.direction];
             let kind = problem.terms()[direction.term].kind;
-            let behind = best - s.likelihood_ratio;
             let forms = kinds.iter().filter(|k| **k == kind).count();
-            if behind > 0.5 * best || fits.len() >= 2 * FITTED || forms >= FITTED {
+            if s.likelihood_ratio < 0.5 * best || fits.len() >= 2 * FITTED || forms >= FITTED {
                 continue;
             }
             kinds.push(kind);
             let mut from = model.point.clone();
-            let start = direction.start.iter().enumerate();
-            let start: Vec<f64> = start
-                .map(|(k, x)| s.estimate.get(k).map_or(*x, |e| e * x))
-                .collect();
-            from.terms.push((direction.term, start));
-            let fit = self.setting.fit(&from, &self.starts(model));
-            fits.push((fit, direction.term));
+            from.terms.push((direction.term, scaled(&direction.start, &s.estimate)));
+            fits.push((self.setting.fit(&from, &self.starts(model)), direction.term));
         }
+        fits
+    }
+
+    /// The best of some fits, by the last term of each; a term with a name before one without where both are alike.
+    fn preferred(&self, fits: &[(Fitted, usize)]) -> Option<(Fitted, usize)> {
+        let problem = self.setting.problem;
         let best = best_fit(fits.iter())?;
         let named = fits.iter().filter(|(_, t)| problem.terms()[*t].named);
-        let named = best_fit(named).filter(|n| n.0.log_likelihood > best.0.log_likelihood - self.decision.alike);
-        Some(named.unwrap_or(best).clone())
+        let alike = |n: &&(Fitted, usize)| {
+            n.0.log_likelihood > best.0.log_likelihood - self.decision.alike
+        };
+        Some(best_fit(named).filter(alike).unwrap_or(best).clone())
     }
 
     /// Variances where a fit starts: those of the model before it, and usual ones.
@@ -235,9 +276,8 @@ impl Search<'_> {
                 break;
             }
             kinds.push(other.kind);
-            let start = direction.start.iter().enumerate();
-            let start = start.map(|(k, x)| s.estimate.get(k).map_or(*x, |e| e * x));
-            let fit = self.altered(model, term, Some((direction.term, start.collect())));
+            let start = scaled(&direction.start, &s.estimate);
+            let fit = self.altered(model, term, Some((direction.term, start)));
             if fit.log_likelihood > model.log_likelihood - self.decision.alike {
                 fits.push((direction.term, fit));
             }
@@ -250,3 +290,11 @@ fn best_fit<'f>(fits: impl Iterator<Item = &'f (Fitted, usize)>) -> Option<&'f (
     fits.max_by(|a, b| a.0.log_likelihood.total_cmp(&b.0.log_likelihood))
 }
 
+
+/// The start of a term: each amplitude times its estimate, the shape as it is.
+fn scaled(start: &[f64], estimate: &[f64]) -> Vec<f64> {
+    let values = start.iter().enumerate();
+    values
+        .map(|(k, x)| estimate.get(k).map_or(*x, |e| e * x))
+        .collect()
+}

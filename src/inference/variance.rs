@@ -57,8 +57,8 @@ impl Effort {
     };
     /// A few steps from a point close by: in the draws of a bootstrap.
     pub const SHORT: Self = Self {
-        evaluations: 4,
-        tolerance: 0.02,
+        evaluations: 10,
+        tolerance: 0.05,
     };
 }
 
