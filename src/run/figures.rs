@@ -6,6 +6,7 @@ use crate::run::engine::Engine;
 use crate::run::groups::GroupResult;
 use crate::run::reports::REPORT;
 use crate::run::step::Step;
+use crate::report::left_out::LeftOut;
 use crate::stages::compare::Predictions;
 use crate::stages::report::{self, GroupFigures, GroupInput};
 use std::collections::BTreeMap;
@@ -16,7 +17,7 @@ const PNG_DPI: &str = "report.png_dpi";
 /// Brings the figures of one group up to date.
 ///
 /// # Errors
-/// System errors, damaged entries, a figure without room.
+/// System errors, damaged entries.
 pub fn process(engine: &Engine, group: &GroupResult, config: &Config) -> Result<Step> {
     let unit = format!("figures of {}", group.unit());
     let mut inputs = BTreeMap::new();
@@ -47,6 +48,14 @@ pub fn input(engine: &Engine, group: &GroupResult, predictions: Predictions) -> 
         predictions,
         diagnosis: group.diagnosed(engine)?,
     })
+}
+
+/// The figures that could not be built.
+///
+/// # Errors
+/// A damaged entry.
+pub fn left_out(engine: &Engine, step: &Step) -> Result<Vec<LeftOut>> {
+    serde_json::from_slice(&engine.read(step, report::LEFT_OUT)?).map_err(Error::internal)
 }
 
 /// The figures as drawn.
