@@ -192,12 +192,10 @@ fn verdict(verdict: Verdict) -> &'static str {
 /// What would run.
 pub fn status(outcome: &Outcome, as_json: bool) -> Result<()> {
     if as_json {
-        return print_json(
-            &json!({
-                "would_run": work_json(outcome), "up_to_date": outcome.fresh, "would_put_back": paths(&outcome.written),
-                "left_out": outcome.left_out,
-            }),
-        );
+        return print_json(&json!({
+            "would_run": work_json(outcome), "up_to_date": outcome.fresh, "would_put_back": paths(&outcome.written),
+            "left_out": outcome.left_out,
+        }));
     }
     reasons(outcome);
     left_out(&outcome.left_out);

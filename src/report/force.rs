@@ -201,7 +201,12 @@ fn date(text: &str) -> Option<(i32, u8, u8)> {
     Some((year, month, day))
 }
 
-fn data(input: &ReportInput, traces: &[Option<Drawn>], config: &Config, split_digest: &str) -> Data {
+fn data(
+    input: &ReportInput,
+    traces: &[Option<Drawn>],
+    config: &Config,
+    split_digest: &str,
+) -> Data {
     let options = &config.report;
     let simulated = |s: &crate::report::input::SessionInput| s.ingest.session.is_simulated();
     let rejects = || input.sessions.iter().flat_map(|s| s.rejects());

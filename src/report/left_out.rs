@@ -110,8 +110,14 @@ mod tests {
             Ok(())
         });
         let said = panics.to_string();
-        assert!(said.starts_with("document force.pdf: index out of bounds"), "{said}");
-        assert_eq!(counted(&[fails.clone(), panics, fails]), "2 figures and 1 document");
+        assert!(
+            said.starts_with("document force.pdf: index out of bounds"),
+            "{said}"
+        );
+        assert_eq!(
+            counted(&[fails.clone(), panics, fails]),
+            "2 figures and 1 document"
+        );
         assert_eq!(attempt(Part::Figure, "", Task::Drawing, || Ok(1)), Ok(1));
     }
 }

@@ -2,11 +2,11 @@
 
 use crate::base::error::{Error, Result};
 use crate::config::{Config, flatten};
+use crate::report::left_out::LeftOut;
 use crate::run::engine::Engine;
 use crate::run::groups::GroupResult;
 use crate::run::reports::REPORT;
 use crate::run::step::Step;
-use crate::report::left_out::LeftOut;
 use crate::stages::compare::Predictions;
 use crate::stages::report::{self, GroupFigures, GroupInput};
 use std::collections::BTreeMap;

@@ -71,7 +71,13 @@ impl<'a> Shelf<'a> {
                 continue;
             };
             let read = || self.engine.read(step, name);
-            let differs = write(self.engine, name, (&path, &object.digest), read, self.options)?;
+            let differs = write(
+                self.engine,
+                name,
+                (&path, &object.digest),
+                read,
+                self.options,
+            )?;
             self.note(name, path, differs, &object.digest);
         }
         Ok(())

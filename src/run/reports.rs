@@ -1,7 +1,7 @@
 //! The report stage over everything: first a unit of the tables, which are in place before any figure is drawn, then one of the pages.
 
-use crate::base::error::{Error, Result};
 use crate::base::diagnostics::Diagnostic;
+use crate::base::error::{Error, Result};
 use crate::base::row::Row;
 use crate::cache::{Digest, Entry};
 use crate::config::flatten;
@@ -15,9 +15,7 @@ use crate::run::sessions::SessionResult;
 use crate::run::step::{Stage, Step};
 use crate::run::torque::TorqueResult;
 use crate::stages::compare::Predictions;
-use crate::stages::report::{
-    self, GroupInput, KneeInput, Provenance, ReportInput, SessionInput, Trace,
-};
+use crate::stages::report::{self, KneeInput, Provenance, ReportInput, SessionInput, Trace};
 use std::collections::BTreeMap;
 
 /// The stage.
@@ -55,11 +53,7 @@ pub struct Tables<'a> {
 ///
 /// # Errors
 /// System errors, damaged entries.
-pub fn tables<'a>(
-    engine: &'a Engine,
-    done: &Done,
-    options: &'a RunOptions,
-) -> Result<Tables<'a>> {
+pub fn tables<'a>(engine: &'a Engine, done: &Done, options: &'a RunOptions) -> Result<Tables<'a>> {
     let mut shelf = Shelf::new(engine, options);
     let inputs = match results(done)? {
         Ok(inputs) => inputs,
@@ -118,7 +112,10 @@ pub fn pages(
     if step.entry().is_none() {
         return Ok(shelf.unfinished());
     }
-    figures.iter().chain([&step]).try_for_each(|s| shelf.put(s))?;
+    figures
+        .iter()
+        .chain([&step])
+        .try_for_each(|s| shelf.put(s))?;
     let mut written = shelf.finish(done.sessions)?;
     written.left_out = figures::left_out(engine, &step)?;
     Ok(written)

@@ -16,6 +16,7 @@ mod jobs;
 mod kill;
 mod knee;
 mod labels;
+mod left_out;
 mod lookup;
 mod messages;
 mod mistakes;

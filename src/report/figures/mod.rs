@@ -174,10 +174,7 @@ pub fn build(composed: Vec<Option<Composed>>, png_dpi: f64) -> Built {
 
 type Files = Vec<(String, Vec<u8>)>;
 
-fn drawn_with_files(
-    named: &Named,
-    png_dpi: f64,
-) -> std::result::Result<(Drawn, Files), LeftOut> {
+fn drawn_with_files(named: &Named, png_dpi: f64) -> std::result::Result<(Drawn, Files), LeftOut> {
     let drawn = attempt(Part::Figure, &named.name, Task::Drawing, || named.draw())?;
     let written = || files(&drawn, png_dpi);
     let files = attempt(Part::Figure, &named.name, Task::Converting, written)?;
@@ -218,5 +215,7 @@ pub fn files(drawn: &Drawn, png_dpi: f64) -> Result<Vec<(String, Vec<u8>)>> {
     ])
 }
 
+#[cfg(test)]
+mod pool_tests;
 #[cfg(test)]
 mod tests;

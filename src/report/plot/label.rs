@@ -242,10 +242,10 @@ mod tests {
     fn a_label_that_is_too_wide_loses_its_middle_and_keeps_its_words_for_screen_readers() {
         let long = format!("l_{{rest}} of {}end", "specimen ".repeat(20));
         let whole = Label::new(&long, 7.0);
-        for width in [200.0, 1000.0, 4000.0] {
+        for width in [500.0, 1000.0, 4000.0] {
             let label = Label::within(&long, 7.0, width);
             assert!(label.width <= width, "{} > {width}", label.width);
-            assert!(label.width > 0.8 * width);
+            assert!(label.width > width - 300.0, "{} of {width}", label.width);
             assert_eq!(label.plain, whole.plain);
         }
         assert_eq!(
