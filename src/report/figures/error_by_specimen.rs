@@ -22,10 +22,8 @@ const SHIFT: f64 = 0.14;
 pub fn figure(group: &GroupInput, _config: &Config) -> Option<(String, Figure)> {
     let by_specimen = &group.comparison.by_specimen;
     let left_out = |c: &Comparison| c.model == NEW && c.split == "loso" && c.rmse.is_some();
-    let unseen: Vec<&SpecimenComparison> = by_specimen
-        .iter()
-        .filter(|s| left_out(&s.comparison))
-        .collect();
+    let unseen = by_specimen.iter().filter(|s| left_out(&s.comparison));
+    let unseen: Vec<&SpecimenComparison> = unseen.collect();
     if unseen.len() < 2 {
         return None;
     }
@@ -33,12 +31,15 @@ pub fn figure(group: &GroupInput, _config: &Config) -> Option<(String, Figure)> 
         .iter()
         .map(|s| s.comparison.rmse.unwrap_or(0.0))
         .collect();
-    let specimens: Vec<(&str, f64)> = largest(&errors, MOST_SPECIMENS)
-        .into_iter()
-        .map(|k| (unseen[k].specimen.as_str(), unseen[k].rest_length_m))
+    let all: Vec<(&str, f64)> = unseen
+        .iter()
+        .map(|s| (s.specimen.as_str(), s.rest_length_m))
         .collect();
-    let names = specimen_names(&specimens);
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    // Of all of them, so that a length that others share does not stand alone for one.
+    let names = specimen_names(&all);
+    let shown = largest(&errors, MOST_SPECIMENS);
+    let specimens: Vec<(&str, f64)> = shown.iter().map(|k| all[*k]).collect();
+    let names: Vec<&str> = shown.iter().map(|k| names[*k].as_str()).collect();
     let mut panel = Panel::new(
         Axis::new("RMSE (N)").including(0.0),
         Axis::categories("l_{rest}", &names),

@@ -24,12 +24,7 @@ pub fn figure(group: &GroupInput, config: &Config) -> Option<(String, Figure)> {
         "All models at several resting lengths, {}",
         group.fit.group.campaign
     );
-    let named: Vec<(&str, f64)> = sheet
-        .specimens
-        .iter()
-        .map(|s| (s.id.as_str(), s.rest_length_m))
-        .collect();
-    let names = specimen_names(&named);
+    let names = sheet.names();
     let (columns, rows) = (sheet.specimens.len(), sheet.pressures.len());
     let width = DOUBLE_MM.min(70.0 + 52.5 * columns as f64);
     let mut figure = Figure::new(&title, width, 24.0 + 52.0 * rows as f64)
@@ -73,6 +68,19 @@ impl<'a> Sheet<'a> {
             pressures,
             models: models(group, config),
         })
+    }
+
+    /// The names of the specimens that are shown, among all.
+    fn names(&self) -> Vec<String> {
+        let all = &self.group.fit.specimens;
+        let lengths: Vec<(&str, f64)> = all
+            .iter()
+            .map(|s| (s.id.as_str(), s.rest_length_m))
+            .collect();
+        let names = all.iter().zip(specimen_names(&lengths));
+        let shown = |s: &SpecimenSummary| self.specimens.iter().any(|other| other.id == s.id);
+        let named = names.filter(|(s, _)| shown(s));
+        named.map(|(_, name)| name).collect()
     }
 
     /// Contractions of the curves, as fractions: from resting length to a little beyond the free length.
