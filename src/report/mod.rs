@@ -9,6 +9,7 @@
 //! | [`tables`] | one file a table |
 //! | [`plot`] | journal figures on plotters: axes, layers, legends |
 //! | [`figures`] | one file a figure |
+//! | [`left_out`] | figures and documents that could not be built |
 //! | [`answers`] | the words of a diagnosis |
 //! | [`force`] | the pages of `force.pdf` |
 //! | [`audit`] | the pages of `audit.pdf` |
@@ -26,6 +27,7 @@ pub mod fonts;
 pub mod force;
 pub mod input;
 pub mod knee;
+pub mod left_out;
 pub mod markup;
 pub mod number;
 pub mod plot;

@@ -35,7 +35,7 @@ const COLOURS: [Ink; 6] = [
 ];
 
 /// The residual of the base model.
-pub fn before(group: &GroupInput, _config: &Config) -> Option<(&'static str, String, Figure)> {
+pub fn before(group: &GroupInput, _config: &Config) -> Option<(String, Figure)> {
     let diagnosis = group.diagnosis.as_ref()?;
     let caption = caption(group, diagnosis, "the base model");
     let title = format!("Residual before, {}", group.fit.group.campaign);
@@ -44,11 +44,11 @@ pub fn before(group: &GroupInput, _config: &Config) -> Option<(&'static str, Str
         questions: &diagnosis.findings.questions,
     };
     let figure = figure(group, diagnosis, &shown, &title)?;
-    Some(("residual-before", caption, figure))
+    Some((caption, figure))
 }
 
 /// The residual of the model with the effects; none where nothing was added.
-pub fn after(group: &GroupInput, _config: &Config) -> Option<(&'static str, String, Figure)> {
+pub fn after(group: &GroupInput, _config: &Config) -> Option<(String, Figure)> {
     let diagnosis = group.diagnosis.as_ref()?;
     let residuals = &diagnosis.residuals;
     if residuals.before == residuals.after {
@@ -68,7 +68,7 @@ pub fn after(group: &GroupInput, _config: &Config) -> Option<(&'static str, Stri
         questions: &diagnosis.findings.questions_after,
     };
     let figure = figure(group, diagnosis, &shown, &title)?;
-    Some(("residual-after", caption, figure))
+    Some((caption, figure))
 }
 
 /// What one of the two figures shows.

@@ -2,14 +2,18 @@
 
 use crate::config::Config;
 use crate::report::figures::asked::{factor, label};
+use crate::report::figures::words::{listed, verbatim};
 use crate::report::input::GroupInput;
 use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Panel, SINGLE_MM, Series, Stroke};
 use crate::stages::diagnose::findings::Unexplained;
 
+/// Panels beyond these are left out, so that the figure fits on a page with its caption.
+const MOST_PANELS: usize = 8;
+
 /// The figure; none where no correction was fitted.
-pub fn figure(group: &GroupInput, _config: &Config) -> Option<(&'static str, String, Figure)> {
+pub fn figure(group: &GroupInput, _config: &Config) -> Option<(String, Figure)> {
     let found = &group.diagnosis.as_ref()?.findings;
-    let fitted: Vec<&Unexplained> = found
+    let mut fitted: Vec<&Unexplained> = found
         .unexplained
         .iter()
         .filter(|u| u.curve.len() > 1)
@@ -17,6 +21,9 @@ pub fn figure(group: &GroupInput, _config: &Config) -> Option<(&'static str, Str
     if fitted.is_empty() {
         return None;
     }
+    let columns = fitted.iter().map(|u| label(&u.column));
+    let untold: Vec<String> = columns.skip(MOST_PANELS).map(|c| verbatim(&c)).collect();
+    fitted.truncate(MOST_PANELS);
     let in_a_row = fitted.len().min(2);
     let title = format!("Empirical corrections, {}", group.fit.group.campaign);
     let width = if in_a_row == 1 {
@@ -32,8 +39,15 @@ pub fn figure(group: &GroupInput, _config: &Config) -> Option<(&'static str, Str
     for unexplained in &fitted {
         figure = figure.with(panel(unexplained));
     }
-    let caption = "*Empirical.* The correction that the column would need, of no known cause and for no other campaign.";
-    Some(("empirical", caption.to_owned(), figure))
+    let untold = if untold.is_empty() {
+        String::new()
+    } else {
+        format!(" Not shown: {}.", listed(&untold))
+    };
+    let caption = format!(
+        "*Empirical.* The correction that the column would need, of no known cause and for no other campaign.{untold}"
+    );
+    Some((caption, figure))
 }
 
 fn panel(unexplained: &Unexplained) -> Panel {

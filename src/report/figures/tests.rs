@@ -12,7 +12,7 @@ use crate::stages::fit::{Group, fit_group};
 use std::collections::BTreeMap;
 
 /// Groups as they come: campaigns of one, two and five specimens, at one pressure only, and of a diameter without a law of length.
-fn groups() -> Vec<GroupInput> {
+pub(super) fn groups() -> Vec<GroupInput> {
     let all = [80.0, 100.0, 200.0, 300.0, 400.0, 500.0, 600.0, 618.0, 622.0];
     let one = [617.0, 620.0, 622.0];
     let five = [0.083, 0.182, 0.233, 0.382, 0.455];
@@ -85,10 +85,26 @@ fn row(
     }
 }
 
+/// The figures of a group, all of which can be composed.
+pub(super) fn composed(group: &GroupInput) -> Vec<Named> {
+    let all = of_group(group, &Config::default());
+    all.into_iter()
+        .collect::<std::result::Result<_, _>>()
+        .unwrap()
+}
+
+/// The same of its diagnosis.
+pub(super) fn composed_of_diagnosis(group: &GroupInput) -> Vec<Named> {
+    let all = of_diagnosis(group, &Config::default());
+    all.into_iter()
+        .collect::<std::result::Result<_, _>>()
+        .unwrap()
+}
+
 fn figures_of(campaign: &str) -> BTreeMap<String, Named> {
     let groups = groups();
     let group = groups.iter().find(|g| g.fit.group.campaign == campaign);
-    let named = of_group(group.unwrap(), &Config::default());
+    let named = composed(group.unwrap());
     let slug = slug(group.unwrap());
     let kind = |n: &Named| n.name.trim_end_matches(&format!("-{slug}")).to_owned();
     named.into_iter().map(|n| (kind(&n), n)).collect()
@@ -97,7 +113,7 @@ fn figures_of(campaign: &str) -> BTreeMap<String, Named> {
 #[test]
 fn every_figure_of_every_group_is_fit_for_print_and_repeats_itself() {
     for group in groups() {
-        for named in of_group(&group, &Config::default()) {
+        for named in composed(&group) {
             let svg = named.draw().unwrap().svg;
             assert!(
                 !svg.contains("NaN") && !svg.contains("inf"),
@@ -123,7 +139,7 @@ fn smallest(svg: &str, attribute: &str) -> f64 {
 #[test]
 fn captions_are_markup_that_compiles() {
     for group in groups() {
-        for named in of_group(&group, &Config::default()) {
+        for named in composed(&group) {
             let source = format!("#set page(width: 200mm)\n{}", named.caption);
             let pdf = crate::report::typeset::Document::new(&source).compile();
             assert!(pdf.is_ok(), "{}: {}", named.name, named.caption);
@@ -174,7 +190,7 @@ fn captions_say_what_is_there() {
 fn a_law_at_a_bound_is_named_and_not_drawn() {
     let mut group = groups().remove(0);
     let drawn = |group: &GroupInput| {
-        let (_, caption, figure) = maximum_force::figure(group, &Config::default()).unwrap();
+        let (caption, figure) = maximum_force::figure(group, &Config::default()).unwrap();
         (
             caption,
             figure
@@ -202,7 +218,7 @@ fn a_law_at_a_bound_is_named_and_not_drawn() {
 fn rows_that_are_held_out_stay_out_of_the_residuals() {
     let mut group = groups().remove(0);
     let count = |group: &GroupInput| {
-        let (_, caption, _) = residuals::figure(group, &Config::default()).unwrap();
+        let (caption, _) = residuals::figure(group, &Config::default()).unwrap();
         let words: Vec<&str> = caption.split_whitespace().collect();
         words[2].parse::<usize>().unwrap()
     };
@@ -232,7 +248,7 @@ fn figures_of_a_diagnosis_are_fit_for_print_and_share_their_axes() {
         curve: vec![(30.0, 0.0), (60.0, 2.0)],
     }];
     group.diagnosis = Some(diagnosis);
-    let figures = of_diagnosis(&group, &config);
+    let figures = composed_of_diagnosis(&group);
     let names: Vec<&str> = figures.iter().map(|n| n.name.as_str()).collect();
     let kinds = ["residual-before", "heldout", "residual-after", "empirical"];
     assert_eq!(names, kinds.map(|k| format!("{k}-five-10mm")));
