@@ -16,8 +16,6 @@ const MOST_ITERATIONS: usize = 24;
 const CONVERGED: f64 = 0.02;
 /// After so many iterations steps are halved: readings that go slack and taut again in turn make the iteration alternate.
 const DAMPED_AFTER: usize = 8;
-/// Factors on the prior of the misfit through which a fit from nothing goes.
-const CONTINUATION: [f64; 2] = [0.0, 1.0];
 /// Shortest part of a step that is tried.
 const SHORTEST: f64 = 1.0 / 256.0;
 
@@ -32,6 +30,8 @@ pub struct Setting<'a> {
     pub misfit_factor: f64,
     /// Factor on the usual sizes of components where searches start (the tests of convergence move it).
     pub start_factor: f64,
+    /// Whether every component is held at its usual size.
+    pub at_usual: bool,
     /// Values of terms that are not fitted: place among [`Point::terms`], number of the value.
     pub pinned: Vec<(usize, usize)>,
 }
@@ -78,6 +78,7 @@ impl<'a> Setting<'a> {
             active: vec![true; problem.tree().len()],
             misfit_factor: 1.0,
             start_factor: 1.0,
+            at_usual: false,
             pinned: Vec::new(),
         }
     }
@@ -105,6 +106,9 @@ impl<'a> Setting<'a> {
                     Prior::Fixed(0.0)
                 };
             }
+            if let (true, Prior::Free | Prior::HalfNormal(_)) = (self.at_usual, scale.prior) {
+                scale.prior = Prior::Fixed(scale.usual);
+            }
             scale
         };
         self.problem.components().iter().map(of).collect()
@@ -129,21 +133,20 @@ impl<'a> Setting<'a> {
         }
     }
 
-    /// Fits from a point about which nothing is known: first without misfit, then as it is set here. Else a
-    /// misfit takes the place of coefficients that are still far off, and keeps it.
-    pub fn fit_afresh(&self, from: &Point) -> Fitted {
-        let mut fitted: Option<Fitted> = None;
-        for share in CONTINUATION {
-            let step = Self {
-                misfit_factor: share * self.misfit_factor,
-                ..self.clone()
-            };
-            fitted = Some(match fitted {
-                None => step.fit(from, &step.fresh()),
-                Some(f) => step.fit(&f.point, &[step.widened(&f.variances)]),
-            });
+    /// The same with every component at its usual size: only the noise is estimated.
+    pub fn usual(&self) -> Self {
+        Self {
+            at_usual: true,
+            ..self.clone()
         }
-        fitted.expect("the continuation has steps")
+    }
+
+    /// Fits from a point about which nothing is known: first with every component at its usual size, then with all of them free. Where the
+    /// coefficients are still far off, free components take their place, and keep it.
+    pub fn fit_afresh(&self, from: &Point) -> Fitted {
+        let usual = self.usual();
+        let first = usual.fit(from, &usual.fresh()[..1]);
+        self.fit(&first.point, &[self.widened(&first.variances)])
     }
 
     /// Variances from which a fit with this setting starts: none so small that it cannot grow again.

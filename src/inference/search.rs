@@ -55,8 +55,12 @@ pub struct Found {
 const CLOSE: (f64, f64) = (0.2, 4.0);
 /// How many of the strongest candidates are fitted in full.
 const FITTED: usize = 3;
+/// A fit that keeps less than this share of what the linear model promised is made again from nothing.
+const PROMISED: f64 = 0.8;
 /// A swap has to gain this much in log-likelihood, else the search would go in circles.
 const WORTH_A_SWAP: f64 = 0.1;
+/// How often a better optimum of the model without a further term is taken up.
+const MOST_BETTER: usize = 3;
 
 /// A problem's search.
 pub struct Search<'a> {
@@ -71,6 +75,16 @@ struct Next {
     fitted: Fitted,
     term: usize,
     p: f64,
+}
+
+/// What a step of the search came to.
+enum Step {
+    /// A term came in.
+    Accepted(Box<Next>),
+    /// No term, but a better optimum of the model without one.
+    BetterBase,
+    /// Nothing.
+    Nothing,
 }
 
 impl Search<'_> {
@@ -91,9 +105,15 @@ impl Search<'_> {
             draws,
         };
         drop(screen);
+        let mut better = 0;
         while found.accepted.len() < self.decision.most_terms {
-            let Some(next) = self.next(&mut found, normal, known.is_none()) else {
-                break;
+            let next = match self.next(&mut found, normal, known.is_none()) {
+                Step::Accepted(next) => *next,
+                Step::BetterBase if better < MOST_BETTER => {
+                    better += 1;
+                    continue;
+                }
+                Step::BetterBase | Step::Nothing => break,
             };
             found.accepted.push(Accepted {
                 term: next.term,
@@ -108,7 +128,7 @@ impl Search<'_> {
     }
 
     /// The candidate that comes in next, or none. A model to which a better null belongs replaces it.
-    fn next(&self, found: &mut Found, normal: &Normal, again: bool) -> Option<Next> {
+    fn next(&self, found: &mut Found, normal: &Normal, again: bool) -> Step {
         let model = found.model.clone();
         let screen = Screen::new(self.setting, &model);
         let shown = screen.shown(2 * Screen::refined_in_draws());
@@ -126,9 +146,12 @@ impl Search<'_> {
             self.fits(&screen, &model, &shown)
         };
         fits.extend(self.fits_afresh(&model));
-        let (fitted, term) = self.preferred(&fits)?;
+        let Some((fitted, term)) = self.preferred(&fits) else {
+            return Step::Nothing;
+        };
         let without = self.altered(&fitted, term, None);
-        if without.log_likelihood > model.log_likelihood {
+        let is_better = without.log_likelihood > model.log_likelihood + WORTH_A_SWAP;
+        if is_better {
             if found.accepted.is_empty() {
                 found.null = without.clone();
             }
@@ -137,22 +160,27 @@ impl Search<'_> {
         let amplitudes = self.setting.problem.terms()[term].amplitudes;
         let gain = fitted.log_likelihood - found.model.log_likelihood;
         let statistic = deviate(2.0 * gain, amplitudes);
-        (statistic >= limit).then(|| Next {
-            p: upper_tail(&draws, statistic),
-            fitted,
-            term,
-        })
+        if statistic >= limit {
+            Step::Accepted(Box::new(Next {
+                p: upper_tail(&draws, statistic),
+                fitted,
+                term,
+            }))
+        } else if is_better {
+            Step::BetterBase
+        } else {
+            Step::Nothing
+        }
     }
 
-    /// Fits of the terms that gain most beside a model without misfit: where a law is far off, its misfit has taken the place of what it
-    /// lacks, and the directions there no longer show it.
+    /// Fits of the terms that gain most beside a model whose components have their usual sizes: where a law is far off, scatter and misfit have
+    /// taken the place of what it lacks, and the directions there no longer show it.
     fn fits_afresh(&self, model: &Fitted) -> Vec<(Fitted, usize)> {
-        let exact = Setting {
-            misfit_factor: 0.0,
-            ..self.setting.clone()
-        };
-        let bare = exact.fit(&model.point, &exact.fresh());
-        let screen = Screen::new(&exact, &bare);
+        let usual = self.setting.usual();
+        let mut from = self.setting.problem.start();
+        from.terms.clone_from(&model.point.terms);
+        let bare = usual.fit(&from, &usual.fresh()[..1]);
+        let screen = Screen::new(&usual, &bare);
         let shown = screen.shown(2 * FITTED);
         let mut kinds = Vec::new();
         let mut starts = Vec::new();
@@ -189,7 +217,12 @@ impl Search<'_> {
             kinds.push(kind);
             let mut from = model.point.clone();
             from.terms.push((direction.term, scaled(&direction.start, &s.estimate)));
-            fits.push((self.setting.fit(&from, &self.starts(model)), direction.term));
+            let fit = self.setting.fit(&from, &self.starts(model));
+            // The linear model promised more: the iteration has gone to another optimum.
+            if 2.0 * (fit.log_likelihood - model.log_likelihood) < PROMISED * s.likelihood_ratio {
+                fits.push((self.setting.fit_afresh(&from), direction.term));
+            }
+            fits.push((fit, direction.term));
         }
         fits
     }

@@ -31,7 +31,7 @@ pub struct Scale {
 }
 
 /// Standard deviations are kept within these multiples of their usual size.
-const RANGE: (f64, f64) = (1e-4, 1e3);
+const RANGE: (f64, f64) = (1e-4, 50.0);
 /// Longest step of a logarithm.
 const LONGEST_STEP: f64 = 2.0;
 

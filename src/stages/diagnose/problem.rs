@@ -188,9 +188,9 @@ impl<'a> ForceProblem<'a> {
     pub fn with_reference(mut self) -> Self {
         let setting = Setting {
             misfit_factor: 0.0,
-            ..Setting::new(&self)
+            ..Setting::new(&self).usual()
         };
-        let fit = setting.fit(&self.start(), &setting.fresh());
+        let fit = setting.fit(&self.start(), &setting.fresh()[..1]);
         self.reference = self.predict(&fit.point);
         self
     }
@@ -373,7 +373,7 @@ fn components(data: &Data, pooled: bool) -> Vec<Component> {
         component(Prior::Free, 1.0, false, true, false),
         component(Prior::Fixed(rounding), rounding, true, true, false),
         component(Prior::Fixed(rounding), rounding, true, true, false),
-        { let c = env("COMMON", settings::COMMON_MISFIT); if std::env::var("HARD").is_ok() { component(Prior::Fixed(c), c, true, false, true) } else { misfit(c) } },
+        { let c = env("COMMON", settings::COMMON_MISFIT); if std::env::var("HARD").is_ok() { component(Prior::Fixed(c), c, true, false, true) } else { with_groups(misfit(c), sessions) } },
         with_groups(misfit(env("SESSION", settings::SESSION_MISFIT)), sessions),
         pool(0.04),
         pool(1.0),
