@@ -16,12 +16,16 @@
 //! freedom (Efron 1982; Tukey 1958), which the refits for leave-one-specimen-out give for nothing; below three specimens there is only
 //! the linearised one, and the table says so.
 
+mod bootstrap;
 pub mod engine;
 pub mod equations;
 pub mod intervals;
+mod leave_out;
 pub mod maxima;
 pub mod scatter;
+mod specimens;
 pub mod split;
+mod steps;
 
 use crate::base::row::Row;
 use crate::base::session::{Kind, Role};
