@@ -268,9 +268,7 @@ mod tests {
             .map(|u| vec![vec![1.0 + u[0] * u[0]]])
             .collect();
         assert_eq!(
-            GroupPolynomials::new(1, &values)
-                .weighted(&[1.0])
-                .root(&[]),
+            GroupPolynomials::new(1, &values).weighted(&[1.0]).root(&[]),
             None
         );
     }

@@ -8,18 +8,9 @@ use crate::numerics::jackknife::FEWEST_GROUPS as FEWEST_SPECIMENS;
 use crate::stages::fit::engine::{Equation, Solution};
 use crate::stages::fit::intervals::weighted;
 use crate::stages::fit::specimens::Specimens;
-use crate::stages::fit::steps::{
-    Readings, Second, Spread, Step, Sums, Surface, Tolerance, checked,
-};
+use crate::stages::fit::steps::{Next, Readings, Spread, Step, Sums, Surface, checked};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-
-/// The ends of an interval are the 25th and 975th of a thousand refits, known to a twelfth of a standard deviation: an error of a hundredth of one
-/// in every refit is nothing beside that.
-const TOLERANCE: Tolerance = Tolerance {
-    agrees: 1e-2,
-    added: 1e-1,
-};
 
 /// How many refits are made in full: as many as are wanted of up to ten thousand readings; of more, fewer, so that the work grows no
 /// further, but never fewer than give an interval of 95% (with hundreds of specimens its ends are known well enough).
@@ -31,9 +22,9 @@ fn most_in_full(wanted: usize, readings: usize) -> usize {
 
 /// How often each specimen is drawn, and how often that is drawn. G specimens give (2G - 1 choose G) different draws, 35 for four: each is
 /// refitted once.
-type Draws = Vec<(Vec<usize>, usize)>;
+pub(super) type Draws = Vec<(Vec<usize>, usize)>;
 
-fn draws(id: &str, seed: u64, specimens: usize, number: usize) -> Draws {
+pub(super) fn draws(id: &str, seed: u64, specimens: usize, number: usize) -> Draws {
     let mut stream = Stream::new(seed, &["bootstrap", id]);
     let mut times_drawn: BTreeMap<Vec<usize>, usize> = BTreeMap::new();
     for _ in 0..number {
@@ -90,7 +81,7 @@ pub(super) fn refits<const N: usize>(
 }
 
 /// The coefficients of the specimens taken so many times each, NaN where their rows do not determine one.
-fn in_full<const N: usize>(
+pub(super) fn in_full<const N: usize>(
     equation: &Equation<N>,
     rows: &[&Row],
     specimens: &Specimens,
@@ -113,14 +104,14 @@ fn in_full<const N: usize>(
 }
 
 /// The sums of the specimens with the weights of the full fit.
-struct Resampled<'a, 'e, const N: usize> {
+pub(super) struct Resampled<'a, 'e, const N: usize> {
     readings: Readings<'a, 'e, N>,
     weights: &'a [f64],
     surface: Surface<N>,
 }
 
 impl<'a, 'e, const N: usize> Resampled<'a, 'e, N> {
-    fn new(
+    pub(super) fn new(
         equation: &'a Equation<'e, N>,
         rows: &'a [&'a Row],
         specimens: &'a Specimens<'a>,
@@ -140,7 +131,7 @@ impl<'a, 'e, const N: usize> Resampled<'a, 'e, N> {
         })
     }
 
-    fn steps(&self, draws: &Draws) -> Vec<Option<[f64; N]>> {
+    pub(super) fn steps(&self, draws: &Draws) -> Vec<Option<[f64; N]>> {
         let step = |(copies, _): &(Vec<usize>, usize)| {
             if !self.readings.allow(|g| copies[g] > 0) {
                 return None;
@@ -151,19 +142,16 @@ impl<'a, 'e, const N: usize> Resampled<'a, 'e, N> {
             Step::new(&self.readings, values, &root)
         };
         let steps: Vec<Option<Step<N>>> = draws.par_iter().map(step).collect();
-        checked(&steps, TOLERANCE, &|draw, step| {
-            self.second(&draws[draw].0, step)
-        })
+        checked(&steps, &|draw, values| self.next(&draws[draw].0, values))
     }
 
-    fn second(&self, copies: &[usize], step: &Step<N>) -> Option<Second<N>> {
-        let weight =
-            |i: usize| self.weights[i] * copies[self.readings.specimens.of_row[i]] as f64;
+    fn next(&self, copies: &[usize], values: &[f64; N]) -> Option<Next<N>> {
+        let weight = |i: usize| self.weights[i] * copies[self.readings.specimens.of_row[i]] as f64;
         let sums = self
             .readings
-            .sums(&step.values, &|i, r| (weight(i) * r, weight(i)))?;
+            .sums(values, &|i, r| (weight(i) * r, weight(i)))?;
         let total = Sums::total(&sums);
-        Second::new(&self.readings, &self.surface.spread, step, &total)
+        Next::new(&self.readings, &self.surface.spread, values, &total)
     }
 }
 

@@ -9,10 +9,9 @@ use crate::base::row::Row;
 use crate::numerics::loss::Loss;
 use crate::stages::fit::engine::{Equation, Solution};
 use crate::stages::fit::specimens::Specimens;
-use crate::stages::fit::steps::{
-    Readings, Second, Spread, Step, Sums, Surface, Tolerance, checked,
-};
+use crate::stages::fit::steps::{Next, Readings, Spread, Step, Sums, Surface, checked};
 use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// A refit without one specimen.
 pub(super) struct Refit<const N: usize> {
@@ -47,13 +46,6 @@ impl<const N: usize> Refit<N> {
     }
 }
 
-/// A jackknife interval is made of the scatter of the refits: with every refit wrong by so much of it, the interval is wrong by less than this part
-/// of itself; its own sampling error is 1/sqrt(2 G), a fiftieth at 250 specimens.
-const TOLERANCE: Tolerance = Tolerance {
-    agrees: 1e-3,
-    added: 1e-2,
-};
-
 /// The refits without each specimen.
 pub(super) fn refits<'a, const N: usize>(
     equation: &Equation<N>,
@@ -75,7 +67,7 @@ pub(super) fn refits<'a, const N: usize>(
 }
 
 /// The refit in full.
-fn without<const N: usize>(
+pub(super) fn without<const N: usize>(
     equation: &Equation<N>,
     rows: &[&Row],
     specimens: &Specimens,
@@ -90,7 +82,7 @@ fn without<const N: usize>(
 }
 
 /// The refits that steps give; `None` where no steps can be taken at all.
-fn steps<const N: usize>(
+pub(super) fn steps<const N: usize>(
     equation: &Equation<N>,
     rows: &[&Row],
     specimens: &Specimens,
@@ -110,13 +102,13 @@ fn steps<const N: usize>(
             .iter()
             .map(|s| Some(s.as_ref()?.step.clone()))
             .collect();
-        return Some(checked(&steps, TOLERANCE, &|g, step| {
-            first.second(&readings, g, step).map(|(second, _)| second)
+        return Some(checked(&steps, &|g, values| {
+            first.next(&readings, g, values).map(|(next, _)| next)
         }));
     };
     let robust = Robust::new(&readings, full, &first, bend)?;
-    Some(checked(&robust.steps, TOLERANCE, &|g, step| {
-        robust.second(&readings, &first, g, step)
+    Some(checked(&robust.steps, &|g, values| {
+        robust.next(&readings, &first, g, values)
     }))
 }
 
@@ -125,6 +117,8 @@ struct FirstStep<const N: usize> {
     step: Step<N>,
     /// RMSE of the others at its end.
     rmse: f64,
+    /// The same from the rows, once somebody has asked; none where the step is not short of the minimum.
+    checked_rmse: OnceLock<Option<f64>>,
 }
 
 /// The least-squares steps without each specimen.
@@ -161,28 +155,35 @@ impl<const N: usize> LeastSquares<N> {
             Some(FirstStep {
                 step: Step::new(readings, surface.values(readings, &root), &root)?,
                 rmse: rmse(readings, squares, g),
+                checked_rmse: OnceLock::new(),
             })
         };
         let steps = (0..readings.specimens.count()).map(step).collect();
         Some(Self { surface, steps })
     }
 
-    /// The second step of a first one, and the RMSE without the specimen at its end.
-    fn second(
-        &self,
-        readings: &Readings<N>,
-        g: usize,
-        step: &Step<N>,
-    ) -> Option<(Second<N>, f64)> {
-        let sums = readings.sums(&step.values, &of_least_squares)?;
+    /// The next step without a specimen, and the RMSE at its end.
+    fn next(&self, readings: &Readings<N>, g: usize, values: &[f64; N]) -> Option<(Next<N>, f64)> {
+        let sums = readings.sums(values, &of_least_squares)?;
         let others = Sums::total(&sums).less(&sums[g]);
-        let second = Second::new(readings, &self.surface.spread, step, &others)?;
+        let next = Next::new(readings, &self.surface.spread, values, &others)?;
         let gained: f64 = readings
             .free
             .iter()
-            .map(|k| others.gradient[*k] * (second.values[*k] - step.values[*k]))
+            .map(|k| others.gradient[*k] * (next.values[*k] - values[*k]))
             .sum();
-        Some((second, rmse(readings, others.squares - gained, g)))
+        let rmse = rmse(readings, others.squares - gained, g);
+        Some((next, rmse))
+    }
+
+    /// The RMSE without a specimen, from the rows; once known it is kept.
+    fn rmse(&self, readings: &Readings<N>, g: usize) -> Option<f64> {
+        let first = self.steps[g].as_ref()?;
+        let known = first.checked_rmse.get_or_init(|| {
+            let (next, rmse) = self.next(readings, g, &first.step.values)?;
+            next.is_short().then_some(rmse)
+        });
+        *known
     }
 }
 
@@ -236,18 +237,17 @@ impl<const N: usize> Robust<N> {
         })
     }
 
-    /// The second step, with the RMSE without the specimen from the rows too.
-    fn second(
+    /// The next step, with the RMSE without the specimen from the rows too.
+    fn next(
         &self,
         readings: &Readings<N>,
         first: &LeastSquares<N>,
         g: usize,
-        step: &Step<N>,
-    ) -> Option<Second<N>> {
-        let of_first = &first.steps[g].as_ref()?.step;
-        let (_, rmse) = first.second(readings, g, of_first)?;
-        let sums = readings.sums(&step.values, &|_, r| bent(r, self.bend * rmse))?;
+        values: &[f64; N],
+    ) -> Option<Next<N>> {
+        let limit = self.bend * first.rmse(readings, g)?;
+        let sums = readings.sums(values, &|_, r| bent(r, limit))?;
         let others = Sums::total(&sums).less(&sums[g]);
-        Second::new(readings, &self.surface.spread, step, &others)
+        Next::new(readings, &self.surface.spread, values, &others)
     }
 }

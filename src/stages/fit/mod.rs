@@ -26,6 +26,8 @@ pub mod scatter;
 mod specimens;
 pub mod split;
 mod steps;
+#[cfg(test)]
+mod tests_of_refits;
 
 use crate::base::row::Row;
 use crate::base::session::{Kind, Role};

@@ -5,15 +5,15 @@
 //! ([`crate::numerics::group_polynomials`]), made of some fifty evaluations of the rows that all refits share; the root of the weighted sum is then a
 //! Gauss-Newton step that knows the curvature. For an equation that is linear in its coefficients it is exact.
 //!
-//! **What is checked.** The longest steps, on the rows: the influences at the end of the step, summed over the rows of the refit, give a second
-//! Gauss-Newton step. As the error of the polynomials grows with the third power of a step's length, checks go from the longest step down, a few
-//! at a time, until all of them agree, and then to a few spread evenly over the remaining ones; where one of these does not agree,
-//! everything is checked. A step is
-//! - as good as the refit where the second one is at most [`Tolerance::agrees`] in any coefficient, measured by how that coefficient scatters
-//!   from refit to refit;
-//! - with the second step added as good as the refit where that is at most [`Tolerance::added`], since a Gauss-Newton step here shortens the
-//!   distance by more than a tenth (in `tests` below, by a hundredth);
-//! - else not used, and the refit is made in full. So are those whose step leaves the region of the polynomials or the bounds.
+//! **What is checked.** The longest steps, on the rows: the influences at the end of a step, summed over the rows of the refit, give the next
+//! Gauss-Newton step. The polynomials are the worse the longer a step is, so checks go from the longest step down, a few at a time, until all
+//! of them agree, and then to a few spread evenly over the remaining ones; where one of these does not agree, everything is checked. A step
+//! agrees with the refit if the next one moves no coefficient by more than a tolerance, in units of how that coefficient scatters from refit
+//! to refit. A checked step goes on, a few times at most, until it does, and the step that shows it is taken as well, so that what is left is far below
+//! the tolerance. Where it never does, or leaves the region of the polynomials or the bounds, the refit is made in full.
+//!
+//! Where the model has a kink (a force that is cut at zero) and readings on it, an objective may have several minima, some hundredths of the
+//! scatter apart; steps and full refits then need not end in the same one.
 
 use crate::base::row::Row;
 use crate::numerics::cholesky::Cholesky;
@@ -24,8 +24,14 @@ use crate::stages::fit::engine::{Equation, Solution};
 use crate::stages::fit::specimens::Specimens;
 use rayon::prelude::*;
 
-/// Fewest specimens for which steps are worth their evaluations of the rows: with fewer, the full refits cost no more.
+/// Fewest specimens for which steps are taken: those of fewer are long, and their refits in full soon made.
 pub(super) const FEWEST_SPECIMENS: usize = 10;
+/// Largest next step of one that is as good as a refit, in units of how the coefficient scatters from refit to refit. An interval is made of that
+/// scatter, so it is wrong by less than this part of its width even if every refit were wrong by the tolerance in one direction. Its own sampling
+/// error is larger: that of a jackknife with 250 specimens is 1/sqrt(2 * 250) = 0.045, that of a percentile of a thousand draws 0.08.
+const TOLERANCE: f64 = 1e-2;
+/// Steps on the rows after which a refit is made in full.
+const MOST_STEPS: usize = 6;
 /// How many steps are checked at a time.
 const AT_A_TIME: usize = 8;
 /// The polynomials go through points so many standard deviations of the refits away.
@@ -35,15 +41,6 @@ const LONGEST: f64 = 3.0;
 /// The part of the axes that is as the rows would have it if they were independent: where specimens are fewer than coefficients, their steps
 /// alone span too little.
 const OF_ROWS: f64 = 0.01;
-
-/// When a step is as good as a refit, in units of how each coefficient scatters from refit to refit.
-#[derive(Clone, Copy)]
-pub(super) struct Tolerance {
-    /// Largest second step of a step that is taken as it is.
-    pub(super) agrees: f64,
-    /// Largest second step that is added to it.
-    pub(super) added: f64,
-}
 
 /// Sums over the rows of one or more specimens.
 #[derive(Clone)]
@@ -233,8 +230,7 @@ impl<const N: usize> Spread<N> {
             unit[j] = 1.0;
             let inverse = factor.solve(&unit);
             for i in 0..p {
-                square[(i, j)] =
-                    REACH * REACH * (scatter[(i, j)] + OF_ROWS * by_rows * inverse[i]);
+                square[(i, j)] = REACH * REACH * (scatter[(i, j)] + OF_ROWS * by_rows * inverse[i]);
             }
         }
         let axes = Cholesky::new(&square);
@@ -313,75 +309,116 @@ impl<const N: usize> Step<N> {
     /// `None` where it leaves the region of the polynomials, or the bounds.
     pub(super) fn new(readings: &Readings<N>, values: [f64; N], point: &[f64]) -> Option<Self> {
         let length = norm(point);
-        (length <= LONGEST && readings.is_within_bounds(&values))
-            .then_some(Self { values, length })
+        (length <= LONGEST && readings.is_within_bounds(&values)).then_some(Self { values, length })
     }
 }
 
-/// A second step, made of the rows.
-pub(super) struct Second<const N: usize> {
+/// The next step, made of the rows.
+pub(super) struct Next<const N: usize> {
     /// Where it ends.
     pub(super) values: [f64; N],
     /// Its size, in units of the scatter of the refits.
-    pub(super) share: f64,
+    share: f64,
 }
 
-impl<const N: usize> Second<N> {
-    /// From the sums of the refit's rows at the end of the first step; `None` where it leaves the bounds.
+impl<const N: usize> Next<N> {
+    /// From the sums of the refit's rows at the end of the last step; `None` where it leaves the bounds.
     pub(super) fn new(
         readings: &Readings<N>,
         spread: &Spread<N>,
-        step: &Step<N>,
+        values: &[f64; N],
         sums: &Sums<N>,
     ) -> Option<Self> {
-        let second = sums.step(&readings.free)?;
-        let values = readings.moved(&step.values, &second);
+        let step = sums.step(&readings.free)?;
+        let values = readings.moved(values, &step);
         readings.is_within_bounds(&values).then(|| Self {
             values,
-            share: spread.share(&readings.free, &second),
+            share: spread.share(&readings.free, &step),
         })
+    }
+
+    /// Whether the sum of squares at its end is that of the minimum: it is flat there, and off by the square of what is left.
+    pub(super) fn is_short(&self) -> bool {
+        self.share <= 0.1
+    }
+
+    /// Whether the last step was as good as the refit.
+    pub(super) fn agrees(&self) -> bool {
+        self.share <= TOLERANCE
     }
 }
 
-/// The steps that are as good as refits; `None` for those that have to be refitted in full. `second` makes the second step of a unit.
+/// A step that has been checked.
+struct Checked<const N: usize> {
+    /// The refit; none where it has to be made in full.
+    values: Option<[f64; N]>,
+    /// Whether the step itself was as good.
+    agreed: bool,
+}
+
+/// Goes on from a step until the next one agrees.
+fn follow<const N: usize>(
+    step: &Step<N>,
+    next: impl Fn(&[f64; N]) -> Option<Next<N>>,
+) -> Checked<N> {
+    let mut values = step.values;
+    for k in 0..MOST_STEPS {
+        let Some(next) = next(&values) else { break };
+        values = next.values;
+        if next.agrees() {
+            return Checked {
+                values: Some(values),
+                agreed: k == 0,
+            };
+        }
+    }
+    Checked {
+        values: None,
+        agreed: false,
+    }
+}
+
+/// Makes the next step of a unit (a specimen that is left out, a draw) from some coefficients.
+pub(super) type Stepper<'a, const N: usize> =
+    &'a (dyn Fn(usize, &[f64; N]) -> Option<Next<N>> + Sync);
+
+/// The steps that are as good as refits; `None` for those that have to be refitted in full.
 pub(super) fn checked<const N: usize>(
     steps: &[Option<Step<N>>],
-    tolerance: Tolerance,
-    second: &(dyn Fn(usize, &Step<N>) -> Option<Second<N>> + Sync),
+    next: Stepper<N>,
 ) -> Vec<Option<[f64; N]>> {
-    let mut found: Vec<Option<[f64; N]>> =
-        steps.iter().map(|s| Some(s.as_ref()?.values)).collect();
-    let length = |k: &usize| steps[*k].as_ref().map_or(0.0, |s| s.length);
-    let mut order: Vec<usize> = (0..steps.len()).filter(|k| steps[*k].is_some()).collect();
-    order.sort_by(|a, b| length(b).total_cmp(&length(a)));
+    let mut found: Vec<Option<[f64; N]>> = steps.iter().map(|s| Some(s.as_ref()?.values)).collect();
     let mut check = |units: &[usize]| {
-        let seconds: Vec<Option<Second<N>>> = units
-            .par_iter()
-            .map(|k| second(*k, steps[*k].as_ref()?))
-            .collect();
-        let agree = |s: &Option<Second<N>>| s.as_ref().is_some_and(|s| s.share <= tolerance.agrees);
-        let all_agree = seconds.iter().all(agree);
-        for (k, second) in units.iter().zip(seconds) {
-            found[*k] = second.filter(|s| s.share <= tolerance.added).map(|s| s.values);
+        let follow = |k: &usize| {
+            let step = steps[*k].as_ref()?;
+            Some(follow(step, |values| next(*k, values)))
+        };
+        let ends: Vec<Option<Checked<N>>> = units.par_iter().map(follow).collect();
+        for (k, end) in units.iter().zip(&ends) {
+            found[*k] = end.as_ref().and_then(|e| e.values);
         }
-        all_agree
+        ends.iter().flatten().all(|e| e.agreed)
     };
-    let mut longest = order.chunks(AT_A_TIME);
+    let order = longest_first(steps);
     let mut done = 0;
-    for units in longest.by_ref() {
+    for units in order.chunks(AT_A_TIME) {
         done += units.len();
         if check(units) {
             break;
         }
     }
     let rest = &order[done..];
-    let spread: Vec<usize> = rest
-        .iter()
-        .copied()
-        .step_by(rest.len().div_ceil(AT_A_TIME).max(1))
-        .collect();
-    if !check(&spread) {
+    let every = rest.len().div_ceil(AT_A_TIME).max(1);
+    let some: Vec<usize> = rest.iter().copied().step_by(every).collect();
+    if !check(&some) {
         check(rest);
     }
     found
+}
+
+fn longest_first<const N: usize>(steps: &[Option<Step<N>>]) -> Vec<usize> {
+    let length = |k: usize| steps[k].as_ref().map_or(0.0, |s| s.length);
+    let mut order: Vec<usize> = (0..steps.len()).filter(|k| steps[*k].is_some()).collect();
+    order.sort_by(|a, b| length(*b).total_cmp(&length(*a)));
+    order
 }
