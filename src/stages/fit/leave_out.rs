@@ -9,7 +9,7 @@ use crate::base::row::Row;
 use crate::numerics::loss::Loss;
 use crate::stages::fit::engine::{Equation, Solution};
 use crate::stages::fit::specimens::Specimens;
-use crate::stages::fit::steps::{Next, Readings, Spread, Step, Sums, Surface, checked};
+use crate::stages::fit::steps::{MOST_STEPS, Next, Readings, Spread, Step, Sums, Surface, checked};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
@@ -117,7 +117,7 @@ struct FirstStep<const N: usize> {
     step: Step<N>,
     /// RMSE of the others at its end.
     rmse: f64,
-    /// The same from the rows, once somebody has asked; none where the step is not short of the minimum.
+    /// The same from the rows, once somebody has asked; none where steps do not arrive.
     checked_rmse: OnceLock<Option<f64>>,
 }
 
@@ -179,11 +179,18 @@ impl<const N: usize> LeastSquares<N> {
     /// The RMSE without a specimen, from the rows; once known it is kept.
     fn rmse(&self, readings: &Readings<N>, g: usize) -> Option<f64> {
         let first = self.steps[g].as_ref()?;
-        let known = first.checked_rmse.get_or_init(|| {
-            let (next, rmse) = self.next(readings, g, &first.step.values)?;
-            next.is_short().then_some(rmse)
-        });
-        *known
+        let from_rows = || {
+            let mut values = first.step.values;
+            for _ in 0..MOST_STEPS {
+                let (next, rmse) = self.next(readings, g, &values)?;
+                if next.is_short() {
+                    return Some(rmse);
+                }
+                values = next.values;
+            }
+            None
+        };
+        *first.checked_rmse.get_or_init(from_rows)
     }
 }
 

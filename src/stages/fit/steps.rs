@@ -31,7 +31,7 @@ pub(super) const FEWEST_SPECIMENS: usize = 10;
 /// error is larger: that of a jackknife with 250 specimens is 1/sqrt(2 * 250) = 0.045, that of a percentile of a thousand draws 0.08.
 const TOLERANCE: f64 = 1e-2;
 /// Steps on the rows after which a refit is made in full.
-const MOST_STEPS: usize = 6;
+pub(super) const MOST_STEPS: usize = 6;
 /// How many steps are checked at a time.
 const AT_A_TIME: usize = 8;
 /// The polynomials go through points so many standard deviations of the refits away.
