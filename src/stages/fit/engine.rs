@@ -1,4 +1,4 @@
-//! Fitting one equation to rows: the fit, a refit without each specimen, and the intervals that follow.
+//! Fitting one equation to rows: the fit, a refit without each specimen (`leave_out`), and the intervals that follow.
 //!
 //! The default loss is Huber's, bent at three times the RMSE of the least-squares fit: a gross error has a bounded pull, and where there
 //! is none the fit is least squares. The textbook bend at 1.345 robust standard deviations is not for clustered data: most rows sit
@@ -92,7 +92,13 @@ pub struct Fold {
     /// Symbols of coefficients that the others could not determine.
     pub held: Vec<String>,
     /// Whether all rows but its own were fitted again; else steps from the full fit were as good.
+    #[serde(default = "before_steps")]
     pub in_full: bool,
+}
+
+/// What [`Fold::in_full`] is in a file that was written before there were steps.
+fn before_steps() -> bool {
+    true
 }
 
 /// A fitted equation.

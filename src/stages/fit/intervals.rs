@@ -2,8 +2,8 @@
 //!
 //! | method | what it assumes |
 //! |---|---|
-//! | jackknife by specimen | refits without each specimen, Student's t of G - 1 degrees of freedom (Tukey 1958; Efron 1982): rows of one specimen may depend on each other in any way |
-//! | bootstrap by specimen | refits to G specimens drawn with replacement, percentiles (Efron and Tibshirani 1993, section 8.5): as before; too narrow for few specimens |
+//! | jackknife by specimen | refits without each specimen (`leave_out`), Student's t of G - 1 degrees of freedom (Tukey 1958; Efron 1982): rows of one specimen may depend on each other in any way |
+//! | bootstrap by specimen | refits to G specimens drawn with replacement (`bootstrap`), percentiles (Efron and Tibshirani 1993, section 8.5): as before; too narrow for few specimens |
 //! | profile likelihood | values at which the best sum of squares of the other coefficients rises by t^2 s^2 (Bates and Watts 1988, chapter 6): independent rows, any curvature |
 //! | linearised | (JtJ)^-1 s^2: independent rows, no curvature |
 //!
