@@ -10,14 +10,7 @@ use std::path::{Path, PathBuf};
 /// The sources of each stage, below `src/`.
 const STAGES: &[(&str, &[&str])] = &[
     ("INGEST", &["base", "formats", "stages/ingest.rs"]),
-    (
-        "CLEAN",
-        &[
-            "base",
-            "numerics",
-            "stages/clean",
-        ],
-    ),
+    ("CLEAN", &["base", "numerics", "stages/clean"]),
     ("NORMALIZE", &["base", "stages/normalize.rs"]),
     ("FIT", &["base", "models", "numerics", "stages/fit"]),
     (

@@ -186,7 +186,7 @@ pub struct FitOptions {
     /// Which interval the tables print: "jackknife", "bootstrap", "profile" or "linearised"; the first two go by specimen. All are in
     /// `intervals.csv`.
     pub interval: IntervalMethod,
-    /// Refits of the bootstrap by specimen; of more than 10,000 readings fewer, down to 200.
+    /// Refits of the bootstrap by specimen; of more than 10,000 readings fewer, down to 200, where steps from the full fit do not give them.
     pub bootstrap_refits: usize,
     /// Seed of the bootstrap and of the split by row.
     pub seed: u64,

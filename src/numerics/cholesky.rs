@@ -71,6 +71,21 @@ impl Cholesky {
         x
     }
 
+    /// Whether no direction was passed over.
+    pub fn is_definite(&self) -> bool {
+        (0..self.lower.rows()).all(|j| self.lower[(j, j)] > 0.0)
+    }
+
+    /// L x.
+    pub fn multiply(&self, x: &[f64]) -> Vec<f64> {
+        self.lower.multiply(x)
+    }
+
+    /// L' x.
+    pub fn transpose_multiply(&self, x: &[f64]) -> Vec<f64> {
+        self.lower.transpose_multiply(x)
+    }
+
     /// The solution of A x = b; 0 in the directions without a pivot.
     pub fn solve(&self, b: &[f64]) -> Vec<f64> {
         self.backward(&self.forward(b))

@@ -12,6 +12,7 @@
 //! | [`special`], [`distributions`] | incomplete beta and gamma functions, and the distributions made of them |
 //! | [`statistics`] | sums, quantiles, goodness of fit |
 //! | [`interpolate`], [`cubic_spline`] | curves through knots |
+//! | [`group_polynomials`] | estimating equations of groups that are left out or taken several times |
 //! | [`jackknife`], [`running`] | intervals from refits without a group; running medians and the normal quantile plot |
 //!
 //! Architecture invariant: nothing here does I/O, sees a data frame, keeps a global, starts a thread or draws a random number.
@@ -25,6 +26,7 @@ pub mod distributions;
 pub mod dual_problem;
 pub mod fit;
 mod fit_report;
+pub mod group_polynomials;
 pub mod interpolate;
 pub mod jackknife;
 pub mod lar;

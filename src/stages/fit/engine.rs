@@ -1,4 +1,4 @@
-//! Fitting one equation to rows: the fit, a refit without each specimen, and the intervals that follow.
+//! Fitting one equation to rows: the fit, a refit without each specimen (`leave_out`), and the intervals that follow.
 //!
 //! The default loss is Huber's, bent at three times the RMSE of the least-squares fit: a gross error has a bounded pull, and where there
 //! is none the fit is least squares. The textbook bend at 1.345 robust standard deviations is not for clustered data: most rows sit
@@ -16,10 +16,10 @@ use crate::numerics::lar::{LarOptions, fit_lar};
 use crate::numerics::loss::Loss;
 use crate::numerics::real::{Dual, Real};
 use crate::numerics::statistics::GoodnessOfFit;
-use crate::stages::fit::intervals::{Interval, Refits, intervals};
-use rayon::prelude::*;
+use crate::stages::fit::intervals::{Interval, intervals};
+use crate::stages::fit::leave_out::{self, Refits};
+use crate::stages::fit::specimens::{Specimens, lengths};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
 
 /// A coefficient of an equation.
 #[derive(Clone, Copy, Debug)]
@@ -36,8 +36,8 @@ pub struct Symbol {
 
 /// The model's value at a row, with its derivatives.
 pub type Model<'a, const N: usize> = &'a (dyn Fn(&Row, &[Dual<N>; N]) -> Dual<N> + Sync);
-/// The coefficients that some rows cannot determine, with the value at which they are held.
-pub type Held<'a, const N: usize> = &'a (dyn Fn(&[&Row]) -> [Option<f64>; N] + Sync);
+/// The coefficients that rows of so many resting lengths cannot determine, with the value at which they are held.
+pub type Held<'a, const N: usize> = &'a (dyn Fn(usize) -> [Option<f64>; N] + Sync);
 
 /// An equation that can be fitted.
 pub struct Equation<'a, const N: usize> {
@@ -91,6 +91,14 @@ pub struct Fold {
     pub coefficients: Vec<f64>,
     /// Symbols of coefficients that the others could not determine.
     pub held: Vec<String>,
+    /// Whether all rows but its own were fitted again; else steps from the full fit were as good.
+    #[serde(default = "before_steps")]
+    pub in_full: bool,
+}
+
+/// What [`Fold::in_full`] is in a file that was written before there were steps.
+fn before_steps() -> bool {
+    true
 }
 
 /// A fitted equation.
@@ -204,6 +212,8 @@ const PASS_TOLERANCE: f64 = 1e-6;
 pub(super) struct Solution<const N: usize> {
     pub(super) values: [f64; N],
     pub(super) held: [Option<f64>; N],
+    /// The least-squares fit, from which a robust one starts.
+    pub(super) least_squares: [f64; N],
     pub(super) fit: Fit,
 }
 
@@ -235,7 +245,7 @@ impl<const N: usize> Equation<'_, N> {
         starts: &[[f64; N]],
         loss: Loss,
     ) -> Option<Solution<N>> {
-        let held = (self.held)(rows);
+        let held = (self.held)(lengths(rows));
         let observed: Vec<f64> = rows.iter().map(|r| (self.observed)(r)).collect();
         let free: Vec<usize> = (0..N).filter(|k| held[*k].is_none()).collect();
         if rows.len() <= free.len() {
@@ -256,6 +266,7 @@ impl<const N: usize> Equation<'_, N> {
             [only] => minimise(&problem, only, &options(Loss::LeastSquares, None)),
             several => fit_multi_start(&problem, several, &options(Loss::LeastSquares, None))?,
         };
+        let least_squares = problem.full(&fit.parameters);
         if loss != Loss::LeastSquares {
             let scale = matches!(loss, Loss::Huber { .. }).then_some(fit.scale);
             let first = fit;
@@ -270,6 +281,7 @@ impl<const N: usize> Equation<'_, N> {
         (fit.status != Status::NotFinite).then(|| Solution {
             values: problem.full(&fit.parameters),
             held,
+            least_squares,
             fit,
         })
     }
@@ -289,18 +301,10 @@ impl<const N: usize> Equation<'_, N> {
     pub fn fit(&self, rows: &[&Row], options: &FitOptions) -> Option<EquationFit> {
         let loss = self.loss(options);
         let full = self.solve(rows, &self.starts, loss)?;
-        let specimens: BTreeSet<&str> = rows.iter().map(|r| r.specimen.as_str()).collect();
-        let specimens: Vec<&str> = specimens.into_iter().collect();
-        let refits: Vec<(&str, Option<Solution<N>>)> = specimens
-            .par_iter()
-            .map(|id| {
-                let others: Vec<&Row> =
-                    rows.iter().copied().filter(|r| r.specimen != *id).collect();
-                (*id, self.solve(&others, &[full.values], loss))
-            })
-            .collect();
+        let specimens = Specimens::new(rows);
+        let refits = leave_out::refits(self, rows, &specimens, &full, loss);
         let (intervals, compatible) = rayon::join(
-            || intervals(self, rows, &full, &refits, options),
+            || intervals(self, rows, &specimens, &full, &refits, options),
             || self.compatible(rows, &full, options),
         );
         let by_method = |method: IntervalMethod| {
@@ -432,13 +436,14 @@ impl<const N: usize> Equation<'_, N> {
     fn folds(&self, refits: &Refits<N>) -> Vec<Fold> {
         refits
             .iter()
-            .filter_map(|(id, solution)| {
-                let solution = solution.as_ref()?;
-                let held = (0..N).filter(|k| solution.held[*k].is_some());
+            .filter_map(|(id, refit)| {
+                let refit = refit.as_ref()?;
+                let held = (0..N).filter(|k| refit.held[*k]);
                 Some(Fold {
                     left_out: (*id).to_owned(),
-                    coefficients: solution.values.to_vec(),
+                    coefficients: refit.values.to_vec(),
                     held: held.map(|k| self.symbols[k].name.to_owned()).collect(),
+                    in_full: refit.in_full,
                 })
             })
             .collect()
@@ -459,7 +464,7 @@ fn remark<const N: usize>(k: usize, full: &Solution<N>, refits: &Refits<N>) -> S
         Some(ParameterState::Ok) => {
             let lost = refits
                 .iter()
-                .find(|(_, s)| s.as_ref().is_some_and(|s| !s.determines(k)));
+                .find(|(_, r)| r.as_ref().is_some_and(|r| !r.determined[k]));
             match lost {
                 Some((id, _)) if refits.len() >= 3 => {
                     format!("interval open: not determined without {id}")

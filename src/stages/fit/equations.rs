@@ -7,8 +7,9 @@ use crate::numerics::real::{Dual, Real};
 use crate::stages::fit::contraction_620;
 use crate::stages::fit::engine::{Equation, EquationFit, Symbol};
 use crate::stages::fit::maxima::{self, Maximum};
+use crate::stages::fit::specimens::lengths;
 use crate::stages::fit::split::{self, Part};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Id of the fit of F_620(l_rest): Eq. 5 (10 mm) or Eq. 6 (20 mm).
 pub const MAXIMUM_FORCE: &str = "F_620(l_rest)";
@@ -63,12 +64,6 @@ fn symbol(diameter_mm: u32, name: &'static str, unit: &'static str, bounds: (f64
 
 fn start(diameter_mm: u32, name: &str, otherwise: f64) -> f64 {
     published(diameter_mm, name).map_or(otherwise, |c| c.value)
-}
-
-/// How many resting lengths are among the rows.
-fn lengths(rows: &[&Row]) -> usize {
-    let distinct: BTreeSet<u64> = rows.iter().map(|r| r.rest_length_m.to_bits()).collect();
-    distinct.len()
 }
 
 /// Fits every equation that the rows allow; `notes` say which they do not, and why.
@@ -222,7 +217,7 @@ fn with_force_at_rest<R>(
             symbol(diameter_mm, "a2", "1/(kPa m)", (1e-6, 1e3)),
         ],
         starts: vec![[a1, a2], [a1, 0.3 * a2], [a1, 3.0 * a2]],
-        held: &|rows| [None, (lengths(rows) < 2).then_some(a2)],
+        held: &|lengths| [None, (lengths < 2).then_some(a2)],
         observed: &|r| r.force_n,
         model: &|r, c| {
             let (length, pressure) = (
@@ -368,10 +363,10 @@ fn with_joint<R>(
                     .map(|[c0, c1, c2]| [b1, b2, *c0, *c1, *c2]),
             )
             .collect(),
-        held: &|rows| {
+        held: &|lengths| {
             [
                 None,
-                (!has_law || lengths(rows) < 2).then_some(b2),
+                (!has_law || lengths < 2).then_some(b2),
                 None,
                 None,
                 None,

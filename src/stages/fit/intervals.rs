@@ -2,15 +2,14 @@
 //!
 //! | method | what it assumes |
 //! |---|---|
-//! | jackknife by specimen | refits without each specimen, Student's t of G - 1 degrees of freedom (Tukey 1958; Efron 1982): rows of one specimen may depend on each other in any way |
-//! | bootstrap by specimen | refits to G specimens drawn with replacement, percentiles (Efron and Tibshirani 1993, section 8.5): as before; too narrow for few specimens |
+//! | jackknife by specimen | refits without each specimen (`leave_out`), Student's t of G - 1 degrees of freedom (Tukey 1958; Efron 1982): rows of one specimen may depend on each other in any way |
+//! | bootstrap by specimen | refits to G specimens drawn with replacement (`bootstrap`), percentiles (Efron and Tibshirani 1993, section 8.5): as before; too narrow for few specimens |
 //! | profile likelihood | values at which the best sum of squares of the other coefficients rises by t^2 s^2 (Bates and Watts 1988, chapter 6): independent rows, any curvature |
 //! | linearised | (JtJ)^-1 s^2: independent rows, no curvature |
 //!
 //! The last two stand beside the published intervals, which were made in the same way; rows of one log are not independent, so they are too
 //! narrow. A method that needs specimens gives nothing below three of them, and an end that the data do not determine is open.
 
-use crate::base::random::Stream;
 use crate::base::row::Row;
 use crate::config::{FitOptions, IntervalMethod};
 use crate::numerics::distributions::student_t_quantile;
@@ -19,10 +18,12 @@ use crate::numerics::fit::{Fit, Options, Status, fit as minimise};
 use crate::numerics::jackknife::{FEWEST_GROUPS as FEWEST_SPECIMENS, standard_error};
 use crate::numerics::real::Dual;
 use crate::numerics::statistics::{quantile, sum_of_squares};
+use crate::stages::fit::bootstrap;
 use crate::stages::fit::engine::{Equation, Solution};
+use crate::stages::fit::leave_out::{Refit, Refits};
+use crate::stages::fit::specimens::Specimens;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 
 /// Relative change of the sum of squares that ends a refit: percentiles of a thousand refits have no use for more.
 const TOLERANCE: f64 = 1e-8;
@@ -60,13 +61,11 @@ impl Interval {
     }
 }
 
-/// Refits without each specimen, by id.
-pub(super) type Refits<'a, const N: usize> = [(&'a str, Option<Solution<N>>)];
-
 /// The intervals of every coefficient, by every method that applies.
 pub(super) fn intervals<const N: usize>(
     equation: &Equation<N>,
     rows: &[&Row],
+    specimens: &Specimens,
     full: &Solution<N>,
     refits: &Refits<N>,
     options: &FitOptions,
@@ -76,7 +75,7 @@ pub(super) fn intervals<const N: usize>(
     let freedom = full.fit.residuals.len() - full.fit.parameters.len();
     let t_of_rows = student_t_quantile(level, freedom as f64);
     let spread = jackknife(full, refits);
-    let draws = bootstrap(equation, rows, full, refits, options);
+    let draws = bootstrap::refits(equation, rows, specimens, full, options);
     let work: Vec<usize> = (0..N).collect();
     let found: Vec<Vec<Interval>> = work
         .into_par_iter()
@@ -127,95 +126,21 @@ fn linearised_errors(fit: &Fit) -> Vec<f64> {
 /// Jackknife standard errors over specimens. NaN for a coefficient that the full fit or one of the refits could not determine (at a bound,
 /// held): its interval is open. `None` below three specimens, or where a refit failed altogether.
 fn jackknife<const N: usize>(full: &Solution<N>, refits: &Refits<N>) -> Option<[f64; N]> {
-    let solutions: Vec<&Solution<N>> = refits.iter().filter_map(|(_, s)| s.as_ref()).collect();
-    if refits.len() < FEWEST_SPECIMENS || solutions.len() < refits.len() {
+    let found: Vec<&Refit<N>> = refits.iter().filter_map(|(_, r)| r.as_ref()).collect();
+    if refits.len() < FEWEST_SPECIMENS || found.len() < refits.len() {
         return None;
     }
     Some(std::array::from_fn(|k| {
-        if !full.determines(k) || !solutions.iter().all(|s| s.determines(k)) {
+        if !full.determines(k) || !found.iter().all(|r| r.determined[k]) {
             return f64::NAN;
         }
-        let refits: Vec<f64> = solutions.iter().map(|s| s.values[k]).collect();
+        let refits: Vec<f64> = found.iter().map(|r| r.values[k]).collect();
         standard_error(full.values[k], &refits)
     }))
 }
 
-/// How many refits a bootstrap makes: as many as are wanted of up to ten thousand readings; of more, fewer, so that the work grows no
-/// further, but never fewer than give an interval of 95% (with hundreds of specimens its ends are known well enough).
-fn bootstrap_refits(wanted: usize, readings: usize) -> usize {
-    const MOST_READINGS_REFITTED: usize = 10_000_000;
-    const FEWEST_REFITS: usize = 200;
-    wanted.min((MOST_READINGS_REFITTED / readings.max(1)).max(FEWEST_REFITS))
-}
-
-/// The coefficients of every bootstrap refit; NaN where it did not determine one. `None` below three specimens or without refits.
-///
-/// G specimens give (2G - 1 choose G) different draws, 35 for four: each is solved once, however often it was drawn.
-fn bootstrap<const N: usize>(
-    equation: &Equation<N>,
-    rows: &[&Row],
-    full: &Solution<N>,
-    refits: &Refits<N>,
-    options: &FitOptions,
-) -> Option<Vec<[f64; N]>> {
-    let specimens = refits.len();
-    if specimens < FEWEST_SPECIMENS || options.bootstrap_refits == 0 {
-        return None;
-    }
-    let mut stream = Stream::new(options.seed, &["bootstrap", equation.id]);
-    let mut times_drawn: BTreeMap<Vec<usize>, usize> = BTreeMap::new();
-    for _ in 0..bootstrap_refits(options.bootstrap_refits, rows.len()) {
-        let mut copies = vec![0_usize; specimens];
-        for _ in 0..specimens {
-            copies[stream.below(specimens)] += 1;
-        }
-        *times_drawn.entry(copies).or_default() += 1;
-    }
-    let draws: Vec<(Vec<usize>, usize)> = times_drawn.into_iter().collect();
-    let places = refits.iter().enumerate().map(|(g, (id, _))| (*id, g));
-    let places: BTreeMap<&str, usize> = places.collect();
-    let specimen = rows.iter().map(|r| places.get(r.specimen.as_str()));
-    let specimen: Vec<Option<&usize>> = specimen.collect();
-    let solved: Vec<([f64; N], usize)> = draws
-        .par_iter()
-        .map(|(copies, times)| {
-            let of = specimen.iter();
-            let copies: Vec<f64> = of.map(|g| g.map_or(0.0, |g| copies[*g] as f64)).collect();
-            (refit(equation, rows, full, &copies), *times)
-        })
-        .collect();
-    Some(
-        solved
-            .into_iter()
-            .flat_map(|(values, times)| std::iter::repeat_n(values, times))
-            .collect(),
-    )
-}
-
-/// The coefficients of the rows taken so many times each, NaN where they do not determine one. Rows keep the weight that the robust loss
-/// gave them in the full fit.
-fn refit<const N: usize>(
-    equation: &Equation<N>,
-    rows: &[&Row],
-    full: &Solution<N>,
-    copies: &[f64],
-) -> [f64; N] {
-    let drawn = rows.iter().zip(copies).zip(&full.fit.weights);
-    let (drawn, weights): (Vec<&Row>, Vec<f64>) = drawn
-        .filter(|((_, copies), _)| **copies > 0.0)
-        .map(|((row, copies), weight)| (*row, copies * weight))
-        .unzip();
-    let held = (equation.held)(&drawn);
-    let solution = weighted(equation, &drawn, &weights, held, &full.values);
-    let value = |k: usize| match &solution {
-        Some(s) if s.determines(k) => s.values[k],
-        _ => f64::NAN,
-    };
-    std::array::from_fn(value)
-}
-
 /// Least squares with given weights and held coefficients; `None` where there are too few rows or the model has no value.
-fn weighted<const N: usize>(
+pub(super) fn weighted<const N: usize>(
     equation: &Equation<N>,
     rows: &[&Row],
     weights: &[f64],
@@ -239,9 +164,11 @@ fn weighted<const N: usize>(
         ..Options::default()
     };
     let fit = minimise(&problem, &problem.free(start), &options);
-    (fit.status != Status::NotFinite).then(|| Solution {
-        values: problem.full(&fit.parameters),
+    let values = problem.full(&fit.parameters);
+    (fit.status != Status::NotFinite).then_some(Solution {
+        values,
         held,
+        least_squares: values,
         fit,
     })
 }

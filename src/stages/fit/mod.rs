@@ -15,13 +15,22 @@
 //! specimens with 2% scatter). The default interval is therefore the jackknife over specimens with Student's t of G - 1 degrees of
 //! freedom (Efron 1982; Tukey 1958), which the refits for leave-one-specimen-out give for nothing; below three specimens there is only
 //! the linearised one, and the table says so.
+//!
+//! Refits of ten specimens and more are steps from the full fit, checked on the rows (`steps`), so that the work grows with the rows and not
+//! with specimens times rows.
 
+mod bootstrap;
 pub mod engine;
 pub mod equations;
 pub mod intervals;
+mod leave_out;
 pub mod maxima;
 pub mod scatter;
+mod specimens;
 pub mod split;
+mod steps;
+#[cfg(test)]
+mod tests_of_refits;
 
 use crate::base::row::Row;
 use crate::base::session::{Kind, Role};

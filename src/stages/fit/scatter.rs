@@ -18,6 +18,7 @@ use crate::numerics::statistics::{mean, sum, sum_of_squares};
 use crate::stages::fit::engine::EquationFit;
 use crate::stages::fit::equations::joint_force;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Coefficients of the joint fit that belong to the surface; the others are the law of length.
 const OF_THE_SURFACE: usize = 3;
@@ -57,37 +58,34 @@ pub fn scatter(
     options: &FitOptions,
 ) -> Option<Scatter> {
     let all = joint.values();
+    let mut of_specimen: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
+    for row in rows {
+        of_specimen.entry(&row.specimen).or_default().push(row);
+    }
     let specimens: Vec<SpecimenScatter> = joint
         .folds
         .iter()
         .filter_map(|fold| {
-            let of: Vec<&Row> = rows
-                .iter()
-                .copied()
-                .filter(|r| r.specimen == fold.left_out)
-                .collect();
+            let of = of_specimen.get(fold.left_out.as_str())?;
             let forces = |c: &[f64]| -> Vec<f64> {
                 of.iter()
                     .map(|r| joint_force(c, diameter_mm, r, options))
                     .collect()
             };
             let (seen, unseen) = (forces(&all), forces(&fold.coefficients));
-            let (strength, strength_unseen) = (strength(&of, &seen)?, strength(&of, &unseen)?);
+            let (strength, strength_unseen) = (strength(of, &seen)?, strength(of, &unseen)?);
             Some(SpecimenScatter {
                 specimen: fold.left_out.clone(),
                 strength,
                 strength_unseen,
-                within_n: within(&of, &seen, strength)?,
+                within_n: within(of, &seen, strength)?,
             })
         })
         .collect();
-    let mut ids: Vec<&str> = rows.iter().map(|r| r.specimen.as_str()).collect();
-    ids.sort_unstable();
-    ids.dedup();
-    let freedom = ids
+    let freedom = of_specimen
         .len()
         .checked_sub(joint.p.checked_sub(OF_THE_SURFACE)?)?;
-    if freedom == 0 || specimens.len() < ids.len() {
+    if freedom == 0 || specimens.len() < of_specimen.len() {
         return None;
     }
     let products: Vec<f64> = specimens
