@@ -127,10 +127,10 @@ pub const SINGLE: &[Case] = &[
     Case::new("force_drift", "campaign", "along the campaign", 60.0).scaled(Scale::PerSession),
     Case::new("pressure_zero_offset", "constant", "constant", 45.0),
     Case::new("pressure_gain", "constant", "gain", 0.3).from_the_middle(GAIN),
-    Case::new("temperature", "linear", "linear", 0.045),
+    Case::new("temperature", "linear", "linear", 0.08),
     Case::new("length_offset", "constant", "constant", 8.0),
     Case::new("series_compliance", "linear", "linear", 80.0).positive(),
-    Case::new("misalignment", "constant", "constant angle", 60.0)
+    Case::new("misalignment", "constant", "constant angle", 40.0)
         .from_the_middle(SAME)
         .positive(),
     Case::new("bladder_threshold", "sharp", "sharp", 150.0).positive(),
@@ -149,10 +149,10 @@ const OTHER_FORMS_DESIGN: &[Case] = &[
     Case::new("force_drift", "saturating", "within a log", 4.0),
     Case::new("pressure_zero_offset", "gained", "constant", 45.0),
     Case::new("pressure_gain", "curved", "gain", 0.3).from_the_middle(GAIN),
-    Case::new("temperature", "quadratic", "linear", 0.045),
+    Case::new("temperature", "quadratic", "linear", 0.08),
     Case::new("length_offset", "growing", "constant", 8.0),
     Case::new("series_compliance", "stiffening", "linear", 160.0).positive(),
-    Case::new("misalignment", "turning", "constant angle", 60.0)
+    Case::new("misalignment", "turning", "constant angle", 40.0)
         .from_the_middle(SAME)
         .positive(),
     Case::new("bladder_threshold", "smooth", "sharp", 150.0).positive(),
@@ -175,12 +175,12 @@ const OTHER_FORMS_PUBLISHED: &[Case] = &[
     Case::new("pressure_gain", "curved", "gain", 0.3)
         .from_the_middle(GAIN)
         .with(&[-0.5]),
-    Case::new("temperature", "quadratic", "linear", 0.045).with(&[20.0, -0.07]),
+    Case::new("temperature", "quadratic", "linear", 0.08).with(&[20.0, -0.07]),
     Case::new("length_offset", "growing", "constant", 8.0).with(&[1.8]),
     Case::new("series_compliance", "stiffening", "linear", 160.0)
         .positive()
         .with(&[250.0]),
-    Case::new("misalignment", "turning", "constant angle", 60.0)
+    Case::new("misalignment", "turning", "constant angle", 40.0)
         .from_the_middle(SAME)
         .positive()
         .with(&[0.5]),

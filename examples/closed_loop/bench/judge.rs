@@ -51,6 +51,8 @@ pub fn of_effects(found: &CampaignFindings, ids: &[&str]) -> Outcome {
         exact: detected && nothing_else && found.unexplained.is_empty(),
         wrong_names,
         rmse: found.after.rmse_heldout,
+        smallest_p: found.tested.iter().map(|t| t.p_familywise).reduce(f64::min),
+        inside: [found.inside_50, found.inside_95],
         specimens: found.design.specimens,
         ..Outcome::default()
     }

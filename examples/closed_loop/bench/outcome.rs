@@ -62,6 +62,10 @@ pub struct Outcome {
     pub error_ratio: Option<f64>,
     /// Estimated over true standard deviation of set length and of gain.
     pub scatter_ratios: [Option<f64>; 2],
+    /// Smallest family-wise p of the first step.
+    pub smallest_p: Option<f64>,
+    /// Share of held-out readings inside their 50% and 95% intervals.
+    pub inside: [Option<f64>; 2],
     /// Specimens.
     pub specimens: usize,
     /// Detection limits, of campaigns without an effect.

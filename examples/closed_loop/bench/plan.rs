@@ -161,3 +161,48 @@ impl Plan {
         (0..n).map(one).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn the_whole_table_has_as_many_campaigns_as_the_specification_asks_for() {
+        let trials = Plan {
+            family: Family::Published,
+            seeds: 20,
+        }
+        .trials();
+        let names: BTreeSet<String> = trials.iter().map(Trial::name).collect();
+        assert_eq!(names.len(), trials.len());
+        let rig = |part: Part| {
+            let own = |t: &&Trial| t.part == part && t.scatter == Scatter::RigLike;
+            trials.iter().filter(own).count()
+        };
+        assert_eq!(rig(Part::Nothing), 200);
+        assert_eq!(rig(Part::Single), 20 * SINGLE.len() * MULTIPLES.len());
+        let rest = [Part::Two, Part::Outside, Part::Rediscovery, Part::Recording];
+        assert_eq!(rest.map(rig), [100, 100, 40, 60]);
+    }
+
+    #[test]
+    fn every_pair_of_effects_has_its_turn() {
+        let plan = Plan {
+            family: Family::Design,
+            seeds: 20,
+        };
+        let pairs = plan.pairs(Scatter::RigLike, cases::pairs().len() as u64);
+        let names: BTreeSet<String> = pairs
+            .iter()
+            .map(|t| {
+                t.cases
+                    .iter()
+                    .map(Case::name)
+                    .collect::<Vec<String>>()
+                    .join(" + ")
+            })
+            .collect();
+        assert_eq!(names.len(), cases::pairs().len());
+    }
+}

@@ -103,3 +103,31 @@ pub fn run(trials: &[Trial], log: &Log, each: impl Fn(&Trial, &Outcome) + Sync) 
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::plan::Plan;
+    use super::*;
+    use pipeline::simulate::rig_like::Family;
+
+    #[test]
+    fn what_is_logged_is_known_again_unless_the_loop_answers_differently() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("log.jsonl");
+        let trial = &Plan {
+            family: Family::Design,
+            seeds: 1,
+        }
+        .short()[0];
+        let outcome = Outcome {
+            verdict: "none".to_owned(),
+            rmse: Some(12.5),
+            scatter_ratios: [Some(1.1), None],
+            ..Outcome::default()
+        };
+        Log::open(&path, "a").expect("a log").write(trial, &outcome);
+        let again = Log::open(&path, "a").expect("a log");
+        assert_eq!(again.known.get(&trial.name()), Some(&outcome));
+        assert!(Log::open(&path, "b").expect("a log").known.is_empty());
+    }
+}

@@ -225,6 +225,7 @@ pub fn document(trials: &[Trial], outcomes: &[Outcome]) -> String {
             let _ = writeln!(text, "| {} | {} | {} | {met} |", b.case, b.result, b.bar);
         }
         text.push_str(&by_case(trials, outcomes, scatter));
+        text.push_str(&by_specimens(trials, outcomes, scatter));
     }
     text.push_str(&sizes_and_times(trials, outcomes));
     text
@@ -259,6 +260,40 @@ fn by_case(trials: &[Trial], outcomes: &[Outcome], scatter: Scatter) -> String {
             text,
             "| {name} | {multiple} | {exact} | {detected} | {covered} | {ratio} | {instead} |"
         );
+    }
+    text
+}
+
+/// Whether the family-wise test keeps its level, and intervals of unseen readings theirs: campaigns without an effect, by specimens.
+fn by_specimens(trials: &[Trial], outcomes: &[Outcome], scatter: Scatter) -> String {
+    let mut groups: BTreeMap<usize, Vec<&Outcome>> = BTreeMap::new();
+    for (t, o) in trials.iter().zip(outcomes) {
+        if t.scatter == scatter && t.part == Part::Nothing {
+            groups.entry(o.specimens).or_default().push(o);
+        }
+    }
+    let mut text = "\n| no effect, specimens | campaigns | p at most 0.05 | p at most 0.2 | p at most 0.5 | held-out readings inside their 50% interval | inside 95% |\n".to_owned();
+    text.push_str("|---|---|---|---|---|---|---|\n");
+    for (specimens, list) in &groups {
+        let below = |p: f64| Rate::of(list.iter().filter_map(|o| Some(o.smallest_p? <= p)));
+        let [half, most] = [0, 1].map(|k| {
+            let known: Vec<f64> = list.iter().filter_map(|o| o.inside[k]).collect();
+            let mean = known.iter().sum::<f64>() / known.len() as f64;
+            if known.is_empty() {
+                "-".to_owned()
+            } else {
+                format!("{:.0}%", 100.0 * mean)
+            }
+        });
+        let [a, b, c] = [0.05, 0.2, 0.5].map(below);
+        let _ = writeln!(
+            text,
+            "| {specimens} | {} | {a} | {b} | {c} | {half} | {most} |",
+            list.len()
+        );
+    }
+    if groups.is_empty() {
+        return String::new();
     }
     text
 }

@@ -58,8 +58,10 @@ pub struct Trial {
 
 /// Standard deviations at which the generating model's own detection limit lies: about the family-wise level and 80% power.
 const GENERATING_LIMIT: f64 = 3.4 + 0.84;
-/// Steps by which a size of the wanted strength is found.
-const STEPS: usize = 3;
+/// Between these parts of its largest size an effect of the wanted strength is looked for, in so many steps.
+const SMALLEST: f64 = 1e-4;
+const LARGEST: f64 = 2.0;
+const STEPS: usize = 10;
 
 impl Trial {
     /// What names it in the log. A campaign without an effect is one thing, whatever it is there for.
@@ -217,13 +219,18 @@ impl Sizing<'_> {
         self.of_strength(case, strength)
     }
 
+    /// By bisection: an angle's strength goes with its square, that of a threshold begins late.
     fn of_strength(&self, case: &Case, strength: f64) -> f64 {
-        let mut amplitude = 0.05 * case.most;
+        let (mut low, mut high) = (SMALLEST * case.most, LARGEST * case.most);
         for _ in 0..STEPS {
-            let factor = strength / self.strength(case, amplitude).max(1e-6);
-            amplitude = (amplitude * factor.clamp(0.05, 20.0)).min(2.0 * case.most);
+            let middle = (low * high).sqrt();
+            if self.strength(case, middle) < strength {
+                low = middle;
+            } else {
+                high = middle;
+            }
         }
-        amplitude
+        (low * high).sqrt()
     }
 
     fn strength(&self, case: &Case, amplitude: f64) -> f64 {

@@ -124,14 +124,11 @@ impl<'a> Generating<'a> {
     /// Square of what the others leave of a column: coefficients are free, weights of the misfit have unit variance.
     fn left(&self, effect: &[f64], others: &[Vec<f64>]) -> f64 {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-        let n = others.len();
-        let mut gram = vec![vec![0.0; n]; n];
-        for i in 0..n {
-            for j in 0..n {
-                gram[i][j] = dot(&others[i], &others[j]);
-            }
-            gram[i][i] += if i < LAW { 0.0 } else { 1.0 };
-        }
+        let entry = |(i, a): (usize, &Vec<f64>), (j, b): (usize, &Vec<f64>)| {
+            dot(a, b) + if i == j && i >= LAW { 1.0 } else { 0.0 }
+        };
+        let row = |a| others.iter().enumerate().map(|b| entry(a, b)).collect();
+        let gram: Vec<Vec<f64>> = others.iter().enumerate().map(row).collect();
         let explained: Vec<f64> = others.iter().map(|o| dot(o, effect)).collect();
         let half = Factor::new(&gram).forward(&explained);
         dot(effect, effect) - dot(&half, &half)
@@ -347,12 +344,12 @@ impl Factor {
     fn new(v: &[Vec<f64>]) -> Self {
         let n = v.len();
         let mut rows = vec![vec![0.0; n]; n];
-        for i in 0..n {
+        for (i, own) in v.iter().enumerate() {
             for j in 0..=i {
                 let known: f64 = (0..j).map(|k| rows[i][k] * rows[j][k]).sum();
-                let rest = v[i][j] - known;
+                let rest = own[j] - known;
                 rows[i][j] = if i == j {
-                    rest.max(1e-12 * v[i][i]).sqrt()
+                    rest.max(1e-12 * own[i]).sqrt()
                 } else {
                     rest / rows[j][j]
                 };
