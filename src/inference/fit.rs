@@ -155,8 +155,7 @@ impl<'a> Setting<'a> {
         for (value, scale) in wide.components.iter_mut().zip(self.scales()) {
             *value = match scale.prior {
                 Prior::Fixed(sd) => sd,
-                Prior::HalfNormal(s) => value.max(s),
-                Prior::Free => value.max(0.2 * scale.usual),
+                Prior::HalfNormal(_) | Prior::Free => value.max(0.5 * scale.usual),
             };
         }
         wide

@@ -63,7 +63,11 @@ pub struct Screen<'a> {
 impl<'a> Screen<'a> {
     /// The candidates of the problem at a fitted model.
     pub fn new(setting: &'a Setting<'a>, null: &'a Fitted) -> Self {
-        let directions = setting.problem.directions(&null.point);
+        // One form of an effect is one too many where another is in the model: what the forms share would be split between them.
+        let terms = setting.problem.terms();
+        let kinds: Vec<usize> = null.point.terms.iter().map(|(t, _)| terms[*t].kind).collect();
+        let mut directions = setting.problem.directions(&null.point);
+        directions.retain(|d| !kinds.contains(&terms[d.term].kind));
         Self::of(setting, null, directions)
     }
 

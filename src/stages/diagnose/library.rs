@@ -40,6 +40,11 @@ pub enum Column {
 /// S: the scale of the force in [`Column::Force`], N.
 const FORCE_SCALE_N: f64 = 500.0;
 
+/// A correction is small beside the law: else it would be the law.
+const LARGEST_GAIN: f64 = 0.5;
+/// The same of an offset, N.
+const LARGEST_OFFSET_N: f64 = 200.0;
+
 /// On which readings a term acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scope {
@@ -168,7 +173,11 @@ impl Term {
 
     /// The term as the engine sees it.
     pub fn for_engine(&self, columns: usize) -> problem::Term {
-        let amplitude = self.form().map_or((-5e3, 5e3), |f| f.amplitude.bounds);
+        let amplitude = match self.what {
+            What::Effect { .. } => self.form().map_or((0.0, 0.0), |f| f.amplitude.bounds),
+            What::Column(column) if column.is_gain() => (-LARGEST_GAIN, LARGEST_GAIN),
+            What::Column(_) => (-LARGEST_OFFSET_N, LARGEST_OFFSET_N),
+        };
         let mut bounds = vec![amplitude; self.amplitudes];
         if let Some((shape, _)) = self.form().and_then(|f| f.shape) {
             bounds.push(shape.bounds);

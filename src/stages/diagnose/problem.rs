@@ -363,20 +363,24 @@ fn components(data: &Data, pooled: bool) -> Vec<Component> {
     };
     let misfit = |scale: f64| component(Prior::HalfNormal(scale), scale, true, false, true);
     let rounding = settings::ROUNDING_SD_MM;
+    let scatter = |usual: f64, groups: usize| {
+        let prior = Prior::HalfNormal(settings::LARGEST_SCATTER * usual);
+        with_groups(component(prior, usual, false, true, false), groups)
+    };
     let pool = |usual: f64| {
         let prior = if pooled { Prior::Free } else { Prior::Fixed(0.0) };
         component(prior, usual, false, true, false)
     };
     vec![
-        component(Prior::Free, 0.04, false, true, false),
-        component(Prior::Free, 1.0, false, true, false),
-        component(Prior::Free, 1.0, false, true, false),
+        scatter(settings::USUAL_GAIN, data.specimens.len()),
+        scatter(settings::USUAL_SET_LENGTH_MM, sessions),
+        scatter(settings::USUAL_ZERO_N, sessions),
         component(Prior::Fixed(rounding), rounding, true, true, false),
         component(Prior::Fixed(rounding), rounding, true, true, false),
         { let c = env("COMMON", settings::COMMON_MISFIT); if std::env::var("HARD").is_ok() { component(Prior::Fixed(c), c, true, false, true) } else { with_groups(misfit(c), sessions) } },
         with_groups(misfit(env("SESSION", settings::SESSION_MISFIT)), sessions),
-        pool(0.04),
-        pool(1.0),
+        pool(settings::USUAL_GAIN),
+        pool(settings::USUAL_ZERO_N),
     ]
 }
 

@@ -16,3 +16,11 @@ pub const ROUNDING_SD_MM: f64 = 0.29;
 pub const LARGE_CHANGE: f64 = 0.08;
 /// Cosine above which two amplitudes of one effect show alike.
 pub const SAME_DIRECTION: f64 = 0.98;
+/// Usual scatter of the gains of specimens: Festo states 10% tolerance, laboratories find 3 to 5%.
+pub const USUAL_GAIN: f64 = 0.04;
+/// Usual scatter of set lengths, mm.
+pub const USUAL_SET_LENGTH_MM: f64 = 1.0;
+/// Usual scatter of the zero of the force, N.
+pub const USUAL_ZERO_N: f64 = 1.0;
+/// Scale of the priors of these scatters, as a multiple of the usual ones: weak, but no scatter takes the place of the law.
+pub const LARGEST_SCATTER: f64 = 5.0;
