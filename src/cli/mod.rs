@@ -3,6 +3,7 @@
 //! Results go to standard output; progress, warnings and errors to standard error. Exit codes: 0 done; 1 `status` found work to
 //! do or `check` a difference; 2 usage, configuration or no usable input; 3 done, but sessions were rejected and `--strict` was given; 4 internal.
 
+mod answers;
 mod args;
 mod check;
 mod columns;

@@ -1,12 +1,12 @@
 //! What the commands print.
 
+use super::answers;
 use crate::base::diagnostics::{Diagnostic, Severity};
 use crate::base::error::{Error, Result};
 use crate::cache::reason::one_line;
 use crate::run::step::Failure;
-use crate::run::{Answer, Outcome, STAGES};
+use crate::run::{Outcome, STAGES};
 use crate::simulate::Campaign;
-use crate::stages::diagnose::findings::Verdict;
 use serde_json::json;
 use std::io::Write;
 use std::path::Path;
@@ -110,7 +110,7 @@ pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> R
             "failed": failed_json(outcome),
             "rejected_sessions": rejected, "rejected_logs": logs, "files_written": paths(&outcome.written),
             "reports": paths(&outcome.pdfs), "findings": outcome.findings_file.as_ref().map(|f| f.display().to_string()),
-            "new_answers": outcome.answers,
+            "new_answers": outcome.answers.iter().map(answers::as_json).collect::<Vec<_>>(),
         }));
     }
     if explain {
@@ -142,19 +142,8 @@ pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> R
             outcome.written.len()
         ));
     }
-    for answer in &outcome.answers {
-        let Answer {
-            campaign,
-            diameter_mm,
-            summary,
-            ..
-        } = answer;
-        let verdict = verdict(answer.verdict);
-        let part = answer.part.iter().map(|part| format!(", {part}"));
-        let part: String = part.collect();
-        line(format!(
-            "{campaign}{part}, {diameter_mm} mm: {verdict}. {summary}"
-        ));
+    for found in &outcome.answers {
+        answers::lines(found).into_iter().for_each(line);
     }
     if let Some(file) = &outcome.findings_file {
         line(format!("findings: {}", file.display()));
@@ -163,14 +152,6 @@ pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> R
         line(format!("report: {}", pdf.display()));
     }
     Ok(())
-}
-
-fn verdict(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::EffectFound => "effect found",
-        Verdict::None => "none",
-        Verdict::Unexplained => "unexplained",
-    }
 }
 
 /// What would run.

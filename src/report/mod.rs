@@ -9,7 +9,7 @@
 //! | [`tables`] | one file a table |
 //! | [`plot`] | journal figures on plotters: axes, layers, legends |
 //! | [`figures`] | one file a figure |
-//! | [`answers`] | the words of a diagnosis |
+//! | [`wording`] | names, numbers and sentences of what was found |
 //! | [`force`] | the pages of `force.pdf` |
 //! | [`audit`] | the pages of `audit.pdf` |
 //! | [`residual`] | the pages of `residual.pdf` |
@@ -18,7 +18,6 @@
 //!
 //! Architecture invariant: only this folder knows plotters and Typst, and it computes no statistic: every number comes from a stage.
 
-pub mod answers;
 pub mod audit;
 pub mod extent;
 pub mod figures;
@@ -36,3 +35,4 @@ pub mod symbols;
 pub mod table;
 pub mod tables;
 pub mod typeset;
+pub mod wording;

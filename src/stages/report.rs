@@ -9,18 +9,20 @@ use crate::base::session::{Phase, Sampling};
 use crate::cache::Digest;
 use crate::cache::store::Outputs;
 use crate::config::Config;
+use crate::findings::{CampaignFindings, Findings, SCHEMA};
 use crate::report::audit::audit_pdf;
 use crate::report::extent::{MOST_ROWS_PRINTED, SIDE_BY_SIDE};
+use crate::report::figures::found::Kind;
 use crate::report::figures::{self, Drawn, Named};
 use crate::report::force::{date_of, force_pdf};
 use crate::report::knee::{self, knee_pdf};
 use crate::report::render::{self, Renderer};
-use crate::report::residual::residual_pdf;
+use crate::report::residual::{self, residual_pdf};
 use crate::report::table::{Cell, Column, Table};
 use crate::report::tables;
 use crate::report::typeset::Pdf;
+use crate::report::wording::sentence::sentences;
 use crate::stages::compare::GroupComparison;
-use crate::stages::diagnose::findings::{Findings, SCHEMA};
 use crate::stages::fit::{GroupFit, is_usable, split};
 use crate::stages::torque::tidy;
 use rayon::prelude::*;
@@ -45,9 +47,9 @@ pub const DRAWN: &str = "drawn.json";
 pub fn group_figures(group: &GroupInput, config: &Config) -> Result<Outputs> {
     let drawn = GroupFigures {
         group: draw(&figures::of_group(group, config))?,
-        diagnosis: draw(&figures::of_diagnosis(group, config))?,
+        diagnosis: draw_kinds(figures::of_diagnosis(group))?,
     };
-    let all = drawn.group.iter().chain(&drawn.diagnosis);
+    let all = drawn.group.iter().chain(drawn.diagnosis.iter().map(|(_, d)| d));
     let files = figure_files(all, config.report.png_dpi)?;
     let mut outputs: Outputs = files.into_iter().collect();
     let json = serde_json::to_vec(&drawn).map_err(Error::internal)?;
@@ -74,6 +76,7 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
         legs: &legs,
         once: &once,
     };
+    let found = found_figures(input)?;
     let split = split_csv(input, config);
     let split_digest = Digest::of(&split).to_string();
     let fits: Vec<&GroupFit> = input.groups.iter().map(|g| &g.fit).collect();
@@ -83,12 +86,13 @@ pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
     let force_pages = || force_pdf(input, &traces, config, &split_digest);
     let other_pages = || -> Result<(Pdf, Option<Pdf>, Option<Pdf>)> {
         let audit = audit_pdf(&audit, &input.input_digest, date)?;
-        let residual = residual_pdf(input, date)?;
+        let residual = residual_pdf(input, &found, date)?;
         Ok((audit, residual, knee_pdf(input, &knees, date)?))
     };
     let figures = || {
         let knees = torque.iter().flatten().chain(&legs).chain(&once);
-        figure_files(traces.iter().chain(knees), config.report.png_dpi)
+        let all = traces.iter().chain(knees).chain(found.all());
+        figure_files(all, config.report.png_dpi)
     };
     let (force_pages, (other_pages, files)) = if input.sessions.len() > SIDE_BY_SIDE {
         let others = rayon::join(other_pages, figures);
@@ -153,8 +157,7 @@ fn findings_json(input: &ReportInput) -> Result<Vec<u8>> {
     let findings = Findings {
         schema: SCHEMA.to_owned(),
         campaigns: input
-            .findings()
-            .chain(input.torque_findings())
+            .all_findings()
             .cloned()
             .collect(),
     };
@@ -207,6 +210,22 @@ fn draw(figures: &[Named]) -> Result<Vec<Drawn>> {
     figures.par_iter().map(Named::draw).collect()
 }
 
+fn draw_kinds(figures: Vec<(Kind, Named)>) -> Result<Vec<(Kind, Drawn)>> {
+    let drawn = figures.into_par_iter();
+    drawn.map(|(kind, named)| Ok((kind, named.draw()?))).collect()
+}
+
+/// The figures of what was found that belong to no group of rows: the budget of all, and those of every joint.
+fn found_figures(input: &ReportInput) -> Result<residual::Figures> {
+    let shown = residual::on_the_first_page(input);
+    let budget = figures::found::budget(&shown).map(|named| named.draw());
+    let joints = input.torque().flat_map(|c| &c.diagnoses);
+    Ok(residual::Figures {
+        budget: budget.transpose()?,
+        joints: joints.map(|j| draw_kinds(figures::of_joint(j))).collect::<Result<_>>()?,
+    })
+}
+
 fn figure_files<'a>(
     figures: impl Iterator<Item = &'a Drawn>,
     png_dpi: f64,
@@ -251,10 +270,7 @@ fn summary(input: &ReportInput, tables: &[String]) -> Result<Vec<u8>> {
         .filter(|r| r.extent == Extent::Log)
         .map(|r| json!({ "session": r.session, "log": r.log, "reason": r.reason }))
         .collect();
-    let verdicts: Vec<_> = input
-        .findings()
-        .map(|f| json!({ "campaign": f.campaign, "diameter_mm": f.diameter_mm, "verdict": f.verdict, "summary": f.summary }))
-        .collect();
+    let verdicts: Vec<_> = input.all_findings().map(verdict_json).collect();
     let summary = json!({
         "schema": "bpa-summary/1",
         "version": env!("CARGO_PKG_VERSION"),
@@ -270,6 +286,16 @@ fn summary(input: &ReportInput, tables: &[String]) -> Result<Vec<u8>> {
     let mut bytes = serde_json::to_vec_pretty(&summary).map_err(Error::internal)?;
     bytes.push(b'\n');
     Ok(bytes)
+}
+
+/// The answer of one campaign, pool or joint in `summary.json`.
+fn verdict_json(found: &CampaignFindings) -> serde_json::Value {
+    json!({
+        "campaign": found.campaign, "part": found.part, "diameter_mm": found.diameter_mm, "kind": found.kind,
+        "verdict": found.verdict, "unit": found.unit,
+        "rmse_heldout_before": found.before.rmse_heldout, "rmse_heldout_after": found.after.rmse_heldout,
+        "expected_rmse_heldout": found.expected_rmse_heldout, "sentences": sentences(found),
+    })
 }
 
 /// The logs that the report draws, as positions of session and log: of every campaign of time series the log with most readings that

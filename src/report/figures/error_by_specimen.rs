@@ -2,7 +2,7 @@
 
 use crate::config::Config;
 use crate::report::figures::looks::of_model;
-use crate::report::figures::words::specimen_names;
+use crate::report::figures::formatting::specimen_names;
 use crate::report::input::GroupInput;
 use crate::report::plot::{
     Axis, Dash, Figure, Ink, Layer, Legend, Panel, SINGLE_MM, Series, Stroke,

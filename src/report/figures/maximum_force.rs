@@ -3,7 +3,7 @@
 use crate::config::Config;
 use crate::models::{P_620_KPA, new};
 use crate::report::figures::laws::{self, Band, festo, misleading, places, published};
-use crate::report::figures::words::listed;
+use crate::report::figures::formatting::listed;
 use crate::report::input::GroupInput;
 use crate::report::plot::{
     Axis, Dash, Figure, Ink, Layer, Mark, Panel, SINGLE_MM, Series, Shape, Stroke,

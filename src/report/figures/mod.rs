@@ -1,12 +1,11 @@
 //! The figures, one file each. A figure of a group is one new file and one line in [`OF_GROUP`], or in
-//! [`OF_DIAGNOSIS`] if it shows what was found in the residual.
+//! [`found`] if it shows what was found in the residual.
 
-mod asked;
 mod covariates;
-mod empirical;
 mod error_by_model;
 mod error_by_specimen;
-mod heldout;
+mod formatting;
+pub mod found;
 mod isobars;
 pub mod knee;
 mod laws;
@@ -23,13 +22,13 @@ mod readings;
 mod residuals;
 mod rest;
 mod trend;
-mod words;
 
 use crate::base::error::Result;
 use crate::base::names::file_name;
 use crate::config::Config;
 use crate::report::input::{GroupInput, ReportInput};
 use crate::report::plot::Figure;
+use crate::stages::torque::diagnose::JointDiagnosis;
 use serde::{Deserialize, Serialize};
 
 /// A figure with the name of its files and its caption (in Typst markup).
@@ -88,22 +87,34 @@ const OF_GROUP: &[OfGroup] = &[
     residuals::figure,
 ];
 
-/// Every figure of a diagnosis, in the order of the report.
-const OF_DIAGNOSIS: &[OfGroup] = &[
-    asked::before,
-    heldout::figure,
-    asked::after,
-    empirical::figure,
-];
-
 /// The figures of one group; those for which it has the data.
 pub fn of_group(group: &GroupInput, config: &Config) -> Vec<Named> {
     named(OF_GROUP, group, config)
 }
 
-/// The figures of what was found in the residual of one group; none for groups that were not asked.
-pub fn of_diagnosis(group: &GroupInput, config: &Config) -> Vec<Named> {
-    named(OF_DIAGNOSIS, group, config)
+/// The figures of what was found in the residual of one group; none for groups that were not diagnosed.
+pub fn of_diagnosis(group: &GroupInput) -> Vec<(found::Kind, Named)> {
+    let Some(diagnosis) = &group.diagnosis else {
+        return Vec::new();
+    };
+    found::figures(&found::Shown {
+        found: &diagnosis.findings,
+        residuals: &diagnosis.residuals,
+        rows: &group.predictions.rows,
+        slug: slug(group),
+    })
+}
+
+/// The figures of what was found of one joint.
+pub fn of_joint(joint: &JointDiagnosis) -> Vec<(found::Kind, Named)> {
+    let found = &joint.findings;
+    let part = found.part.as_deref().unwrap_or_default();
+    found::figures(&found::Shown {
+        found,
+        residuals: &joint.residuals,
+        rows: &[],
+        slug: file_name(&format!("{}-{part}-{}mm", found.campaign, found.diameter_mm)),
+    })
 }
 
 fn named(figures: &[OfGroup], group: &GroupInput, config: &Config) -> Vec<Named> {

@@ -5,7 +5,7 @@ use crate::base::names::file_name;
 use crate::base::row::Row;
 use crate::base::session::Phase;
 use crate::report::figures::Named;
-use crate::report::figures::words::verbatim;
+use crate::report::figures::formatting::verbatim;
 use crate::report::input::{ReportInput, SessionInput, Trace};
 use crate::report::plot::{
     Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Mark, Panel, Series, Shape, Stroke,

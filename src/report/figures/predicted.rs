@@ -2,7 +2,7 @@
 
 use crate::config::Config;
 use crate::report::figures::looks::of_specimen;
-use crate::report::figures::words::specimen_names;
+use crate::report::figures::formatting::specimen_names;
 use crate::report::input::GroupInput;
 use crate::report::plot::{Axis, DOUBLE_MM, Figure, Layer, Panel, Series};
 use crate::stages::compare::{NEW, NEW_LOSO};

@@ -2,7 +2,7 @@
 
 use super::angle_axis;
 use crate::report::figures::Named;
-use crate::report::figures::words::{number, plain};
+use crate::report::figures::formatting::{number, plain};
 use crate::report::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Mark, Panel, Series, Shape, Stroke};
 use crate::stages::torque::reference::Reference;
 use crate::stages::torque::reference::human::{Compared, Compares};
