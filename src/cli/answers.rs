@@ -9,6 +9,8 @@ use serde_json::{Value, json};
 const WIDTH: usize = 100;
 /// Lines of a campaign.
 const LINES: usize = 3;
+/// Between a number and its unit, where no line ends; a terminal gets a blank.
+const NO_BREAK: char = '\u{a0}';
 /// What the lines after the first begin with.
 const INDENT: &str = "  ";
 
@@ -25,10 +27,9 @@ pub(super) fn lines(found: &CampaignFindings) -> Vec<String> {
     if fits.is_empty() {
         fits.push(name::campaign(found));
     }
-    wrapped(&(fits.join("; ") + "."))
-        .into_iter()
-        .take(LINES)
-        .collect()
+    let lines = wrapped(&(fits.join("; ") + "."));
+    let printed = lines.into_iter().take(LINES);
+    printed.map(|line| line.replace(NO_BREAK, " ")).collect()
 }
 
 /// What there is to say, the weightiest first.
@@ -39,8 +40,16 @@ fn by_weight(found: &CampaignFindings, said: &Clauses) -> Vec<String> {
         ""
     };
     let first = format!("{}: {}{limits}", name::campaign(found), said.found);
-    let in_short = format!("{}: {}", name::campaign(found), name::verdict(found.verdict));
-    let first = if wrapped(&first).len() > LINES { in_short } else { first };
+    let in_short = format!(
+        "{}: {}",
+        name::campaign(found),
+        name::verdict(found.verdict)
+    );
+    let first = if wrapped(&first).len() > LINES {
+        in_short
+    } else {
+        first
+    };
     let rest = [
         &said.recording_errors,
         &said.errors,
@@ -53,10 +62,10 @@ fn by_weight(found: &CampaignFindings, said: &Clauses) -> Vec<String> {
     [first].into_iter().chain(rest).collect()
 }
 
-/// A text in lines, parted between words.
+/// A text in lines, parted at blanks.
 fn wrapped(text: &str) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
-    for word in text.split_whitespace() {
+    for word in text.split(' ').filter(|word| !word.is_empty()) {
         match lines.last_mut() {
             Some(line) if letters(line) + 1 + letters(word) <= WIDTH => {
                 line.push(' ');
@@ -94,9 +103,9 @@ mod tests {
         assert_eq!(
             lines,
             [
-                "iso10, 10 mm: Threshold pressure of the bladder 60 kPa (indistinguishable from zero of the pressure",
-                "  sensor); Recording error: session s05 (set length, \u{2212}10.0 mm; set aside); the error on unseen",
-                "  specimens goes from 18.7 to 15.8 N; knowing set lengths to 0.2 mm is worth 6.0 N.",
+                "iso10, 10 mm: threshold pressure of the bladder 60.0 kPa (indistinguishable from zero of the",
+                "  pressure sensor); recording error: session s05 (set length, \u{2212}10.0 mm; set aside); the error on",
+                "  unseen specimens goes from 18.7 to 15.8 N; knowing set lengths to 0.2 mm is worth 6.0 N.",
             ]
         );
         assert!(lines.iter().all(|l| letters(l) <= WIDTH));

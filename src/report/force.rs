@@ -198,7 +198,7 @@ fn data(input: &ReportInput, traces: &[Drawn], config: &Config, split_digest: &s
     let rejects = || input.sessions.iter().flat_map(|s| s.rejects());
     let of_extent = |extent: Extent| rejects().filter(|r| r.extent == extent).count();
     let clipped = |r: &&crate::base::reject::Reject| {
-        r.extent == Extent::Plateau && r.reason.contains("limit of the converter")
+        r.extent == Extent::Plateau && r.reason == crate::stages::clean::steady::CLIPPED
     };
     let authors = options
         .author

@@ -11,7 +11,7 @@ use crate::report::table::Table;
 use crate::report::tables::knee as tables;
 use crate::report::typeset::{Document, Pdf};
 use crate::report::wording::name;
-use crate::report::wording::sentence::{clauses, sentences};
+use crate::report::wording::sentence::sentences;
 use crate::stages::torque::errors::Size;
 use crate::stages::torque::fitting::{FittingFit, LAWS, Origin};
 use crate::stages::torque::{CampaignTorque, Configuration, Test};
@@ -63,8 +63,6 @@ struct Campaign {
 struct Joint {
     title: String,
     sentences: Vec<String>,
-    /// Whether the detection limits belong behind the first sentence.
-    limits: bool,
     figure: Option<Picture>,
 }
 
@@ -196,7 +194,6 @@ fn joint(found: &CampaignFindings) -> Joint {
     Joint {
         title: name::capitalised(&format!("{part}, {} mm", found.diameter_mm)),
         sentences: sentences(found),
-        limits: clauses(found).limits,
         figure: None,
     }
 }

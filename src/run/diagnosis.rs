@@ -54,7 +54,10 @@ pub fn step(
         let mut outputs = Outputs::from([(FINDINGS.to_owned(), findings)]);
         if let Some(diagnosis) = &diagnosis {
             let residuals = &diagnosis.residuals;
-            outputs.insert(RESIDUALS.to_owned(), residuals_frame(residuals).to_parquet()?);
+            outputs.insert(
+                RESIDUALS.to_owned(),
+                residuals_frame(residuals).to_parquet()?,
+            );
             outputs.insert(TESTED.to_owned(), tested_frame(residuals).to_parquet()?);
         }
         Ok(outputs)
@@ -101,7 +104,9 @@ fn residuals_frame(residuals: &Residuals) -> Frame {
 
 fn tested_frame(residuals: &Residuals) -> Frame {
     let columns = residuals.columns.iter();
-    columns.fold(Frame::default(), |frame, (name, values)| frame.with(name, numbers(values)))
+    columns.fold(Frame::default(), |frame, (name, values)| {
+        frame.with(name, numbers(values))
+    })
 }
 
 fn residuals(frame: Frame, tested: Frame) -> Residuals {

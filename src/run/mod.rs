@@ -217,7 +217,9 @@ fn drive(
     outcome.written = written.changed;
     outcome.findings_file = written.findings;
     outcome.answers = answers(engine, &group_results)?;
-    outcome.answers.extend(torque::fresh_findings(engine, &torque)?);
+    outcome
+        .answers
+        .extend(torque::fresh_findings(engine, &torque)?);
     Ok(outcome)
 }
 

@@ -49,7 +49,10 @@ pub fn group_figures(group: &GroupInput, config: &Config) -> Result<Outputs> {
         group: draw(&figures::of_group(group, config))?,
         diagnosis: draw_kinds(figures::of_diagnosis(group))?,
     };
-    let all = drawn.group.iter().chain(drawn.diagnosis.iter().map(|(_, d)| d));
+    let all = drawn
+        .group
+        .iter()
+        .chain(drawn.diagnosis.iter().map(|(_, d)| d));
     let files = figure_files(all, config.report.png_dpi)?;
     let mut outputs: Outputs = files.into_iter().collect();
     let json = serde_json::to_vec(&drawn).map_err(Error::internal)?;
@@ -156,10 +159,7 @@ fn units_of_extras(input: &ReportInput) -> BTreeMap<String, String> {
 fn findings_json(input: &ReportInput) -> Result<Vec<u8>> {
     let findings = Findings {
         schema: SCHEMA.to_owned(),
-        campaigns: input
-            .all_findings()
-            .cloned()
-            .collect(),
+        campaigns: input.all_findings().cloned().collect(),
     };
     let mut bytes = serde_json::to_vec_pretty(&findings).map_err(Error::internal)?;
     bytes.push(b'\n');
@@ -212,7 +212,9 @@ fn draw(figures: &[Named]) -> Result<Vec<Drawn>> {
 
 fn draw_kinds(figures: Vec<(Kind, Named)>) -> Result<Vec<(Kind, Drawn)>> {
     let drawn = figures.into_par_iter();
-    drawn.map(|(kind, named)| Ok((kind, named.draw()?))).collect()
+    drawn
+        .map(|(kind, named)| Ok((kind, named.draw()?)))
+        .collect()
 }
 
 /// The figures of what was found that belong to no group of rows: the budget of all, and those of every joint.
@@ -222,7 +224,9 @@ fn found_figures(input: &ReportInput) -> Result<residual::Figures> {
     let joints = input.torque().flat_map(|c| &c.diagnoses);
     Ok(residual::Figures {
         budget: budget.transpose()?,
-        joints: joints.map(|j| draw_kinds(figures::of_joint(j))).collect::<Result<_>>()?,
+        joints: joints
+            .map(|j| draw_kinds(figures::of_joint(j)))
+            .collect::<Result<_>>()?,
     })
 }
 

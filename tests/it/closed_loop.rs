@@ -6,8 +6,8 @@ use pipeline::base::session::Role;
 use pipeline::config::{DiagnoseOptions, FitOptions};
 use pipeline::simulate::campaign_rows;
 use pipeline::simulate::trials::{self, Case, Size};
-use pipeline::stages::diagnose::former as diagnose;
 use pipeline::stages::diagnose::findings::{CampaignFindings, Verdict};
+use pipeline::stages::diagnose::former as diagnose;
 use pipeline::stages::fit::Group;
 
 fn group() -> Group {

@@ -8,6 +8,7 @@ mod commands;
 mod coverage;
 mod crash;
 mod documents;
+mod findings_schema;
 mod formats;
 mod fuzz;
 mod golden;

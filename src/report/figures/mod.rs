@@ -113,7 +113,10 @@ pub fn of_joint(joint: &JointDiagnosis) -> Vec<(found::Kind, Named)> {
         found,
         residuals: &joint.residuals,
         rows: &[],
-        slug: file_name(&format!("{}-{part}-{}mm", found.campaign, found.diameter_mm)),
+        slug: file_name(&format!(
+            "{}-{part}-{}mm",
+            found.campaign, found.diameter_mm
+        )),
     })
 }
 

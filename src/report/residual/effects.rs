@@ -4,7 +4,9 @@ use crate::findings::{CampaignFindings, EffectFinding, Tested, Unexplained};
 use crate::report::number::Rounding;
 use crate::report::wording::SIGNIFICANT;
 use crate::report::wording::name;
-use crate::report::wording::number::{NONE, equals_probability, error_with_unit, gain, percent, plain, probability, rounded, size};
+use crate::report::wording::number::{
+    NONE, equals_probability, error_with_unit, gain, percent, plain, probability, rounded, size,
+};
 use serde::Serialize;
 
 /// Most tested candidates in print; `tested.csv` has all.
@@ -43,14 +45,20 @@ fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, Stri
     let mut facts = vec![
         ("family-wise p", probability(e.p_familywise)),
         ("gain in log-likelihood", gain(e.log_likelihood_gain)),
-        ("found in", format!("{} of the folds", percent(e.found_in_folds))),
+        (
+            "found in",
+            format!("{} of the folds", percent(e.found_in_folds)),
+        ),
         ("RMS on its readings", error_with_unit(e.rms, &found.unit)),
     ];
     if let Some(free) = &e.free_form {
         facts.push(("free form", format!("p {}", equals_probability(free.p))));
     }
     if found.misfit.sensitive.contains(&e.id) {
-        facts.push(("misfit prior", "the answer changes where it is halved or doubled".to_owned()));
+        facts.push((
+            "misfit prior",
+            "the answer changes where it is halved or doubled".to_owned(),
+        ));
     }
     facts
 }
@@ -67,7 +75,12 @@ pub(super) fn alias_sets(found: &CampaignFindings) -> Vec<AliasRow> {
     let with_others = found.effects.iter().filter(|e| e.class.len() > 1);
     let row = |e: &EffectFinding| AliasRow {
         effect: name::effect(&e.id),
-        members: e.class.iter().filter(|id| **id != e.id).map(|id| member(found, e, id)).collect(),
+        members: e
+            .class
+            .iter()
+            .filter(|id| **id != e.id)
+            .map(|id| member(found, e, id))
+            .collect(),
     };
     with_others.map(row).collect()
 }
@@ -79,7 +92,10 @@ fn member(found: &CampaignFindings, e: &EffectFinding, id: &str) -> [String; 3] 
     [
         name::capitalised(&name::effect(id)),
         likelihood.map_or_else(|| NONE.to_owned(), |(_, l)| gain(*l)),
-        alias.map_or_else(|| NONE.to_owned(), |a| rounded(a.cosine, Rounding::Decimals(3))),
+        alias.map_or_else(
+            || NONE.to_owned(),
+            |a| rounded(a.cosine, Rounding::Decimals(3)),
+        ),
     ]
 }
 
@@ -99,7 +115,8 @@ pub(super) fn tested(found: &CampaignFindings) -> Vec<TestedRow> {
                 name::effect_with_form(&t.id, &t.form)
             },
             name::acts_on_what(t.acts_on).to_owned(),
-            t.amplitude.map_or_else(|| NONE.to_owned(), |a| plain(a, &t.unit)),
+            t.amplitude
+                .map_or_else(|| NONE.to_owned(), |a| plain(a, &t.unit)),
             gain(t.log_likelihood_gain),
             probability(t.p_familywise),
         ],

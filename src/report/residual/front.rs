@@ -14,28 +14,27 @@ const GIVEN: [&str; 4] = ["1", "2", "3", "5"];
 pub(super) struct ErrorRow {
     /// The campaign; empty in its second row.
     campaign: String,
-    unit: String,
     model: &'static str,
-    /// Unseen, own values known, after 1, 2, 3 and 5 readings, largest.
-    cells: [String; 7],
+    /// Unseen, own values known, after 1, 2, 3 and 5 readings.
+    cells: [String; 6],
 }
 
 /// The rows of a campaign: without effects, and with them where there are any.
 pub(super) fn errors(found: &CampaignFindings) -> Vec<ErrorRow> {
     let row = |campaign: String, model, errors: &Errors| ErrorRow {
         campaign,
-        unit: unit(&found.unit).to_owned(),
         model,
         cells: cells(errors, &found.unit),
     };
-    let mut rows = vec![row(name::campaign(found), "without effects", &found.before)];
+    let campaign = format!("{} ({})", name::campaign(found), unit(&found.unit));
+    let mut rows = vec![row(campaign, "before", &found.before)];
     if has_effects(found) {
-        rows.push(row(String::new(), "with effects", &found.after));
+        rows.push(row(String::new(), "after", &found.after));
     }
     rows
 }
 
-fn cells(errors: &Errors, unit: &str) -> [String; 7] {
+fn cells(errors: &Errors, unit: &str) -> [String; 6] {
     let after = GIVEN.map(|k| errors.rmse_heldout_after.get(k).copied());
     let [one, two, three, five] = after;
     let all = [
@@ -45,24 +44,33 @@ fn cells(errors: &Errors, unit: &str) -> [String; 7] {
         two,
         three,
         five,
-        errors.max_abs_error_heldout,
     ];
     all.map(|e| error_or_none(e, unit))
 }
 
-/// The answer, without its pointer to the detection limits.
-pub(super) fn sentences(found: &CampaignFindings) -> Vec<String> {
-    sentence::sentences(found)
+/// The answer, a pointer to the detection limits apart.
+#[derive(Serialize)]
+pub(super) struct Said {
+    opening: String,
+    limits: bool,
+    rest: Vec<String>,
 }
 
-/// Whether "the smallest detectable sizes are in Table n" belongs behind the first sentence.
-pub(super) fn limits_follow(found: &CampaignFindings) -> bool {
-    clauses(found).limits
+pub(super) fn answer(found: &CampaignFindings) -> Said {
+    let told = sentence::told(found);
+    Said {
+        opening: told.opening,
+        limits: told.limits,
+        rest: told.rest,
+    }
 }
 
 /// A campaign without a section: name and answer.
 pub(super) fn in_short(found: &CampaignFindings) -> [String; 2] {
-    [name::campaign(found), clauses(found).found]
+    [
+        name::campaign(found),
+        name::capitalised(&clauses(found).found),
+    ]
 }
 
 /// What was searched, and how errors were made.
@@ -75,11 +83,17 @@ pub(super) fn design(found: &CampaignFindings) -> String {
     };
     let outside = match d.readings_outside_domain {
         0 => String::new(),
-        n => format!("; {} outside the model's domain", counted(n, "reading lies", "readings lie")),
+        n => format!(
+            "; {} outside the model's domain",
+            counted(n, "reading lies", "readings lie")
+        ),
     };
     let held = match d.readings_held_out {
         0 => String::new(),
-        n => format!("; {} held out by their owner", counted(n, "reading is", "readings are")),
+        n => format!(
+            "; {} held out by their owner",
+            counted(n, "reading is", "readings are")
+        ),
     };
     format!(
         "Searched: {} in {} of {}{outside}{held}. Base model: {}, {base}. Held out: {}.",

@@ -3,21 +3,34 @@
 use crate::findings::{CampaignFindings, RecordingError, Scatter};
 use crate::report::number::Rounding;
 use crate::report::wording::name::{self, listed};
-use crate::report::wording::number::{NONE, error, error_or_none, gain_or_none, plain, probability, rounded, unit, with_interval};
+use crate::report::wording::number::{
+    NONE, error, error_or_none, gain_or_none, plain, probability, rounded, unit, with_interval,
+};
 use crate::report::wording::sentence::recorded_size;
 
 /// What, of each, how many, standard deviation with interval, declared, gain.
 pub(super) fn scatter(s: &Scatter) -> [String; 6] {
-    let (factor, in_unit) = if s.unit == "1" { (100.0, "%") } else { (1.0, unit(&s.unit)) };
+    let (factor, in_unit) = if s.unit == "1" {
+        (100.0, "%")
+    } else {
+        (1.0, unit(&s.unit))
+    };
     let times = |x: Option<f64>| x.map(|x| factor * x);
     let (value, interval) = with_interval(factor * s.sd, times(s.ci_low), times(s.ci_high));
-    let contradicted = if s.declared_contradicted { ", contradicted" } else { "" };
+    let contradicted = if s.declared_contradicted {
+        ", contradicted"
+    } else {
+        ""
+    };
     [
         name::capitalised(&name::scatter(&s.id, s.level)),
         name::level(s.level).to_owned(),
         s.values.len().to_string(),
         format!("{value} {interval} {in_unit}"),
-        s.declared.map_or_else(|| NONE.to_owned(), |d| plain(factor * d, "1") + contradicted),
+        s.declared.map_or_else(
+            || NONE.to_owned(),
+            |d| plain(factor * d, "1") + contradicted,
+        ),
         gain_or_none(s.log_likelihood_gain),
     ]
 }
@@ -27,7 +40,7 @@ pub(super) fn misfit(found: &CampaignFindings) -> String {
     let nouns = name::nouns(found);
     let share = |x: f64| rounded(100.0 * x, Rounding::Digits(2));
     let m = &found.misfit;
-    let sensitive: Vec<String> = m.sensitive.iter().map(|id| name::effect(id)).collect();
+    let sensitive: Vec<String> = m.sensitive.iter().map(|id| name::candidate(id)).collect();
     let changes = if sensitive.is_empty() {
         "No answer changes where the prior scales of the misfit are halved or doubled.".to_owned()
     } else {
@@ -39,7 +52,11 @@ pub(super) fn misfit(found: &CampaignFindings) -> String {
     format!(
         "Smooth misfit of the law: {}% of the {} common to all {}, {}% of each {} along the pressure. {changes}",
         share(m.common),
-        if found.kind == "knee-torque" { "torque" } else { "force" },
+        if found.kind == "knee-torque" {
+            "torque"
+        } else {
+            "force"
+        },
         nouns.units,
         share(m.session),
         nouns.setup

@@ -3,7 +3,9 @@
 use crate::findings::{Alternative, CampaignFindings, CoefficientChange, UnitErrors};
 use crate::report::number::Rounding;
 use crate::report::wording::name::{self, listed};
-use crate::report::wording::number::{NONE, error_or_none, error_with_unit, gain, percent, rounded, size, unit as unit_name};
+use crate::report::wording::number::{
+    NONE, error_or_none, error_with_unit, gain, percent, rounded, size, unit as unit_name,
+};
 
 /// Log-likelihoods that differ by less tell nothing apart.
 const CLOSE: f64 = 2.0;
@@ -13,7 +15,7 @@ const Z: f64 = 1.96;
 /// Unit, readings, before, after, own values, realised over expected, inside 95%, found without it.
 pub(super) fn unit(found: &CampaignFindings, u: &UnitErrors) -> [String; 8] {
     let error = |e: Option<f64>| error_or_none(e, &found.unit);
-    let without: Vec<String> = u.found.iter().map(|id| name::effect(id)).collect();
+    let without: Vec<String> = u.found.iter().map(|id| name::candidate(id)).collect();
     [
         u.unit.clone(),
         u.readings.to_string(),
@@ -22,7 +24,11 @@ pub(super) fn unit(found: &CampaignFindings, u: &UnitErrors) -> [String; 8] {
         error(u.after.rmse_heldout_calibrated),
         rounded(u.realised_over_expected, Rounding::Decimals(2)),
         percent(u.inside_95),
-        if without.is_empty() { "nothing".to_owned() } else { without.join(", ") },
+        if without.is_empty() {
+            "nothing".to_owned()
+        } else {
+            without.join(", ")
+        },
     ]
 }
 
@@ -34,7 +40,9 @@ pub(super) fn black_box(found: &CampaignFindings) -> String {
             error_with_unit(e, &found.unit)
         )
     };
-    found.black_box_rmse_heldout.map_or_else(String::new, reaches)
+    found
+        .black_box_rmse_heldout
+        .map_or_else(String::new, reaches)
 }
 
 /// Symbol, unit, published, before, after with interval.
@@ -42,7 +50,10 @@ pub(super) fn coefficient(c: &CoefficientChange) -> [String; 5] {
     let half = Z * c.standard_error;
     let bounded = half.is_finite() && half > 0.0;
     let rounding = if bounded {
-        Rounding::ByInterval { low: c.after - half, high: c.after + half }
+        Rounding::ByInterval {
+            low: c.after - half,
+            high: c.after + half,
+        }
     } else {
         Rounding::Digits(4)
     };
@@ -57,7 +68,8 @@ pub(super) fn coefficient(c: &CoefficientChange) -> [String; 5] {
     [
         c.name.clone(),
         unit_name(&c.unit).to_owned(),
-        c.published.map_or_else(|| NONE.to_owned(), |p| rounded(p, Rounding::Digits(4))),
+        c.published
+            .map_or_else(|| NONE.to_owned(), |p| rounded(p, Rounding::Digits(4))),
         rounded(c.before, Rounding::Digits(4)),
         with,
     ]
@@ -65,7 +77,11 @@ pub(super) fn coefficient(c: &CoefficientChange) -> [String; 5] {
 
 fn parts(a: &Alternative) -> String {
     let parts: Vec<String> = a.parts.iter().map(|p| name::part(p)).collect();
-    if parts.is_empty() { "none of them".to_owned() } else { parts.join(" + ") }
+    if parts.is_empty() {
+        "none of them".to_owned()
+    } else {
+        parts.join(" + ")
+    }
 }
 
 /// Parts, parameters, log-likelihood, held-out error, log density, numbers.
@@ -76,7 +92,8 @@ pub(super) fn alternative(found: &CampaignFindings, a: &Alternative) -> [String;
         a.parameters.to_string(),
         gain(a.log_likelihood),
         error_or_none(a.rmse_heldout, &found.unit),
-        a.log_density_heldout.map_or_else(|| NONE.to_owned(), |d| rounded(d, Rounding::Decimals(2))),
+        a.log_density_heldout
+            .map_or_else(|| NONE.to_owned(), |d| rounded(d, Rounding::Decimals(2))),
         numbers.join("; "),
     ]
 }
@@ -95,7 +112,11 @@ pub(super) fn alternatives_sentence(found: &CampaignFindings) -> String {
         .map(|a| parts(a))
         .collect();
     let likelihood = if close.is_empty() {
-        format!("The log-likelihood is highest with {}, {} above the next.", parts(first), gain(ahead))
+        format!(
+            "The log-likelihood is highest with {}, {} above the next.",
+            parts(first),
+            gain(ahead)
+        )
     } else {
         format!(
             "The log-likelihood is highest with {}; {} within {} of it: these readings do not settle it.",
@@ -109,11 +130,22 @@ pub(super) fn alternatives_sentence(found: &CampaignFindings) -> String {
 
 /// By how much the held-out errors differ.
 fn spread(found: &CampaignFindings) -> String {
-    let errors: Vec<f64> = found.alternatives.iter().filter_map(|a| a.rmse_heldout).collect();
-    let (low, high) = errors.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), e| (l.min(*e), h.max(*e)));
+    let errors: Vec<f64> = found
+        .alternatives
+        .iter()
+        .filter_map(|a| a.rmse_heldout)
+        .collect();
+    let (low, high) = errors
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), e| {
+            (l.min(*e), h.max(*e))
+        });
     if errors.len() < 2 {
         return String::new();
     }
     let noun = name::nouns(found).units;
-    format!(" On unseen {noun} their errors differ by at most {}.", error_with_unit(high - low, &found.unit))
+    format!(
+        " On unseen {noun} their errors differ by at most {}.",
+        error_with_unit(high - low, &found.unit)
+    )
 }

@@ -1,7 +1,7 @@
 //! What a campaign could not have shown, and what to measure next.
 
 use crate::effects;
-use crate::findings::{CampaignFindings, DetectionLimit, NextMeasurement, NotMeasurable};
+use crate::findings::{CampaignFindings, DetectionLimit, NextMeasurement, NotMeasurable, WhyNot};
 use crate::report::wording::name;
 use crate::report::wording::number::{percent, plain};
 use crate::report::wording::sentence::{measurement, worth_words};
@@ -9,7 +9,11 @@ use serde::Serialize;
 
 /// Effect, form, smallest detectable size, identifiable share.
 pub(super) fn limit(l: &DetectionLimit) -> [String; 4] {
-    let beyond = if l.smallest > largest_possible(l) { ", beyond its bounds" } else { "" };
+    let beyond = if l.smallest > largest_possible(l) {
+        ", beyond its bounds"
+    } else {
+        ""
+    };
     [
         name::capitalised(&name::effect(&l.id)),
         l.form.clone(),
@@ -38,16 +42,36 @@ pub(super) struct Cannot {
 /// Effects that cannot be shown, those of one reason together. Beside an effect that was found, those of its alias set have no sensitivity
 /// of their own: they were measured with it.
 pub(super) fn not_measurable(found: &CampaignFindings) -> Vec<Cannot> {
-    let was_found = |n: &&NotMeasurable| found.effects.iter().any(|e| e.id == n.id || e.class.contains(&n.id));
+    let was_found = |n: &&NotMeasurable| {
+        found
+            .effects
+            .iter()
+            .any(|e| e.id == n.id || e.class.contains(&n.id))
+    };
     let mut reasons: Vec<Cannot> = Vec::new();
     for one in found.not_measurable.iter().filter(|n| !was_found(n)) {
-        let (why, effect) = (name::why_not(one), name::effect(&one.id));
+        let (why, effect) = reason(one);
         match reasons.iter_mut().find(|r| r.why == why) {
             Some(reason) => reason.effects.push(effect),
-            None => reasons.push(Cannot { why, effects: vec![effect] }),
+            None => reasons.push(Cannot {
+                why,
+                effects: vec![effect],
+            }),
         }
     }
     reasons
+}
+
+/// Why not, and the effect; what was not recorded stands behind the effect, so that all of these are one reason.
+fn reason(one: &NotMeasurable) -> (String, String) {
+    let effect = name::effect(&one.id);
+    match (one.reason, &one.by) {
+        (WhyNot::NoColumn, Some(by)) => (
+            name::NOT_RECORDED.to_owned(),
+            format!("{effect} ({})", name::column(by)),
+        ),
+        _ => (name::why_not(one), effect),
+    }
 }
 
 /// What to measure, what it is worth.

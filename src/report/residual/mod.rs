@@ -72,9 +72,7 @@ struct Campaign {
     unit: String,
     /// One and several of what is held out, one and several set-ups.
     nouns: [&'static str; 4],
-    sentences: Vec<String>,
-    /// Whether the detection limits belong behind the first sentence.
-    limits_follow: bool,
+    answer: front::Said,
     design: String,
     budget: Vec<[String; 4]>,
     expected: String,
@@ -86,7 +84,6 @@ struct Campaign {
     scatter: Vec<[String; 6]>,
     misfit: String,
     recording_errors: Vec<[String; 6]>,
-    errors: Vec<front::ErrorRow>,
     units: Vec<[String; 8]>,
     black_box: String,
     coefficients: Vec<[String; 5]>,
@@ -113,11 +110,15 @@ struct Entry<'a> {
     figures: Option<&'a [(Kind, Drawn)]>,
 }
 
-/// What has a section, in the order of the pages: its budget stands on the first page.
+/// What has a section, in the order of the pages, what was measured before what was simulated: its budget stands on the first page.
 pub fn on_the_first_page(input: &ReportInput) -> Vec<&CampaignFindings> {
-    let groups = input.with_section().filter_map(|(g, _)| g.diagnosis.as_ref());
+    let groups = input
+        .with_section()
+        .filter_map(|(g, _)| g.diagnosis.as_ref());
     let joints = input.torque_findings().take(MOST_GROUPS);
-    groups.map(|d| &d.findings).chain(joints).collect()
+    let mut all: Vec<&CampaignFindings> = groups.map(|d| &d.findings).chain(joints).collect();
+    all.sort_by_key(|found| found.simulated);
+    all
 }
 
 fn entries<'a>(input: &'a ReportInput, figures: &'a Figures) -> Vec<Entry<'a>> {
@@ -130,16 +131,26 @@ fn entries<'a>(input: &'a ReportInput, figures: &'a Figures) -> Vec<Entry<'a>> {
     });
     let joints = input.torque_findings().enumerate().map(|(k, found)| Entry {
         found,
-        figures: figures.joints.get(k).filter(|_| k < MOST_GROUPS).map(Vec::as_slice),
+        figures: figures
+            .joints
+            .get(k)
+            .filter(|_| k < MOST_GROUPS)
+            .map(Vec::as_slice),
     });
-    groups.chain(joints).collect()
+    let mut all: Vec<Entry> = groups.chain(joints).collect();
+    all.sort_by_key(|entry| entry.found.simulated);
+    all
 }
 
 /// Typesets `residual.pdf`. None where nothing was diagnosed.
 ///
 /// # Errors
 /// A template that does not compile.
-pub fn residual_pdf(input: &ReportInput, figures: &Figures, date: Option<(i32, u8, u8)>) -> Result<Option<Pdf>> {
+pub fn residual_pdf(
+    input: &ReportInput,
+    figures: &Figures,
+    date: Option<(i32, u8, u8)>,
+) -> Result<Option<Pdf>> {
     let entries = entries(input, figures);
     if entries.is_empty() {
         return Ok(None);
@@ -148,14 +159,22 @@ pub fn residual_pdf(input: &ReportInput, figures: &Figures, date: Option<(i32, u
     let without = entries.iter().filter(|e| e.figures.is_none());
     let data = Data {
         only_simulated: entries.iter().all(|e| e.found.simulated),
-        campaigns: with_section().enumerate().map(|(k, (found, f))| campaign(k, found, f)).collect(),
-        errors: entries.iter().flat_map(|e| front::errors(e.found)).collect(),
+        campaigns: with_section()
+            .enumerate()
+            .map(|(k, (found, f))| campaign(k, found, f))
+            .collect(),
+        errors: entries
+            .iter()
+            .flat_map(|e| front::errors(e.found))
+            .collect(),
         others: without.map(|e| front::in_short(e.found)).collect(),
         budget: figures.budget.as_ref().map(|drawn| picture(None, drawn)),
         version: env!("CARGO_PKG_VERSION"),
         input: input.input_digest.clone(),
     };
-    let mut document = Document::new(TEMPLATE).data("data.json", &data)?.dated(date);
+    let mut document = Document::new(TEMPLATE)
+        .data("data.json", &data)?
+        .dated(date);
     let drawn = with_section().flat_map(|(_, f)| f.iter().map(|(_, drawn)| drawn));
     for drawn in drawn.chain(&figures.budget) {
         document = document.file(&path(drawn), &drawn.svg);
@@ -187,28 +206,49 @@ fn campaign(place: usize, found: &CampaignFindings, figures: &[(Kind, Drawn)]) -
         verdict_words: name::verdict(found.verdict),
         unit: unit(&found.unit).to_owned(),
         nouns: [nouns.unit, nouns.units, nouns.setup, nouns.setups],
-        sentences: front::sentences(found),
-        limits_follow: front::limits_follow(found),
+        answer: front::answer(found),
         design: front::design(found),
         budget: front::budget(found),
         expected: front::expected(found),
-        effects: found.effects.iter().map(|e| effects::effect(found, e)).collect(),
+        effects: found
+            .effects
+            .iter()
+            .map(|e| effects::effect(found, e))
+            .collect(),
         alias_sets: effects::alias_sets(found),
         tested: effects::tested(found),
         tested_in_all: found.tested.len(),
         unexplained: found.unexplained.iter().map(effects::unexplained).collect(),
         scatter: found.scatter.iter().map(groups::scatter).collect(),
         misfit: groups::misfit(found),
-        recording_errors: found.recording_errors.iter().map(|e| groups::recording_error(found, e)).collect(),
-        errors: front::errors(found),
-        units: found.by_unit.iter().map(|u| held_out::unit(found, u)).collect(),
+        recording_errors: found
+            .recording_errors
+            .iter()
+            .map(|e| groups::recording_error(found, e))
+            .collect(),
+        units: found
+            .by_unit
+            .iter()
+            .map(|u| held_out::unit(found, u))
+            .collect(),
         black_box: held_out::black_box(found),
-        coefficients: found.coefficients.iter().map(held_out::coefficient).collect(),
-        alternatives: found.alternatives.iter().map(|a| held_out::alternative(found, a)).collect(),
+        coefficients: found
+            .coefficients
+            .iter()
+            .map(held_out::coefficient)
+            .collect(),
+        alternatives: found
+            .alternatives
+            .iter()
+            .map(|a| held_out::alternative(found, a))
+            .collect(),
         alternatives_sentence: held_out::alternatives_sentence(found),
         limits: found.detection_limits.iter().map(limits::limit).collect(),
         not_measurable: limits::not_measurable(found),
         next: limits::next(found),
-        figures: figures.iter().map(|(kind, drawn)| picture(Some(*kind), drawn)).collect(),
+        figures: figures
+            .iter()
+            .map(|(kind, drawn)| picture(Some(*kind), drawn))
+            .collect(),
     }
 }

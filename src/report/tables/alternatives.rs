@@ -15,18 +15,32 @@ type Row<'a> = Of<'a, (&'a Alternative, Option<&'a Parameter>)>;
 pub fn table(input: &ReportInput) -> Table {
     let columns = vec![
         text("parts", "With", |r: &Row| Cell::text(parts(r.one.0))),
-        number("parameters", "Parameters", "", |r| Cell::Integer(r.one.0.parameters as i64)),
-        number("log_likelihood", "Log-likelihood", "", |r| finite(r.one.0.log_likelihood, Rounding::Decimals(1))),
+        number("parameters", "Parameters", "", |r| {
+            Cell::Integer(r.one.0.parameters as i64)
+        }),
+        number("log_likelihood", "Log-likelihood", "", |r| {
+            finite(r.one.0.log_likelihood, Rounding::Decimals(1))
+        }),
         number("rmse_heldout", "Held out", "", |r| {
             let error = r.one.0.rmse_heldout.unwrap_or(f64::NAN);
             finite(error, error_rounding(error, &r.found.unit))
         }),
         unit(),
-        number("log_density_heldout", "Log density", "", |r| finite(r.one.0.log_density_heldout, Rounding::Decimals(3))),
-        text("number", "Number", |r| r.one.1.map_or(Cell::Empty, |p| Cell::text(&p.name))),
-        number("value", "Value", "", |r| r.one.1.map_or(Cell::Empty, |p| size(p)[0].clone())),
-        interval("ci", "95%", |r| r.one.1.map_or(Cell::Empty, |p| size(p)[1].clone())),
-        text("number_unit", "Unit", |r| r.one.1.map_or(Cell::Empty, |p| Cell::text(&p.unit))),
+        number("log_density_heldout", "Log density", "", |r| {
+            finite(r.one.0.log_density_heldout, Rounding::Decimals(3))
+        }),
+        text("number", "Number", |r| {
+            r.one.1.map_or(Cell::Empty, |p| Cell::text(&p.name))
+        }),
+        number("value", "Value", "", |r| {
+            r.one.1.map_or(Cell::Empty, |p| size(p)[0].clone())
+        }),
+        interval("ci", "95%", |r| {
+            r.one.1.map_or(Cell::Empty, |p| size(p)[1].clone())
+        }),
+        text("number_unit", "Unit", |r| {
+            r.one.1.map_or(Cell::Empty, |p| Cell::text(&p.unit))
+        }),
     ];
     let caption = "The law with and without its parts";
     of_all(input, ("alternatives", caption), columns, rows)

@@ -49,9 +49,13 @@ pub struct Of<'a, T> {
 /// The columns that name the campaign, pool or joint, and the unit of its errors.
 fn whose<'a, T>() -> Vec<Described<Of<'a, T>>> {
     vec![
-        text("campaign", "Campaign", |r: &Of<T>| Cell::text(&r.found.campaign)),
+        text("campaign", "Campaign", |r: &Of<T>| {
+            Cell::text(&r.found.campaign)
+        }),
         text("part", "Joint", |r| optional(r.found.part.as_deref())),
-        number("diameter_mm", "⌀", "mm", |r| Cell::Integer(i64::from(r.found.diameter_mm))),
+        number("diameter_mm", "⌀", "mm", |r| {
+            Cell::Integer(i64::from(r.found.diameter_mm))
+        }),
     ]
 }
 
@@ -62,7 +66,10 @@ pub fn unit<'a, T>() -> Described<Of<'a, T>> {
 
 /// The verdict of a row's campaign.
 pub fn verdict<'a, T>() -> Described<Of<'a, T>> {
-    text("verdict", "Verdict", |r: &Of<T>| Cell::text(name::verdict_id(r.found.verdict))).for_machines()
+    text("verdict", "Verdict", |r: &Of<T>| {
+        Cell::text(name::verdict_id(r.found.verdict))
+    })
+    .for_machines()
 }
 
 /// Words; an empty cell where there are none.

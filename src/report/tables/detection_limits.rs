@@ -22,15 +22,20 @@ pub fn table(input: &ReportInput) -> Table {
             Line::Not(n) => Cell::text(&n.id),
         }),
         text("form", "Form", |r| limit(r, |l| Cell::text(&l.form))),
-        number("smallest", "Smallest", "", |r| limit(r, |l| finite(l.smallest, Rounding::Digits(2)))),
+        number("smallest", "Smallest", "", |r| {
+            limit(r, |l| finite(l.smallest, Rounding::Digits(2)))
+        }),
         text("unit", "Unit", |r| limit(r, |l| Cell::text(&l.unit))),
         number("identifiable_share", "Identifiable share", "", |r| {
             limit(r, |l| finite(l.identifiable_share, Rounding::Decimals(2)))
         }),
-        text("not_measurable", "Not measurable", |r| not(r, |n| Cell::text(reason(n.reason)))),
+        text("not_measurable", "Not measurable", |r| {
+            not(r, |n| Cell::text(reason(n.reason)))
+        }),
         text("by", "By", |r| not(r, |n| optional(n.by.as_deref()))),
     ];
-    let caption = "The smallest size of every effect that a campaign would have shown in 80 of 100 cases";
+    let caption =
+        "The smallest size of every effect that a campaign would have shown in 80 of 100 cases";
     of_all(input, ("detection_limits", caption), columns, rows).note(
         "\\v{Identifiable share}: what the fitted coefficients leave of the effect's sensitivity. \\v{Not measurable}: absorbed by a coefficient or an effect, no column for it, or \
          beyond its physical bounds.",
@@ -39,7 +44,9 @@ pub fn table(input: &ReportInput) -> Table {
 
 fn rows(found: &CampaignFindings) -> Vec<Line<'_>> {
     let limits = found.detection_limits.iter().map(Line::Limit);
-    limits.chain(found.not_measurable.iter().map(Line::Not)).collect()
+    limits
+        .chain(found.not_measurable.iter().map(Line::Not))
+        .collect()
 }
 
 fn limit(row: &Row, cell: fn(&DetectionLimit) -> Cell) -> Cell {

@@ -28,30 +28,58 @@ pub fn table(input: &ReportInput) -> Table {
             Found::Unexplained(_) => Cell::text(UNEXPLAINED),
             Nothing => Cell::Empty,
         }),
-        text("class", "Alias set", |r| effect(r, |e| Cell::text(e.class.join(" ")))).for_machines(),
+        text("class", "Alias set", |r| {
+            effect(r, |e| Cell::text(e.class.join(" ")))
+        })
+        .for_machines(),
         text("form", "Form", |r| effect(r, |e| Cell::text(&e.form))).for_machines(),
-        text("acts_on", "Acts on", |r| effect(r, |e| Cell::text(acts_on(e.acts_on)))).for_machines(),
+        text("acts_on", "Acts on", |r| {
+            effect(r, |e| Cell::text(acts_on(e.acts_on)))
+        })
+        .for_machines(),
         text("column", "Column", |r: &Row| match r.one {
             Effect(e, _) => optional(e.column.as_deref()),
             Found::Unexplained(u) => Cell::text(&u.column),
             Nothing => Cell::Empty,
         }),
-        text("from", "From", |r| effect(r, |e| optional(e.from.as_deref()))).for_machines(),
-        text("parameter", "Parameter", |r| parameter(r, |p| Cell::text(&p.name))),
-        number("value", "Value", "", |r| parameter(r, |p| size(p)[0].clone())),
+        text("from", "From", |r| {
+            effect(r, |e| optional(e.from.as_deref()))
+        })
+        .for_machines(),
+        text("parameter", "Parameter", |r| {
+            parameter(r, |p| Cell::text(&p.name))
+        }),
+        number("value", "Value", "", |r| {
+            parameter(r, |p| size(p)[0].clone())
+        }),
         interval("ci", "95%", |r| parameter(r, |p| size(p)[1].clone())),
         text("unit", "Unit", |r| parameter(r, |p| Cell::text(&p.unit))),
         number("p_familywise", "\\v{p}", "", |r| {
-            both(r, |e| e.p_familywise, |u| u.p_familywise, Rounding::Digits(2))
+            both(
+                r,
+                |e| e.p_familywise,
+                |u| u.p_familywise,
+                Rounding::Digits(2),
+            )
         }),
         number("log_likelihood_gain", "Gain", "", |r| {
-            both(r, |e| e.log_likelihood_gain, |u| u.log_likelihood_gain, Rounding::Decimals(1))
+            both(
+                r,
+                |e| e.log_likelihood_gain,
+                |u| u.log_likelihood_gain,
+                Rounding::Decimals(1),
+            )
         }),
         number("found_in_folds", "In folds", "", |r| {
             effect(r, |e| finite(e.found_in_folds, Rounding::Percent(0)))
         }),
-        described::flag("negligible", "Negligible", |r| effect(r, |e| Cell::Flag(e.negligible))).for_machines(),
-        number("rms", "RMS", "", |r| effect(r, |e| finite(e.rms, Rounding::Digits(3)))),
+        described::flag("negligible", "Negligible", |r| {
+            effect(r, |e| Cell::Flag(e.negligible))
+        })
+        .for_machines(),
+        number("rms", "RMS", "", |r| {
+            effect(r, |e| finite(e.rms, Rounding::Digits(3)))
+        }),
         number("share_of_variance", "Share", "", |r: &Row| match r.one {
             Found::Unexplained(u) => finite(u.share_of_variance, Rounding::Decimals(3)),
             _ => Cell::Empty,
@@ -65,8 +93,13 @@ pub fn table(input: &ReportInput) -> Table {
 }
 
 fn rows(found: &CampaignFindings) -> Vec<Found<'_>> {
-    let effects = found.effects.iter().flat_map(|e| e.parameters.iter().map(move |p| Effect(e, p)));
-    let all: Vec<Found> = effects.chain(found.unexplained.iter().map(Found::Unexplained)).collect();
+    let effects = found
+        .effects
+        .iter()
+        .flat_map(|e| e.parameters.iter().map(move |p| Effect(e, p)));
+    let all: Vec<Found> = effects
+        .chain(found.unexplained.iter().map(Found::Unexplained))
+        .collect();
     if all.is_empty() { vec![Nothing] } else { all }
 }
 
@@ -92,7 +125,12 @@ fn parameter(row: &Row, cell: fn(&Parameter) -> Cell) -> Cell {
     }
 }
 
-fn both(row: &Row, e: fn(&EffectFinding) -> f64, u: fn(&Unexplained) -> f64, rounding: Rounding) -> Cell {
+fn both(
+    row: &Row,
+    e: fn(&EffectFinding) -> f64,
+    u: fn(&Unexplained) -> f64,
+    rounding: Rounding,
+) -> Cell {
     match row.one {
         Effect(effect, _) => finite(e(effect), rounding),
         Found::Unexplained(unexplained) => finite(u(unexplained), rounding),

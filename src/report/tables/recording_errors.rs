@@ -12,14 +12,22 @@ type Row<'a> = Of<'a, &'a RecordingError>;
 /// All campaigns.
 pub fn table(input: &ReportInput) -> Table {
     let columns = vec![
-        text("level", "What", |r: &Row| Cell::text(name::level(r.one.level))),
+        text("level", "What", |r: &Row| {
+            Cell::text(name::level(r.one.level))
+        }),
         text("group", "Id", |r| Cell::text(&r.one.group)),
         text("kind", "Kind", |r| Cell::text(kind(r.one.kind))),
-        text("quantity", "Quantity", |r| optional(r.one.quantity.as_deref())),
-        number("value", "Size", "", |r| finite(r.one.value, Rounding::Digits(3))),
+        text("quantity", "Quantity", |r| {
+            optional(r.one.quantity.as_deref())
+        }),
+        number("value", "Size", "", |r| {
+            finite(r.one.value, Rounding::Digits(3))
+        }),
         text("unit", "Unit", |r| Cell::text(&r.one.unit)),
         number("p", "\\v{p}", "", |r| finite(r.one.p, Rounding::Digits(2))),
-        number("rms", "RMS", "", |r| finite(r.one.rms, error_rounding(r.one.rms, &r.found.unit))),
+        number("rms", "RMS", "", |r| {
+            finite(r.one.rms, error_rounding(r.one.rms, &r.found.unit))
+        }),
         number("rms_corrected", "Corrected", "", |r| {
             let rms = r.one.rms_corrected.unwrap_or(f64::NAN);
             finite(rms, error_rounding(rms, &r.found.unit))

@@ -23,33 +23,57 @@ type Row<'a> = Of<'a, Line<'a>>;
 /// All campaigns.
 pub fn table(input: &ReportInput) -> Table {
     let columns: Vec<Described<Row>> = vec![
-        text("held_out", "Held out", |r: &Row| Cell::text(r.one.unit.map_or(ALL, |u| u.unit.as_str()))),
+        text("held_out", "Held out", |r: &Row| {
+            Cell::text(r.one.unit.map_or(ALL, |u| u.unit.as_str()))
+        }),
         number("readings", "Readings", "", |r| {
             Cell::Integer(r.one.unit.map_or(r.found.design.readings, |u| u.readings) as i64)
         }),
         text("model", "Model", |r| Cell::text(r.one.model)),
-        number("rmse_train", "Training", "", |r| error(r, |e| Some(e.rmse_train))),
-        number("rmse_heldout", "Unseen", "", |r| error(r, |e| e.rmse_heldout)),
-        number("rmse_heldout_calibrated", "Own values", "", |r| error(r, |e| e.rmse_heldout_calibrated)),
-        number("rmse_heldout_after_1", "1", "", |r| error(r, |e| given(e, "1"))),
-        number("rmse_heldout_after_2", "2", "", |r| error(r, |e| given(e, "2"))),
-        number("rmse_heldout_after_3", "3", "", |r| error(r, |e| given(e, "3"))),
-        number("rmse_heldout_after_5", "5", "", |r| error(r, |e| given(e, "5"))),
-        number("max_abs_error_heldout", "Largest", "", |r| error(r, |e| e.max_abs_error_heldout)),
+        number("rmse_train", "Training", "", |r| {
+            error(r, |e| Some(e.rmse_train))
+        }),
+        number("rmse_heldout", "Unseen", "", |r| {
+            error(r, |e| e.rmse_heldout)
+        }),
+        number("rmse_heldout_calibrated", "Own values", "", |r| {
+            error(r, |e| e.rmse_heldout_calibrated)
+        }),
+        number("rmse_heldout_after_1", "1", "", |r| {
+            error(r, |e| given(e, "1"))
+        }),
+        number("rmse_heldout_after_2", "2", "", |r| {
+            error(r, |e| given(e, "2"))
+        }),
+        number("rmse_heldout_after_3", "3", "", |r| {
+            error(r, |e| given(e, "3"))
+        }),
+        number("rmse_heldout_after_5", "5", "", |r| {
+            error(r, |e| given(e, "5"))
+        }),
+        number("max_abs_error_heldout", "Largest", "", |r| {
+            error(r, |e| e.max_abs_error_heldout)
+        }),
         unit(),
         number("log_density_heldout", "Log density", "", |r| {
             finite(r.one.errors.log_density_heldout, Rounding::Decimals(3))
         }),
         number("realised_over_expected", "Realised", "", |r| {
-            finite(of_unit(r, |u| u.realised_over_expected), Rounding::Decimals(2))
+            finite(
+                of_unit(r, |u| u.realised_over_expected),
+                Rounding::Decimals(2),
+            )
         }),
-        number("inside_95", "Inside 95%", "", |r| finite(inside(r), Rounding::Percent(0))),
+        number("inside_95", "Inside 95%", "", |r| {
+            finite(inside(r), Rounding::Percent(0))
+        }),
         text("found", "Found without it", |r| {
             let found = r.one.unit.filter(|_| r.one.after);
             found.map_or(Cell::Empty, |u| Cell::text(u.found.join(" ")))
         }),
     ];
-    let caption = "The error on what was held out, without effects and with those that were found without it";
+    let caption =
+        "The error on what was held out, without effects and with those that were found without it";
     of_all(input, ("residual_errors", caption), columns, rows)
         .span("After so many readings", "rmse_heldout_after_1", "rmse_heldout_after_5")
         .note(
@@ -68,7 +92,10 @@ fn rows(found: &CampaignFindings) -> Vec<Line<'_>> {
         })
     };
     let all = both(None, &found.before, &found.after);
-    let units = found.by_unit.iter().flat_map(|u| both(Some(u), &u.before, &u.after));
+    let units = found
+        .by_unit
+        .iter()
+        .flat_map(|u| both(Some(u), &u.before, &u.after));
     all.into_iter().chain(units).collect()
 }
 

@@ -21,10 +21,16 @@ pub fn table(input: &ReportInput) -> Table {
                 ActsOn::From => "from",
             })
         }),
-        number("log_likelihood_gain", "Gain", "", |r| finite(r.one.log_likelihood_gain, Rounding::Decimals(1))),
-        number("amplitude", "Size", "", |r| finite(r.one.amplitude, Rounding::Digits(2))),
+        number("log_likelihood_gain", "Gain", "", |r| {
+            finite(r.one.log_likelihood_gain, Rounding::Decimals(1))
+        }),
+        number("amplitude", "Size", "", |r| {
+            finite(r.one.amplitude, Rounding::Digits(2))
+        }),
         text("unit", "Unit", |r| Cell::text(&r.one.unit)),
-        number("p_familywise", "\\v{p}", "", |r| finite(r.one.p_familywise, Rounding::Digits(2))),
+        number("p_familywise", "\\v{p}", "", |r| {
+            finite(r.one.p_familywise, Rounding::Digits(2))
+        }),
     ];
     of_all(input, ("tested", "The candidates of the first step of the search"), columns, |f| f.tested.iter().collect()).note(
         "\\v{Gain}: in log-likelihood. \\v{Size}: of the linearised effect. \\v{p}: probability of a candidate as strong as this anywhere.",

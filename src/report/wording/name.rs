@@ -2,11 +2,13 @@
 
 use crate::effects;
 use crate::findings::{
-    ActsOn, CampaignFindings, EffectFinding, ErrorKind, HeldOutBy, Level, NotAssessed, NotMeasurable, Verdict, WhyNot,
+    ActsOn, CampaignFindings, EffectFinding, ErrorKind, HeldOutBy, Level, NotAssessed,
+    NotMeasurable, Verdict, WhyNot,
 };
 
-/// Effects that act on a joint only, which the registry of the force chain does not have.
-const OF_A_JOINT: [(&str, &str); 9] = [
+/// Effects that the registry of the force chain does not have or calls otherwise.
+const CALLED: [(&str, &str); 10] = [
+    ("specimen_variation", "specimen gain"),
     ("kinking", "kinking of the actuator"),
     ("joint_friction", "friction of the joint"),
     ("wrapping_loss", "loss where the actuator wraps"),
@@ -39,7 +41,10 @@ const SOURCES: [(&str, &str); 16] = [
 ];
 
 fn look_up(table: &[(&str, &'static str)], id: &str) -> Option<&'static str> {
-    table.iter().find(|(key, _)| *key == id).map(|(_, name)| *name)
+    table
+        .iter()
+        .find(|(key, _)| *key == id)
+        .map(|(_, name)| *name)
 }
 
 /// An identifier as words.
@@ -49,9 +54,9 @@ fn spelled(id: &str) -> String {
 
 /// What an effect is called.
 pub fn effect(id: &str) -> String {
-    let known = effects::index(id).map(|k| effects::all()[k].title());
-    known
-        .or_else(|| look_up(&OF_A_JOINT, id))
+    let registered = || effects::index(id).map(|k| effects::all()[k].title());
+    look_up(&CALLED, id)
+        .or_else(registered)
         .map_or_else(|| spelled(id), str::to_owned)
 }
 
@@ -88,6 +93,15 @@ pub fn column(column: &str) -> String {
     name.to_owned()
 }
 
+/// An effect, or a column where the library has no such effect.
+pub fn candidate(id: &str) -> String {
+    if effects::index(id).is_some() || look_up(&CALLED, id).is_some() {
+        effect(id)
+    } else {
+        column(id)
+    }
+}
+
 /// A random effect.
 pub fn scatter(id: &str, level: Level) -> String {
     let name = match (id, level) {
@@ -113,7 +127,9 @@ pub fn source(source: &str) -> String {
 pub fn scatter_of(source: &str) -> Option<(&'static str, [Level; 2])> {
     match source {
         "set_length" | "mounting" => Some(("length_offset", [Level::Session, Level::Test])),
-        "specimen_gain" | "actuator_gain" => Some(("specimen_variation", [Level::Specimen, Level::Actuator])),
+        "specimen_gain" | "actuator_gain" => {
+            Some(("specimen_variation", [Level::Specimen, Level::Actuator]))
+        }
         "force_zero" => Some(("force_zero_offset", [Level::Session, Level::Log])),
         _ => None,
     }
@@ -147,9 +163,19 @@ pub struct Nouns {
 /// The nouns of a campaign.
 pub fn nouns(found: &CampaignFindings) -> Nouns {
     if found.kind == "knee-torque" {
-        Nouns { unit: "actuator", units: "actuators", setup: "test", setups: "tests" }
+        Nouns {
+            unit: "actuator",
+            units: "actuators",
+            setup: "test",
+            setups: "tests",
+        }
     } else {
-        Nouns { unit: "specimen", units: "specimens", setup: "session", setups: "sessions" }
+        Nouns {
+            unit: "specimen",
+            units: "specimens",
+            setup: "session",
+            setups: "sessions",
+        }
     }
 }
 
@@ -198,9 +224,14 @@ pub fn held_out(found: &CampaignFindings) -> String {
 pub fn held_out_by(found: &CampaignFindings) -> String {
     let nouns = nouns(found);
     match found.design.held_out_by {
-        HeldOutBy::Holdout => format!("the {} with the role holdout, which take part in no fit and no choice", nouns.setups),
+        HeldOutBy::Holdout => format!(
+            "the {} with the role holdout, which take part in no fit and no choice",
+            nouns.setups
+        ),
         HeldOutBy::Specimen => "each specimen in turn, the whole search made without it".to_owned(),
-        HeldOutBy::SpecimenGroups => "groups of specimens in turn, the whole search made without them".to_owned(),
+        HeldOutBy::SpecimenGroups => {
+            "groups of specimens in turn, the whole search made without them".to_owned()
+        }
         HeldOutBy::Actuator => "each actuator in turn, the whole search made without it".to_owned(),
         HeldOutBy::None => format!("none: there is one {} only", nouns.unit),
     }
@@ -208,7 +239,10 @@ pub fn held_out_by(found: &CampaignFindings) -> String {
 
 /// The campaign, with joint and diameter.
 pub fn campaign(found: &CampaignFindings) -> String {
-    let part = found.part.as_ref().map_or_else(String::new, |part| format!(", {part}"));
+    let part = found
+        .part
+        .as_ref()
+        .map_or_else(String::new, |part| format!(", {part}"));
     format!("{}{part}, {} mm", found.campaign, found.diameter_mm)
 }
 
@@ -253,6 +287,9 @@ fn column_or_quantity(quantity: &str) -> String {
     }
 }
 
+/// Why a campaign cannot show effects whose quantity nobody recorded.
+pub const NOT_RECORDED: &str = "a quantity that it needs was not recorded";
+
 /// Why a campaign cannot show an effect.
 pub fn why_not(none: &NotMeasurable) -> String {
     let by = none.by.as_deref();
@@ -263,14 +300,39 @@ pub fn why_not(none: &NotMeasurable) -> String {
         (WhyNot::Absorbed, Some(by)) => format!("absorbed by {by}"),
         (WhyNot::Absorbed, None) => "absorbed by the fitted coefficients".to_owned(),
         (WhyNot::NoColumn, Some(by)) => format!("{} was not recorded", column(by)),
-        (WhyNot::NoColumn, None) => "a quantity that it needs was not recorded".to_owned(),
-        (WhyNot::Bound, _) => "its smallest detectable size is beyond what is physically possible".to_owned(),
+        (WhyNot::NoColumn, None) => NOT_RECORDED.to_owned(),
+        (WhyNot::Bound, _) => {
+            "its smallest detectable size is beyond what is physically possible".to_owned()
+        }
     }
 }
 
 /// A part of the law, as the table of alternatives calls it.
 pub fn part(part: &str) -> String {
     effect(part)
+}
+
+/// Published models by id: who made them, and what they are called in tables and legends.
+const MODELS: [(&str, &str, &str); 6] = [
+    ("chou_hannaford", "Chou", "Chou and Hannaford 1996"),
+    ("festo_tool", "Festo", "Festo tool"),
+    ("hunt2017", "Hunt", "Hunt 2017"),
+    ("martens2017", "Martens", "Martens and Boblan 2017"),
+    ("sarosi2012", "Sarosi", "Sarosi 2012"),
+    ("tondu_lopez", "Tondu", "Tondu and Lopez 2000"),
+];
+
+/// A model in tables and legends; its title where it has no shorter name.
+pub fn model_name<'a>(id: &str, title: &'a str) -> &'a str {
+    match id {
+        "knee_paper" => "Earlier form",
+        _ => MODELS.iter().find(|m| m.0 == id).map_or(title, |m| m.2),
+    }
+}
+
+/// The first of a model's authors, or its maker; its title where nobody is known.
+pub fn model_author<'a>(id: &str, title: &'a str) -> &'a str {
+    MODELS.iter().find(|m| m.0 == id).map_or(title, |m| m.1)
 }
 
 /// Words as a sentence lists them: `a, b and c`.

@@ -41,7 +41,7 @@ pub fn error_with_unit(value: f64, unit: &str) -> String {
 pub fn with_unit(number: &str, of: &str) -> String {
     match unit(of) {
         "" => number.to_owned(),
-        unit => format!("{number} {unit}"),
+        unit => format!("{number}\u{a0}{unit}"),
     }
 }
 
@@ -49,11 +49,10 @@ pub fn with_unit(number: &str, of: &str) -> String {
 pub fn unit(unit: &str) -> &str {
     match unit {
         "1" => "",
-        "N.m" => "N m",
+        "N.m" => "N\u{a0}m",
         "um/N" => "µm/N",
         "degC" => "°C",
         "deg" => "°",
-        "N s/kPa" => "N s/kPa",
         other => other,
     }
 }
@@ -77,7 +76,11 @@ pub fn probability(p: f64) -> String {
         return "< 0.0001".to_owned();
     }
     let coarse = Rounding::Decimals(2);
-    let rounding = if p < 0.095 { Rounding::Digits(2) } else { coarse };
+    let rounding = if p < 0.095 {
+        Rounding::Digits(2)
+    } else {
+        coarse
+    };
     rounded(p, rounding)
 }
 
@@ -116,7 +119,8 @@ fn by_interval(low: Option<f64>, high: Option<f64>) -> Rounding {
 /// A value as its interval allows, and the interval: `60` and `[57, 63]`. An end that the readings do not bound says so.
 pub fn with_interval(value: f64, low: Option<f64>, high: Option<f64>) -> (String, String) {
     let rounding = by_interval(low, high);
-    let end = |end: Option<f64>| end.map_or_else(|| "unbounded".to_owned(), |x| rounded(x, rounding));
+    let end =
+        |end: Option<f64>| end.map_or_else(|| "unbounded".to_owned(), |x| rounded(x, rounding));
     let interval = match (low, high) {
         (None, None) => String::new(),
         _ => format!("[{}, {}]", end(low), end(high)),
@@ -130,7 +134,11 @@ pub fn cells(value: f64, low: Option<f64>, high: Option<f64>) -> [Cell; 2] {
     let end = |end: Option<f64>| end.unwrap_or(f64::NAN);
     let interval = match (low, high) {
         (None, None) => Cell::Empty,
-        _ => Cell::Interval { low: end(low), high: end(high), rounding },
+        _ => Cell::Interval {
+            low: end(low),
+            high: end(high),
+            rounding,
+        },
     };
     [finite(value, rounding), interval]
 }
@@ -156,7 +164,10 @@ pub fn size(p: &Parameter) -> String {
 /// A small count in words, as a sentence has it.
 pub fn count(n: usize) -> String {
     const WORDS: [&str; 13] = [
-        "no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve",
+        "no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten",
+        "eleven", "twelve",
     ];
-    WORDS.get(n).map_or_else(|| n.to_string(), |word| (*word).to_owned())
+    WORDS
+        .get(n)
+        .map_or_else(|| n.to_string(), |word| (*word).to_owned())
 }

@@ -2,7 +2,7 @@
 
 use super::name::{self, listed};
 use super::number::{amount, cells, equals_probability, error, percent, size};
-use super::sentence::{clauses, sentences};
+use super::sentence::{clauses, sentences, told};
 use crate::findings::{CampaignFindings, Findings, NotAssessed, Parameter, Verdict};
 use crate::report::table::Cell;
 
@@ -15,19 +15,23 @@ pub(crate) fn example() -> CampaignFindings {
     all.campaigns.into_iter().next().unwrap()
 }
 
+/// Sentences in which lines may break everywhere.
+fn broken(sentences: &[String]) -> Vec<String> {
+    sentences.iter().map(|s| s.replace('\u{a0}', " ")).collect()
+}
+
 #[test]
 fn the_answer_of_the_issue() {
-    let all = sentences(&example());
     assert_eq!(
-        all,
+        broken(&sentences(&example())),
         [
-            "Threshold pressure of the bladder 60 kPa (indistinguishable from zero of the pressure sensor): the error on unseen specimens \
+            "Threshold pressure of the bladder 60.0 kPa (indistinguishable from zero of the pressure sensor): the error on unseen specimens \
              goes from 18.7 to 15.8 N.",
             "What the effects leave is not all chance: the error depends on humidity (p = 0.0020), for which the library has no effect \
              (12% of its variance).",
-            "Of the 13.4 N expected on an unseen specimen, set lengths (0.90 mm) make 12.0, specimen gain (4.2%) 4.1, estimation 3.0, all \
-             else 1.3 and noise 2.6; knowing set lengths to 0.2 mm is worth 6.0 N; three readings of each session of a new specimen bring the \
-             error to 5.1 N.",
+            "Of the 13.4 N expected on an unseen specimen, 12.0 come from set lengths (0.90 mm), 4.1 from specimen gain (4.2%), 3.0 from \
+             estimation, 1.4 from all else and 2.6 from noise; knowing set lengths to 0.2 mm is worth 6.0 N; three readings of each session of a \
+             new specimen bring the error to 5.1 N.",
             "Recording error: session s05 (set length, \u{2212}10.0 mm; set aside).",
         ]
     );
@@ -39,9 +43,21 @@ fn nothing_found_points_to_the_detection_limits() {
     none.verdict = Verdict::None;
     none.effects.clear();
     let c = clauses(&none);
-    assert_eq!((c.found.as_str(), c.limits), ("No effect detected", true));
-    assert_eq!(c.errors.unwrap(), "the error on unseen specimens is 18.7 N");
+    assert_eq!((c.found.as_str(), c.limits), ("no effect detected", true));
+    assert_eq!(
+        c.errors.unwrap(),
+        "the error on unseen specimens is 18.7\u{a0}N"
+    );
     assert_eq!(c.unexplained, None);
+    let said = told(&none);
+    assert_eq!(
+        (said.opening.as_str(), said.limits),
+        ("No effect detected", true)
+    );
+    assert_eq!(
+        said.rest[0],
+        "The error on unseen specimens is 18.7\u{a0}N."
+    );
 }
 
 #[test]
@@ -66,7 +82,11 @@ fn a_joint_is_told_of_in_actuators_and_newton_metres() {
     joint.part = Some("pinned knee, flexor".into());
     assert_eq!(name::campaign(&joint), "iso10, pinned knee, flexor, 10 mm");
     let c = clauses(&joint);
-    assert!(c.errors.unwrap().ends_with("unseen actuators goes from 18.70 to 15.80 N m"));
+    assert!(
+        c.errors
+            .unwrap()
+            .ends_with("unseen actuators goes from 18.70 to 15.80\u{a0}N\u{a0}m")
+    );
     assert!(c.readings.unwrap().contains("each test of a new actuator"));
 }
 
@@ -79,9 +99,13 @@ fn sizes_share_their_decimals_and_an_open_end_says_so() {
         ci_high: Some(8.33),
         unit: "um/N".into(),
     };
-    assert_eq!(size(&c), "C = 7.1 [5.9, 8.3] µm/N");
-    assert_eq!(amount(&c), "7.1 µm/N");
-    let open = Parameter { ci_high: None, unit: "1".into(), ..c };
+    assert_eq!(size(&c), "C = 7.1 [5.9, 8.3]\u{a0}µm/N");
+    assert_eq!(amount(&c), "7.1\u{a0}µm/N");
+    let open = Parameter {
+        ci_high: None,
+        unit: "1".into(),
+        ..c
+    };
     assert_eq!(size(&open), "C = 7.12 [5.91, unbounded]");
     assert_eq!(cells(open.value, None, None)[1], Cell::Empty);
 }
@@ -91,7 +115,10 @@ fn numbers_are_short() {
     assert_eq!(equals_probability(3e-9), "< 0.0001");
     assert_eq!(equals_probability(0.0045), "= 0.0045");
     assert_eq!(equals_probability(1.0), "= 1.00");
-    assert_eq!((error(13.44, "N"), error(0.62, "N"), error(2.168, "N.m")), ("13.4".into(), "0.62".into(), "2.17".into()));
+    assert_eq!(
+        (error(13.44, "N"), error(0.62, "N"), error(2.168, "N.m")),
+        ("13.4".into(), "0.62".into(), "2.17".into())
+    );
     assert_eq!(percent(0.954), "95%");
     assert_eq!(listed(&["a", "b", "c"]), "a, b and c");
 }

@@ -6,7 +6,10 @@ use crate::findings as v2;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The findings of the search.
-pub fn findings(old: &v1::CampaignFindings, residuals: Option<&v1::Residuals>) -> v2::CampaignFindings {
+pub fn findings(
+    old: &v1::CampaignFindings,
+    residuals: Option<&v1::Residuals>,
+) -> v2::CampaignFindings {
     let torque = old.kind == "knee-torque";
     let after = errors(&old.after, 0.9);
     let budget = budget(old, &after);
@@ -115,7 +118,11 @@ fn effect(old: &v1::EffectFinding, all: &v1::CampaignFindings) -> v2::EffectFind
     let first = old.parameters.first();
     let size = first.map_or(1.0, |p| p.value);
     let half = first.map_or(0.1, |p| 0.5 * (p.ci_high - p.ci_low));
-    let half = if half.is_finite() && half > 0.0 { half } else { 0.1 * size.abs().max(1e-6) };
+    let half = if half.is_finite() && half > 0.0 {
+        half
+    } else {
+        0.1 * size.abs().max(1e-6)
+    };
     let parameter = |p: &v1::ParameterFinding| v2::Parameter {
         name: p.name.clone(),
         value: p.value,
@@ -149,7 +156,9 @@ fn effect(old: &v1::EffectFinding, all: &v1::CampaignFindings) -> v2::EffectFind
         log_likelihood_gain: old.criterion_gain.max(4.0),
         found_in_folds: old.selected_in_folds,
         negligible: false,
-        rms: (old.rmse_before * old.rmse_before - old.rmse_after * old.rmse_after).max(0.0).sqrt(),
+        rms: (old.rmse_before * old.rmse_before - old.rmse_after * old.rmse_after)
+            .max(0.0)
+            .sqrt(),
         by_specimen: all.by_specimen.iter().enumerate().map(own).collect(),
         profile: (-12..=12)
             .map(|k| {
@@ -247,7 +256,11 @@ fn not_measurable(old: &v1::NotMeasurable) -> v2::NotMeasurable {
     let lacks = old.why.strip_prefix("the campaign lacks ");
     v2::NotMeasurable {
         id: old.id.clone(),
-        reason: if lacks.is_some() { v2::WhyNot::NoColumn } else { v2::WhyNot::Absorbed },
+        reason: if lacks.is_some() {
+            v2::WhyNot::NoColumn
+        } else {
+            v2::WhyNot::Absorbed
+        },
         by: Some(lacks.unwrap_or("b2").to_owned()),
     }
 }
@@ -272,7 +285,10 @@ fn tested(old: &v1::CampaignFindings) -> Vec<v2::Tested> {
         acts_on: v2::ActsOn::All,
         log_likelihood_gain: e.criterion_gain.max(4.0),
         amplitude: e.parameters.first().map(|p| p.value),
-        unit: e.parameters.first().map_or_else(String::new, |p| p.unit.clone()),
+        unit: e
+            .parameters
+            .first()
+            .map_or_else(String::new, |p| p.unit.clone()),
         p_familywise: e.p_adjusted,
     });
     let columns = old.questions.iter().map(|q| v2::Tested {
@@ -305,7 +321,13 @@ fn tested(old: &v1::CampaignFindings) -> Vec<v2::Tested> {
 fn budget(old: &v1::CampaignFindings, after: &v2::Errors) -> Vec<v2::BudgetEntry> {
     let total = after.rmse_heldout.unwrap_or(after.rmse_train);
     let shares: &[(&str, f64)] = if old.kind == "knee-torque" {
-        &[("mounting", 0.5), ("actuator_gain", 0.2), ("session_misfit", 0.13), ("estimation", 0.12), ("noise", 0.05)]
+        &[
+            ("mounting", 0.5),
+            ("actuator_gain", 0.2),
+            ("session_misfit", 0.13),
+            ("estimation", 0.12),
+            ("noise", 0.05),
+        ]
     } else {
         &[
             ("set_length", 0.58),
@@ -341,30 +363,55 @@ fn scatter(old: &v1::CampaignFindings, residuals: Option<&v1::Residuals>) -> Vec
     } else {
         (v2::Level::Session, v2::Level::Specimen)
     };
-    let one = |id: &str, level, sd: f64, unit: &str, groups: &BTreeSet<String>, declared: Option<f64>| {
-        let values: BTreeMap<String, f64> =
-            groups.iter().enumerate().map(|(k, g)| (g.clone(), 1.2 * sd * wave(k))).collect();
-        v2::Scatter {
-            id: id.to_owned(),
-            level,
-            sd,
-            ci_low: declared.is_none().then_some(0.7 * sd),
-            ci_high: declared.is_none().then_some(1.5 * sd),
-            unit: unit.to_owned(),
-            declared,
-            declared_contradicted: false,
-            log_likelihood_gain: declared.is_none().then_some(87.0),
-            values,
-        }
-    };
+    let one =
+        |id: &str, level, sd: f64, unit: &str, groups: &BTreeSet<String>, declared: Option<f64>| {
+            let values: BTreeMap<String, f64> = groups
+                .iter()
+                .enumerate()
+                .map(|(k, g)| (g.clone(), 1.2 * sd * wave(k)))
+                .collect();
+            v2::Scatter {
+                id: id.to_owned(),
+                level,
+                sd,
+                ci_low: declared.is_none().then_some(0.7 * sd),
+                ci_high: declared.is_none().then_some(1.5 * sd),
+                unit: unit.to_owned(),
+                declared,
+                declared_contradicted: false,
+                log_likelihood_gain: declared.is_none().then_some(87.0),
+                values,
+            }
+        };
     let mut all = vec![
-        one("length_offset", session, if torque { 4.0 } else { 0.9 }, "mm", &sessions, None),
+        one(
+            "length_offset",
+            session,
+            if torque { 4.0 } else { 0.9 },
+            "mm",
+            &sessions,
+            None,
+        ),
         one("specimen_variation", specimen, 0.042, "1", &specimens, None),
     ];
     if !torque {
         all.push(one("force_zero_offset", session, 0.6, "N", &sessions, None));
-        all.push(one("rest_length", specimen, 0.29, "mm", &specimens, Some(0.29)));
-        all.push(one("contracted_length", specimen, 0.29, "mm", &specimens, Some(0.29)));
+        all.push(one(
+            "rest_length",
+            specimen,
+            0.29,
+            "mm",
+            &specimens,
+            Some(0.29),
+        ));
+        all.push(one(
+            "contracted_length",
+            specimen,
+            0.29,
+            "mm",
+            &specimens,
+            Some(0.29),
+        ));
     }
     all
 }
@@ -402,7 +449,12 @@ fn next(old: &v1::CampaignFindings) -> Vec<v2::NextMeasurement> {
 }
 
 fn alternatives(old: &v1::CampaignFindings) -> Vec<v2::Alternative> {
-    let parts: [&[&str]; 4] = [&[], &["length_law"], &["series_compliance"], &["length_law", "series_compliance"]];
+    let parts: [&[&str]; 4] = [
+        &[],
+        &["length_law"],
+        &["series_compliance"],
+        &["length_law", "series_compliance"],
+    ];
     let entry = |(k, r): (usize, &v1::Reading)| v2::Alternative {
         parts: parts[k % 4].iter().map(|p| (*p).to_owned()).collect(),
         parameters: r.parameters,
@@ -421,5 +473,9 @@ fn alternatives(old: &v1::CampaignFindings) -> Vec<v2::Alternative> {
             Vec::new()
         },
     };
-    old.readings_of_the_base.iter().enumerate().map(entry).collect()
+    old.readings_of_the_base
+        .iter()
+        .enumerate()
+        .map(entry)
+        .collect()
 }

@@ -2,8 +2,8 @@
 //! have no common scale.
 
 use super::super::Named;
-use super::TEXT_MM;
 use super::super::formatting::plain;
+use super::TEXT_MM;
 use crate::findings::{BudgetEntry, CampaignFindings};
 use crate::report::plot::{
     Anchor, Axis, Dash, Figure, Ink, Layer, Legend, Level, Panel, Place, Series, Side, Stroke,
@@ -18,21 +18,31 @@ const LEGEND_MM: f64 = 9.0;
 /// Half the height of a bar, in bands.
 const HALF: f64 = 0.34;
 /// Segments narrower than this share carry no number.
-const NARROW: f64 = 0.045;
+const NARROW: f64 = 0.055;
 /// Where the totals stand, and where the axis ends.
-const TOTAL_AT: f64 = 1.015;
+const TOTAL_AT: f64 = 1.02;
 const END: f64 = 1.16;
 
-/// Colours of the sources, in the order in which they stand in a bar; others are grey.
-const SOURCES: [(&[&str], Ink); 7] = [
-    (&["set_length", "mounting"], Ink::Blue),
-    (&["specimen_gain", "actuator_gain"], Ink::Orange),
-    (&["force_zero", "torque_zero"], Ink::Purple),
-    (&["specimen_lengths"], Ink::Sky),
-    (&["session_misfit", "test_misfit"], Ink::Green),
-    (&["estimation"], Ink::Vermilion),
-    (&["noise"], Ink::Black),
+/// Sources with name and colour in the legend, in the order in which they stand in a bar; others are grey.
+const SOURCES: [(&[&str], &str, Ink); 7] = [
+    (
+        &["set_length", "mounting"],
+        "set length, mounting",
+        Ink::Blue,
+    ),
+    (&["specimen_gain", "actuator_gain"], "gain", Ink::Orange),
+    (&["force_zero", "torque_zero"], "zero", Ink::Purple),
+    (&["specimen_lengths"], "free lengths", Ink::Sky),
+    (
+        &["session_misfit", "test_misfit"],
+        "misfit of the session, test",
+        Ink::Green,
+    ),
+    (&["estimation"], "estimation", Ink::Vermilion),
+    (&["noise"], "noise", Ink::Black),
 ];
+/// Name and colour of all others.
+const OTHERS: (&str, Ink) = ("other", Ink::Grey);
 
 /// The figure of all campaigns; none where no campaign has a budget.
 pub fn figure(all: &[&CampaignFindings]) -> Option<Named> {
@@ -45,7 +55,9 @@ pub fn figure(all: &[&CampaignFindings]) -> Option<Named> {
     let x = Axis::new("Share of the expected squared error").fixed(0.0, END);
     let mut panel = Panel::new(x, Axis::categories("", &names)).legend(Legend::Above);
     panel.x.ticks = crate::report::plot::axis::Ticks::Named(
-        [0.0, 0.25, 0.5, 0.75, 1.0].map(|at| (at, format!("{at}"))).to_vec(),
+        [0.0, 0.25, 0.5, 0.75, 1.0]
+            .map(|at| (at, format!("{at}")))
+            .to_vec(),
     );
     for (row, found) in with.iter().enumerate() {
         for layer in bar(found, row as f64) {
@@ -63,7 +75,9 @@ pub fn figure(all: &[&CampaignFindings]) -> Option<Named> {
 }
 
 fn place(entry: &BudgetEntry) -> usize {
-    let found = SOURCES.iter().position(|(ids, _)| ids.contains(&entry.source.as_str()));
+    let found = SOURCES
+        .iter()
+        .position(|(ids, ..)| ids.contains(&entry.source.as_str()));
     found.unwrap_or(SOURCES.len())
 }
 
@@ -86,12 +100,19 @@ fn bar(found: &CampaignFindings, row: f64) -> Vec<Layer> {
     layers
 }
 
-fn segment(found: &CampaignFindings, entry: &BudgetEntry, (from, to): (f64, f64), row: f64) -> Vec<Layer> {
-    let ink = SOURCES.get(place(entry)).map_or(Ink::Grey, |(_, ink)| *ink);
+fn segment(
+    found: &CampaignFindings,
+    entry: &BudgetEntry,
+    (from, to): (f64, f64),
+    row: f64,
+) -> Vec<Layer> {
+    let (name, ink) = SOURCES
+        .get(place(entry))
+        .map_or(OTHERS, |(_, name, ink)| (*name, *ink));
     let ends = [(from, row - HALF, row + HALF), (to, row - HALF, row + HALF)];
     let edge = vec![(to, row - HALF), (to, row + HALF)];
     let mut layers = vec![
-        Layer::band(&plain(&name::source(&entry.source)), ends.to_vec(), ink),
+        Layer::band(name, ends.to_vec(), ink),
         Series::line("", edge, Stroke::hair(Ink::White, Dash::Solid)).into(),
     ];
     if to - from >= NARROW {

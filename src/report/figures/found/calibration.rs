@@ -18,8 +18,15 @@ pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
         Axis::new("Share of the readings").fixed(0.0, 1.1 * highest),
     );
     for (k, share) in found.pit.iter().enumerate() {
-        let ends = [k as f64 * flat + 0.03 * flat, (k + 1) as f64 * flat - 0.03 * flat];
-        panel = panel.with(Layer::band("", ends.map(|x| (x, 0.0, *share)).to_vec(), Ink::Blue));
+        let ends = [
+            k as f64 * flat + 0.03 * flat,
+            (k + 1) as f64 * flat - 0.03 * flat,
+        ];
+        panel = panel.with(Layer::band(
+            "",
+            ends.map(|x| (x, 0.0, *share)).to_vec(),
+            Ink::Blue,
+        ));
     }
     panel = panel.with(Layer::Level {
         name: String::new(),

@@ -3,14 +3,16 @@
 use super::{HALF_MM, MOST_GROUPS, Shown, TEXT_MM, axis_label, group_names};
 use crate::findings::{EffectFinding, Estimate, FreeForm};
 use crate::report::plot::axis::Span;
-use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Legend, Mark, Panel, Series, Shape, Stroke};
+use crate::report::plot::{
+    Axis, Dash, Figure, Ink, Layer, Legend, Mark, Panel, Series, Shape, Stroke,
+};
 use crate::report::wording::name::{self, nouns};
 use crate::report::wording::number::equals_probability;
 
 /// Most effects with a row of panels.
 const MOST_EFFECTS: usize = 6;
 /// Height of a row without specimens, and of a specimen, mm.
-const ROW_MM: f64 = 40.0;
+const ROW_MM: f64 = 36.0;
 const SPECIMEN_MM: f64 = 3.4;
 const AROUND_MM: f64 = 14.0;
 /// How far down a profile is drawn.
@@ -21,9 +23,18 @@ const Z: f64 = 1.96;
 /// The figure; none where no effect has a profile or estimates of its specimens.
 pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
     let effects: Vec<&EffectFinding> = shown.found.effects.iter().take(MOST_EFFECTS).collect();
-    let rows: Vec<Vec<Panel>> = effects.iter().map(|e| panels(e)).filter(|row| !row.is_empty()).collect();
+    let unit = nouns(shown.found).unit;
+    let rows: Vec<Vec<Panel>> = effects
+        .iter()
+        .map(|e| panels(e, unit))
+        .filter(|row| !row.is_empty())
+        .collect();
     let columns = rows.iter().map(Vec::len).max()?;
-    let most = effects.iter().map(|e| e.by_specimen.len()).max().unwrap_or(0);
+    let most = effects
+        .iter()
+        .map(|e| e.by_specimen.len())
+        .max()
+        .unwrap_or(0);
     let height = ROW_MM.max(AROUND_MM + SPECIMEN_MM * most.min(MOST_GROUPS) as f64);
     let title = format!("Evidence for the effects, {}", shown.found.campaign);
     let width = if columns > 1 { TEXT_MM } else { HALF_MM };
@@ -31,7 +42,11 @@ pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
     // A row that is short of a panel would move those of the next into its place: such rows are drawn one panel a row.
     let even = rows.iter().all(|row| row.len() == columns);
     let all: Vec<Panel> = rows.into_iter().flatten().collect();
-    let rows = if even { all.len() / columns } else { all.len().div_ceil(columns) };
+    let rows = if even {
+        all.len() / columns
+    } else {
+        all.len().div_ceil(columns)
+    };
     figure.height_mm = 2.0 + height * rows as f64;
     for panel in all {
         figure = figure.with(panel);
@@ -39,11 +54,15 @@ pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
     Some((caption(shown), figure))
 }
 
-fn panels(effect: &EffectFinding) -> Vec<Panel> {
-    [profile(effect), own_estimates(effect), effect.free_form.as_ref().map(|f| free_form(effect, f))]
-        .into_iter()
-        .flatten()
-        .collect()
+fn panels(effect: &EffectFinding, unit: &str) -> Vec<Panel> {
+    [
+        profile(effect),
+        own_estimates(effect, unit),
+        effect.free_form.as_ref().map(|f| free_form(effect, f)),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 /// Symbol and unit of the amplitude.
@@ -63,17 +82,26 @@ fn interval(effect: &EffectFinding) -> Option<Layer> {
 fn estimate(effect: &EffectFinding) -> Option<Layer> {
     let value = effect.parameters.first()?.value;
     let stroke = Stroke::hair(Ink::Black, Dash::Dashed);
-    Some(Layer::Steps { name: "estimate".to_owned(), at: vec![value], stroke })
+    Some(Layer::Steps {
+        name: "estimate".to_owned(),
+        at: vec![value],
+        stroke,
+    })
 }
 
 fn profile(effect: &EffectFinding) -> Option<Panel> {
     if effect.profile.len() < 3 {
         return None;
     }
-    let near: Vec<(f64, f64)> = effect.profile.iter().copied().filter(|(_, l)| *l >= DEEPEST).collect();
+    let near: Vec<(f64, f64)> = effect
+        .profile
+        .iter()
+        .copied()
+        .filter(|(_, l)| *l >= DEEPEST)
+        .collect();
     let mut panel = Panel::new(
         Axis::new(&amplitude(effect)),
-        Axis::new("Log-likelihood, relative").fixed(DEEPEST, 0.4),
+        Axis::new("Δ log-likelihood").fixed(DEEPEST, 0.4),
     )
     .title(&name::effect(&effect.id))
     .legend(Legend::None);
@@ -83,7 +111,7 @@ fn profile(effect: &EffectFinding) -> Option<Panel> {
     Some(panel.with(Series::line("", near, Stroke::new(Ink::Blue, Dash::Solid))))
 }
 
-fn own_estimates(effect: &EffectFinding) -> Option<Panel> {
+fn own_estimates(effect: &EffectFinding, unit: &str) -> Option<Panel> {
     if effect.by_specimen.len() < 2 {
         return None;
     }
@@ -92,10 +120,20 @@ fn own_estimates(effect: &EffectFinding) -> Option<Panel> {
     let names = group_names(own.iter().rev().map(|(id, _)| *id));
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let estimates = || own.iter().rev().map(|(_, e)| *e);
-    let points = estimates().enumerate().map(|(k, e)| (e.value, k as f64)).collect();
-    let ends = estimates().map(|e| (e.value - Z * e.standard_error, e.value + Z * e.standard_error)).collect();
+    let points = estimates()
+        .enumerate()
+        .map(|(k, e)| (e.value, k as f64))
+        .collect();
+    let ends = estimates()
+        .map(|e| {
+            (
+                e.value - Z * e.standard_error,
+                e.value + Z * e.standard_error,
+            )
+        })
+        .collect();
     let mut panel = Panel::new(Axis::new(&amplitude(effect)), Axis::categories("", &names))
-        .title(&format!("{}, each by itself", name::effect(&effect.id)))
+        .title(&format!("each {unit} by itself"))
         .legend(Legend::None);
     for layer in interval(effect).into_iter().chain(estimate(effect)) {
         panel = panel.with(layer);
@@ -110,14 +148,21 @@ fn free_form(effect: &EffectFinding, free: &FreeForm) -> Panel {
     let mut y = Axis::new(&amplitude(effect));
     y.span = Span::Around(vec![plain]);
     Panel::new(Axis::new(&axis_label(&label, &free.unit)), y)
-        .title(&format!("Free form, \\v{{p}} {}", equals_probability(free.p)))
+        .title(&format!(
+            "Free form, \\v{{p}} {}",
+            equals_probability(free.p)
+        ))
         .legend(Legend::None)
         .with(Layer::Level {
             name: String::new(),
             at: plain,
             stroke: Stroke::hair(Ink::Black, Dash::Dashed),
         })
-        .with(Series::line("", free.curve.clone(), Stroke::new(Ink::Vermilion, Dash::Solid)))
+        .with(Series::line(
+            "",
+            free.curve.clone(),
+            Stroke::new(Ink::Vermilion, Dash::Solid),
+        ))
 }
 
 fn caption(shown: &Shown) -> String {
@@ -128,9 +173,16 @@ fn caption(shown: &Shown) -> String {
     } else {
         ""
     };
-    let most = effects.iter().map(|e| e.by_specimen.len()).max().unwrap_or(0);
+    let most = effects
+        .iter()
+        .map(|e| e.by_specimen.len())
+        .max()
+        .unwrap_or(0);
     let cut = if most > MOST_GROUPS {
-        format!(" The first {MOST_GROUPS} of {most} {} are drawn.", nouns.units)
+        format!(
+            " The first {MOST_GROUPS} of {most} {} are drawn.",
+            nouns.units
+        )
     } else {
         String::new()
     };

@@ -2,7 +2,9 @@
 
 use super::{HALF_MM, MOST_GROUPS, Shown, group_names};
 use crate::findings::{Errors, UnitErrors};
-use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Legend, Mark, Panel, Series, Shape, Stroke};
+use crate::report::plot::{
+    Axis, Dash, Figure, Ink, Layer, Legend, Mark, Panel, Series, Shape, Stroke,
+};
 use crate::report::wording::name::nouns;
 use crate::report::wording::sentence::has_effects;
 
@@ -24,7 +26,11 @@ pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
     let names = group_names(units.iter().map(|u| &u.unit));
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let label = format!("Held-out RMSE ({})", shown.unit());
-    let mut panel = Panel::new(Axis::new(&label).including(0.0), Axis::categories("", &names)).legend(Legend::Above);
+    let mut panel = Panel::new(
+        Axis::new(&label).including(0.0),
+        Axis::categories("", &names),
+    )
+    .legend(Legend::Above);
     for k in 1..units.len() {
         panel = panel.with(border(k));
     }

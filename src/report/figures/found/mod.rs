@@ -93,7 +93,11 @@ const ALL: &[(Kind, Make)] = &[
 pub fn figures(shown: &Shown) -> Vec<(Kind, Named)> {
     let made = ALL.iter().filter_map(|(kind, make)| {
         let (caption, figure) = make(shown)?;
-        let simulated = if shown.found.simulated { "Simulated. " } else { "" };
+        let simulated = if shown.found.simulated {
+            "Simulated. "
+        } else {
+            ""
+        };
         let named = Named {
             name: format!("{}-{}", kind.stem(), shown.slug),
             caption: format!("{simulated}{caption}"),
@@ -104,9 +108,30 @@ pub fn figures(shown: &Shown) -> Vec<(Kind, Named)> {
     made.collect()
 }
 
-/// The ids of groups in the markup of figures.
+/// Groups of fewer ids keep what these have in common.
+const FEW_IDS: usize = 3;
+
+/// The ids of groups in the markup of figures, without the beginning that all have in common.
 fn group_names<'a>(ids: impl Iterator<Item = &'a String>) -> Vec<String> {
-    ids.map(|id| plain(id)).collect()
+    let ids: Vec<&str> = ids.map(String::as_str).collect();
+    let common = if ids.len() < FEW_IDS {
+        0
+    } else {
+        common_beginning(&ids)
+    };
+    ids.iter().map(|id| plain(&id[common..])).collect()
+}
+
+/// Bytes up to the last separator of the beginning that all ids share.
+fn common_beginning(ids: &[&str]) -> usize {
+    let shared = |a: &str, b: &str| a.bytes().zip(b.bytes()).take_while(|(a, b)| a == b).count();
+    let longest = ids.iter().map(|id| shared(ids[0], id)).min().unwrap_or(0);
+    let separator = ids.first().and_then(|id| {
+        id.as_bytes()[..longest]
+            .iter()
+            .rposition(|b| b"-_/. ".contains(b))
+    });
+    separator.map_or(0, |at| at + 1)
 }
 
 /// A symbol with its unit in the markup of axes: `P_th (kPa)`.
@@ -114,5 +139,25 @@ fn axis_label(symbol: &str, of: &str) -> String {
     match unit(of) {
         "" => symbol.to_owned(),
         unit => format!("{symbol} ({unit})"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_are_named_by_what_tells_them_apart() {
+        let ids = ["rig-l112-c00", "rig-l112-c25", "rig-l257-c00"].map(str::to_owned);
+        assert_eq!(
+            group_names(ids.iter()),
+            ["l112-c00", "l112-c25", "l257-c00"]
+        );
+        assert_eq!(
+            group_names(ids[..2].iter()),
+            ["rig-l112-c00", "rig-l112-c25"]
+        );
+        assert_eq!(common_beginning(&["a", "b"]), 0);
+        assert_eq!(common_beginning(&["é-a", "é-b"]), 3);
     }
 }

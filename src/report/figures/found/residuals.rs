@@ -19,7 +19,7 @@ const DRAWN: usize = 500;
 /// Most columns; the most telling are shown.
 const MOST_COLUMNS: usize = 5;
 /// Height of a row of panels, and of what is around them, mm.
-const ROW_MM: f64 = 33.0;
+const ROW_MM: f64 = 29.0;
 const AROUND_MM: f64 = 10.0;
 /// Width of a dot where there are many readings and where there are few, mm.
 const DOT_MM: [f64; 2] = [0.6, 1.0];
@@ -49,6 +49,7 @@ pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
     let mut figure = Figure::new(&title, TEXT_MM, height)
         .grid(columns.len())
         .shared_legend();
+    figure.lettered = false;
     for (r, row) in rows.iter().enumerate() {
         for (k, column) in columns.iter().enumerate() {
             let mut panel = panel(shown, row, column, r == 0);
@@ -73,9 +74,9 @@ struct OneResidual<'a> {
 /// The residuals that differ: that without effects first.
 fn rows(residuals: &Residuals) -> Vec<OneResidual<'_>> {
     let all = [
-        ("Without effects", &residuals.before),
-        ("With effects", &residuals.after),
-        ("With own values", &residuals.conditional),
+        ("Before", &residuals.before),
+        ("After", &residuals.after),
+        ("Own values", &residuals.conditional),
     ];
     let mut rows: Vec<OneResidual> = Vec::new();
     for (name, values) in all {
@@ -307,12 +308,12 @@ fn caption(shown: &Shown, rows: &[OneResidual]) -> String {
         n => format!(" One reading in {n} is drawn, the medians are those of all."),
     };
     let own = if rows.iter().any(|r| r.values == shown.residuals.conditional.as_slice()) {
-        " _With own values_: the predicted gains, lengths and zeros taken into account too, which are in sample."
+        " _Own values_: the predicted gains, lengths and zeros taken into account too, which are in sample."
     } else {
         ""
     };
     format!(
-        "Residual (measured minus predicted) of {readings} readings against the most telling columns; _p_ is that of the family-wise test of a \
+        "Residual (measured minus predicted) of {readings} readings, before and after the effects, against the most telling columns; _p_ is that of the family-wise test of a \
          smooth dependence, where the column was tested.{own}{drawn}"
     )
 }

@@ -9,28 +9,43 @@ use crate::report::wording::name;
 /// Most panels.
 const MOST_PANELS: usize = 4;
 /// Height of a group, and of what is around the panels, mm.
-const GROUP_MM: f64 = 3.2;
+const GROUP_MM: f64 = 2.7;
 const AROUND_MM: f64 = 15.0;
 /// Least and greatest height of a panel, mm.
 const HEIGHT_MM: (f64, f64) = (22.0, 105.0);
 
 /// The figure; none where nothing has a value of its own.
 pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
-    let estimated = |s: &&Scatter| s.values.len() > 1 && (s.declared.is_none() || s.declared_contradicted);
-    let drawn: Vec<&Scatter> = shown.found.scatter.iter().filter(estimated).take(MOST_PANELS).collect();
+    let estimated =
+        |s: &&Scatter| s.values.len() > 1 && (s.declared.is_none() || s.declared_contradicted);
+    let drawn: Vec<&Scatter> = shown
+        .found
+        .scatter
+        .iter()
+        .filter(estimated)
+        .take(MOST_PANELS)
+        .collect();
     if drawn.is_empty() {
         return None;
     }
-    let most = drawn.iter().map(|s| s.values.len().min(MOST_GROUPS)).max()?;
+    let most = drawn
+        .iter()
+        .map(|s| s.values.len().min(MOST_GROUPS))
+        .max()?;
     let height = (GROUP_MM * most as f64).clamp(HEIGHT_MM.0, HEIGHT_MM.1) + AROUND_MM;
     let width = if drawn.len() == 1 { HALF_MM } else { TEXT_MM };
     let title = format!("Values of the random effects, {}", shown.found.campaign);
     let mut figure = Figure::new(&title, width, height).grid(drawn.len());
+    figure.lettered = false;
     for scatter in &drawn {
         figure = figure.with(panel(scatter));
     }
     let many = drawn.iter().any(|s| s.values.len() > MOST_GROUPS);
-    let named = if many { " Where there are many groups they stand by size and without names." } else { "" };
+    let named = if many {
+        " Where there are many groups they stand by size and without names."
+    } else {
+        ""
+    };
     let caption = format!(
         "Predicted value of every group of each random effect; shaded: one standard deviation to both sides.{named}"
     );
@@ -39,12 +54,20 @@ pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
 
 /// Gains are shown as percentages.
 fn factor(scatter: &Scatter) -> (f64, &str) {
-    if scatter.unit == "1" { (100.0, "%") } else { (1.0, &scatter.unit) }
+    if scatter.unit == "1" {
+        (100.0, "%")
+    } else {
+        (1.0, &scatter.unit)
+    }
 }
 
 fn panel(scatter: &Scatter) -> Panel {
     let (factor, unit) = factor(scatter);
-    let mut groups: Vec<(&String, f64)> = scatter.values.iter().map(|(id, v)| (id, factor * v)).collect();
+    let mut groups: Vec<(&String, f64)> = scatter
+        .values
+        .iter()
+        .map(|(id, v)| (id, factor * v))
+        .collect();
     let many = groups.len() > MOST_GROUPS;
     if many {
         groups.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -58,7 +81,11 @@ fn panel(scatter: &Scatter) -> Panel {
         y.label = format!("{} groups", groups.len());
     }
     let sd = factor * scatter.sd;
-    let points = groups.iter().enumerate().map(|(k, (_, v))| (*v, k as f64)).collect();
+    let points = groups
+        .iter()
+        .enumerate()
+        .map(|(k, (_, v))| (*v, k as f64))
+        .collect();
     let title = name::scatter(&scatter.id, scatter.level);
     let mut x = Axis::new(&axis_label("Predicted value", unit));
     x.span = Span::Around(vec![-sd, sd]);

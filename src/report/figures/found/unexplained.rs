@@ -1,13 +1,18 @@
 //! The empirical corrections: how the force depends on columns for which the library has no effect.
 
-use super::{HALF_MM, Shown, TEXT_MM};
 use super::residuals::{factor, label};
+use super::{HALF_MM, Shown, TEXT_MM};
 use crate::findings::Unexplained;
 use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Panel, Series, Stroke};
 
 /// The figure; none where no correction was fitted.
 pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
-    let fitted: Vec<&Unexplained> = shown.found.unexplained.iter().filter(|u| u.curve.len() > 1).collect();
+    let fitted: Vec<&Unexplained> = shown
+        .found
+        .unexplained
+        .iter()
+        .filter(|u| u.curve.len() > 1)
+        .collect();
     if fitted.is_empty() {
         return None;
     }
@@ -35,8 +40,11 @@ fn panel(unexplained: &Unexplained, unit: &str) -> Panel {
     let factor = factor(&unexplained.column);
     let points = unexplained.curve.iter().map(|(x, y)| (factor * x, *y));
     let stroke = Stroke::new(Ink::Vermilion, Dash::Dashed);
-    Panel::new(Axis::new(&label(&unexplained.column)), Axis::new(&y).including(0.0))
-        .title("EMPIRICAL")
-        .with(Layer::zero())
-        .with(Series::line("", points.collect(), stroke))
+    Panel::new(
+        Axis::new(&label(&unexplained.column)),
+        Axis::new(&y).including(0.0),
+    )
+    .title("EMPIRICAL")
+    .with(Layer::zero())
+    .with(Series::line("", points.collect(), stroke))
 }

@@ -5,7 +5,7 @@ use crate::report::figures::Named;
 use crate::report::figures::formatting::{number, plain};
 use crate::report::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Mark, Panel, Series, Shape, Stroke};
 use crate::stages::torque::reference::Reference;
-use crate::stages::torque::reference::human::{Compared, Compares};
+use crate::stages::torque::reference::human::{Compared, Compares, TARGET};
 
 const HEIGHT_MM: f64 = 112.0;
 /// Every so manieth row of an export is marked.
@@ -15,7 +15,7 @@ const EVERY: usize = 6;
 pub fn figure(reference: &Reference) -> Named {
     let of = |what: Compares, target: bool| {
         let all = reference.human.iter();
-        all.filter(move |h| h.what == what && h.against.contains("target") == target)
+        all.filter(move |h| h.what == what && (h.against == TARGET) == target)
     };
     let flexor = |h: &&Compared| h.muscle == "bifemsh";
     let title = "Human muscles beside OpenSim";

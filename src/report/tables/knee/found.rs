@@ -5,9 +5,9 @@ use crate::findings::{EffectFinding, Parameter};
 use crate::report::input::ReportInput;
 use crate::report::number::Rounding;
 use crate::report::table::{Audience, Cell, Column, Table};
-use crate::stages::torque::CampaignTorque;
 use crate::report::wording::name::{effect_with_form, verdict, verdict_id};
 use crate::report::wording::number::{cells, finite, unit};
+use crate::stages::torque::CampaignTorque;
 use crate::stages::torque::diagnose::JointDiagnosis;
 
 /// All campaigns.
@@ -67,7 +67,8 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
 fn row(joint: &JointDiagnosis, effect: Option<&EffectFinding>) -> Vec<Cell> {
     let found = &joint.findings;
     let text = |of: fn(&EffectFinding) -> String| effect.map_or(Cell::Empty, |e| Cell::text(of(e)));
-    let number = |rounding: Rounding, of: fn(&EffectFinding) -> f64| finite(effect.map(of), rounding);
+    let number =
+        |rounding: Rounding, of: fn(&EffectFinding) -> f64| finite(effect.map(of), rounding);
     let parameter = effect.and_then(|e| e.parameters.first());
     let words = |of: fn(&Parameter) -> &str| parameter.map_or(Cell::Empty, |p| Cell::text(of(p)));
     let mut row = vec![
@@ -77,9 +78,13 @@ fn row(joint: &JointDiagnosis, effect: Option<&EffectFinding>) -> Vec<Cell> {
         Cell::text(verdict_id(found.verdict)),
         text(|e| e.id.clone()),
         text(|e| e.form.clone()),
-        effect.map_or(Cell::text(verdict(found.verdict)), |e| Cell::text(effect_with_form(&e.id, &e.form))),
+        effect.map_or(Cell::text(verdict(found.verdict)), |e| {
+            Cell::text(effect_with_form(&e.id, &e.form))
+        }),
     ];
-    row.extend(parameter.map_or([Cell::Empty, Cell::Empty], |p| cells(p.value, p.ci_low, p.ci_high)));
+    row.extend(parameter.map_or([Cell::Empty, Cell::Empty], |p| {
+        cells(p.value, p.ci_low, p.ci_high)
+    }));
     row.extend([
         words(|p| &p.unit),
         words(|p| unit(&p.unit)),
