@@ -143,7 +143,7 @@ mod tests {
     fn a_model_that_is_new_here_is_drawn_all_the_same() {
         assert_eq!(
             of_model("next", "Next 2030 (implicit)", 3).name,
-            "Next 2030"
+            "Next 2030 (implicit)"
         );
     }
 }

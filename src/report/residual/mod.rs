@@ -17,7 +17,7 @@ mod limits;
 
 use crate::base::error::Result;
 use crate::findings::CampaignFindings;
-use crate::report::extent::MOST_GROUPS;
+use crate::report::extent::{MOST_GROUPS, MOST_ROWS_ON_PAGES};
 use crate::report::figures::Drawn;
 use crate::report::figures::found::Kind;
 use crate::report::input::ReportInput;
@@ -27,6 +27,9 @@ use crate::report::wording::number::unit;
 use serde::Serialize;
 
 const TEMPLATE: &str = include_str!("../templates/residual.typ");
+
+/// Most rows of a table that has one for each held-out unit, or each recording error; the data files have all.
+const MOST_ROWS: usize = 40;
 
 /// The figures that belong to no group of rows.
 #[derive(Clone, Debug, Default)]
@@ -51,7 +54,7 @@ struct Data {
     only_simulated: bool,
     /// Those with a section.
     campaigns: Vec<Campaign>,
-    /// The errors of all.
+    /// The errors of these.
     errors: Vec<front::ErrorRow>,
     /// Those without a section: name, answer.
     others: Vec<[String; 2]>,
@@ -84,7 +87,9 @@ struct Campaign {
     scatter: Vec<[String; 6]>,
     misfit: String,
     recording_errors: Vec<[String; 6]>,
+    recording_errors_left_out: usize,
     units: Vec<[String; 8]>,
+    units_left_out: usize,
     black_box: String,
     coefficients: Vec<[String; 5]>,
     alternatives: Vec<[String; 6]>,
@@ -163,11 +168,13 @@ pub fn residual_pdf(
             .enumerate()
             .map(|(k, (found, f))| campaign(k, found, f))
             .collect(),
-        errors: entries
-            .iter()
-            .flat_map(|e| front::errors(e.found))
+        errors: with_section()
+            .flat_map(|(found, _)| front::errors(found))
             .collect(),
-        others: without.map(|e| front::in_short(e.found)).collect(),
+        others: without
+            .take(MOST_ROWS_ON_PAGES)
+            .map(|e| front::in_short(e.found))
+            .collect(),
         budget: figures.budget.as_ref().map(|drawn| picture(None, drawn)),
         version: env!("CARGO_PKG_VERSION"),
         input: input.input_digest.clone(),
@@ -224,13 +231,17 @@ fn campaign(place: usize, found: &CampaignFindings, figures: &[(Kind, Drawn)]) -
         recording_errors: found
             .recording_errors
             .iter()
+            .take(MOST_ROWS)
             .map(|e| groups::recording_error(found, e))
             .collect(),
+        recording_errors_left_out: found.recording_errors.len().saturating_sub(MOST_ROWS),
         units: found
             .by_unit
             .iter()
+            .take(MOST_ROWS)
             .map(|u| held_out::unit(found, u))
             .collect(),
+        units_left_out: found.by_unit.len().saturating_sub(MOST_ROWS),
         black_box: held_out::black_box(found),
         coefficients: found
             .coefficients

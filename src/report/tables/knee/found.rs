@@ -39,15 +39,14 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
             Column::text("unit_words", "Unit").seen_by(Audience::People),
             Column::number("stiffness_n_m", "1/\\v{C}", "N/m"),
             Column::number("p_familywise", "\\v{p}", ""),
-            Column::number("log_likelihood_gain", "Gain", ""),
-            Column::number("found_in_folds", "In folds", "%"),
+            machines(Column::number("log_likelihood_gain", "Gain", "")),
+            machines(Column::number("found_in_folds", "In folds", "%")),
             Column::number("rms_nm", "RMS", "N.m"),
             machines(Column::text("class", "Alias set")),
         ],
     )
     .note(
-        "\\v{p}: probability of a candidate as strong as this anywhere. Gain: in marginal log-likelihood. In folds: searches without one actuator (or test) that find the effect or one of its alias set. \
-         RMS: of what it does to the torques.",
+        "\\v{p}: probability of a candidate as strong as this anywhere. RMS: of what it does to the torques.",
     );
     for campaign in campaigns {
         for joint in &campaign.diagnoses {
