@@ -65,6 +65,8 @@
 //! - **A key holds everything that a result depends on** ([`cache::key`]), the stage's own source files included.
 //! - **Bad input is a value, not an error**: it becomes a [`base::diagnostics::Diagnostic`] and a [`base::reject::Reject`]; the run goes
 //!   on. An [`base::error::Error`] ends a command and has an exit code.
+//! - **A figure or document that cannot be built is a value as well** ([`report::left_out`]): it is left out and named, tables and findings are
+//!   in place before any of them is begun.
 //! - **Only what is declared is corrected** ([`stages::clean`]): a drift, gain or compliance stays in the readings for the residual search.
 //! - **One unit a quantity inside** ([`base::units`]): N, kPa, m, rad, s, N.m, degrees Celsius; and one home of column names
 //!   ([`base::columns`]).

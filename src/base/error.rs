@@ -1,6 +1,7 @@
 //! Why a command could not do its work, and which exit code says so.
 
 use crate::base::diagnostics::Diagnostic;
+use std::any::Any;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -77,3 +78,10 @@ impl fmt::Display for Error {
 }
 
 impl std::error::Error for Error {}
+
+/// What a panic said.
+pub fn panic_message(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(ToString::to_string);
+    text.or_else(|| panic.downcast_ref::<String>().cloned())
+        .unwrap_or_else(|| "a panic without words".to_owned())
+}

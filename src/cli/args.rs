@@ -36,7 +36,7 @@ const MOST_JOBS: u64 = 256;
 pub enum Command {
     /// Run every stage whose inputs changed
     #[command(
-        after_help = "Examples:\n  pipeline run\n  pipeline run --raw raw --raw ../rig --explain\n  pipeline run --force fit --strict\n\nExit codes: 0 done; 2 usage, configuration or no usable input; 3 done, but sessions were rejected (with --strict); 4 internal."
+        after_help = "Examples:\n  pipeline run\n  pipeline run --raw raw --raw ../rig --explain\n  pipeline run --force fit --strict\n\nExit codes: 0 done; 2 usage, configuration or no usable input; 3 done, but sessions were rejected (with --strict); 4 internal; 5 done, but a figure or document was left out for a defect of the program (summary.json names it)."
     )]
     Run(RunArgs),
     /// Say what would run and why; exit code 1 if anything would

@@ -47,6 +47,7 @@ pub fn command(args: &CheckArgs) -> Result<u8> {
     progress.finish();
     print::diagnostics(&outcome.diagnostics, places.verbose);
     nothing_usable(&outcome)?;
+    print::left_out(&outcome.left_out);
     if args.bless {
         let reason = args.reason.as_deref().unwrap_or_default();
         let blessing = bless::bless(&args.golden, &places.reports, reason)?;

@@ -1,7 +1,8 @@
 //! The command line: arguments, and all printing.
 //!
 //! Results go to standard output; progress, warnings and errors to standard error. Exit codes: 0 done; 1 `status` found work to
-//! do or `check` a difference; 2 usage, configuration or no usable input; 3 done, but sessions were rejected and `--strict` was given; 4 internal.
+//! do or `check` a difference; 2 usage, configuration or no usable input; 3 done, but sessions were rejected and `--strict` was given; 4 internal;
+//! 5 done, but a figure or document was left out for a defect of the program.
 
 mod answers;
 mod args;
@@ -33,6 +34,7 @@ const DIFFERENCE: u8 = 1;
 const USAGE: u8 = 2;
 const REJECTED: u8 = 3;
 const INTERNAL: u8 = 4;
+const LEFT_OUT: u8 = 5;
 
 /// Runs the command that the arguments name; the exit code.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
@@ -126,6 +128,9 @@ fn run_command(args: &RunArgs) -> Result<u8> {
     }
     if args.only.is_none() {
         nothing_usable(&outcome)?;
+    }
+    if !outcome.left_out.is_empty() {
+        return Ok(LEFT_OUT);
     }
     let strict = args.strict && !outcome.rejected.is_empty();
     Ok(if strict { REJECTED } else { DONE })

@@ -4,6 +4,7 @@ use super::answers;
 use crate::base::diagnostics::{Diagnostic, Severity};
 use crate::base::error::{Error, Result};
 use crate::cache::reason::one_line;
+use crate::report::left_out::{LeftOut, counted};
 use crate::run::step::Failure;
 use crate::run::{Outcome, STAGES};
 use crate::simulate::Campaign;
@@ -107,7 +108,7 @@ pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> R
             .collect();
         return print_json(&json!({
             "sessions": outcome.sessions, "computed": work_json(outcome), "up_to_date": outcome.fresh,
-            "failed": failed_json(outcome),
+            "failed": failed_json(outcome), "left_out": outcome.left_out,
             "rejected_sessions": rejected, "rejected_logs": logs, "files_written": paths(&outcome.written),
             "reports": paths(&outcome.pdfs), "findings": outcome.findings_file.as_ref().map(|f| f.display().to_string()),
             "new_answers": outcome.answers.iter().map(answers::as_json).collect::<Vec<_>>(),
@@ -126,6 +127,7 @@ pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> R
         let Failure { stage, unit, why } = failure;
         line(format!("failed: {stage} {unit}: {why}"));
     }
+    left_out(&outcome.left_out);
     let seconds = took.as_secs_f64();
     if outcome.failed.is_empty() && outcome.work.is_empty() && outcome.written.is_empty() {
         line(format!(
@@ -154,14 +156,30 @@ pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> R
     Ok(())
 }
 
+/// Figures and documents that could not be built: a line for each of the first, and how many there are.
+pub fn left_out(all: &[LeftOut]) {
+    for one in all.iter().take(SHOWN) {
+        eprintln!("left out: {one}");
+    }
+    if !all.is_empty() {
+        eprintln!(
+            "{} left out for a defect of pipeline itself, please report it; everything else is complete, and summary.json names them. Once it is mended, or to try \
+             again: pipeline run --force report",
+            counted(all)
+        );
+    }
+}
+
 /// What would run.
 pub fn status(outcome: &Outcome, as_json: bool) -> Result<()> {
     if as_json {
-        return print_json(
-            &json!({ "would_run": work_json(outcome), "up_to_date": outcome.fresh, "would_put_back": paths(&outcome.written) }),
-        );
+        return print_json(&json!({
+            "would_run": work_json(outcome), "up_to_date": outcome.fresh, "would_put_back": paths(&outcome.written),
+            "left_out": outcome.left_out,
+        }));
     }
     reasons(outcome);
+    left_out(&outcome.left_out);
     if outcome.work.is_empty() && outcome.written.is_empty() {
         line(format!(
             "nothing to do: all {} results are up to date",

@@ -7,6 +7,7 @@ use crate::config::{Config, ReportOptions};
 use crate::report::extent::{MOST_GROUPS, MOST_NAMED, MOST_ROWS_ON_PAGES, SIDE_BY_SIDE};
 use crate::report::figures::{Drawn, slug};
 use crate::report::input::{GroupInput, ReportInput};
+use crate::report::left_out::LeftOut;
 use crate::report::render::{Renderer, typst::Typst};
 use crate::report::table::Table;
 use crate::report::tables;
@@ -31,6 +32,9 @@ struct Data {
     traces: Vec<Picture>,
     unusable: Vec<String>,
     more_unusable: usize,
+    /// Figures that could not be built.
+    left_out: Vec<String>,
+    more_left_out: usize,
     version: &'static str,
     input: String,
     split: Split,
@@ -122,19 +126,24 @@ struct Group {
     figures: Vec<Picture>,
 }
 
-/// Typesets `force.pdf`; `traces` are the figures of the logs with their plateaus.
+/// Typesets `force.pdf`; `traces` are the figures of the logs with their plateaus, in the order of the input, and `left_out` all figures that
+/// could not be built.
 ///
 /// # Errors
 /// A template that does not compile.
 pub fn force_pdf(
     input: &ReportInput,
-    traces: &[Drawn],
+    traces: &[Option<Drawn>],
     config: &Config,
+    left_out: &[LeftOut],
     split_digest: &str,
 ) -> Result<Pdf> {
     let options = &config.report;
     let traces = &traces[..traces.len().min(MOST_GROUPS)];
-    let data = data(input, traces, config, split_digest);
+    let mut data = data(input, traces, config, split_digest);
+    data.more_left_out = left_out.len().saturating_sub(MOST_NAMED);
+    let named = left_out.iter().take(MOST_NAMED);
+    data.left_out = named.map(|l| l.name.clone()).collect();
     let mut document = Document::new(TEMPLATE)
         .data("data.json", &data)?
         .dated(date_of(input, options));
@@ -163,7 +172,7 @@ pub fn force_pdf(
         }
     }
     let of_groups = input.with_section().flat_map(|(_, f)| &f.group);
-    for named in traces.iter().chain(of_groups) {
+    for named in traces.iter().flatten().chain(of_groups) {
         document = document.file(&format!("figures/{}.svg", named.name), &named.svg);
     }
     if input.sessions.len() > SIDE_BY_SIDE {
@@ -192,7 +201,12 @@ fn date(text: &str) -> Option<(i32, u8, u8)> {
     Some((year, month, day))
 }
 
-fn data(input: &ReportInput, traces: &[Drawn], config: &Config, split_digest: &str) -> Data {
+fn data(
+    input: &ReportInput,
+    traces: &[Option<Drawn>],
+    config: &Config,
+    split_digest: &str,
+) -> Data {
     let options = &config.report;
     let simulated = |s: &crate::report::input::SessionInput| s.ingest.session.is_simulated();
     let rejects = || input.sessions.iter().flat_map(|s| s.rejects());
@@ -228,8 +242,10 @@ fn data(input: &ReportInput, traces: &[Drawn], config: &Config, split_digest: &s
         traces: traces
             .iter()
             .zip(&input.traces)
-            .map(|(named, trace)| picture(named, trace.simulated))
+            .filter_map(|(named, trace)| Some(picture(named.as_ref()?, trace.simulated)))
             .collect(),
+        left_out: Vec::new(),
+        more_left_out: 0,
         more_unusable: unusable.clone().skip(MOST_ROWS_ON_PAGES).count(),
         unusable: unusable
             .take(MOST_ROWS_ON_PAGES)

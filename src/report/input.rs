@@ -7,6 +7,7 @@ use crate::base::row::Row;
 use crate::findings::CampaignFindings;
 use crate::report::figures::Drawn;
 use crate::report::figures::found::Kind;
+use crate::report::left_out::LeftOut;
 use crate::stages::clean::CleanHeader;
 use crate::stages::compare::{GroupComparison, Predictions};
 use crate::stages::diagnose::Diagnosis;
@@ -115,6 +116,10 @@ pub struct ReportInput {
     pub groups: Vec<GroupInput>,
     /// The figures of each group; none of a group that has no section of its own ([`with_section`](crate::report::extent::with_section)).
     pub figures: Vec<Option<GroupFigures>>,
+    /// The figures of groups that could not be built.
+    pub left_out: Vec<LeftOut>,
+    /// Files of the tables, below `reports/`.
+    pub tables: Vec<String>,
     /// Torque; none where nobody measured any.
     pub knee: Option<KneeInput>,
     /// The logs to draw.

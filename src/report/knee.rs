@@ -21,12 +21,12 @@ const TEMPLATE: &str = include_str!("templates/knee.typ");
 
 /// The figures that the pages show.
 pub struct Figures<'a> {
-    /// By campaign, in the order of the input.
-    pub campaigns: &'a [Vec<Drawn>],
+    /// By campaign, in the order of the input; in each the configurations, then the joints, none where a figure was left out.
+    pub campaigns: &'a [Vec<Option<Drawn>>],
     /// The legs.
-    pub legs: &'a [Drawn],
+    pub legs: &'a [Option<Drawn>],
     /// The laws of force, the human muscles, the design.
-    pub once: &'a [Drawn],
+    pub once: &'a [Option<Drawn>],
 }
 
 /// What the template is told.
@@ -115,8 +115,8 @@ pub fn knee_pdf(
         only_simulated: campaigns.iter().all(|c| c.simulated),
         simulated: campaigns.iter().any(|c| c.simulated),
         campaigns: told.map(|(c, f)| campaign(c, f)).collect(),
-        legs: figures.legs.iter().map(picture).collect(),
-        once: figures.once.iter().map(picture).collect(),
+        legs: figures.legs.iter().flatten().map(picture).collect(),
+        once: figures.once.iter().flatten().map(picture).collect(),
         version: env!("CARGO_PKG_VERSION"),
         input: input.input_digest.clone(),
     };
@@ -131,7 +131,7 @@ pub fn knee_pdf(
         document = with_table(document, &table);
     }
     let drawn = figures.campaigns.iter().flatten();
-    for drawn in drawn.chain(figures.legs).chain(figures.once) {
+    for drawn in drawn.chain(figures.legs).chain(figures.once).flatten() {
         document = document.file(&format!("figures/{}.svg", drawn.name), &drawn.svg);
     }
     document.compile().map(Some)
@@ -150,7 +150,7 @@ fn picture(drawn: &Drawn) -> Picture {
     }
 }
 
-fn campaign(c: &CampaignTorque, figures: &[Drawn]) -> Campaign {
+fn campaign(c: &CampaignTorque, figures: &[Option<Drawn>]) -> Campaign {
     let tests = || c.configurations.iter().flat_map(|c| &c.tests);
     let points = || tests().flat_map(|t| &t.points);
     let said = |of: fn(&Test) -> Option<String>| {
@@ -172,18 +172,19 @@ fn campaign(c: &CampaignTorque, figures: &[Drawn]) -> Campaign {
         by_hand: c.diagnoses.iter().any(|j| !j.by_hand.is_empty()),
         figures: figures[..c.configurations.len()]
             .iter()
+            .flatten()
             .map(picture)
             .collect(),
     }
 }
 
 /// The joints with their figures, which come after those of the configurations.
-fn joints(c: &CampaignTorque, figures: &[Drawn]) -> Vec<Joint> {
+fn joints(c: &CampaignTorque, figures: &[Option<Drawn>]) -> Vec<Joint> {
     let of_joints = &figures[c.configurations.len()..];
     let with_figures = c.diagnoses.iter().zip(of_joints);
     with_figures
         .map(|(j, figure)| Joint {
-            figure: Some(picture(figure)),
+            figure: figure.as_ref().map(picture),
             ..joint(&j.findings)
         })
         .collect()

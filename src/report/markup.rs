@@ -63,6 +63,34 @@ pub fn plain(markup: &str) -> String {
     text
 }
 
+/// Pieces of which so many characters are kept, half of them at each end, with an ellipsis in the middle.
+pub fn without_middle(pieces: &[Piece], kept: usize) -> Vec<Piece> {
+    let count: usize = pieces.iter().map(|p| p.text.chars().count()).sum();
+    let (head, tail) = (kept.div_ceil(2), count - kept / 2);
+    let mut shortened: Vec<Piece> = Vec::new();
+    let mut at = 0;
+    let mut parted = false;
+    for piece in pieces {
+        let mut text = String::new();
+        for c in piece.text.chars() {
+            if at < head || at >= tail {
+                text.push(c);
+            } else if !parted {
+                parted = true;
+                text.push('…');
+            }
+            at += 1;
+        }
+        if !text.is_empty() {
+            shortened.push(Piece {
+                text,
+                ..piece.clone()
+            });
+        }
+    }
+    shortened
+}
+
 struct Parser<'a> {
     rest: &'a str,
     pieces: Vec<Piece>,

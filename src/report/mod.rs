@@ -10,6 +10,7 @@
 //! | [`plot`] | journal figures on plotters: axes, layers, legends |
 //! | [`figures`] | one file a figure |
 //! | [`wording`] | names, numbers and sentences of what was found |
+//! | [`left_out`] | figures and documents that could not be built |
 //! | [`force`] | the pages of `force.pdf` |
 //! | [`audit`] | the pages of `audit.pdf` |
 //! | [`residual`] | the pages of `residual.pdf` |
@@ -25,6 +26,7 @@ pub mod fonts;
 pub mod force;
 pub mod input;
 pub mod knee;
+pub mod left_out;
 pub mod markup;
 pub mod number;
 pub mod plot;

@@ -1,8 +1,7 @@
 //! Defects of the program: what panics in one unit is an error of that unit, and says which.
 
-use crate::base::error::{Error, Result};
+use crate::base::error::{Error, Result, panic_message};
 use crate::run::step::Stage;
-use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// The result of some work on a unit; of a panic or an internal error, an error that names stage and unit.
@@ -16,14 +15,8 @@ pub fn caught<T>(stage: Stage, unit: &str, work: impl FnOnce() -> Result<T>) -> 
     match done {
         Ok(Err(Error::Internal(why))) => Err(named(&why)),
         Ok(result) => result,
-        Err(panic) => Err(named(&message(panic.as_ref()))),
+        Err(panic) => Err(named(&panic_message(panic.as_ref()))),
     }
-}
-
-fn message(panic: &(dyn Any + Send)) -> String {
-    let text = panic.downcast_ref::<&str>().map(ToString::to_string);
-    text.or_else(|| panic.downcast_ref::<String>().cloned())
-        .unwrap_or_else(|| "a panic without words".to_owned())
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use crate::base::error::{Error, Result};
 use crate::config::{Config, flatten};
+use crate::report::left_out::LeftOut;
 use crate::run::engine::Engine;
 use crate::run::groups::GroupResult;
 use crate::run::reports::REPORT;
@@ -16,7 +17,7 @@ const PNG_DPI: &str = "report.png_dpi";
 /// Brings the figures of one group up to date.
 ///
 /// # Errors
-/// System errors, damaged entries, a figure without room.
+/// System errors, damaged entries.
 pub fn process(engine: &Engine, group: &GroupResult, config: &Config) -> Result<Step> {
     let unit = format!("figures of {}", group.unit());
     let mut inputs = BTreeMap::new();
@@ -47,6 +48,14 @@ pub fn input(engine: &Engine, group: &GroupResult, predictions: Predictions) -> 
         predictions,
         diagnosis: group.diagnosed(engine)?,
     })
+}
+
+/// The figures that could not be built.
+///
+/// # Errors
+/// A damaged entry.
+pub fn left_out(engine: &Engine, step: &Step) -> Result<Vec<LeftOut>> {
+    serde_json::from_slice(&engine.read(step, report::LEFT_OUT)?).map_err(Error::internal)
 }
 
 /// The figures as drawn.

@@ -8,6 +8,7 @@ use crate::base::names::file_name;
 use crate::cache::Digest;
 use crate::cache::store::{Object, UNFINISHED, write_atomically};
 use crate::formats::discover::{Discovery, SESSION_FILE};
+use crate::report::left_out::LeftOut;
 use crate::run::RunOptions;
 use crate::run::engine::Engine;
 use crate::run::sessions::{READINGS, ROWS, SessionResult};
@@ -25,6 +26,8 @@ pub struct Written {
     pub pdfs: Vec<PathBuf>,
     /// The findings.
     pub findings: Option<PathBuf>,
+    /// Figures and documents that could not be built.
+    pub left_out: Vec<LeftOut>,
 }
 
 /// Folder of the sessions' tidy data, below `derived/`.
@@ -36,80 +39,138 @@ const LIST: &str = "materialized.jsonl";
 /// Digests of raw files, below `reports/`.
 pub const PROVENANCE: &str = "provenance.json";
 
-/// Brings `reports/` and the tidy part of `derived/` in line with the results; a dry run only says which files differ.
-///
-/// # Errors
-/// A file cannot be written; a stored result is damaged.
-pub fn materialize(
-    engine: &Engine,
-    reports: &[&Step],
-    sessions: &[SessionResult],
-    discovery: &Discovery,
-    options: &RunOptions,
-) -> Result<Written> {
-    let mut written = Written::default();
-    let mut present = BTreeMap::new();
-    for step in reports {
-        put(engine, step, options, &mut written, &mut present)?;
-    }
-    let raw = raw_files(engine, sessions, discovery)?;
-    let path = options.reports.join(PROVENANCE);
-    let (name, digest) = (format!("{REPORTS}{PROVENANCE}"), Digest::of(&raw));
-    if !stands(engine, &name, &path, &digest) {
-        if !options.dry_run {
-            write_atomically(&path, &raw)?;
-        }
-        written.changed.push(path);
-    }
-    present.insert(name, digest);
-    let linked = sessions.par_iter().map(|session| {
-        let folder = session_folder(&session.id, options);
-        let is_other = link_session(engine, session, &folder, options.dry_run)?;
-        Ok(is_other.then_some(folder))
-    });
-    let linked: Vec<Option<PathBuf>> = linked.collect::<Result<_>>()?;
-    written.changed.extend(linked.into_iter().flatten());
-    if options.dry_run {
-        return Ok(written);
-    }
-    remove_sessions(sessions, options);
-    remove_stale(engine, &present, options)?;
-    remove_unfinished(&present, options);
-    Ok(written)
+/// `reports/` and the tidy part of `derived/`, brought in line with the results unit by unit; a dry run only says which files differ.
+pub struct Shelf<'a> {
+    engine: &'a Engine,
+    options: &'a RunOptions,
+    written: Written,
+    present: BTreeMap<String, Digest>,
 }
 
-/// Puts the outputs of one step in place.
-fn put(
-    engine: &Engine,
-    step: &Step,
-    options: &RunOptions,
-    written: &mut Written,
-    present: &mut BTreeMap<String, Digest>,
-) -> Result<()> {
-    let entry = step
-        .entry()
-        .ok_or_else(|| Error::internal("a report without outputs"))?;
-    for (name, object) in &entry.outputs {
-        let Some(path) = place(name, options) else {
-            continue;
-        };
-        if !stands(engine, name, &path, &object.digest) {
-            if !options.dry_run {
-                write_atomically(&path, &engine.read(step, name)?)?;
-            }
-            written.changed.push(path.clone());
+impl<'a> Shelf<'a> {
+    /// Nothing is put in place yet.
+    pub fn new(engine: &'a Engine, options: &'a RunOptions) -> Self {
+        Self {
+            engine,
+            options,
+            written: Written::default(),
+            present: BTreeMap::new(),
+        }
+    }
+
+    /// Puts the outputs of one step in place.
+    ///
+    /// # Errors
+    /// A file cannot be written; a stored result is damaged.
+    pub fn put(&mut self, step: &Step) -> Result<()> {
+        let entry = step
+            .entry()
+            .ok_or_else(|| Error::internal("a report without outputs"))?;
+        for (name, object) in &entry.outputs {
+            let Some(path) = place(name, self.options) else {
+                continue;
+            };
+            let read = || self.engine.read(step, name);
+            let differs = write(
+                self.engine,
+                name,
+                (&path, &object.digest),
+                read,
+                self.options,
+            )?;
+            self.note(name, path, differs, &object.digest);
+        }
+        Ok(())
+    }
+
+    /// Puts in place what the sessions gave, and where it comes from.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn put_sessions(
+        &mut self,
+        sessions: &[SessionResult],
+        discovery: &Discovery,
+    ) -> Result<()> {
+        let (engine, options) = (self.engine, self.options);
+        let raw = raw_files(engine, sessions, discovery)?;
+        let path = options.reports.join(PROVENANCE);
+        let (name, digest) = (format!("{REPORTS}{PROVENANCE}"), Digest::of(&raw));
+        let differs = write(engine, &name, (&path, &digest), || Ok(raw), options)?;
+        self.note(&name, path, differs, &digest);
+        let linked = sessions.par_iter().map(|session| {
+            let folder = session_folder(&session.id, options);
+            let is_other = link_session(engine, session, &folder, options.dry_run)?;
+            Ok(is_other.then_some(folder))
+        });
+        let linked: Vec<Option<PathBuf>> = linked.collect::<Result<_>>()?;
+        self.written.changed.extend(linked.into_iter().flatten());
+        Ok(())
+    }
+
+    /// Notes what stands there now.
+    fn note(&mut self, name: &str, path: PathBuf, differs: bool, digest: &Digest) {
+        if differs {
+            self.written.changed.push(path.clone());
         }
         let is_report = name
             .strip_prefix(REPORTS)
             .is_some_and(|n| n.ends_with(".pdf") && !n.contains('/'));
         if is_report {
-            written.pdfs.push(path);
+            self.written.pdfs.push(path);
         } else if name == FINDINGS {
-            written.findings = Some(path);
+            self.written.findings = Some(path);
         }
-        present.insert(name.clone(), object.digest.clone());
+        self.present.insert(name.to_owned(), digest.clone());
     }
-    Ok(())
+
+    /// Writes down which files are in place so far beside those of the last run: should the run end here, the next one knows them as its own.
+    ///
+    /// # Errors
+    /// The list cannot be written.
+    pub fn remember(&self) -> Result<()> {
+        let before: BTreeMap<String, Digest> = self.engine.read_aside(LIST);
+        let mut all = before.clone();
+        all.extend(self.present.clone());
+        if self.options.dry_run || all == before {
+            return Ok(());
+        }
+        self.engine.write_aside(LIST, &all)
+    }
+
+    /// Everything is in place: what earlier runs left beside it goes.
+    ///
+    /// # Errors
+    /// A file cannot be removed.
+    pub fn finish(self, sessions: &[SessionResult]) -> Result<Written> {
+        let (engine, options) = (self.engine, self.options);
+        if !options.dry_run {
+            remove_sessions(sessions, options);
+            remove_stale(engine, &self.present, options)?;
+            remove_unfinished(&self.present, options);
+        }
+        Ok(self.written)
+    }
+
+    /// What is in place, where the rest could not be made: nothing is removed.
+    pub fn unfinished(self) -> Written {
+        self.written
+    }
+}
+
+/// Writes a file whose contents differ, and says whether they did.
+fn write(
+    engine: &Engine,
+    name: &str,
+    (path, digest): (&Path, &Digest),
+    bytes: impl FnOnce() -> Result<Vec<u8>>,
+    options: &RunOptions,
+) -> Result<bool> {
+    let differs = !stands(engine, name, path, digest);
+    if differs && !options.dry_run {
+        write_atomically(path, &bytes()?)?;
+    }
+    Ok(differs)
 }
 
 /// `reports/provenance.json`: the SHA-256 of every raw file, by session. It stands outside of the report stage, because a raw file may change

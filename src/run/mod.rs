@@ -5,8 +5,9 @@
 //!                                                             ├── fit ── compare ──┐   one unit a group
 //!                                                             ├── diagnose ────────┤   one unit a campaign and diameter
 //!                                                             ├── torque ──────────┤   one unit a campaign of torque
-//!                                                             └────────────────────┴── report   one unit, and one a group for its figures
+//!                                                             └────────────────────┴── report   tables; figures, one unit a group; pages
 //! ```
+//! The tables are in place before a figure is drawn or a page typeset, and a figure or document that cannot be built is left out and named.
 //! Everything that a stage reads comes through [`engine::Engine::step`], which derives its key; a stage function itself is pure: values
 //! in, values out. Where no file has changed at all no stage is asked ([`unchanged`]). The result is independent of the number of threads, because units meet only in sorted collections. The units can also
 //! be brought up to date one by one, by many processes on one cache ([`jobs`]).
@@ -34,6 +35,7 @@ use crate::base::reject::Extent;
 use crate::config::Config;
 use crate::findings::CampaignFindings;
 use crate::formats::discover::{Discovery, discover};
+use crate::report::left_out::LeftOut;
 use engine::Engine;
 use serde::{Deserialize, Serialize};
 use sessions::{SessionResult, Workshop};
@@ -103,6 +105,9 @@ pub struct Outcome {
     pub written: Vec<PathBuf>,
     /// Reports that exist now.
     pub pdfs: Vec<PathBuf>,
+    /// Figures and documents that could not be built; everything else is there.
+    #[serde(default)]
+    pub left_out: Vec<LeftOut>,
     /// Where the findings are, of everything that was diagnosed.
     pub findings_file: Option<PathBuf>,
     /// The answers that are new.
@@ -195,6 +200,15 @@ fn drive(
         result
     })?;
     let torque = pool.install(|| torque::process(engine, discovery, &results, config))?;
+    let done = reports::Done {
+        discovery,
+        sessions: &results,
+        groups: &group_results,
+        torque: &torque,
+    };
+    progress.begin("tables", 1);
+    let tables = pool.install(|| reports::tables(engine, &done, options))?;
+    progress.tick();
     progress.begin("figures", groups.len());
     let figures = parallel::each(jobs, &group_results, |group| {
         let step = pool.install(|| figures::process(engine, group, config));
@@ -202,13 +216,7 @@ fn drive(
         step
     })?;
     progress.begin("report", 1);
-    let done = reports::Done {
-        sessions: &results,
-        groups: &group_results,
-        figures: &figures,
-        torque: &torque,
-    };
-    let written = pool.install(|| reports::process(engine, discovery, &done, options))?;
+    let written = pool.install(|| reports::pages(engine, &done, &figures, tables, options))?;
     progress.tick();
     let only_look = options.dry_run || options.only.is_some();
     let told = pool.install(|| told::all(engine, &results, only_look))?;
@@ -216,6 +224,7 @@ fn drive(
     outcome.pdfs = written.pdfs;
     outcome.written = written.changed;
     outcome.findings_file = written.findings;
+    outcome.left_out = written.left_out;
     outcome.answers = answers(engine, &group_results)?;
     outcome
         .answers

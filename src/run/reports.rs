@@ -1,22 +1,21 @@
-//! The report stage: one unit, over everything.
+//! The report stage over everything: first a unit of the tables, which are in place before any figure is drawn, then one of the pages.
 
+use crate::base::diagnostics::Diagnostic;
 use crate::base::error::{Error, Result};
 use crate::base::row::Row;
 use crate::cache::{Digest, Entry};
 use crate::config::flatten;
-use crate::formats::discover::Discovery;
+use crate::formats::discover::{Discovery, Unusable};
 use crate::run::RunOptions;
 use crate::run::engine::{self, Engine};
 use crate::run::figures;
 use crate::run::groups::GroupResult;
-use crate::run::materialize::{Written, materialize};
+use crate::run::materialize::{Shelf, Written};
 use crate::run::sessions::SessionResult;
 use crate::run::step::{Stage, Step};
 use crate::run::torque::TorqueResult;
 use crate::stages::compare::Predictions;
-use crate::stages::report::{
-    self, GroupInput, KneeInput, Provenance, ReportInput, SessionInput, Trace,
-};
+use crate::stages::report::{self, KneeInput, Provenance, ReportInput, SessionInput, Trace};
 use std::collections::BTreeMap;
 
 /// The stage.
@@ -26,52 +25,100 @@ pub const REPORT: Stage = Stage {
     code: engine::REPORT,
 };
 
+/// The unit of everything that needs no page.
+const TABLES: &str = "tables";
+/// The unit of the pages.
+const PAGES: &str = "reports";
+
 /// What the other stages have done.
 #[derive(Clone, Copy)]
 pub struct Done<'a> {
+    /// What is below the raw directories.
+    pub discovery: &'a Discovery,
     /// Session by session.
     pub sessions: &'a [SessionResult],
     /// Group by group.
     pub groups: &'a [GroupResult],
-    /// Their figures.
-    pub figures: &'a [Step],
     /// Campaign by campaign of torque.
     pub torque: &'a TorqueResult,
 }
 
-/// Brings tables, figures and reports up to date, and puts them where people look for them.
+/// The tables as they were made, and where everything is put.
+pub struct Tables<'a> {
+    step: Step,
+    shelf: Shelf<'a>,
+}
+
+/// Brings the tables and everything else that needs neither figure nor page up to date, and puts them where people look for them.
 ///
 /// # Errors
-/// System errors, damaged entries, a template that does not compile.
-pub fn process(
-    engine: &Engine,
-    discovery: &Discovery,
-    done: &Done,
-    options: &RunOptions,
-) -> Result<Written> {
-    const UNIT: &str = "reports";
-    let (mut inputs, figures) = match (results(done), figures_drawn(done)) {
-        (Ok(results), Ok(figures)) => (results, figures),
-        (Err(on), _) | (_, Err(on)) => {
-            engine.waits(REPORT, UNIT, &on)?;
-            return Ok(Written::default());
+/// System errors, damaged entries.
+pub fn tables<'a>(engine: &'a Engine, done: &Done, options: &'a RunOptions) -> Result<Tables<'a>> {
+    let mut shelf = Shelf::new(engine, options);
+    let inputs = match results(done)? {
+        Ok(inputs) => inputs,
+        Err(on) => {
+            let step = engine.waits(REPORT, TABLES, &on)?;
+            return Ok(Tables { step, shelf });
         }
     };
-    inputs.insert("sessions found".to_owned(), discovery_digest(discovery)?);
-    // Of what was measured: the figures say the same once more.
     let input_digest = Digest::of_named(inputs.iter());
-    inputs.extend(figures);
+    let keyed = flatten("fit", &options.config.fit)?;
+    let step = engine.step(REPORT, TABLES, keyed, inputs, || {
+        let input = gather(engine, done, &input_digest)?;
+        report::tables(&input, &options.config)
+    })?;
+    if step.entry().is_some() {
+        shelf.put(&step)?;
+        shelf.put_sessions(done.sessions, done.discovery)?;
+        shelf.remember()?;
+    }
+    let step = step.settled();
+    Ok(Tables { step, shelf })
+}
+
+/// Brings the pages up to date, and puts them and the figures where people look for them.
+///
+/// # Errors
+/// System errors, damaged entries.
+pub fn pages(
+    engine: &Engine,
+    done: &Done,
+    figures: &[Step],
+    tables: Tables,
+    options: &RunOptions,
+) -> Result<Written> {
+    let mut shelf = tables.shelf;
+    let (results, drawn) = (results(done)?, figures_drawn(done, figures));
+    let listed = digest_of(&tables.step, report::TABLES, || TABLES.to_owned());
+    let (mut inputs, drawn, listed) = match (results, drawn, listed) {
+        (Ok(results), Ok(drawn), Ok(listed)) => (results, drawn, listed),
+        (Err(on), ..) | (_, Err(on), _) | (.., Err(on)) => {
+            engine.waits(REPORT, PAGES, &on)?;
+            return Ok(shelf.unfinished());
+        }
+    };
+    // Of what was measured: the figures and tables say the same once more.
+    let input_digest = Digest::of_named(inputs.iter());
+    inputs.extend(drawn);
+    inputs.insert(report::TABLES.to_owned(), listed);
     let mut keyed = flatten("report", &options.config.report)?;
     keyed.extend(flatten("fit", &options.config.fit)?);
-    let step = engine.step(REPORT, UNIT, keyed, inputs, || {
-        let input = gather(engine, discovery, done, &input_digest)?;
-        report::report(&input, &options.config)
+    let step = engine.step(REPORT, PAGES, keyed, inputs, || {
+        let input = gather(engine, done, &input_digest)?;
+        let input = with_figures(engine, input, (done, figures), &tables.step)?;
+        report::pages(&input, &options.config)
     })?;
     if step.entry().is_none() {
-        return Ok(Written::default());
+        return Ok(shelf.unfinished());
     }
-    let steps: Vec<&Step> = done.figures.iter().chain([&step]).collect();
-    materialize(engine, &steps, done.sessions, discovery, options)
+    figures
+        .iter()
+        .chain([&step])
+        .try_for_each(|s| shelf.put(s))?;
+    let mut written = shelf.finish(done.sessions)?;
+    written.left_out = figures::left_out(engine, &step)?;
+    Ok(written)
 }
 
 /// Digests by name; or the first result that is not there yet.
@@ -82,8 +129,30 @@ fn digest(step: &Step, waits_on: impl FnOnce() -> String) -> std::result::Result
     step.entry().map(Entry::digest).ok_or_else(waits_on)
 }
 
+/// The digest of one output of a step, or what is to be waited for.
+fn digest_of(
+    step: &Step,
+    output: &str,
+    waits_on: impl FnOnce() -> String,
+) -> std::result::Result<Digest, String> {
+    let object = step.entry().and_then(|e| e.outputs.get(output));
+    object.map(|o| o.digest.clone()).ok_or_else(waits_on)
+}
+
+/// What was found and what the other stages gave.
+///
+/// # Errors
+/// What was found cannot be written as JSON.
+fn results(done: &Done) -> Result<Inputs> {
+    let found = discovery_digest(done.discovery)?;
+    Ok(of_stages(done).map(|mut inputs| {
+        inputs.insert("sessions found".to_owned(), found);
+        inputs
+    }))
+}
+
 /// What the other stages gave.
-fn results(done: &Done) -> Inputs {
+fn of_stages(done: &Done) -> Inputs {
     let mut inputs = BTreeMap::new();
     for session in done.sessions {
         let gave = session
@@ -107,8 +176,8 @@ fn results(done: &Done) -> Inputs {
 }
 
 /// The figures of the groups.
-fn figures_drawn(done: &Done) -> Inputs {
-    let both = done.groups.iter().zip(done.figures);
+fn figures_drawn(done: &Done, figures: &[Step]) -> Inputs {
+    let both = done.groups.iter().zip(figures);
     let one = both.map(|(group, step)| {
         let name = format!("{} figures", group.unit());
         digest(step, || format!("figures of {}", group.unit())).map(|d| (name, d))
@@ -156,21 +225,15 @@ fn discovery_digest(discovery: &Discovery) -> Result<Digest> {
     Ok(Digest::of(&json))
 }
 
-fn gather(
-    engine: &Engine,
-    discovery: &Discovery,
-    done: &Done,
-    input_digest: &Digest,
-) -> Result<ReportInput> {
-    let (sessions, groups) = (done.sessions, done.groups);
-    let mut inputs = Vec::with_capacity(sessions.len());
-    let mut rows: Vec<Row> = Vec::new();
-    for result in sessions {
+/// What tables are made of.
+fn gather(engine: &Engine, done: &Done, input_digest: &Digest) -> Result<ReportInput> {
+    let (mut sessions, mut rows) = (Vec::with_capacity(done.sessions.len()), Vec::new());
+    for result in done.sessions {
         let Some((ingest, clean)) = result.headers(engine)? else {
             return Err(Error::internal("a report without its sessions"));
         };
         let session_rows = result.rows(engine)?;
-        inputs.push(SessionInput {
+        sessions.push(SessionInput {
             readings: session_rows.len(),
             ingest,
             clean,
@@ -178,44 +241,54 @@ fn gather(
         });
         rows.extend(session_rows);
     }
-    let traces = traces(engine, sessions, &inputs, &rows)?;
-    let provenance = provenance(done);
-    let reference = done.torque.reference(engine)?;
     let campaigns = done.torque.campaigns(engine)?;
-    let knee = reference.map(|reference| KneeInput {
+    let knee = done.torque.reference(engine)?.map(|reference| KneeInput {
         campaigns,
         reference,
     });
-    let groups = groups.iter();
-    let groups: Vec<GroupInput> = groups
-        .map(|g| figures::input(engine, g, Predictions::default()))
-        .collect::<Result<_>>()?;
-    let with_section = report::with_section(&groups).into_iter();
-    let figures = with_section
-        .zip(done.figures)
-        .map(|(shown, step)| shown.then(|| figures::drawn(engine, step)).transpose());
-    let figures = figures.collect::<Result<_>>()?;
+    let groups = done.groups.iter();
+    let groups = groups.map(|g| figures::input(engine, g, Predictions::default()));
+    let unusable = done.discovery.unusable.iter();
     Ok(ReportInput {
-        unusable: discovery
-            .unusable
-            .iter()
-            .map(|u| {
-                (
-                    u.id.clone().unwrap_or_else(|| u.relative.clone()),
-                    u.diagnostics.clone(),
-                )
-            })
-            .collect(),
-        diagnostics: discovery.diagnostics.clone(),
-        sessions: inputs,
+        unusable: unusable.map(name_and_reasons).collect(),
+        diagnostics: done.discovery.diagnostics.clone(),
+        sessions,
         rows,
-        groups,
-        figures,
+        groups: groups.collect::<Result<_>>()?,
+        figures: Vec::new(),
+        left_out: Vec::new(),
+        tables: Vec::new(),
         knee,
-        traces,
-        provenance,
+        traces: Vec::new(),
+        provenance: provenance(done),
         input_digest: input_digest.to_string(),
     })
+}
+
+fn name_and_reasons(unusable: &Unusable) -> (String, Vec<Diagnostic>) {
+    let name = unusable.id.as_ref().unwrap_or(&unusable.relative);
+    (name.clone(), unusable.diagnostics.clone())
+}
+
+/// The same with everything that pages show besides.
+fn with_figures(
+    engine: &Engine,
+    mut input: ReportInput,
+    (done, figures): (&Done, &[Step]),
+    tables: &Step,
+) -> Result<ReportInput> {
+    input.traces = traces(engine, done.sessions, &input.sessions, &input.rows)?;
+    let with_section = report::with_section(&input.groups).into_iter();
+    let drawn = with_section
+        .zip(figures)
+        .map(|(shown, step)| shown.then(|| figures::drawn(engine, step)).transpose());
+    input.figures = drawn.collect::<Result<_>>()?;
+    for step in figures {
+        input.left_out.extend(figures::left_out(engine, step)?);
+    }
+    let names = engine.read(tables, report::TABLES)?;
+    input.tables = serde_json::from_slice(&names).map_err(Error::internal)?;
+    Ok(input)
 }
 
 /// The samples of the logs that the report draws.

@@ -1,6 +1,7 @@
 //! Report: tables, figures, pages and the summary, from what the other stages left.
 
 use crate::audit::audit;
+use crate::audit::findings::Audit;
 use crate::base::columns::is_reserved;
 use crate::base::error::{Error, Result};
 use crate::base::reject::Extent;
@@ -13,9 +14,10 @@ use crate::findings::{CampaignFindings, Findings, SCHEMA};
 use crate::report::audit::audit_pdf;
 use crate::report::extent::{MOST_ROWS_PRINTED, SIDE_BY_SIDE};
 use crate::report::figures::found::Kind;
-use crate::report::figures::{self, Drawn, Named};
+use crate::report::figures::{self, Built, Composed, Drawn};
 use crate::report::force::{date_of, force_pdf};
 use crate::report::knee::{self, knee_pdf};
+use crate::report::left_out::{LeftOut, Part, Task, attempt};
 use crate::report::render::{self, Renderer};
 use crate::report::residual::{self, residual_pdf};
 use crate::report::table::{Cell, Column, Table};
@@ -25,7 +27,7 @@ use crate::report::wording::sentence::sentences;
 use crate::stages::compare::GroupComparison;
 use crate::stages::fit::{GroupFit, is_usable, split};
 use crate::stages::torque::tidy;
-use rayon::prelude::*;
+use serde::Serialize;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -39,103 +41,213 @@ pub const VERSION: u32 = 1;
 
 /// What the pages need of the figures of a group: [`GroupFigures`] as JSON.
 pub const DRAWN: &str = "drawn.json";
+/// What a unit could not build: a list of [`LeftOut`] as JSON.
+pub const LEFT_OUT: &str = "left_out.json";
+/// Names of the tables in their order, below `reports/`, as JSON.
+pub const TABLES: &str = "tables.json";
 
-/// The figures of one group: their files below `reports/`, and [`DRAWN`].
+/// The figures of one group: their files below `reports/`, [`DRAWN`], and those that could not be built in [`LEFT_OUT`].
 ///
 /// # Errors
-/// A figure without room.
+/// None that a figure could cause.
 pub fn group_figures(group: &GroupInput, config: &Config) -> Result<Outputs> {
-    let drawn = GroupFigures {
-        group: draw(&figures::of_group(group, config))?,
-        diagnosis: draw_kinds(figures::of_diagnosis(group))?,
+    let build = |composed: Vec<Composed>| {
+        let composed = composed.into_iter().map(Some).collect();
+        figures::build(composed, config.report.png_dpi)
     };
-    let all = drawn
-        .group
-        .iter()
-        .chain(drawn.diagnosis.iter().map(|(_, d)| d));
-    let files = figure_files(all, config.report.png_dpi)?;
-    let mut outputs: Outputs = files.into_iter().collect();
-    let json = serde_json::to_vec(&drawn).map_err(Error::internal)?;
-    outputs.insert(DRAWN.to_owned(), json);
+    let of_group = build(figures::of_group(group, config));
+    let (kinds, composed) = figures::of_diagnosis(group).into_iter().unzip();
+    outputs_of_group(of_group, kinds, build(composed))
+}
+
+fn outputs_of_group(of_group: Built, kinds: Vec<Kind>, of_diagnosis: Built) -> Result<Outputs> {
+    let drawn = GroupFigures {
+        group: of_group.drawn.into_iter().flatten().collect(),
+        diagnosis: with_kinds(kinds, of_diagnosis.drawn),
+    };
+    let left_out: Vec<LeftOut> = [of_group.left_out, of_diagnosis.left_out].concat();
+    let mut outputs = below_figures(of_group.files.into_iter().chain(of_diagnosis.files));
+    outputs.insert(DRAWN.to_owned(), json_bytes(&drawn)?);
+    outputs.insert(LEFT_OUT.to_owned(), json_bytes(&left_out)?);
     Ok(outputs)
 }
 
-/// Everything else that goes below `reports/`, and the tidy table of all rows below `derived/`.
+/// Drawings with what they show; without those that were left out.
+fn with_kinds(kinds: Vec<Kind>, drawn: Vec<Option<Drawn>>) -> Vec<(Kind, Drawn)> {
+    let both = kinds.into_iter().zip(drawn);
+    both.filter_map(|(kind, drawn)| Some((kind, drawn?)))
+        .collect()
+}
+
+fn below_figures(files: impl IntoIterator<Item = (String, Vec<u8>)>) -> Outputs {
+    let below = |(name, bytes)| (format!("reports/figures/{name}"), bytes);
+    files.into_iter().map(below).collect()
+}
+
+fn json_bytes(value: &impl Serialize) -> Result<Vec<u8>> {
+    serde_json::to_vec(value).map_err(Error::internal)
+}
+
+/// Every table and what other programs read: all below `reports/` and `derived/` that needs neither a figure nor a page. They come first,
+/// so that they are there whatever becomes of the rest.
 ///
 /// # Errors
-/// A template that does not compile, a figure without room.
-pub fn report(input: &ReportInput, config: &Config) -> Result<Outputs> {
-    let traces = draw(&figures::plateaus(input))?;
-    let torque: Vec<Vec<Drawn>> = input
-        .torque()
-        .map(|c| draw(&figures::knee::of_campaign(c)))
-        .collect::<Result<_>>()?;
-    let (legs, once) = (
-        draw(&figures::knee::legs(input))?,
-        draw(&figures::knee::once(input))?,
-    );
-    let knees = knee::Figures {
-        campaigns: &torque,
-        legs: &legs,
-        once: &once,
-    };
-    let found = found_figures(input)?;
-    let split = split_csv(input, config);
-    let split_digest = Digest::of(&split).to_string();
+/// A table that cannot be written as Parquet or JSON.
+pub fn tables(input: &ReportInput, config: &Config) -> Result<Outputs> {
+    let rows = row::to_frame(&input.rows).with_units(units_of_extras(input));
     let fits: Vec<&GroupFit> = input.groups.iter().map(|g| &g.fit).collect();
-    let comparisons: Vec<&GroupComparison> = input.groups.iter().map(|g| &g.comparison).collect();
-    let audit = audit(&fits, &comparisons);
-    let date = date_of(input, &config.report);
-    let force_pages = || force_pdf(input, &traces, config, &split_digest);
-    let other_pages = || -> Result<(Pdf, Option<Pdf>, Option<Pdf>)> {
-        let audit = audit_pdf(&audit, &input.input_digest, date)?;
-        let residual = residual_pdf(input, &found, date)?;
-        Ok((audit, residual, knee_pdf(input, &knees, date)?))
-    };
-    let figures = || {
-        let knees = torque.iter().flatten().chain(&legs).chain(&once);
-        let all = traces.iter().chain(knees).chain(found.all());
-        figure_files(all, config.report.png_dpi)
-    };
-    let (force_pages, (other_pages, files)) = if input.sessions.len() > SIDE_BY_SIDE {
-        let others = rayon::join(other_pages, figures);
-        (force_pages(), others)
-    } else {
-        rayon::join(force_pages, || rayon::join(other_pages, figures))
-    };
-    let (force_pages, (audit_pages, residual_pages, knee_pages)) = (force_pages?, other_pages?);
     let mut outputs = Outputs::from([
-        ("reports/force.pdf".to_owned(), force_pages.bytes),
-        ("reports/audit.pdf".to_owned(), audit_pages.bytes),
-        (
-            "derived/rows.parquet".to_owned(),
-            row::to_frame(&input.rows)
-                .with_units(units_of_extras(input))
-                .to_parquet()?,
-        ),
+        ("derived/rows.parquet".to_owned(), rows.to_parquet()?),
+        ("derived/split.csv".to_owned(), split_csv(input, config)),
+        ("derived/fits.json".to_owned(), fits_json(&fits)?),
+        ("reports/findings.json".to_owned(), findings_json(input)?),
     ]);
-    if let Some(pages) = residual_pages {
-        outputs.insert("reports/residual.pdf".to_owned(), pages.bytes);
-    }
-    if let Some(pages) = knee_pages {
+    if input.knee.is_some() {
         let readings = tidy::frame(input.torque()).to_parquet()?;
-        outputs.insert("reports/knee.pdf".to_owned(), pages.bytes);
         outputs.insert("derived/torque.parquet".to_owned(), readings);
     }
-    outputs.insert("derived/fits.json".to_owned(), fits_json(&fits)?);
-    outputs.insert("derived/split.csv".to_owned(), split);
-    outputs.extend(files?);
     let mut names = Vec::new();
     let every = tables::ALL.iter().chain(tables::knee::ALL);
     let made = every.map(|make| make(input));
-    for table in made.chain([tables::audit(&audit)]) {
+    for table in made.chain([tables::audit(&audit_of(input))]) {
         let table = tables::naming_groups(table);
         names.push(format!("tables/{}.csv", table.id));
         outputs.extend(table_files(table));
     }
-    outputs.insert("reports/findings.json".to_owned(), findings_json(input)?);
-    outputs.insert("reports/summary.json".to_owned(), summary(input, &names)?);
+    outputs.insert(TABLES.to_owned(), json_bytes(&names)?);
     Ok(outputs)
+}
+
+fn audit_of(input: &ReportInput) -> Audit {
+    let fits: Vec<&GroupFit> = input.groups.iter().map(|g| &g.fit).collect();
+    let comparisons: Vec<&GroupComparison> = input.groups.iter().map(|g| &g.comparison).collect();
+    audit(&fits, &comparisons)
+}
+
+/// The pages with the figures that no group has for itself, and the summary. A figure or document that cannot be built is left out: it is in
+/// the summary and in [`LEFT_OUT`], with those of the groups.
+///
+/// # Errors
+/// None that a figure or document could cause.
+pub fn pages(input: &ReportInput, config: &Config) -> Result<Outputs> {
+    let built = Pictures::build(input, config.report.png_dpi);
+    let mut left_out = input.left_out.clone();
+    left_out.extend(built.left_out);
+    let made = documents(input, &built.pictures, config, &left_out);
+    let mut outputs = below_figures(built.files);
+    for (name, document) in made {
+        match document {
+            Ok(Some(pages)) => {
+                outputs.insert(format!("reports/{name}"), pages.bytes);
+            }
+            Ok(None) => {}
+            Err(failed) => left_out.push(failed),
+        }
+    }
+    left_out.sort();
+    outputs.insert(LEFT_OUT.to_owned(), json_bytes(&left_out)?);
+    let summary = summary(input, &left_out)?;
+    outputs.insert("reports/summary.json".to_owned(), summary);
+    Ok(outputs)
+}
+
+/// The figures that no group has for itself, in the places that the pages look for them.
+#[derive(Default)]
+struct Pictures {
+    traces: Vec<Option<Drawn>>,
+    torque: Vec<Vec<Option<Drawn>>>,
+    legs: Vec<Option<Drawn>>,
+    once: Vec<Option<Drawn>>,
+    found: residual::Figures,
+}
+
+/// [`Pictures`] with their files, and those that could not be built.
+#[derive(Default)]
+struct BuiltPictures {
+    pictures: Pictures,
+    files: Vec<(String, Vec<u8>)>,
+    left_out: Vec<LeftOut>,
+}
+
+impl Pictures {
+    fn build(input: &ReportInput, png_dpi: f64) -> BuiltPictures {
+        let mut all = BuiltPictures::default();
+        let mut build = |composed| {
+            let built = figures::build(composed, png_dpi);
+            all.files.extend(built.files);
+            all.left_out.extend(built.left_out);
+            built.drawn
+        };
+        let traces = build(figures::plateaus(input));
+        let campaigns = input.torque().map(figures::knee::of_campaign);
+        let torque = campaigns.map(&mut build).collect();
+        let legs = build(figures::knee::legs(input));
+        let once = build(figures::knee::once(input));
+        let shown = residual::on_the_first_page(input);
+        let budget = figures::compose("budget", || figures::found::budget(&shown));
+        let budget = build(vec![budget]).into_iter().flatten().next();
+        let joints = input.torque().flat_map(|c| &c.diagnoses);
+        let joints = joints.map(|joint| {
+            let (kinds, composed): (Vec<_>, Vec<_>) = figures::of_joint(joint).into_iter().unzip();
+            with_kinds(kinds, build(composed.into_iter().map(Some).collect()))
+        });
+        let joints = joints.collect();
+        all.pictures = Pictures {
+            traces,
+            torque,
+            legs,
+            once,
+            found: residual::Figures { budget, joints },
+        };
+        all
+    }
+}
+
+type Document = (&'static str, std::result::Result<Option<Pdf>, LeftOut>);
+
+/// Typesets the documents; none where there is nothing to say. `figures_left_out` are those that the pages miss.
+fn documents(
+    input: &ReportInput,
+    pictures: &Pictures,
+    config: &Config,
+    figures_left_out: &[LeftOut],
+) -> Vec<Document> {
+    let date = date_of(input, &config.report);
+    let force = || {
+        let split_digest = Digest::of(&split_csv(input, config)).to_string();
+        let traces = &pictures.traces;
+        force_pdf(input, traces, config, figures_left_out, &split_digest).map(Some)
+    };
+    let audit = || audit_pdf(&audit_of(input), &input.input_digest, date).map(Some);
+    let residual = || residual_pdf(input, &pictures.found, date);
+    let knee = || {
+        let figures = knee::Figures {
+            campaigns: &pictures.torque,
+            legs: &pictures.legs,
+            once: &pictures.once,
+        };
+        knee_pdf(input, &figures, date)
+    };
+    let force = || document("force.pdf", &force);
+    let others = || {
+        [
+            document("audit.pdf", &audit),
+            document("residual.pdf", &residual),
+            document("knee.pdf", &knee),
+        ]
+    };
+    let (force, others) = if input.sessions.len() > SIDE_BY_SIDE {
+        let others = others();
+        (force(), others)
+    } else {
+        rayon::join(force, others)
+    };
+    [force].into_iter().chain(others).collect()
+}
+
+fn document(name: &'static str, typeset: &dyn Fn() -> Result<Option<Pdf>>) -> Document {
+    let made = attempt(Part::Document, name, Task::Typesetting, typeset);
+    (name, made)
 }
 
 /// Units of the columns that no stage knows, where all sessions that have one agree.
@@ -206,45 +318,9 @@ fn table_files(table: Table) -> Outputs {
     files.into_iter().collect()
 }
 
-fn draw(figures: &[Named]) -> Result<Vec<Drawn>> {
-    figures.par_iter().map(Named::draw).collect()
-}
-
-fn draw_kinds(figures: Vec<(Kind, Named)>) -> Result<Vec<(Kind, Drawn)>> {
-    let drawn = figures.into_par_iter();
-    drawn
-        .map(|(kind, named)| Ok((kind, named.draw()?)))
-        .collect()
-}
-
-/// The figures of what was found that belong to no group of rows: the budget of all, and those of every joint.
-fn found_figures(input: &ReportInput) -> Result<residual::Figures> {
-    let shown = residual::on_the_first_page(input);
-    let budget = figures::found::budget(&shown).map(|named| named.draw());
-    let joints = input.torque().flat_map(|c| &c.diagnoses);
-    Ok(residual::Figures {
-        budget: budget.transpose()?,
-        joints: joints
-            .map(|j| draw_kinds(figures::of_joint(j)))
-            .collect::<Result<_>>()?,
-    })
-}
-
-fn figure_files<'a>(
-    figures: impl Iterator<Item = &'a Drawn>,
-    png_dpi: f64,
-) -> Result<Vec<(String, Vec<u8>)>> {
-    let all: Vec<&Drawn> = figures.collect();
-    let files: Vec<Vec<(String, Vec<u8>)>> = all
-        .par_iter()
-        .map(|drawn| figures::files(drawn, png_dpi))
-        .collect::<Result<_>>()?;
-    let below = |(name, bytes)| (format!("reports/figures/{name}"), bytes);
-    Ok(files.into_iter().flatten().map(below).collect())
-}
-
-/// `summary.json`: versions, digest of the inputs, sessions used and rejected with reasons, verdicts, paths of the tables.
-fn summary(input: &ReportInput, tables: &[String]) -> Result<Vec<u8>> {
+/// `summary.json`: versions, digest of the inputs, sessions used and rejected with reasons, verdicts, paths of the tables, what could not be
+/// built.
+fn summary(input: &ReportInput, left_out: &[LeftOut]) -> Result<Vec<u8>> {
     let mut rejected: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for (name, diagnostics) in &input.unusable {
         rejected.insert(name, diagnostics.iter().map(ToString::to_string).collect());
@@ -285,7 +361,8 @@ fn summary(input: &ReportInput, tables: &[String]) -> Result<Vec<u8>> {
         "readings": input.rows.len(),
         "findings": "findings.json",
         "verdicts": verdicts,
-        "tables": tables,
+        "tables": input.tables,
+        "left_out": left_out,
     });
     let mut bytes = serde_json::to_vec_pretty(&summary).map_err(Error::internal)?;
     bytes.push(b'\n');

@@ -22,24 +22,25 @@ fn set(items: &[&str]) -> BTreeSet<String> {
     items.iter().map(ToString::to_string).collect()
 }
 
-const DOWNSTREAM: [&str; 5] = [
+const DOWNSTREAM: [&str; 6] = [
     "fit small 10 mm",
     "compare small 10 mm",
     "diagnose small 10 mm",
     FIGURES,
     "report reports",
+    "report tables",
 ];
 const FIGURES: &str = "report figures of small 10 mm";
 
 #[test]
 fn a_second_run_does_nothing_and_says_so() {
     let bench = Bench::small();
-    assert_eq!(computed(&bench, &[]).len(), 6 * 3 + 5);
+    assert_eq!(computed(&bench, &[]).len(), 6 * 3 + 6);
     let before = bench.snapshot("reports");
     let said = bench.run(&["run"]);
     assert!(
         said.out
-            .starts_with("nothing to do: 6 sessions, all 23 results are up to date"),
+            .starts_with("nothing to do: 6 sessions, all 24 results are up to date"),
         "{}",
         said.out
     );
@@ -102,7 +103,12 @@ fn an_option_redoes_the_stages_that_read_it() {
     assert_eq!(computed(&bench, &[]), set(&["report reports"]));
     let diagnose = "[report]\ntitle = \"Another\"\n[diagnose]\npermutations = 199\n";
     std::fs::write(&config, diagnose).unwrap();
-    let again = ["diagnose small 10 mm", FIGURES, "report reports"];
+    let again = [
+        "diagnose small 10 mm",
+        FIGURES,
+        "report reports",
+        "report tables",
+    ];
     assert_eq!(computed(&bench, &[]), set(&again));
     std::fs::write(
         &config,

@@ -17,6 +17,7 @@ mod jobs;
 mod kill;
 mod knee;
 mod labels;
+mod left_out;
 mod lookup;
 mod messages;
 mod mistakes;

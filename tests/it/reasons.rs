@@ -48,17 +48,18 @@ fn pretend(bench: &Bench, change: fn(&mut KeyParts)) {
     store.write_aside(STATE, &state).unwrap();
 }
 
-const AFTER_FIT: [&str; 3] = [
+const AFTER_FIT: [&str; 4] = [
     "compare small 10 mm: waits for fit",
     "report figures of small 10 mm: waits for fit of small 10 mm",
     "report reports: waits for fit of small 10 mm",
+    "report tables: waits for fit of small 10 mm",
 ];
 
 #[test]
 fn the_first_run_says_so() {
     let bench = Bench::small();
     let said = status(&bench);
-    assert_eq!(said.len(), 6 * 3 + 5, "{said:#?}");
+    assert_eq!(said.len(), 6 * 3 + 6, "{said:#?}");
     assert_eq!(said[0], "ingest small-a-c00: no earlier result");
     assert_eq!(said[6], "clean small-a-c00: waits for ingest");
     assert_eq!(said[12], "normalize small-a-c00: waits for clean");
@@ -71,6 +72,7 @@ fn the_first_run_says_so() {
         "diagnose small 10 mm: waits for normalize of small-a-c00"
     );
     assert_eq!(said[22], "report reports: waits for session small-a-c00");
+    assert_eq!(said[23], "report tables: waits for session small-a-c00");
 }
 
 #[test]
@@ -101,6 +103,7 @@ fn a_changed_option_is_named_with_both_values() {
             "diagnose small 10 mm: option diagnose.permutations 1999 -> 199",
             "report figures of small 10 mm: waits for diagnose of small 10 mm",
             "report reports: waits for diagnose of small 10 mm",
+            "report tables: waits for diagnose of small 10 mm",
         ]
     );
     configure(&bench, "[report]\ntitle = \"Another\"\n");

@@ -13,7 +13,7 @@ use crate::stages::compare::Comparison;
 const PITCH_MM: f64 = 6.6;
 
 /// The figure: RMSE by model, for specimens that the model has not seen; with one specimen the fit itself stands beside the others.
-pub fn figure(group: &GroupInput, _config: &Config) -> Option<(&'static str, String, Figure)> {
+pub fn figure(group: &GroupInput, _config: &Config) -> Option<(String, Figure)> {
     let mut lines: Vec<(&Comparison, f64)> = lines(group)
         .into_iter()
         .filter_map(|c| Some((c, c.rmse?)))
@@ -25,7 +25,7 @@ pub fn figure(group: &GroupInput, _config: &Config) -> Option<(&'static str, Str
     let title = format!("Error of every model, {}", group.fit.group.campaign);
     let height = 18.0 + PITCH_MM * lines.len() as f64;
     let figure = Figure::new(&title, SINGLE_MM, height).with(panel(&lines));
-    Some(("models", caption(&lines), figure))
+    Some((caption(&lines), figure))
 }
 
 /// One line for each model: on unseen specimens, or for a fit that has none on the readings that it was fitted to.

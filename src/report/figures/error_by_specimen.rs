@@ -1,35 +1,45 @@
 //! The error of the new model on each specimen by the fit that has not seen it, beside the best published models.
 
 use crate::config::Config;
-use crate::report::figures::formatting::specimen_names;
+use crate::report::figures::formatting::{largest, specimen_names};
 use crate::report::figures::looks::of_model;
 use crate::report::input::GroupInput;
 use crate::report::plot::{
     Axis, Dash, Figure, Ink, Layer, Legend, Panel, SINGLE_MM, Series, Stroke,
 };
-use crate::stages::compare::{Comparison, NEW};
+use crate::stages::compare::{Comparison, NEW, SpecimenComparison};
 
 /// The published coefficients of the new model, which are always shown.
 const PUBLISHED: &str = "new_published";
 /// How many other models are shown.
 const OTHERS: usize = 3;
+/// Specimens beyond these are left out, so that the figure fits on a page with its caption.
+const MOST_SPECIMENS: usize = 22;
 /// Distance between the marks of two models in the band of a specimen, in bands.
 const SHIFT: f64 = 0.14;
 
 /// The figure, for groups whose specimens were left out one by one.
-pub fn figure(group: &GroupInput, _config: &Config) -> Option<(&'static str, String, Figure)> {
+pub fn figure(group: &GroupInput, _config: &Config) -> Option<(String, Figure)> {
     let by_specimen = &group.comparison.by_specimen;
     let left_out = |c: &Comparison| c.model == NEW && c.split == "loso" && c.rmse.is_some();
-    let specimens: Vec<(&str, f64)> = by_specimen
-        .iter()
-        .filter(|s| left_out(&s.comparison))
-        .map(|s| (s.specimen.as_str(), s.rest_length_m))
-        .collect();
-    if specimens.len() < 2 {
+    let unseen = by_specimen.iter().filter(|s| left_out(&s.comparison));
+    let unseen: Vec<&SpecimenComparison> = unseen.collect();
+    if unseen.len() < 2 {
         return None;
     }
-    let names = specimen_names(&specimens);
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let errors: Vec<f64> = unseen
+        .iter()
+        .map(|s| s.comparison.rmse.unwrap_or(0.0))
+        .collect();
+    let all: Vec<(&str, f64)> = unseen
+        .iter()
+        .map(|s| (s.specimen.as_str(), s.rest_length_m))
+        .collect();
+    // Of all of them, so that a length that others share does not stand alone for one.
+    let names = specimen_names(&all);
+    let shown = largest(&errors, MOST_SPECIMENS);
+    let specimens: Vec<(&str, f64)> = shown.iter().map(|k| all[*k]).collect();
+    let names: Vec<&str> = shown.iter().map(|k| names[*k].as_str()).collect();
     let mut panel = Panel::new(
         Axis::new("RMSE (N)").including(0.0),
         Axis::categories("l_{rest}", &names),
@@ -56,7 +66,7 @@ pub fn figure(group: &GroupInput, _config: &Config) -> Option<(&'static str, Str
     let title = format!("Error by specimen, {}", group.fit.group.campaign);
     let height = 26.0 + 7.0 * specimens.len() as f64;
     let figure = Figure::new(&title, 1.3 * SINGLE_MM, height).with(panel);
-    Some(("specimen-errors", caption(partial), figure))
+    Some((caption(partial, specimens.len(), unseen.len()), figure))
 }
 
 /// A thin line below a specimen's band.
@@ -94,14 +104,21 @@ fn models(group: &GroupInput) -> (Vec<&Comparison>, bool) {
     (chosen, partial)
 }
 
-fn caption(partial: bool) -> String {
+fn caption(partial: bool, shown: usize, all: usize) -> String {
     let partial = if partial {
         " A model that gives nothing for some readings is judged on the others."
     } else {
         ""
     };
+    let others = if shown < all {
+        format!(
+            " Shown are the {shown} of {all} specimens on which the new model errs most; `tables/comparison_by_length.csv` has all."
+        )
+    } else {
+        String::new()
+    };
     format!(
         "Root-mean-square error on each specimen, by resting length: the new model fitted to the other specimens, its published \
-         coefficients, and the best of the other published models.{partial}"
+         coefficients, and the best of the other published models.{partial}{others}"
     )
 }

@@ -1,6 +1,7 @@
 //! The words of captions and legends.
 
 use crate::report::number::Rounding;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A coefficient's symbol in Typst markup, `b#sub[2]`.
 pub fn symbol(name: &str) -> String {
@@ -42,7 +43,11 @@ pub fn millimetres(rest_length_m: f64) -> String {
 /// same.
 pub fn specimen_names(specimens: &[(&str, f64)]) -> Vec<String> {
     let lengths: Vec<String> = specimens.iter().map(|s| millimetres(s.1)).collect();
-    let is_single = |l: &String| lengths.iter().filter(|other| *other == l).count() == 1;
+    let mut of_length: BTreeMap<&String, usize> = BTreeMap::new();
+    for length in &lengths {
+        *of_length.entry(length).or_default() += 1;
+    }
+    let is_single = |l: &String| of_length.get(l) == Some(&1);
     let name = |(length, (id, _)): (&String, &(&str, f64))| {
         if is_single(length) {
             length.clone()
@@ -51,6 +56,13 @@ pub fn specimen_names(specimens: &[(&str, f64)]) -> Vec<String> {
         }
     };
     lengths.iter().zip(specimens).map(name).collect()
+}
+
+/// The places of the `most` largest values, rising; of equal ones the first.
+pub fn largest(values: &[f64], most: usize) -> BTreeSet<usize> {
+    let mut places: Vec<usize> = (0..values.len()).collect();
+    places.sort_by(|a, b| values[*b].total_cmp(&values[*a]));
+    places.into_iter().take(most).collect()
 }
 
 /// A user's text in the markup of figures, taken as it stands.

@@ -12,7 +12,7 @@ use crate::stages::fit::SpecimenSummary;
 use crate::stages::fit::equations::{JOINT, cap_length_m};
 
 /// The figure: the joint fit beside the published surface, with the same readings.
-pub fn figure(group: &GroupInput, config: &Config) -> Option<(&'static str, String, Figure)> {
+pub fn figure(group: &GroupInput, config: &Config) -> Option<(String, Figure)> {
     let diameter = group.fit.group.diameter_mm;
     let c = group.fit.equation(JOINT)?.values();
     let pressures = isobars(group);
@@ -36,7 +36,7 @@ pub fn figure(group: &GroupInput, config: &Config) -> Option<(&'static str, Stri
         let panel = sheet.panel([c0, c1, c2], |l| new::f620(b1, b2, offset, l));
         figure = figure.with(panel.title("Published coefficients"));
     }
-    Some(("isobars", sheet.caption(figure.panels.len() > 1), figure))
+    Some((sheet.caption(figure.panels.len() > 1), figure))
 }
 
 /// The specimen of middle resting length.

@@ -107,6 +107,9 @@ pub fn of_isobar(pressure_kpa: f64) -> (Ink, Shape, Dash) {
     look(((pressure_kpa / 100.0).round() as usize).saturating_sub(1))
 }
 
+/// So many specimens have a mark of their own; beyond, marks repeat.
+pub const MOST_SPECIMENS: usize = 12;
+
 /// The mark of the n-th of many specimens: open in the first seven looks, then filled.
 pub fn of_specimen(n: usize, width_mm: f64) -> Mark {
     const OPEN: usize = 7;
@@ -124,6 +127,7 @@ pub fn of_specimen(n: usize, width_mm: f64) -> Mark {
 mod tests {
     use super::*;
     use crate::models::published;
+    use std::collections::BTreeSet;
 
     #[test]
     fn every_model_has_its_own_dash_and_mark_whatever_the_colour() {
@@ -137,6 +141,13 @@ mod tests {
                 assert_ne!(a.name, b.name);
             }
         }
+    }
+
+    #[test]
+    fn the_marks_of_specimens_differ_as_far_as_they_are_said_to() {
+        let marks: BTreeSet<Mark> = (0..MOST_SPECIMENS).map(|k| of_specimen(k, 1.0)).collect();
+        assert_eq!(marks.len(), MOST_SPECIMENS);
+        assert!(marks.contains(&of_specimen(MOST_SPECIMENS, 1.0)));
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::stages::fit::equations::{JOINT, MAXIMUM_FORCE, cap_length_m};
 use crate::stages::fit::maxima::Maximum;
 
 /// The figure, for groups with at least two resting lengths.
-pub fn figure(group: &GroupInput, config: &Config) -> Option<(&'static str, String, Figure)> {
+pub fn figure(group: &GroupInput, config: &Config) -> Option<(String, Figure)> {
     let specimens = group.fit.specimens.iter();
     let maxima: Vec<&Maximum> = specimens.filter_map(|s| s.maximum.as_ref()).collect();
     if maxima.len() < 2 {
@@ -25,7 +25,7 @@ pub fn figure(group: &GroupInput, config: &Config) -> Option<(&'static str, Stri
         group.fit.group.campaign
     );
     let figure = Figure::new(&title, SINGLE_MM, 68.0).with(plot.panel());
-    Some(("f620", plot.caption(), figure))
+    Some((plot.caption(), figure))
 }
 
 /// One fit of the law of length.

@@ -1,5 +1,7 @@
 //! The figures, one file each. A figure of a group is one new file and one line in [`OF_GROUP`], or in
 //! [`found`] if it shows what was found in the residual.
+//!
+//! A figure that cannot be built is left out and named ([`LeftOut`]); it takes no other with it.
 
 mod covariates;
 mod error_by_model;
@@ -27,8 +29,10 @@ use crate::base::error::Result;
 use crate::base::names::file_name;
 use crate::config::Config;
 use crate::report::input::{GroupInput, ReportInput};
+use crate::report::left_out::{LeftOut, Part, Task, attempt};
 use crate::report::plot::Figure;
 use crate::stages::torque::diagnose::JointDiagnosis;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// A figure with the name of its files and its caption (in Typst markup).
@@ -73,27 +77,32 @@ impl Named {
     }
 }
 
-type OfGroup = fn(&GroupInput, &Config) -> Option<(&'static str, String, Figure)>;
+/// Makes a figure of a group with its caption; none for groups that lack the data.
+type OfGroup = fn(&GroupInput, &Config) -> Option<(String, Figure)>;
 
-/// Every figure that a group of rows may have, in the order of the report: those of the paper, then those that look for what is left over.
-const OF_GROUP: &[OfGroup] = &[
-    maximum_force::figure,
-    rest::figure,
-    isobars::figure,
-    models_at_lengths::figure,
-    error_by_model::figure,
-    predicted::figure,
-    error_by_specimen::figure,
-    residuals::figure,
+/// Every figure that a group of rows may have, by the name of its files, in the order of the report: those of the paper, then those that
+/// look for what is left over.
+const OF_GROUP: &[(&str, OfGroup)] = &[
+    ("f620", maximum_force::figure),
+    ("rest", rest::figure),
+    ("isobars", isobars::figure),
+    ("curves", models_at_lengths::figure),
+    ("models", error_by_model::figure),
+    ("predicted", predicted::figure),
+    ("specimen-errors", error_by_specimen::figure),
+    ("residuals", residuals::figure),
 ];
 
+/// A figure, or the one that could not be composed.
+pub type Composed = std::result::Result<Named, LeftOut>;
+
 /// The figures of one group; those for which it has the data.
-pub fn of_group(group: &GroupInput, config: &Config) -> Vec<Named> {
+pub fn of_group(group: &GroupInput, config: &Config) -> Vec<Composed> {
     named(OF_GROUP, group, config)
 }
 
 /// The figures of what was found in the residual of one group; none for groups that were not diagnosed.
-pub fn of_diagnosis(group: &GroupInput) -> Vec<(found::Kind, Named)> {
+pub fn of_diagnosis(group: &GroupInput) -> Vec<(found::Kind, Composed)> {
     let Some(diagnosis) = &group.diagnosis else {
         return Vec::new();
     };
@@ -106,7 +115,7 @@ pub fn of_diagnosis(group: &GroupInput) -> Vec<(found::Kind, Named)> {
 }
 
 /// The figures of what was found of one joint.
-pub fn of_joint(joint: &JointDiagnosis) -> Vec<(found::Kind, Named)> {
+pub fn of_joint(joint: &JointDiagnosis) -> Vec<(found::Kind, Composed)> {
     let found = &joint.findings;
     let part = found.part.as_deref().unwrap_or_default();
     found::figures(&found::Shown {
@@ -120,24 +129,74 @@ pub fn of_joint(joint: &JointDiagnosis) -> Vec<(found::Kind, Named)> {
     })
 }
 
-fn named(figures: &[OfGroup], group: &GroupInput, config: &Config) -> Vec<Named> {
-    figures
-        .iter()
-        .filter_map(|make| make(group, config))
-        .map(|(name, caption, figure)| Named {
-            name: format!("{name}-{}", slug(group)),
-            caption: if group.fit.group.simulated {
-                format!("Simulated. {caption}")
-            } else {
-                caption
-            },
-            figure,
+fn named(figures: &[(&str, OfGroup)], group: &GroupInput, config: &Config) -> Vec<Composed> {
+    let one = |(kind, make): &(&str, OfGroup)| {
+        let name = format!("{kind}-{}", slug(group));
+        compose(&name, || {
+            let (caption, figure) = make(group, config)?;
+            Some(Named {
+                name: name.clone(),
+                caption: if group.fit.group.simulated {
+                    format!("Simulated. {caption}")
+                } else {
+                    caption
+                },
+                figure,
+            })
         })
-        .collect()
+    };
+    figures.iter().filter_map(one).collect()
 }
 
-/// The logs with their plateaus, one figure a campaign.
-pub fn plateaus(input: &ReportInput) -> Vec<Named> {
+/// What `make` gives; where it panics, the figure of that name is left out.
+pub fn compose(name: &str, make: impl FnOnce() -> Option<Named>) -> Option<Composed> {
+    attempt(Part::Figure, name, Task::Composing, || Ok(make())).transpose()
+}
+
+/// Figures as built.
+#[derive(Debug, Default)]
+pub struct Built {
+    /// The drawings in the places of their figures; none where one has no data or was left out.
+    pub drawn: Vec<Option<Drawn>>,
+    /// Files by name.
+    pub files: Vec<(String, Vec<u8>)>,
+    /// Those that could not be built.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// Draws figures and writes them in all formats. One that fails in any of them is left out in all.
+pub fn build(composed: Vec<Option<Composed>>, png_dpi: f64) -> Built {
+    let one = |composed: Option<Composed>| composed.map(|c| drawn_with_files(&c?, png_dpi));
+    let all: Vec<_> = composed.into_par_iter().map(one).collect();
+    let mut built = Built::default();
+    for figure in all {
+        let figure = match figure {
+            Some(Err(left_out)) => {
+                built.left_out.push(left_out);
+                None
+            }
+            Some(Ok(figure)) => Some(figure),
+            None => None,
+        };
+        built.drawn.push(figure.map(|(drawn, files)| {
+            built.files.extend(files);
+            drawn
+        }));
+    }
+    built
+}
+
+type Files = Vec<(String, Vec<u8>)>;
+
+fn drawn_with_files(named: &Named, png_dpi: f64) -> std::result::Result<(Drawn, Files), LeftOut> {
+    let drawn = attempt(Part::Figure, &named.name, Task::Drawing, || named.draw())?;
+    let written = || files(&drawn, png_dpi);
+    let files = attempt(Part::Figure, &named.name, Task::Converting, written)?;
+    Ok((drawn, files))
+}
+
+/// The logs with their plateaus, one figure a trace, none for a trace that lacks the data.
+pub fn plateaus(input: &ReportInput) -> Vec<Option<Composed>> {
     plateaus::figures(input)
 }
 
@@ -170,5 +229,7 @@ pub fn files(drawn: &Drawn, png_dpi: f64) -> Result<Vec<(String, Vec<u8>)>> {
     ])
 }
 
+#[cfg(test)]
+mod pool_tests;
 #[cfg(test)]
 mod tests;

@@ -2,7 +2,7 @@
 
 use crate::config::Config;
 use crate::models::Prediction;
-use crate::report::figures::formatting::{listed, millimetres};
+use crate::report::figures::formatting::{listed, millimetres, specimen_names};
 use crate::report::figures::laws::places;
 use crate::report::figures::model_curves::{Curve, Model, models};
 use crate::report::figures::readings::near;
@@ -10,6 +10,7 @@ use crate::report::input::GroupInput;
 use crate::report::plot::style::HAIR_PT;
 use crate::report::plot::{Axis, DOUBLE_MM, Figure, Ink, Mark, Panel, Series, Shape, Stroke};
 use crate::stages::fit::SpecimenSummary;
+use std::collections::BTreeSet;
 
 /// Pressures of the upper and of the lower row, kPa: the first of each that has readings.
 const ROWS_KPA: [&[f64]; 2] = [&[620.0, 600.0, 500.0], &[300.0, 350.0, 250.0, 400.0]];
@@ -17,20 +18,22 @@ const ROWS_KPA: [&[f64]; 2] = [&[620.0, 600.0, 500.0], &[300.0, 350.0, 250.0, 40
 const HEADROOM: f64 = 1.3;
 
 /// The figure, for groups with readings near one of the pressures.
-pub fn figure(group: &GroupInput, config: &Config) -> Option<(&'static str, String, Figure)> {
+pub fn figure(group: &GroupInput, config: &Config) -> Option<(String, Figure)> {
     let sheet = Sheet::new(group, config)?;
     let title = format!(
         "All models at several resting lengths, {}",
         group.fit.group.campaign
     );
+    let names = sheet.names();
     let (columns, rows) = (sheet.specimens.len(), sheet.pressures.len());
     let width = DOUBLE_MM.min(70.0 + 52.5 * columns as f64);
     let mut figure = Figure::new(&title, width, 24.0 + 52.0 * rows as f64)
         .grid(columns)
         .shared_legend();
     for (r, pressure) in sheet.pressures.iter().enumerate() {
-        for (c, specimen) in sheet.specimens.iter().enumerate() {
+        for (c, (specimen, name)) in sheet.specimens.iter().zip(&names).enumerate() {
             let mut panel = sheet.panel(specimen, *pressure);
+            panel.title = format!("{name}, {pressure:.0} kPa");
             if c > 0 {
                 panel.y = panel.y.bare();
             }
@@ -40,7 +43,7 @@ pub fn figure(group: &GroupInput, config: &Config) -> Option<(&'static str, Stri
             figure = figure.with(panel);
         }
     }
-    Some(("curves", sheet.caption(), figure))
+    Some((sheet.caption(), figure))
 }
 
 struct Sheet<'a> {
@@ -65,6 +68,19 @@ impl<'a> Sheet<'a> {
             pressures,
             models: models(group, config),
         })
+    }
+
+    /// The names of the specimens that are shown, among all.
+    fn names(&self) -> Vec<String> {
+        let all = &self.group.fit.specimens;
+        let lengths: Vec<(&str, f64)> = all
+            .iter()
+            .map(|s| (s.id.as_str(), s.rest_length_m))
+            .collect();
+        let names = all.iter().zip(specimen_names(&lengths));
+        let shown = |s: &SpecimenSummary| self.specimens.iter().any(|other| other.id == s.id);
+        let named = names.filter(|(s, _)| shown(s));
+        named.map(|(_, name)| name).collect()
     }
 
     /// Contractions of the curves, as fractions: from resting length to a little beyond the free length.
@@ -100,15 +116,10 @@ impl<'a> Sheet<'a> {
 
     fn panel(&self, specimen: &SpecimenSummary, pressure_kpa: f64) -> Panel {
         let last = self.contractions().last().copied().unwrap_or(1.0);
-        let title = format!(
-            "{}, {pressure_kpa:.0} kPa",
-            millimetres(specimen.rest_length_m)
-        );
         let mut panel = Panel::new(
             Axis::new("ε (%)").fixed(-1.0, 100.0 * last),
             Axis::new("Force (N)").fixed(0.0, self.top(pressure_kpa)),
-        )
-        .title(&title);
+        );
         // The legend names them in the order of the comparison; the fitted model is drawn last.
         for model in &self.models {
             panel = panel.with(Series::line(
@@ -167,10 +178,14 @@ impl<'a> Sheet<'a> {
         } else {
             format!(" No answer at these states: {}.", listed(&silent))
         };
-        let which = match self.specimens.len() {
-            1 => "the specimen",
-            2 => "the shorter and the longer specimen",
-            _ => "a short, a middle and a long specimen",
+        let lengths = self.specimens.iter().map(|s| millimetres(s.rest_length_m));
+        let lengths: BTreeSet<String> = lengths.collect();
+        let which = match (self.specimens.len(), lengths.len()) {
+            (1, _) => "the specimen",
+            (2, 2) => "the shorter and the longer specimen",
+            (2, _) => "two specimens",
+            (_, 3) => "a short, a middle and a long specimen",
+            _ => "three specimens",
         };
         format!(
             "Force against contraction of {which}: readings within 10 kPa of the pressure and every compared model. Curves are thin where \

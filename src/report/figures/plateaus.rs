@@ -4,8 +4,8 @@ use crate::base::columns::{FORCE, PRESSURE, TIME};
 use crate::base::names::file_name;
 use crate::base::row::Row;
 use crate::base::session::Phase;
-use crate::report::figures::Named;
 use crate::report::figures::formatting::verbatim;
+use crate::report::figures::{Composed, Named, compose};
 use crate::report::input::{ReportInput, SessionInput, Trace};
 use crate::report::plot::{
     Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Mark, Panel, Series, Shape, Stroke,
@@ -14,13 +14,14 @@ use crate::report::plot::{
 /// Time shown in the close-up, s.
 const CLOSE_UP_S: f64 = 4.0;
 
-/// One figure for every trace.
-pub fn figures(input: &ReportInput) -> Vec<Named> {
-    input
-        .traces
-        .iter()
-        .filter_map(|trace| figure(input, trace))
-        .collect()
+/// One figure for every trace, in their order.
+pub fn figures(input: &ReportInput) -> Vec<Option<Composed>> {
+    let one = |trace: &Trace| compose(&name(trace), || figure(input, trace));
+    input.traces.iter().map(one).collect()
+}
+
+fn name(trace: &Trace) -> String {
+    format!("plateaus-{}", file_name(&trace.campaign))
 }
 
 /// One channel of a log with its readings.
@@ -94,7 +95,7 @@ fn figure(input: &ReportInput, trace: &Trace) -> Option<Named> {
             .with(channel.panel(time, &windows, (from, from + CLOSE_UP_S)));
     }
     Some(Named {
-        name: format!("plateaus-{}", file_name(&trace.campaign)),
+        name: name(trace),
         caption: caption(trace, readings.len()),
         figure,
     })

@@ -16,7 +16,7 @@ use crate::stages::fit::is_fitted;
 /// Fewest readings for a figure.
 const FEWEST: usize = 12;
 /// The figure: of leave-one-specimen-out predictions, or of the fit where no specimen can be left out.
-pub fn figure(group: &GroupInput, _config: &Config) -> Option<(&'static str, String, Figure)> {
+pub fn figure(group: &GroupInput, _config: &Config) -> Option<(String, Figure)> {
     let by_model = &group.predictions.by_model;
     let unseen = by_model.get(NEW_LOSO);
     let predicted = unseen.or_else(|| by_model.get(NEW))?;
@@ -46,7 +46,7 @@ pub fn figure(group: &GroupInput, _config: &Config) -> Option<(&'static str, Str
     }
     figure.height_mm = 6.0 + 44.0 * panels.div_ceil(columns) as f64;
     let caption = sheet.caption(unseen.is_some(), panels);
-    Some(("residuals", caption, figure))
+    Some((caption, figure))
 }
 
 struct Sheet {

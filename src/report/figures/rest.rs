@@ -15,7 +15,7 @@ use crate::stages::fit::engine::EquationFit;
 use crate::stages::fit::equations::{CONTRACTION, FORCE_AT_REST, cap_length_m};
 
 /// The figure, for groups with at least two specimens.
-pub fn figure(group: &GroupInput, config: &Config) -> Option<(&'static str, String, Figure)> {
+pub fn figure(group: &GroupInput, config: &Config) -> Option<(String, Figure)> {
     if group.fit.specimens.len() < 2 {
         return None;
     }
@@ -37,7 +37,7 @@ pub fn figure(group: &GroupInput, config: &Config) -> Option<(&'static str, Stri
     }
     figure = figure.with(contraction_panel(group, config));
     caption += &format!("{letter}{}", contraction_caption(group, config));
-    Some(("rest", caption, figure))
+    Some((caption, figure))
 }
 
 /// F_max(l_rest, P) along the isobars that have readings at resting length.

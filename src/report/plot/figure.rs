@@ -1,6 +1,6 @@
 //! A figure: panels on a grid, their plot rectangles aligned, at the size at which a journal prints it.
 
-use super::legend::Key;
+use super::legend::{Key, rows_within};
 use super::panel::{Panel, Plan};
 use super::paper::Paper;
 use super::pencil::Pencil;
@@ -17,6 +17,8 @@ pub const DOUBLE_MM: f64 = 175.0;
 const EDGE_MM: f64 = 0.5;
 /// Room between panels in millimetres.
 const GAP_MM: f64 = 3.0;
+/// How much of a figure's height its common legend may take.
+const LEGEND_SHARE: f64 = 0.3;
 
 /// A figure.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,7 +98,8 @@ impl Figure {
 
     fn draw(&self, pencil: &Pencil) -> Result<()> {
         let layers = self.panels.iter().flat_map(|p| &p.layers);
-        let shared = Key::new(layers.filter(|_| self.shared_legend));
+        let most_rows = rows_within(LEGEND_SHARE * mm(self.height_mm));
+        let shared = Key::new(layers.filter(|_| self.shared_legend), most_rows);
         let width = mm(self.width_mm - 2.0 * EDGE_MM);
         let head = shared.rows_room(width);
         let mut plans = self.plans();

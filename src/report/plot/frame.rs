@@ -1,5 +1,6 @@
 //! The frame of a panel: two axes with ticks outwards, their numbers and labels, the panel's letter and heading. No box, no grid.
 
+use super::axis::{Axis, Ticks};
 use super::chart::Chart;
 use super::clip::Window;
 use super::label::{Anchor, Label, Level, Side};
@@ -15,6 +16,15 @@ const TICK_MM: f64 = 0.9;
 const NUMBER_GAP_MM: f64 = 0.8;
 /// Distance between numbers and the label of the axis, in millimetres.
 const LABEL_GAP_MM: f64 = 1.6;
+/// How far labels and headings may reach beyond their panel, in millimetres.
+const BESIDE_MM: f64 = 10.0;
+/// Widest name of a tick, as a part of the panel's width: a longer one would leave no room for the data.
+const WIDEST_NAME: f64 = 0.4;
+/// Names of ticks below a panel take at least so much room, in millimetres, and have so much between them.
+const NAME_WIDTH_MM: f64 = 9.0;
+const NAME_GAP_MM: f64 = 1.5;
+/// Names of ticks beside a panel stand at least so far apart, in millimetres.
+const NAME_PITCH_MM: f64 = 2.8;
 /// Distance between a panel's heading and what is below it, in millimetres.
 const HEADING_GAP_MM: f64 = 2.2;
 
@@ -62,14 +72,15 @@ impl Frame {
             .chain(across + 1..=2 * across)
             .map(ticks)
             .find(|ticks| fits(ticks) && ticks.len() > 1)
-            .unwrap_or_else(|| ticks(2));
+            .unwrap_or_else(|| crowded(ticks(2), &panel.x, size.0));
+        let y_ticks = labelled(panel.y.ticks(window.y, up), panel.y.numbered);
         Frame {
             window,
             x_ticks,
-            y_ticks: labelled(panel.y.ticks(window.y, up), panel.y.numbered),
-            x_label: Label::new(&panel.x.label, LABEL_PT),
-            y_label: Label::new(&panel.y.label, LABEL_PT),
-            title: Label::new(&panel.title, LABEL_PT),
+            y_ticks: beside(y_ticks, &panel.y, size),
+            x_label: Label::within(&panel.x.label, LABEL_PT, size.0 + mm(BESIDE_MM)),
+            y_label: Label::within(&panel.y.label, LABEL_PT, size.1 + mm(BESIDE_MM)),
+            title: Label::within(&panel.title, LABEL_PT, size.0 + mm(BESIDE_MM)),
         }
     }
 
@@ -187,6 +198,34 @@ impl Frame {
             Anchor::upwards(Side::Middle, Level::Base),
         );
     }
+}
+
+/// Named ticks that have no room beside each other: as many as have, their names shortened to it. Numbers stay as they are.
+fn crowded(ticks: Vec<(f64, Label)>, axis: &Axis, width: f64) -> Vec<(f64, Label)> {
+    if !matches!(axis.ticks, Ticks::Named(_)) {
+        return ticks;
+    }
+    let step = every(ticks.len(), width, mm(NAME_WIDTH_MM));
+    let shown = ticks.len().div_ceil(step).max(1);
+    let room = width / shown as f64 - mm(NAME_GAP_MM);
+    let shorter = |(at, label): (f64, Label)| (at, label.within_width(room));
+    ticks.into_iter().step_by(step).map(shorter).collect()
+}
+
+/// Ticks beside a panel: of named ones as many as have room above each other, with names that leave the panel some width.
+fn beside(ticks: Vec<(f64, Label)>, axis: &Axis, size: (f64, f64)) -> Vec<(f64, Label)> {
+    if !matches!(axis.ticks, Ticks::Named(_)) {
+        return ticks;
+    }
+    let step = every(ticks.len(), size.1, mm(NAME_PITCH_MM));
+    let narrow = |(at, label): (f64, Label)| (at, label.within_width(WIDEST_NAME * size.0));
+    ticks.into_iter().step_by(step).map(narrow).collect()
+}
+
+/// One of how many ticks keeps its name, where each name takes `pitch` of `length`.
+fn every(count: usize, length: f64, pitch: f64) -> usize {
+    let room = (length / pitch).floor().max(1.0) as usize;
+    count.div_ceil(room).max(1)
 }
 
 fn widest(ticks: &[(f64, Label)]) -> f64 {

@@ -113,7 +113,7 @@ mod tests {
     fn the_faces_agree_on_their_units_and_know_the_symbols_of_the_field() {
         for style in [Style::Regular, Style::Bold, Style::Italic] {
             assert_eq!(f64::from(face(style).units_per_em()), UNITS_PER_EM);
-            for c in "εΔσμα²³−±×·°µ≤≥≈*%".chars() {
+            for c in "εΔσμα²³−±×·°µ≤≥≈*%…".chars() {
                 let (glyphs, _) = shape(style, &c.to_string());
                 assert!(glyphs.iter().all(|g| g.glyph != 0), "{c} in {style:?}");
             }

@@ -66,6 +66,7 @@ impl Anchor {
 }
 
 /// Glyphs of one face and size.
+#[derive(Clone)]
 pub struct Run {
     /// Face.
     pub style: Style,
@@ -80,6 +81,7 @@ pub struct Run {
 }
 
 /// A measured line of text.
+#[derive(Clone)]
 pub struct Label {
     /// Its runs from left to right.
     pub runs: Vec<Run>,
@@ -88,6 +90,8 @@ pub struct Label {
     /// The text without styles.
     pub plain: String,
     size_pt: f64,
+    style: Style,
+    pieces: Vec<Piece>,
 }
 
 impl Label {
@@ -101,14 +105,45 @@ impl Label {
         Label::styled(markup, size_pt, Style::Bold)
     }
 
+    /// [`Label::new`], no wider than `width` (canvas units).
+    pub fn within(markup: &str, size_pt: f64, width: f64) -> Label {
+        Label::new(markup, size_pt).within_width(width)
+    }
+
+    /// The same, no wider than `width`: the middle of a longer text gives way to an ellipsis, because the names of a laboratory differ at
+    /// their ends. Screen readers have the whole text.
+    pub fn within_width(self, width: f64) -> Label {
+        let count: usize = self.pieces.iter().map(|p| p.text.chars().count()).sum();
+        if self.width <= width || count < 2 {
+            return self;
+        }
+        // The first guess is by the mean width of a letter; each further one leaves out one letter more.
+        let guess = (count as f64 * width / self.width).ceil().max(0.0) as usize;
+        let shortened = |kept: usize| {
+            let pieces = markup::without_middle(&self.pieces, kept);
+            Label::of_pieces(pieces, self.plain.clone(), self.size_pt, self.style)
+        };
+        (1..=guess.min(count - 1))
+            .rev()
+            .map(shortened)
+            .find(|label| label.width <= width)
+            .unwrap_or_else(|| shortened(1))
+    }
+
     fn styled(markup: &str, size_pt: f64, style: Style) -> Label {
+        let pieces = markup::parse(markup);
+        Label::of_pieces(pieces, markup::plain(markup), size_pt, style)
+    }
+
+    fn of_pieces(pieces: Vec<Piece>, plain: String, size_pt: f64, style: Style) -> Label {
         let mut label = Label {
             runs: Vec::new(),
             width: 0.0,
-            plain: markup::plain(markup),
+            plain,
             size_pt,
+            style,
+            pieces: Vec::new(),
         };
-        let pieces = markup::parse(markup);
         let mut after_script = 0.0;
         for (i, piece) in pieces.iter().enumerate() {
             let start = label.width;
@@ -125,6 +160,7 @@ impl Label {
                 label.width = label.width.max(after_script);
             }
         }
+        label.pieces = pieces;
         label
     }
 
@@ -200,6 +236,23 @@ mod tests {
     fn both_scripts_of_a_letter_stand_above_each_other() {
         let label = Label::new("F_{a}^{b}", 8.0);
         assert_eq!(label.runs[1].x, label.runs[2].x);
+    }
+
+    #[test]
+    fn a_label_that_is_too_wide_loses_its_middle_and_keeps_its_words_for_screen_readers() {
+        let long = format!("l_{{rest}} of {}end", "specimen ".repeat(20));
+        let whole = Label::new(&long, 7.0);
+        for width in [500.0, 1000.0, 4000.0] {
+            let label = Label::within(&long, 7.0, width);
+            assert!(label.width <= width, "{} > {width}", label.width);
+            assert!(label.width > width - 300.0, "{} of {width}", label.width);
+            assert_eq!(label.plain, whole.plain);
+        }
+        assert_eq!(
+            Label::within("short", 7.0, 1000.0).width,
+            Label::new("short", 7.0).width
+        );
+        assert!(Label::within(&long, 7.0, 1.0).width > 0.0);
     }
 
     #[test]

@@ -7,6 +7,8 @@ use super::pencil::Pencil;
 use super::style::{Ink, Mark, SMALL_PT, Stroke};
 use super::units::{Rect, mm, snap};
 use crate::base::error::Result;
+use std::borrow::Cow;
+use std::collections::BTreeSet;
 
 /// Distance between the base lines of entries, in millimetres.
 const PITCH_MM: f64 = 3.4;
@@ -22,6 +24,15 @@ const VEIL_OPACITY: f64 = 0.85;
 
 /// Room below a legend in rows, in millimetres.
 const ROWS_GAP_MM: f64 = 1.2;
+/// Width of the longest name, in millimetres: with its sample it fits on a single column. A longer one is shortened.
+const WIDEST_MM: f64 = 72.0;
+/// So many rows have room above anything.
+const FEWEST_ROWS: usize = 3;
+
+/// How many rows fit into a height, canvas units.
+pub fn rows_within(height: f64) -> usize {
+    ((height / mm(PITCH_MM)).floor() as usize).max(FEWEST_ROWS)
+}
 
 /// Where the legend of a panel stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,27 +52,51 @@ pub enum Legend {
 enum Sample {
     Line(Option<Stroke>, Option<Mark>),
     Patch(Ink, f64),
+    /// Of the line that counts what a legend leaves out.
+    None,
 }
 
 /// A sample and its name.
+#[derive(Clone)]
 struct Entry {
     sample: Sample,
     name: Label,
 }
 
+impl Entry {
+    /// The line that counts entries for which there is no room.
+    fn more(count: usize) -> Entry {
+        Entry {
+            sample: Sample::None,
+            name: Label::new(&format!("and {count} more"), SMALL_PT),
+        }
+    }
+}
+
+/// Entries from top to bottom, by rows, with their places from the left.
+type Rows<'a> = Vec<Vec<(f64, Cow<'a, Entry>)>>;
+
 /// The entries of a legend, measured.
+///
+/// A legend has no more rows than it is given: a pool of a hundred specimens would leave its figure no room. What is left out is counted in a
+/// line of its own.
 pub struct Key {
     entries: Vec<Entry>,
     sample_width: f64,
+    /// Of rows above a panel.
+    most_rows: usize,
+    /// Of lines of a block.
+    most_lines: usize,
 }
 
 impl Key {
-    /// The named layers, each name once.
-    pub fn new<'a>(layers: impl IntoIterator<Item = &'a Layer>) -> Key {
+    /// The named layers, each name once, in so many rows at most. A block has a line for each, unless it is given fewer ([`Key::block_of`]).
+    pub fn new<'a>(layers: impl IntoIterator<Item = &'a Layer>, most_rows: usize) -> Key {
         let mut entries: Vec<Entry> = Vec::new();
+        let mut seen = BTreeSet::new();
         for (name, sample) in layers.into_iter().filter_map(sample) {
-            let name = Label::new(name, SMALL_PT);
-            if !name.plain.is_empty() && entries.iter().all(|e| e.name.plain != name.plain) {
+            if !name.is_empty() && seen.insert(name) {
+                let name = Label::within(name, SMALL_PT, mm(WIDEST_MM));
                 entries.push(Entry { sample, name });
             }
         }
@@ -74,7 +109,15 @@ impl Key {
         Key {
             entries,
             sample_width,
+            most_rows,
+            most_lines: usize::MAX,
         }
+    }
+
+    /// The same with so many lines in a block at most.
+    pub fn block_of(mut self, most_lines: usize) -> Key {
+        self.most_lines = most_lines;
+        self
     }
 
     /// Nothing to explain.
@@ -84,13 +127,30 @@ impl Key {
 
     /// Width and height of a block with one entry a line.
     pub fn block(&self) -> (f64, f64) {
-        let widest = self
-            .entries
-            .iter()
-            .map(|e| e.name.width)
-            .fold(0.0, f64::max);
-        let height = self.entries.len() as f64 * mm(PITCH_MM);
+        let lines = self.lines();
+        let widest = lines.iter().map(|e| e.name.width).fold(0.0, f64::max);
+        let height = lines.len() as f64 * mm(PITCH_MM);
         (self.sample_width + mm(GAP_MM) + widest, height)
+    }
+
+    /// The entries of a block.
+    fn lines(&self) -> Vec<Cow<'_, Entry>> {
+        let count = self.entries.len();
+        if count <= self.most_lines {
+            return self.beginning(count);
+        }
+        self.beginning(self.most_lines.saturating_sub(1))
+    }
+
+    /// The first entries, and where these are not all a line that counts the others.
+    fn beginning(&self, count: usize) -> Vec<Cow<'_, Entry>> {
+        let mut entries: Vec<Cow<Entry>> =
+            self.entries[..count].iter().map(Cow::Borrowed).collect();
+        let left = self.entries.len() - count;
+        if left > 0 {
+            entries.push(Cow::Owned(Entry::more(left)));
+        }
+        entries
     }
 
     /// Draws a block with its upper left corner there, on paper that veils what lies below it.
@@ -98,7 +158,7 @@ impl Key {
         let (width, height) = self.block();
         let rect = Rect::sized(corner.left, corner.top, width, height);
         pencil.fill(rect.wider(mm(VEIL_MM)), Ink::White.tint(VEIL_OPACITY))?;
-        for (i, entry) in self.entries.iter().enumerate() {
+        for (i, entry) in self.lines().iter().enumerate() {
             let y = rect.top + (i as f64 + 0.5) * mm(PITCH_MM);
             self.draw_entry(pencil, entry, (rect.left, y))?;
         }
@@ -118,31 +178,57 @@ impl Key {
         for (i, row) in self.rows(width).into_iter().enumerate() {
             let y = top + (i as f64 + 0.5) * mm(PITCH_MM);
             for (x, entry) in row {
-                self.draw_entry(pencil, entry, (left + x, y))?;
+                self.draw_entry(pencil, &entry, (left + x, y))?;
             }
         }
         Ok(())
     }
 
-    /// The entries of each row with their places: one after another if they fit into a row, else in columns.
-    fn rows(&self, width: f64) -> Vec<Vec<(f64, &Entry)>> {
-        let width_of = |e: &Entry| self.sample_width + mm(GAP_MM) + e.name.width;
-        let widths = self.entries.iter().map(width_of);
-        let total: f64 = widths.clone().map(|w| w + mm(COLUMN_GAP_MM)).sum();
+    /// The entries of each row with their places: all of them, or as many of the first as leave room for the line that counts the others.
+    fn rows(&self, width: f64) -> Rows<'_> {
+        let count = self.entries.len();
+        let all = self.arranged(self.beginning(count), width);
+        if all.len() <= self.most_rows {
+            return all;
+        }
+        let narrowest = self.sample_width + mm(GAP_MM + COLUMN_GAP_MM);
+        let at_most = self.most_rows * (width / narrowest).ceil().max(1.0) as usize;
+        let first = |k: usize| self.arranged(self.beginning(k), width);
+        let shortened = (1..=at_most.min(count - 1)).rev().map(first);
+        shortened
+            .into_iter()
+            .find(|rows| rows.len() <= self.most_rows)
+            .unwrap_or_else(|| first(0))
+    }
+
+    /// One after another if they fit into a row, else in columns.
+    fn arranged<'a>(&self, entries: Vec<Cow<'a, Entry>>, width: f64) -> Rows<'a> {
+        let widths: Vec<f64> = entries
+            .iter()
+            .map(|e| self.sample_width + mm(GAP_MM) + e.name.width)
+            .collect();
+        let total: f64 = widths.iter().map(|w| w + mm(COLUMN_GAP_MM)).sum();
         if total - mm(COLUMN_GAP_MM) <= width {
-            let starts = widths.scan(0.0, |at, w| {
+            let starts = widths.iter().scan(0.0, |at, w| {
                 let start = *at;
                 *at += w + mm(COLUMN_GAP_MM);
                 Some(start)
             });
-            return vec![starts.zip(&self.entries).collect()];
+            return vec![starts.zip(entries).collect()];
         }
-        let pitch = widths.fold(0.0, f64::max) + mm(COLUMN_GAP_MM);
+        let pitch = widths.iter().copied().fold(0.0, f64::max) + mm(COLUMN_GAP_MM);
         let columns = ((width + mm(COLUMN_GAP_MM)) / pitch).floor().max(1.0) as usize;
-        let placed = |(i, e)| (i as f64 * pitch, e);
-        let rows = self.entries.chunks(columns);
-        rows.map(|row| row.iter().enumerate().map(placed).collect())
-            .collect()
+        let mut rows: Rows<'a> = Vec::new();
+        for (i, entry) in entries.into_iter().enumerate() {
+            if i % columns == 0 {
+                rows.push(Vec::new());
+            }
+            let x = (i % columns) as f64 * pitch;
+            if let Some(row) = rows.last_mut() {
+                row.push((x, entry));
+            }
+        }
+        rows
     }
 
     fn draw_entry(&self, pencil: &Pencil, entry: &Entry, (x, y): (f64, f64)) -> Result<()> {
@@ -159,6 +245,11 @@ impl Key {
             Sample::Patch(ink, opacity) => {
                 let patch = Rect::sized(x, y - mm(1.0), self.sample_width, mm(2.0));
                 pencil.fill(patch, ink.tint(*opacity))?;
+            }
+            Sample::None => {
+                let anchor = Anchor::new(Side::Left, Level::Center);
+                pencil.label(&entry.name, (x, y), anchor);
+                return Ok(());
             }
         }
         let at = (end + mm(GAP_MM), y);

@@ -5,7 +5,7 @@ use super::chart::Chart;
 use super::clip::Window;
 use super::frame::Frame;
 use super::layer::{Layer, union};
-use super::legend::{Key, Legend};
+use super::legend::{Key, Legend, rows_within};
 use super::obstacles::{emptiest_spot, free_spot};
 use super::pencil::Pencil;
 use super::units::{Rect, mm};
@@ -13,6 +13,8 @@ use crate::base::error::Result;
 
 /// Room between a panel and the legend beside it, in millimetres.
 const LEGEND_GAP_MM: f64 = 1.2;
+/// How much of a panel's height the legend above it may take.
+const LEGEND_SHARE: f64 = 0.4;
 
 /// A panel of a figure.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,7 +94,10 @@ impl<'a> Plan<'a> {
             let all = (window.x.0.min(window.y.0), window.x.1.max(window.y.1));
             window = Window { x: all, y: all };
         }
-        let key = Key::new(&panel.layers);
+        let mut key = Key::new(&panel.layers, rows_within(LEGEND_SHARE * size.1));
+        if panel.legend == Legend::Beside {
+            key = key.block_of(rows_within(size.1));
+        }
         let legend = if key.is_empty() || !own_legend {
             Legend::None
         } else {

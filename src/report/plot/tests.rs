@@ -187,3 +187,65 @@ fn a_legend_moves_above_where_the_panel_is_full() {
     let top = |panel: Panel| frame(&Figure::new("", SINGLE_MM, 60.0).with(panel))[1];
     assert!(top(full) > top(free) + 300.0);
 }
+
+/// A panel with so many named series, in the middle where no legend has room.
+fn crowd(count: usize, name: impl Fn(usize) -> String) -> Panel {
+    let empty = Panel::new(Axis::new("x"), Axis::new("y"));
+    (0..count).fold(empty, |panel, k| {
+        let (ink, shape, _) = look(k);
+        let mark = Mark::open(shape, ink);
+        panel.with(Series::marks(&name(k), cloud(30), mark))
+    })
+}
+
+/// How many entries `member 0`, `member 1` and so on a figure's legend shows, and how many it counts.
+fn shown_and_counted(svg: &str) -> (usize, usize) {
+    let shown = svg.matches("aria-label=\"member ").count();
+    let more = svg.split("aria-label=\"and ").nth(1);
+    let count = more.and_then(|t| t.split(' ').next()?.parse().ok());
+    (shown, count.unwrap_or(0))
+}
+
+#[test]
+fn a_legend_that_is_too_long_counts_what_it_leaves_out() {
+    let name = |k: usize| format!("member {k}");
+    for count in [5, 120, 1000] {
+        let panel = || crowd(count, name);
+        let double = || Figure::new("", DOUBLE_MM, 82.0).grid(2);
+        let all = [
+            double().shared_legend().with(panel()).with(panel()),
+            Figure::new("", SINGLE_MM, 68.0).with(panel()),
+            Figure::new("", SINGLE_MM, 68.0).with(panel().legend(Legend::Above)),
+            Figure::new("", DOUBLE_MM, 90.0).with(panel().legend(Legend::Beside)),
+        ];
+        for (k, figure) in all.into_iter().enumerate() {
+            let (shown, counted) = shown_and_counted(&figure.to_svg().unwrap());
+            assert_eq!(shown + counted, count, "figure {k}");
+            assert_eq!(counted > 0, count > 5, "figure {k}");
+            assert!(shown >= 5, "figure {k}: {shown}");
+        }
+    }
+}
+
+#[test]
+fn names_of_any_length_leave_room_for_the_data() {
+    let long = |k: usize| format!("member {k} {}", "of a very long name ".repeat(12));
+    for legend in [Legend::Auto, Legend::Above, Legend::Beside] {
+        let panel = crowd(9, long).legend(legend);
+        let wide = Figure::new("", DOUBLE_MM, 90.0).with(panel.clone());
+        assert!(wide.to_svg().is_ok(), "{legend:?}");
+        let shared = Figure::new("", SINGLE_MM, 70.0).shared_legend();
+        assert!(shared.with(panel).to_svg().is_ok());
+    }
+    let names: Vec<String> = (0..300).map(long).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    for count in [1, 2, 40, 300] {
+        let categories = || Axis::categories("names", &names[..count]);
+        let across = Panel::new(categories(), Axis::new("y"));
+        let up = Panel::new(Axis::new("x"), categories()).title(names[0]);
+        let figure = Figure::new("", SINGLE_MM, 60.0).grid(2);
+        let svg = figure.with(across).with(up).to_svg().unwrap();
+        let ticks = svg.matches("aria-label=\"member ").count();
+        assert!(ticks > 1 && ticks <= 2 * count + 1 && ticks < 40, "{ticks}");
+    }
+}

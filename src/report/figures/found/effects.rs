@@ -1,6 +1,6 @@
 //! Each effect's likelihood profile, each specimen's own estimate of it, and its free form where one was tested.
 
-use super::{HALF_MM, MOST_GROUPS, Shown, TEXT_MM, axis_label, group_names};
+use super::{HALF_MM, Shown, TEXT_MM, axis_label, group_names};
 use crate::findings::{EffectFinding, Estimate, FreeForm};
 use crate::report::plot::axis::Span;
 use crate::report::plot::{
@@ -9,8 +9,10 @@ use crate::report::plot::{
 use crate::report::wording::name::{self, nouns};
 use crate::report::wording::number::equals_probability;
 
-/// Most effects with a row of panels.
+/// Most effects with a row of panels, and most specimens in one, so that the figure fits on a page with its caption.
 const MOST_EFFECTS: usize = 6;
+const MOST_SPECIMENS: usize = 20;
+const PAGE_MM: f64 = 200.0;
 /// Height of a row without specimens, and of a specimen, mm.
 const ROW_MM: f64 = 36.0;
 const SPECIMEN_MM: f64 = 3.4;
@@ -30,28 +32,17 @@ pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
         .filter(|row| !row.is_empty())
         .collect();
     let columns = rows.iter().map(Vec::len).max()?;
-    let most = effects
-        .iter()
-        .map(|e| e.by_specimen.len())
-        .max()
-        .unwrap_or(0);
-    let height = ROW_MM.max(AROUND_MM + SPECIMEN_MM * most.min(MOST_GROUPS) as f64);
+    let most = effects.iter().map(|e| e.by_specimen.len()).max()?;
+    let height = ROW_MM.max(AROUND_MM + SPECIMEN_MM * most.min(MOST_SPECIMENS) as f64);
+    let fit = ((PAGE_MM / height) as usize).max(1);
     let title = format!("Evidence for the effects, {}", shown.found.campaign);
     let width = if columns > 1 { TEXT_MM } else { HALF_MM };
     let mut figure = Figure::new(&title, width, 0.0).grid(columns);
-    // A row that is short of a panel would move those of the next into its place: such rows are drawn one panel a row.
-    let even = rows.iter().all(|row| row.len() == columns);
-    let all: Vec<Panel> = rows.into_iter().flatten().collect();
-    let rows = if even {
-        all.len() / columns
-    } else {
-        all.len().div_ceil(columns)
-    };
-    figure.height_mm = 2.0 + height * rows as f64;
-    for panel in all {
+    for panel in rows.into_iter().take(fit).flatten() {
         figure = figure.with(panel);
     }
-    Some((caption(shown), figure))
+    figure.height_mm = 2.0 + height * figure.panels.len().div_ceil(columns) as f64;
+    Some((caption(shown, fit), figure))
 }
 
 fn panels(effect: &EffectFinding, unit: &str) -> Vec<Panel> {
@@ -116,7 +107,7 @@ fn own_estimates(effect: &EffectFinding, unit: &str) -> Option<Panel> {
         return None;
     }
     // The axis counts from below; the first specimen stands above, as in a table.
-    let own: Vec<(&String, &Estimate)> = effect.by_specimen.iter().take(MOST_GROUPS).collect();
+    let own: Vec<(&String, &Estimate)> = effect.by_specimen.iter().take(MOST_SPECIMENS).collect();
     let names = group_names(own.iter().rev().map(|(id, _)| *id));
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let estimates = || own.iter().rev().map(|(_, e)| *e);
@@ -165,7 +156,7 @@ fn free_form(effect: &EffectFinding, free: &FreeForm) -> Panel {
         ))
 }
 
-fn caption(shown: &Shown) -> String {
+fn caption(shown: &Shown, fit: usize) -> String {
     let nouns = nouns(shown.found);
     let effects = &shown.found.effects;
     let free = if effects.iter().any(|e| e.free_form.is_some()) {
@@ -178,17 +169,22 @@ fn caption(shown: &Shown) -> String {
         .map(|e| e.by_specimen.len())
         .max()
         .unwrap_or(0);
-    let cut = if most > MOST_GROUPS {
+    let cut = if most > MOST_SPECIMENS {
         format!(
-            " The first {MOST_GROUPS} of {most} {} are drawn.",
+            " The first {MOST_SPECIMENS} of {most} {} are drawn.",
             nouns.units
         )
     } else {
         String::new()
     };
+    let effects_cut = if effects.len() > fit {
+        format!(" The first {fit} of {} effects are drawn.", effects.len())
+    } else {
+        String::new()
+    };
     format!(
         "Profile of the marginal likelihood of each effect, everything else fitted again, and the estimate that each {} gives by itself (with 95% \
-         intervals; a description and no test). Dashed: the estimate from all; shaded: its 95% interval.{free}{cut}",
+         intervals; a description and no test). Dashed: the estimate from all; shaded: its 95% interval.{free}{cut}{effects_cut}",
         nouns.unit
     )
 }

@@ -1,6 +1,7 @@
 //! The error on every unit that was held out: without effects, with them, and with its own gain and lengths.
 
-use super::{HALF_MM, MOST_GROUPS, Shown, group_names};
+use super::super::formatting::largest;
+use super::{HALF_MM, Shown, group_names};
 use crate::findings::{Errors, UnitErrors};
 use crate::report::plot::{
     Axis, Dash, Figure, Ink, Layer, Legend, Mark, Panel, Series, Shape, Stroke,
@@ -8,6 +9,8 @@ use crate::report::plot::{
 use crate::report::wording::name::nouns;
 use crate::report::wording::sentence::has_effects;
 
+/// Units beyond these are left out, so that the figure fits on a page with its caption.
+const MOST_UNITS: usize = 26;
 /// Distance between the marks of one unit, in bands.
 const SHIFT: f64 = 0.16;
 /// Height of a unit's band, and of what is around the panel, mm.
@@ -17,12 +20,27 @@ const AROUND_MM: f64 = 22.0;
 /// The figure; none of fewer than two units.
 pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
     let found = shown.found;
-    let units: Vec<&UnitErrors> = found.by_unit.iter().take(MOST_GROUPS).collect();
+    let units = &found.by_unit;
     if units.len() < 2 {
         return None;
     }
+    let larger = |u: &UnitErrors| {
+        let both = [u.before.rmse_heldout, u.after.rmse_heldout];
+        both.into_iter().flatten().fold(0.0, f64::max)
+    };
+    let errors: Vec<f64> = units.iter().map(larger).collect();
+    let shown_units = largest(&errors, MOST_UNITS);
+    let others = if shown_units.len() < units.len() {
+        format!(
+            " Shown are the {} of {} units with the largest error; `findings.json` has all.",
+            shown_units.len(),
+            units.len()
+        )
+    } else {
+        String::new()
+    };
     // The axis counts from below; the first unit stands above, as in a table.
-    let units: Vec<&UnitErrors> = units.into_iter().rev().collect();
+    let units: Vec<&UnitErrors> = shown_units.into_iter().rev().map(|k| &units[k]).collect();
     let names = group_names(units.iter().map(|u| &u.unit));
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let label = format!("Held-out RMSE ({})", shown.unit());
@@ -40,7 +58,7 @@ pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
     let title = format!("Error on what was held out, {}", found.campaign);
     let height = AROUND_MM + BAND_MM * units.len() as f64;
     let caption = format!(
-        "Root-mean-square error on each {} by models that have not seen it: the whole search was made without it.",
+        "Root-mean-square error on each {} by models that have not seen it: the whole search was made without it.{others}",
         nouns(found).unit
     );
     Some((caption, Figure::new(&title, HALF_MM, height).with(panel)))

@@ -12,8 +12,8 @@ mod unexplained;
 
 pub use budget::figure as budget;
 
-use super::Named;
 use super::formatting::plain;
+use super::{Composed, Named, compose};
 use crate::base::row::Row;
 use crate::findings::{CampaignFindings, Residuals};
 use crate::report::plot::Figure;
@@ -90,20 +90,23 @@ const ALL: &[(Kind, Make)] = &[
 ];
 
 /// The figures for which there is something to show.
-pub fn figures(shown: &Shown) -> Vec<(Kind, Named)> {
+pub fn figures(shown: &Shown) -> Vec<(Kind, Composed)> {
     let made = ALL.iter().filter_map(|(kind, make)| {
-        let (caption, figure) = make(shown)?;
-        let simulated = if shown.found.simulated {
-            "Simulated. "
-        } else {
-            ""
-        };
-        let named = Named {
-            name: format!("{}-{}", kind.stem(), shown.slug),
-            caption: format!("{simulated}{caption}"),
-            figure,
-        };
-        Some((*kind, named))
+        let name = format!("{}-{}", kind.stem(), shown.slug);
+        let composed = compose(&name, || {
+            let (caption, figure) = make(shown)?;
+            let simulated = if shown.found.simulated {
+                "Simulated. "
+            } else {
+                ""
+            };
+            Some(Named {
+                name: name.clone(),
+                caption: format!("{simulated}{caption}"),
+                figure,
+            })
+        });
+        Some((*kind, composed?))
     });
     made.collect()
 }
@@ -119,7 +122,21 @@ fn group_names<'a>(ids: impl Iterator<Item = &'a String>) -> Vec<String> {
     } else {
         common_beginning(&ids)
     };
-    ids.iter().map(|id| plain(&id[common..])).collect()
+    let shown = ids.iter().map(|id| plain(&ending(&id[common..])));
+    shown.collect()
+}
+
+/// Letters of a name that a tick has room for.
+const LONGEST_NAME: usize = 24;
+
+/// A name, its beginning left out where it is long: ids of a campaign differ at their ends.
+fn ending(name: &str) -> String {
+    let letters = name.chars().count();
+    if letters <= LONGEST_NAME {
+        return name.to_owned();
+    }
+    let kept = name.chars().skip(letters + 1 - LONGEST_NAME);
+    ['…'].into_iter().chain(kept).collect()
 }
 
 /// Bytes up to the last separator of the beginning that all ids share.
@@ -156,6 +173,10 @@ mod tests {
         assert_eq!(
             group_names(ids[..2].iter()),
             ["rig-l112-c00", "rig-l112-c25"]
+        );
+        assert_eq!(
+            ending("0123456789012345678901234567"),
+            "…56789012345678901234567"
         );
         assert_eq!(common_beginning(&["a", "b"]), 0);
         assert_eq!(common_beginning(&["é-a", "é-b"]), 3);

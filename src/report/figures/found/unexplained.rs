@@ -5,6 +5,9 @@ use super::{HALF_MM, Shown, TEXT_MM};
 use crate::findings::Unexplained;
 use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Panel, Series, Stroke};
 
+/// Most panels: so many fit on a page with their caption. `findings.json` has all.
+const MOST_PANELS: usize = 8;
+
 /// The figure; none where no correction was fitted.
 pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
     let fitted: Vec<&Unexplained> = shown
@@ -12,6 +15,7 @@ pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
         .unexplained
         .iter()
         .filter(|u| u.curve.len() > 1)
+        .take(MOST_PANELS)
         .collect();
     if fitted.is_empty() {
         return None;

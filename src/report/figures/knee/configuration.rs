@@ -18,7 +18,7 @@ const BY_PRESSURE: [(Dash, Dash); 3] = [
     (Dash::DashDot, Dash::Long),
     (Dash::Dotted, Dash::Short),
 ];
-/// Marks of the tests, in their order; those that are left out are grey crosses.
+/// Marks of the tests, in their order, filled and then open; those that are left out are grey crosses, those beyond are grey dots.
 const TESTS: [(Shape, Ink); 6] = [
     (Shape::Circle, Ink::Blue),
     (Shape::Square, Ink::Vermilion),
@@ -27,6 +27,13 @@ const TESTS: [(Shape, Ink); 6] = [
     (Shape::Wedge, Ink::Orange),
     (Shape::Plus, Ink::Black),
 ];
+/// So many tests have a mark of their own: the last one is a cross of lines, which is neither filled nor open.
+const MOST_TESTS: usize = 2 * TESTS.len() - 1;
+
+/// The name of a configuration's figure.
+pub fn name(campaign: &CampaignTorque, c: &Configuration) -> String {
+    format!("knee-{}-{}", file_name(&campaign.campaign), c.id)
+}
 
 /// The figure.
 pub fn figure(campaign: &CampaignTorque, c: &Configuration) -> Named {
@@ -40,7 +47,7 @@ pub fn figure(campaign: &CampaignTorque, c: &Configuration) -> Named {
         .grid(2)
         .shared_legend();
     Named {
-        name: format!("knee-{}-{}", file_name(&campaign.campaign), c.id),
+        name: name(campaign, c),
         caption: plot.caption(),
         figure,
     }
@@ -72,6 +79,7 @@ impl Plot<'_> {
             let name = match (&test.excluded, &test.doubtful) {
                 (Some(_), _) => format!("{} (excluded)", plain(&test.session)),
                 (None, Some(_)) => format!("{} (doubtful)", plain(&test.session)),
+                (None, None) if k >= MOST_TESTS => "further tests".to_owned(),
                 (None, None) => plain(&test.session),
             };
             (!points.is_empty()).then(|| Series::marks(&name, points, mark(k, test)))
@@ -241,11 +249,14 @@ impl Plot<'_> {
 /// The mark of a test.
 pub(super) fn mark(k: usize, test: &Test) -> Mark {
     let (shape, ink) = TESTS[k % TESTS.len()];
-    match (test.is_left_out(), shape) {
-        (true, _) => Mark::open(Shape::Cross, Ink::Grey).wide(1.3),
-        (false, Shape::Plus) => Mark::open(shape, ink).wide(1.3),
-        (false, _) => Mark::filled(shape, ink).wide(1.3),
-    }
+    let mark = match (test.is_left_out(), shape) {
+        (true, _) => Mark::open(Shape::Cross, Ink::Grey),
+        _ if k >= MOST_TESTS => Mark::filled(Shape::Circle, Ink::Grey),
+        (false, Shape::Plus) => Mark::open(shape, ink),
+        _ if k >= TESTS.len() => Mark::open(shape, ink),
+        _ => Mark::filled(shape, ink),
+    };
+    mark.wide(1.3)
 }
 
 fn words(law: &str) -> &'static str {

@@ -9,6 +9,8 @@ use crate::stages::torque::reference::Reference;
 use crate::stages::torque::reference::design::Design;
 use crate::stages::torque::reference::human::Compares;
 
+/// Name of its files.
+pub const NAME: &str = "knee-design";
 const HEIGHT_MM: f64 = 84.0;
 /// Every so manieth row of an export is marked.
 const EVERY: usize = 6;
@@ -19,7 +21,7 @@ pub fn figure(reference: &Reference) -> Named {
     let figure = Figure::new(title, DOUBLE_MM, HEIGHT_MM);
     let panels = reference.design.iter().map(|d| panel(reference, d));
     Named {
-        name: "knee-design".to_owned(),
+        name: NAME.to_owned(),
         caption: "Torque of the full-size actuators of the biomimetic leg at 620 kPa beside that of the human muscles which they stand for: (A) 20 mm and the short head of biceps femoris, (B) 40 mm and the vasti. Design targets are moment arm times maximum isometric force. The extensor follows the route of the 10 mm actuator, and the fittings are taken as 25.4 mm.".to_owned(),
         figure: panels.fold(figure, Figure::with).grid(2),
     }

@@ -7,6 +7,8 @@ use crate::report::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Mark, Panel, Serie
 use crate::stages::torque::reference::Reference;
 use crate::stages::torque::reference::human::{Compared, Compares, TARGET};
 
+/// Name of its files.
+pub const NAME: &str = "knee-human";
 const HEIGHT_MM: f64 = 112.0;
 /// Every so manieth row of an export is marked.
 const EVERY: usize = 6;
@@ -38,7 +40,7 @@ pub fn figure(reference: &Reference) -> Named {
         all.fold((0.0, 0.0), |a: (f64, f64), b| (a.0.max(b.0), a.1.max(b.1)))
     };
     Named {
-        name: "knee-human".to_owned(),
+        name: NAME.to_owned(),
         caption: format!(
             "Calculated moment arms and torques of the human muscles (lines) beside OpenSim's exports of Gait2392 (marks, every sixth row). Arms are at most {} mm apart, torques {}%. (D) The laboratory's design targets (marks) are moment arm times maximum isometric force and leave out what length, tendon and pennation take.",
             number(1e3 * worst(Compares::Arm).0, 2),

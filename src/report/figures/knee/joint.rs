@@ -3,6 +3,7 @@
 use super::{angle_axis, configuration, over_angle};
 use crate::base::names::file_name;
 use crate::report::figures::Named;
+use crate::report::figures::formatting::largest;
 use crate::report::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Panel, Series, Stroke};
 use crate::stages::torque::diagnose::JointDiagnosis;
 use crate::stages::torque::diagnose::curves::BeforeAfter;
@@ -10,6 +11,32 @@ use crate::stages::torque::{CampaignTorque, Configuration};
 
 const ROW_MM: f64 = 54.0;
 const LEGEND_MM: f64 = 12.0;
+
+/// Panels beyond these are left out, so that the figure fits on a page with its caption.
+const MOST_PANELS: usize = 8;
+
+/// The name of a joint's figure.
+pub fn name(campaign: &CampaignTorque, joint: &JointDiagnosis) -> String {
+    let found = &joint.findings;
+    let part = found.part.as_deref().unwrap_or_default();
+    file_name(&format!(
+        "knee-loop-{}-{part}-{}",
+        campaign.campaign, found.diameter_mm
+    ))
+}
+
+/// The configurations of a joint with most readings, and how many there are.
+fn shown<'a>(
+    campaign: &'a CampaignTorque,
+    joint: &JointDiagnosis,
+) -> (Vec<&'a Configuration>, usize) {
+    let of_joint = |c: &&Configuration| joint.curves.iter().any(|b| b.configuration == c.id);
+    let all: Vec<&Configuration> = campaign.configurations.iter().filter(of_joint).collect();
+    let readings = |c: &Configuration| c.tests.iter().map(|t| t.points.len()).sum::<usize>();
+    let readings: Vec<f64> = all.iter().map(|c| readings(c) as f64).collect();
+    let most = largest(&readings, MOST_PANELS);
+    (most.into_iter().map(|k| all[k]).collect(), all.len())
+}
 
 /// The figure.
 pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
@@ -19,11 +46,15 @@ pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
         "Torque before and after the loop: {part}, {} mm",
         found.diameter_mm
     );
-    let shown: Vec<&Configuration> = campaign
-        .configurations
-        .iter()
-        .filter(|c| joint.curves.iter().any(|b| b.configuration == c.id))
-        .collect();
+    let (shown, all) = shown(campaign, joint);
+    let others = if shown.len() < all {
+        format!(
+            " Shown are the {} of {all} configurations with most readings.",
+            shown.len()
+        )
+    } else {
+        String::new()
+    };
     let columns = if shown.len() > 1 { 2 } else { 1 };
     let rows = shown.len().div_ceil(columns);
     let height = ROW_MM * rows as f64 + LEGEND_MM;
@@ -36,13 +67,10 @@ pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
         ""
     };
     Named {
-        name: file_name(&format!(
-            "knee-loop-{}-{part}-{}",
-            campaign.campaign, found.diameter_mm
-        )),
+        name: name(campaign, joint),
         caption: format!(
             "{simulated}{}, {} mm: measured torque (marks, one kind a test; crosses take no part), the rigid leg, the leg with what was found, and with what is found \
-             without the actuator where whole actuators are held out.",
+             without the actuator where whole actuators are held out.{others}",
             configuration::capitalised(part),
             found.diameter_mm
         ),

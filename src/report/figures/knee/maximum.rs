@@ -9,6 +9,8 @@ use crate::report::plot::{
 };
 use std::collections::BTreeMap;
 
+/// Name of its files.
+pub const NAME: &str = "knee-maximum-force";
 const HEIGHT_MM: f64 = 76.0;
 /// Isobars, kPa.
 const ISOBARS_KPA: [f64; 4] = [620.0, 450.0, 300.0, 150.0];
@@ -23,7 +25,7 @@ pub fn figure(input: &ReportInput) -> Named {
         .with(contraction(input))
         .grid(2);
     Named {
-        name: "knee-maximum-force".to_owned(),
+        name: NAME.to_owned(),
         caption: "10 mm actuators. (A) Maximum force over resting length by Eq. 6 of the knee paper at four pressures and by Eq. 7 at 620 kPa, with the measured maxima of isometric sessions where there are any. (B) Contraction at 620 kPa without load of every specimen: no law of length follows from it.".to_owned(),
         figure,
     }

@@ -8,41 +8,48 @@ mod leg;
 mod maximum;
 mod surfaces;
 
-use super::Named;
+use super::{Composed, compose};
 use crate::report::input::ReportInput;
-use crate::stages::torque::CampaignTorque;
+use crate::stages::torque::diagnose::JointDiagnosis;
+use crate::stages::torque::{CampaignTorque, Configuration};
 use std::collections::BTreeSet;
 
 /// The figures of one campaign: one a configuration, then one a joint.
-pub fn of_campaign(campaign: &CampaignTorque) -> Vec<Named> {
-    let configurations = campaign.configurations.iter();
-    let configurations = configurations.map(|c| configuration::figure(campaign, c));
-    let joints = campaign.diagnoses.iter();
-    configurations
-        .chain(joints.map(|j| joint::figure(campaign, j)))
-        .collect()
+pub fn of_campaign(campaign: &CampaignTorque) -> Vec<Option<Composed>> {
+    let configuration = |c: &Configuration| {
+        let name = configuration::name(campaign, c);
+        compose(&name, || Some(configuration::figure(campaign, c)))
+    };
+    let joint = |j: &JointDiagnosis| {
+        let name = joint::name(campaign, j);
+        compose(&name, || Some(joint::figure(campaign, j)))
+    };
+    let configurations = campaign.configurations.iter().map(configuration);
+    let joints = campaign.diagnoses.iter().map(joint);
+    configurations.chain(joints).collect()
 }
 
 /// The legs that are used, each once.
-pub fn legs(input: &ReportInput) -> Vec<Named> {
+pub fn legs(input: &ReportInput) -> Vec<Option<Composed>> {
     let mut seen = BTreeSet::new();
     let configurations = input.torque().flat_map(|c| &c.configurations);
     configurations
         .filter(|c| seen.insert(leg::name(c)))
-        .map(leg::figure)
+        .map(|c| compose(&leg::name(c), || Some(leg::figure(c))))
         .collect()
 }
 
 /// The figures that no campaign of torque has for itself: the laws of force, and the human muscles.
-pub fn once(input: &ReportInput) -> Vec<Named> {
+pub fn once(input: &ReportInput) -> Vec<Option<Composed>> {
     let Some(knee) = &input.knee else {
         return Vec::new();
     };
+    let reference = &knee.reference;
     vec![
-        maximum::figure(input),
-        surfaces::figure(input),
-        human::figure(&knee.reference),
-        design::figure(&knee.reference),
+        compose(maximum::NAME, || Some(maximum::figure(input))),
+        compose(surfaces::NAME, || Some(surfaces::figure(input))),
+        compose(human::NAME, || Some(human::figure(reference))),
+        compose(design::NAME, || Some(design::figure(reference))),
     ]
 }
 

@@ -9,6 +9,8 @@ use crate::report::input::ReportInput;
 use crate::report::plot::{Axis, DOUBLE_MM, Figure, Legend, Mark, Panel, Series, Stroke, look};
 use crate::stages::fit::{Group, is_usable};
 
+/// Name of its files.
+pub const NAME: &str = "knee-surfaces";
 const HEIGHT_MM: f64 = 78.0;
 /// Isobars, kPa.
 const ISOBARS_KPA: [f64; 4] = [600.0, 400.0, 300.0, 200.0];
@@ -23,7 +25,7 @@ pub fn figure(input: &ReportInput) -> Named {
     let panels = [10, 20, 40].map(|d| panel(input, d));
     let figure = Figure::new(title, DOUBLE_MM, HEIGHT_MM);
     Named {
-        name: "knee-surfaces".to_owned(),
+        name: NAME.to_owned(),
         caption: "Force over its maximum against relative contraction at four pressures, by the knee paper's Eqs. 9 (10 mm), 11 (20 mm) and 12 (40 mm), each with its second and fifth coefficient in the exponent. Marks: the manufacturer's tool (20 and 40 mm), and readings of isometric sessions within 10 kPa (10 mm; simulated ones where there are no others).".to_owned(),
         figure: panels.into_iter().fold(figure, Figure::with).grid(3).shared_legend(),
     }
