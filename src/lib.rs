@@ -57,6 +57,8 @@
 //!   `cache` knows no stage; stages know no cache and no command line; `effects`, `knee`, `models` and `numerics` do no I/O and see no data frame; only
 //!   `report` knows plotters and Typst, and it computes no statistic: every number comes from a stage, every
 //!   curve, band and running median from `models` and `numerics`.
+//! - **Values, then words**: what was found travels as values ([`findings`]); [`report::wording`] makes names and sentences of them for pages, tables and the
+//!   terminal, and nothing reads a sentence back.
 //! - **Nothing below `raw/` is ever written**, and nothing is left out without a line in `rejects.csv`.
 //! - **Same inputs, same bytes**: no clock, host, path or hash order in an output; sums in the order of rows; transcendental functions
 //!   from `libm` (`clippy.toml` bans the platform's); units meet only in sorted collections, so the number of jobs does not matter.

@@ -4,6 +4,7 @@
 //! do or `check` a difference; 2 usage, configuration or no usable input; 3 done, but sessions were rejected and `--strict` was given; 4 internal;
 //! 5 done, but a figure or document was left out for a defect of the program.
 
+mod answers;
 mod args;
 mod check;
 mod columns;

@@ -1,13 +1,13 @@
 //! What the commands print.
 
+use super::answers;
 use crate::base::diagnostics::{Diagnostic, Severity};
 use crate::base::error::{Error, Result};
 use crate::cache::reason::one_line;
 use crate::report::left_out::{LeftOut, counted};
 use crate::run::step::Failure;
-use crate::run::{Answer, Outcome, STAGES};
+use crate::run::{Outcome, STAGES};
 use crate::simulate::Campaign;
-use crate::stages::diagnose::findings::Verdict;
 use serde_json::json;
 use std::io::Write;
 use std::path::Path;
@@ -111,7 +111,7 @@ pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> R
             "failed": failed_json(outcome), "left_out": outcome.left_out,
             "rejected_sessions": rejected, "rejected_logs": logs, "files_written": paths(&outcome.written),
             "reports": paths(&outcome.pdfs), "findings": outcome.findings_file.as_ref().map(|f| f.display().to_string()),
-            "new_answers": outcome.answers,
+            "new_answers": outcome.answers.iter().map(answers::as_json).collect::<Vec<_>>(),
         }));
     }
     if explain {
@@ -144,19 +144,8 @@ pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> R
             outcome.written.len()
         ));
     }
-    for answer in &outcome.answers {
-        let Answer {
-            campaign,
-            diameter_mm,
-            summary,
-            ..
-        } = answer;
-        let verdict = verdict(answer.verdict);
-        let part = answer.part.iter().map(|part| format!(", {part}"));
-        let part: String = part.collect();
-        line(format!(
-            "{campaign}{part}, {diameter_mm} mm: {verdict}. {summary}"
-        ));
+    for found in &outcome.answers {
+        answers::lines(found).into_iter().for_each(line);
     }
     if let Some(file) = &outcome.findings_file {
         line(format!("findings: {}", file.display()));
@@ -178,14 +167,6 @@ pub fn left_out(all: &[LeftOut]) {
              again: pipeline run --force report",
             counted(all)
         );
-    }
-}
-
-fn verdict(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::EffectFound => "effect found",
-        Verdict::None => "none",
-        Verdict::Unexplained => "unexplained",
     }
 }
 

@@ -212,7 +212,7 @@ fn data(
     let rejects = || input.sessions.iter().flat_map(|s| s.rejects());
     let of_extent = |extent: Extent| rejects().filter(|r| r.extent == extent).count();
     let clipped = |r: &&crate::base::reject::Reject| {
-        r.extent == Extent::Plateau && r.reason.contains("limit of the converter")
+        r.extent == Extent::Plateau && r.reason == crate::stages::clean::steady::CLIPPED
     };
     let authors = options
         .author

@@ -4,12 +4,13 @@ use crate::base::diagnostics::Diagnostic;
 use crate::base::frame::Frame;
 use crate::base::reject::Reject;
 use crate::base::row::Row;
+use crate::findings::CampaignFindings;
 use crate::report::figures::Drawn;
+use crate::report::figures::found::Kind;
 use crate::report::left_out::LeftOut;
 use crate::stages::clean::CleanHeader;
 use crate::stages::compare::{GroupComparison, Predictions};
 use crate::stages::diagnose::Diagnosis;
-use crate::stages::diagnose::findings::CampaignFindings;
 use crate::stages::fit::GroupFit;
 use crate::stages::ingest::IngestHeader;
 use crate::stages::torque::CampaignTorque;
@@ -60,7 +61,7 @@ pub struct GroupFigures {
     /// Of the fit and the comparison.
     pub group: Vec<Drawn>,
     /// Of what was found in the residual.
-    pub diagnosis: Vec<Drawn>,
+    pub diagnosis: Vec<(Kind, Drawn)>,
 }
 
 /// The samples of one log, to be drawn.
@@ -136,7 +137,12 @@ impl ReportInput {
         both.filter_map(|(group, figures)| Some((group, figures.as_ref()?)))
     }
 
-    /// What was found, campaign by campaign.
+    /// Everything that was found: campaigns and pools, then joints.
+    pub fn all_findings(&self) -> impl Iterator<Item = &CampaignFindings> {
+        self.findings().chain(self.torque_findings())
+    }
+
+    /// What was found of forces, campaign by campaign.
     pub fn findings(&self) -> impl Iterator<Item = &CampaignFindings> {
         let diagnoses = self.groups.iter().filter_map(|g| g.diagnosis.as_ref());
         diagnoses.map(|d| &d.findings)

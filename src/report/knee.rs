@@ -2,7 +2,7 @@
 
 use crate::base::error::Result;
 use crate::base::names::file_name;
-use crate::report::answers::{rounded, title, unit_words};
+use crate::findings::CampaignFindings;
 use crate::report::figures::Drawn;
 use crate::report::input::ReportInput;
 use crate::report::number::Rounding;
@@ -10,9 +10,8 @@ use crate::report::render::{Renderer, typst::Typst};
 use crate::report::table::Table;
 use crate::report::tables::knee as tables;
 use crate::report::typeset::{Document, Pdf};
-use crate::stages::diagnose::findings::{
-    CampaignFindings, DetectionLimit, EffectFinding, Reading, Rejected,
-};
+use crate::report::wording::name;
+use crate::report::wording::sentence::sentences;
 use crate::stages::torque::errors::Size;
 use crate::stages::torque::fitting::{FittingFit, LAWS, Origin};
 use crate::stages::torque::{CampaignTorque, Configuration, Test};
@@ -59,30 +58,12 @@ struct Campaign {
     figures: Vec<Picture>,
 }
 
-/// What the loop says of one joint.
+/// What the loop says of one joint; `residual.pdf` has the evidence.
 #[derive(Serialize)]
 struct Joint {
     title: String,
-    summary: String,
-    /// Titles of the effects, and what leaves the same trace.
-    classes: Vec<(String, Vec<String>)>,
-    unexplained: Vec<String>,
-    alternatives: Vec<Alternative>,
-    /// What, the share in percent, why.
-    rejected: Vec<(String, String, String)>,
-    /// What, the smallest size that would have shown.
-    limits: Vec<(String, String)>,
-    notes: Vec<String>,
-    next: Vec<String>,
+    sentences: Vec<String>,
     figure: Option<Picture>,
-}
-
-/// A set of effects that does nearly as well.
-#[derive(Serialize)]
-struct Alternative {
-    numbers: String,
-    fitted: String,
-    held_out: String,
 }
 
 /// The fit to the configuration with most readings, beside the stated length.
@@ -197,9 +178,6 @@ fn campaign(c: &CampaignTorque, figures: &[Option<Drawn>]) -> Campaign {
     }
 }
 
-/// Sets of effects and single ones that are shown as rejected.
-const REJECTED_SHOWN: usize = 8;
-
 /// The joints with their figures, which come after those of the configurations.
 fn joints(c: &CampaignTorque, figures: &[Option<Drawn>]) -> Vec<Joint> {
     let of_joints = &figures[c.configurations.len()..];
@@ -212,69 +190,11 @@ fn joints(c: &CampaignTorque, figures: &[Option<Drawn>]) -> Vec<Joint> {
         .collect()
 }
 
-/// What an effect of the joint or of the library is called.
-fn words(id: &str) -> String {
-    match id {
-        "kinking" => "kinking".to_owned(),
-        "joint_friction" => "friction of the joint".to_owned(),
-        "wrapping_loss" => "loss by wrapping".to_owned(),
-        other => title(other),
-    }
-}
-
-/// Units and arrows as people read them.
-fn said(text: &str) -> String {
-    text.replace("um/N", "µm/N").replace("->", "→")
-}
-
 fn joint(found: &CampaignFindings) -> Joint {
-    let class = |e: &EffectFinding| {
-        let others = e.class.iter().filter(|id| **id != e.id);
-        (e.title.clone(), others.map(|id| words(id)).collect())
-    };
-    let alternative = |r: &Reading| Alternative {
-        numbers: said(&r.numbers.join(" and ")),
-        fitted: decimals(r.errors.rmse_train, 2),
-        held_out: decimals(r.errors.rmse_heldout, 2),
-    };
-    let rejected = |r: &Rejected| {
-        let share = format!("{:.0}", 100.0 * r.share);
-        let forms = r.form.as_deref().unwrap_or_default();
-        let terms = r.id.split(" + ").zip(forms.split(" + "));
-        let terms: Vec<String> = terms.map(|(id, form)| format!("{id} ({form})")).collect();
-        (terms.join(" + "), share, r.why.clone())
-    };
-    let limit = |l: &DetectionLimit| {
-        let size = rounded(l.smallest, Rounding::Digits(2));
-        let what = format!("{} ({})", words(&l.id), l.form);
-        (what, format!("{size} {}", unit_words(&l.unit)))
-    };
-    let unexplained = found.unexplained.iter();
-    let mut next: Vec<String> = Vec::new();
-    for n in &found.next_measurement {
-        if !next.contains(&n.action) {
-            next.push(n.action.clone());
-        }
-    }
+    let part = found.part.as_deref().unwrap_or_default();
     Joint {
-        title: format!(
-            "{}, {} mm",
-            found.part.as_deref().unwrap_or_default(),
-            found.diameter_mm
-        ),
-        summary: said(&found.summary),
-        classes: found.effects.iter().map(class).collect(),
-        unexplained: unexplained.map(|u| u.column.clone()).collect(),
-        alternatives: found.readings_of_the_base.iter().map(alternative).collect(),
-        rejected: found
-            .rejected
-            .iter()
-            .take(REJECTED_SHOWN)
-            .map(rejected)
-            .collect(),
-        limits: found.detection_limits.iter().map(limit).collect(),
-        notes: found.notes.iter().map(|n| said(n)).collect(),
-        next,
+        title: name::capitalised(&format!("{part}, {} mm", found.diameter_mm)),
+        sentences: sentences(found),
         figure: None,
     }
 }

@@ -9,8 +9,8 @@
 //! | [`tables`] | one file a table |
 //! | [`plot`] | journal figures on plotters: axes, layers, legends |
 //! | [`figures`] | one file a figure |
+//! | [`wording`] | names, numbers and sentences of what was found |
 //! | [`left_out`] | figures and documents that could not be built |
-//! | [`answers`] | the words of a diagnosis |
 //! | [`force`] | the pages of `force.pdf` |
 //! | [`audit`] | the pages of `audit.pdf` |
 //! | [`residual`] | the pages of `residual.pdf` |
@@ -19,7 +19,6 @@
 //!
 //! Architecture invariant: only this folder knows plotters and Typst, and it computes no statistic: every number comes from a stage.
 
-pub mod answers;
 pub mod audit;
 pub mod extent;
 pub mod figures;
@@ -38,3 +37,4 @@ pub mod symbols;
 pub mod table;
 pub mod tables;
 pub mod typeset;
+pub mod wording;

@@ -7,9 +7,9 @@ use crate::base::row::Row;
 use crate::cache::Digest;
 use crate::cache::store::Outputs;
 use crate::config::{Config, flatten};
+use crate::findings::{CampaignFindings, Residuals};
 use crate::run::engine::{self, Engine};
 use crate::run::step::{Stage, Step};
-use crate::stages::diagnose::findings::{CampaignFindings, Residuals};
 use crate::stages::diagnose::{self, Diagnosis};
 use crate::stages::fit::Group;
 use std::collections::BTreeMap;
@@ -23,9 +23,10 @@ pub const DIAGNOSE: Stage = Stage {
 
 /// The answer, or null where a campaign has too few readings.
 const FINDINGS: &str = "findings.json";
-/// One row a reading: residuals, and the columns of the questions.
+/// One row a reading: the residuals.
 const RESIDUALS: &str = "residuals.parquet";
-const ASKED: &str = "asked ";
+/// One row a reading: the columns that were tested.
+const TESTED: &str = "tested.parquet";
 
 /// Whether a group is asked at all: readings of several campaigns differ by more than an effect.
 pub fn is_asked(group: &Group) -> bool {
@@ -52,8 +53,12 @@ pub fn step(
         let findings = serde_json::to_vec(&findings).map_err(Error::internal)?;
         let mut outputs = Outputs::from([(FINDINGS.to_owned(), findings)]);
         if let Some(diagnosis) = &diagnosis {
-            let frame = residuals_frame(&diagnosis.residuals);
-            outputs.insert(RESIDUALS.to_owned(), frame.to_parquet()?);
+            let residuals = &diagnosis.residuals;
+            outputs.insert(
+                RESIDUALS.to_owned(),
+                residuals_frame(residuals).to_parquet()?,
+            );
+            outputs.insert(TESTED.to_owned(), tested_frame(residuals).to_parquet()?);
         }
         Ok(outputs)
     })
@@ -75,44 +80,54 @@ pub fn diagnosis(engine: &Engine, step: &Step) -> Result<Option<Diagnosis>> {
     let Some(findings) = findings(engine, step)? else {
         return Ok(None);
     };
-    let frame = Frame::from_parquet(&engine.read(step, RESIDUALS)?)?;
+    let frame = |name| Frame::from_parquet(&engine.read(step, name)?);
     Ok(Some(Diagnosis {
         findings,
-        residuals: residuals(frame),
+        residuals: residuals(frame(RESIDUALS)?, frame(TESTED)?),
     }))
+}
+
+fn numbers(list: &[f64]) -> Values {
+    Values::Number(list.to_vec())
 }
 
 fn residuals_frame(residuals: &Residuals) -> Frame {
     let texts = |list: &[String]| Values::Text(list.iter().cloned().map(Some).collect());
-    let numbers = |list: &[f64]| Values::Number(list.to_vec());
-    let mut frame = Frame::default()
+    Frame::default()
         .with("session", texts(&residuals.session))
         .with("specimen", texts(&residuals.specimen))
-        .with("before_n", numbers(&residuals.before))
-        .with("after_n", numbers(&residuals.after))
-        .with("predicted_n", numbers(&residuals.predicted));
-    for (name, values) in &residuals.columns {
-        frame = frame.with(&format!("{ASKED}{name}"), numbers(values));
-    }
-    frame
+        .with("before", numbers(&residuals.before))
+        .with("after", numbers(&residuals.after))
+        .with("conditional", numbers(&residuals.conditional))
+        .with("predicted", numbers(&residuals.predicted))
 }
 
-fn residuals(frame: Frame) -> Residuals {
+fn tested_frame(residuals: &Residuals) -> Frame {
+    let columns = residuals.columns.iter();
+    columns.fold(Frame::default(), |frame, (name, values)| {
+        frame.with(name, numbers(values))
+    })
+}
+
+fn residuals(frame: Frame, tested: Frame) -> Residuals {
     let mut residuals = Residuals::default();
     for (name, values) in frame.columns {
         match (name.as_str(), values) {
             ("session", Values::Text(x)) => residuals.session = x.into_iter().flatten().collect(),
             ("specimen", Values::Text(x)) => residuals.specimen = x.into_iter().flatten().collect(),
-            ("before_n", Values::Number(x)) => residuals.before = x,
-            ("after_n", Values::Number(x)) => residuals.after = x,
-            ("predicted_n", Values::Number(x)) => residuals.predicted = x,
-            (name, Values::Number(x)) => {
-                let asked = name.strip_prefix(ASKED).unwrap_or(name);
-                residuals.columns.push((asked.to_owned(), x));
-            }
+            ("before", Values::Number(x)) => residuals.before = x,
+            ("after", Values::Number(x)) => residuals.after = x,
+            ("conditional", Values::Number(x)) => residuals.conditional = x,
+            ("predicted", Values::Number(x)) => residuals.predicted = x,
             _ => {}
         }
     }
+    let columns = tested.columns.into_iter();
+    let numbers = columns.filter_map(|(name, values)| match values {
+        Values::Number(x) => Some((name, x)),
+        _ => None,
+    });
+    residuals.columns = numbers.collect();
     residuals
 }
 
@@ -127,13 +142,15 @@ mod tests {
             specimen: vec!["a".into(), "b".into()],
             before: vec![1.0, -2.0],
             after: vec![0.5, -0.25],
+            conditional: vec![0.1, 0.0],
             predicted: vec![10.0, 20.0],
             columns: vec![
                 ("session".into(), vec![0.0, 1.0]),
                 ("x".into(), vec![3.0, 4.0]),
             ],
         };
-        let bytes = residuals_frame(&before).to_parquet().unwrap();
-        assert_eq!(residuals(Frame::from_parquet(&bytes).unwrap()), before);
+        let back = |frame: Frame| Frame::from_parquet(&frame.to_parquet().unwrap()).unwrap();
+        let after = residuals(back(residuals_frame(&before)), back(tested_frame(&before)));
+        assert_eq!(after, before);
     }
 }

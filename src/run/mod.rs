@@ -33,9 +33,9 @@ use crate::base::diagnostics::Diagnostic;
 use crate::base::error::{Error, Result};
 use crate::base::reject::Extent;
 use crate::config::Config;
+use crate::findings::CampaignFindings;
 use crate::formats::discover::{Discovery, discover};
 use crate::report::left_out::LeftOut;
-use crate::stages::diagnose::findings::{CampaignFindings, Verdict};
 use engine::Engine;
 use serde::{Deserialize, Serialize};
 use sessions::{SessionResult, Workshop};
@@ -112,22 +112,7 @@ pub struct Outcome {
     pub findings_file: Option<PathBuf>,
     /// The answers that are new.
     #[serde(skip)]
-    pub answers: Vec<Answer>,
-}
-
-/// The answer for one campaign and diameter, in short.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Answer {
-    /// Campaign id.
-    pub campaign: String,
-    /// The joint, where torque was measured.
-    pub part: Option<String>,
-    /// Uninflated inner diameter, mm.
-    pub diameter_mm: u32,
-    /// What was found.
-    pub verdict: Verdict,
-    /// One sentence for it.
-    pub summary: String,
+    pub answers: Vec<CampaignFindings>,
 }
 
 /// Hears how far a run is.
@@ -241,32 +226,23 @@ fn drive(
     outcome.findings_file = written.findings;
     outcome.left_out = written.left_out;
     outcome.answers = answers(engine, &group_results)?;
-    let of_torque = torque::fresh_findings(engine, &torque)?;
-    outcome.answers.extend(of_torque.into_iter().map(answer));
+    outcome
+        .answers
+        .extend(torque::fresh_findings(engine, &torque)?);
     Ok(outcome)
 }
 
 /// The answers that this run has computed.
-fn answers(engine: &Engine, groups: &[groups::GroupResult]) -> Result<Vec<Answer>> {
+fn answers(engine: &Engine, groups: &[groups::GroupResult]) -> Result<Vec<CampaignFindings>> {
     let mut answers = Vec::new();
     for step in groups.iter().filter_map(|g| g.diagnose.as_ref()) {
         if let Step::Done(..) = step
             && let Some(found) = diagnosis::findings(engine, step)?
         {
-            answers.push(answer(found));
+            answers.push(found);
         }
     }
     Ok(answers)
-}
-
-fn answer(found: CampaignFindings) -> Answer {
-    Answer {
-        campaign: found.campaign,
-        part: found.part,
-        diameter_mm: found.diameter_mm,
-        verdict: found.verdict,
-        summary: found.summary,
-    }
 }
 
 fn check_raw(raw: &Path) -> Result<()> {

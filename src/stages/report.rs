@@ -10,19 +10,21 @@ use crate::base::session::{Phase, Sampling};
 use crate::cache::Digest;
 use crate::cache::store::Outputs;
 use crate::config::Config;
+use crate::findings::{CampaignFindings, Findings, SCHEMA};
 use crate::report::audit::audit_pdf;
 use crate::report::extent::{MOST_ROWS_PRINTED, SIDE_BY_SIDE};
+use crate::report::figures::found::Kind;
 use crate::report::figures::{self, Built, Composed, Drawn};
 use crate::report::force::{date_of, force_pdf};
 use crate::report::knee::{self, knee_pdf};
 use crate::report::left_out::{LeftOut, Part, Task, attempt};
 use crate::report::render::{self, Renderer};
-use crate::report::residual::residual_pdf;
+use crate::report::residual::{self, residual_pdf};
 use crate::report::table::{Cell, Column, Table};
 use crate::report::tables;
 use crate::report::typeset::Pdf;
+use crate::report::wording::sentence::sentences;
 use crate::stages::compare::GroupComparison;
-use crate::stages::diagnose::findings::{Findings, SCHEMA};
 use crate::stages::fit::{GroupFit, is_usable, split};
 use crate::stages::torque::tidy;
 use serde::Serialize;
@@ -54,20 +56,27 @@ pub fn group_figures(group: &GroupInput, config: &Config) -> Result<Outputs> {
         figures::build(composed, config.report.png_dpi)
     };
     let of_group = build(figures::of_group(group, config));
-    let diagnosis = build(figures::of_diagnosis(group, config));
-    outputs_of_group(of_group, diagnosis)
+    let (kinds, composed) = figures::of_diagnosis(group).into_iter().unzip();
+    outputs_of_group(of_group, kinds, build(composed))
 }
 
-fn outputs_of_group(of_group: Built, of_diagnosis: Built) -> Result<Outputs> {
+fn outputs_of_group(of_group: Built, kinds: Vec<Kind>, of_diagnosis: Built) -> Result<Outputs> {
     let drawn = GroupFigures {
         group: of_group.drawn.into_iter().flatten().collect(),
-        diagnosis: of_diagnosis.drawn.into_iter().flatten().collect(),
+        diagnosis: with_kinds(kinds, of_diagnosis.drawn),
     };
     let left_out: Vec<LeftOut> = [of_group.left_out, of_diagnosis.left_out].concat();
     let mut outputs = below_figures(of_group.files.into_iter().chain(of_diagnosis.files));
     outputs.insert(DRAWN.to_owned(), json_bytes(&drawn)?);
     outputs.insert(LEFT_OUT.to_owned(), json_bytes(&left_out)?);
     Ok(outputs)
+}
+
+/// Drawings with what they show; without those that were left out.
+fn with_kinds(kinds: Vec<Kind>, drawn: Vec<Option<Drawn>>) -> Vec<(Kind, Drawn)> {
+    let both = kinds.into_iter().zip(drawn);
+    both.filter_map(|(kind, drawn)| Some((kind, drawn?)))
+        .collect()
 }
 
 fn below_figures(files: impl IntoIterator<Item = (String, Vec<u8>)>) -> Outputs {
@@ -149,6 +158,7 @@ struct Pictures {
     torque: Vec<Vec<Option<Drawn>>>,
     legs: Vec<Option<Drawn>>,
     once: Vec<Option<Drawn>>,
+    found: residual::Figures,
 }
 
 /// [`Pictures`] with their files, and those that could not be built.
@@ -173,11 +183,21 @@ impl Pictures {
         let torque = campaigns.map(&mut build).collect();
         let legs = build(figures::knee::legs(input));
         let once = build(figures::knee::once(input));
+        let shown = residual::on_the_first_page(input);
+        let budget = figures::compose("budget", || figures::found::budget(&shown));
+        let budget = build(vec![budget]).into_iter().flatten().next();
+        let joints = input.torque().flat_map(|c| &c.diagnoses);
+        let joints = joints.map(|joint| {
+            let (kinds, composed): (Vec<_>, Vec<_>) = figures::of_joint(joint).into_iter().unzip();
+            with_kinds(kinds, build(composed.into_iter().map(Some).collect()))
+        });
+        let joints = joints.collect();
         all.pictures = Pictures {
             traces,
             torque,
             legs,
             once,
+            found: residual::Figures { budget, joints },
         };
         all
     }
@@ -199,7 +219,7 @@ fn documents(
         force_pdf(input, traces, config, figures_left_out, &split_digest).map(Some)
     };
     let audit = || audit_pdf(&audit_of(input), &input.input_digest, date).map(Some);
-    let residual = || residual_pdf(input, date);
+    let residual = || residual_pdf(input, &pictures.found, date);
     let knee = || {
         let figures = knee::Figures {
             campaigns: &pictures.torque,
@@ -251,11 +271,7 @@ fn units_of_extras(input: &ReportInput) -> BTreeMap<String, String> {
 fn findings_json(input: &ReportInput) -> Result<Vec<u8>> {
     let findings = Findings {
         schema: SCHEMA.to_owned(),
-        campaigns: input
-            .findings()
-            .chain(input.torque_findings())
-            .cloned()
-            .collect(),
+        campaigns: input.all_findings().cloned().collect(),
     };
     let mut bytes = serde_json::to_vec_pretty(&findings).map_err(Error::internal)?;
     bytes.push(b'\n');
@@ -334,10 +350,7 @@ fn summary(input: &ReportInput, left_out: &[LeftOut]) -> Result<Vec<u8>> {
         .filter(|r| r.extent == Extent::Log)
         .map(|r| json!({ "session": r.session, "log": r.log, "reason": r.reason }))
         .collect();
-    let verdicts: Vec<_> = input
-        .findings()
-        .map(|f| json!({ "campaign": f.campaign, "diameter_mm": f.diameter_mm, "verdict": f.verdict, "summary": f.summary }))
-        .collect();
+    let verdicts: Vec<_> = input.all_findings().map(verdict_json).collect();
     let summary = json!({
         "schema": "bpa-summary/1",
         "version": env!("CARGO_PKG_VERSION"),
@@ -354,6 +367,16 @@ fn summary(input: &ReportInput, left_out: &[LeftOut]) -> Result<Vec<u8>> {
     let mut bytes = serde_json::to_vec_pretty(&summary).map_err(Error::internal)?;
     bytes.push(b'\n');
     Ok(bytes)
+}
+
+/// The answer of one campaign, pool or joint in `summary.json`.
+fn verdict_json(found: &CampaignFindings) -> serde_json::Value {
+    json!({
+        "campaign": found.campaign, "part": found.part, "diameter_mm": found.diameter_mm, "kind": found.kind,
+        "verdict": found.verdict, "unit": found.unit,
+        "rmse_heldout_before": found.before.rmse_heldout, "rmse_heldout_after": found.after.rmse_heldout,
+        "expected_rmse_heldout": found.expected_rmse_heldout, "sentences": sentences(found),
+    })
 }
 
 /// The logs that the report draws, as positions of session and log: of every campaign of time series the log with most readings that

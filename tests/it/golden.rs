@@ -4,7 +4,7 @@ use crate::support::Bench;
 use std::path::PathBuf;
 
 const SETTINGS: &str = r#"
-leave_out = ["audit", "baselines", "comparison_by_length", "detection_limits", "findings", "fits", "intervals", "knee_arms", "knee_by_hand", "knee_centres", "knee_design", "knee_effects", "knee_errors", "knee_fitting_errors", "knee_fittings", "knee_found", "knee_human", "knee_laws", "knee_models", "knee_stress", "knee_switches", "knee_table1", "knee_tests", "model_comparison", "plateaus", "provenance", "questions", "rejects", "residual_errors", "specimens", "statistics", "table1", "table2", "zeros"]
+leave_out = ["alternatives", "audit", "baselines", "budget", "comparison_by_length", "detection_limits", "findings", "fits", "intervals", "knee_arms", "knee_by_hand", "knee_centres", "knee_design", "knee_effects", "knee_errors", "knee_fitting_errors", "knee_fittings", "knee_found", "knee_human", "knee_laws", "knee_models", "knee_stress", "knee_switches", "knee_table1", "knee_tests", "model_comparison", "plateaus", "provenance", "recording_errors", "rejects", "residual_errors", "scatter", "specimens", "statistics", "table1", "table2", "tested", "zeros"]
 
 [tolerance]
 absolute = 1e-9

@@ -9,6 +9,7 @@ mod coverage;
 mod crash;
 mod declared;
 mod documents;
+mod findings_schema;
 mod formats;
 mod fuzz;
 mod golden;

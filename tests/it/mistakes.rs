@@ -1,6 +1,7 @@
 //! What a laboratory does wrong, done to copies of the real rig sessions where they are present: the loop has to point at it.
 
 use crate::support::{Bench, rig};
+use serde_json::Value;
 use std::path::Path;
 
 /// A copy of some sessions, their `session.toml` changed by `edit` (the session's directory relative to the campaign, the text).
@@ -29,16 +30,19 @@ fn campaign(rig: &Path, name: &str, edit: impl Fn(&str, String) -> String) -> Be
     bench
 }
 
-/// What the first campaign's summary says after a run.
-fn summary(bench: &Bench) -> String {
+/// What was found of the first campaign.
+fn found(bench: &Bench) -> Value {
     let said = bench.run(&["run"]);
     assert_eq!(said.code, 0, "{}", said.err);
     let text = std::fs::read_to_string(bench.root().join("reports/findings.json")).unwrap();
-    let findings: serde_json::Value = serde_json::from_str(&text).unwrap();
-    findings["campaigns"][0]["summary"]
-        .as_str()
-        .unwrap()
-        .to_owned()
+    let findings: Value = serde_json::from_str(&text).unwrap();
+    findings["campaigns"][0].clone()
+}
+
+/// The recording errors of one kind.
+fn errors(found: &Value, kind: &str) -> Vec<Value> {
+    let all = found["recording_errors"].as_array().unwrap();
+    all.iter().filter(|e| e["kind"] == kind).cloned().collect()
 }
 
 const TEN: &str = "isometric-10mm-2022-11";
@@ -57,12 +61,10 @@ fn swapped_columns_of_one_session_are_named() {
             .replace("pressure = { index = 1", "pressure = { index = 0")
             .replace("force = { index = 9", "force = { index = 1")
     });
-    let said = summary(&bench);
-    assert!(
-        said.starts_with("Look at session iso10-2022-11-l182-c50 first"),
-        "{said}"
-    );
-    assert!(said.contains("swapped"), "{said}");
+    let found = found(&bench);
+    let swapped = errors(&found, "swapped_columns");
+    assert_eq!(swapped.len(), 1, "{found}");
+    assert_eq!(swapped[0]["group"], "iso10-2022-11-l182-c50");
 }
 
 #[test]
@@ -77,12 +79,19 @@ fn a_wrong_resting_length_of_one_specimen_is_named_with_its_size() {
             text
         }
     });
-    let said = summary(&bench);
+    let found = found(&bench);
+    let lengths = errors(&found, "length");
+    let of_specimen = lengths.iter().find(|e| e["level"] == "specimen");
+    let of_specimen = of_specimen.unwrap_or_else(|| panic!("{found}"));
     assert!(
-        said.contains("Look at specimen") && said.contains("l182"),
-        "{said}"
+        of_specimen["group"].as_str().unwrap().contains("l182"),
+        "{of_specimen}"
     );
-    assert!(said.contains("a resting length that is -"), "{said}");
+    assert_eq!(of_specimen["quantity"], "rest_length");
+    assert!(
+        of_specimen["value"].as_f64().unwrap() < 0.0,
+        "{of_specimen}"
+    );
 }
 
 #[test]
@@ -96,10 +105,13 @@ fn logs_read_with_the_other_load_cell_s_calibration_are_named() {
             "gain = 0.683, offset = -8.7354, saturation_low = -8.7354",
         )
     });
-    let said = summary(&bench);
+    let found = found(&bench);
+    let units = errors(&found, "unit");
     assert!(
-        said.contains("the whole campaign") && said.contains("calibration"),
-        "{said}"
+        units
+            .iter()
+            .any(|e| e["level"] == "campaign" && e["quantity"] == "force"),
+        "{found}"
     );
 }
 
@@ -116,10 +128,10 @@ fn a_zero_log_that_is_ignored_changes_no_answer() {
             text
         }
     });
-    let said = summary(&bench);
-    // What the campaign shows is found all the same, and the other sessions' zero logs still say what it is.
-    assert!(said.contains("threshold pressure of the bladder"), "{said}");
-    assert!(said.contains("The zero logs of 13 sessions"), "{said}");
+    let found = found(&bench);
+    // What the campaign shows is found all the same.
+    let mut effects = found["effects"].as_array().unwrap().iter();
+    assert!(effects.any(|e| e["id"] == "bladder_threshold"), "{found}");
     let zeros = bench.table("zeros");
     let session = zeros
         .iter()

@@ -116,7 +116,7 @@ fn answers(out: &str, reports: &Path, summary: &serde_json::Value) {
     assert!(out.contains("findings: "), "{out}");
     let findings = std::fs::read(reports.join("findings.json")).unwrap();
     let findings: serde_json::Value = serde_json::from_slice(&findings).unwrap();
-    assert_eq!(findings["schema"], "bpa-findings/1");
+    assert_eq!(crate::findings_schema::complaints(&findings), [""; 0]);
     let all = findings["campaigns"].as_array().unwrap();
     let joints = all.iter().filter(|c| c["kind"] == "knee-torque");
     assert_eq!(
@@ -134,9 +134,14 @@ fn answers(out: &str, reports: &Path, summary: &serde_json::Value) {
     for (k, found) in campaigns.iter().enumerate() {
         let name = found["campaign"].as_str().unwrap();
         let verdict = found["verdict"].as_str().unwrap();
-        assert!(["effect_found", "none", "unexplained"].contains(&verdict));
         assert_eq!(found["simulated"], name.starts_with("simulated"));
         assert_eq!(summary["verdicts"][k]["verdict"], verdict);
+        assert!(
+            !summary["verdicts"][k]["sentences"]
+                .as_array()
+                .unwrap()
+                .is_empty()
+        );
         let diameter = found["diameter_mm"].to_string();
         let of = |r: &&BTreeMap<String, String>| {
             r["campaign"] == name && r["diameter_mm"] == diameter && r["verdict"] == verdict

@@ -3,7 +3,7 @@
 use crate::base::columns::TEMPERATURE;
 use crate::base::row::Row;
 use crate::base::session::Phase;
-use crate::report::figures::words::{plain, verbatim};
+use crate::report::figures::formatting::{plain, verbatim};
 use crate::report::plot::Axis;
 use crate::report::plot::axis::Ticks;
 use std::collections::BTreeSet;

@@ -1,8 +1,8 @@
 //! The error of the new model on each specimen by the fit that has not seen it, beside the best published models.
 
 use crate::config::Config;
+use crate::report::figures::formatting::{largest, specimen_names};
 use crate::report::figures::looks::of_model;
-use crate::report::figures::words::{largest, specimen_names};
 use crate::report::input::GroupInput;
 use crate::report::plot::{
     Axis, Dash, Figure, Ink, Layer, Legend, Panel, SINGLE_MM, Series, Stroke,

@@ -2,10 +2,10 @@
 
 use crate::config::Config;
 use crate::models::{P_620_KPA, new};
+use crate::report::figures::formatting::{millimetres, number};
 use crate::report::figures::laws::{festo, places, published};
 use crate::report::figures::looks::of_isobar;
 use crate::report::figures::readings::{isobars, near};
-use crate::report::figures::words::{millimetres, number};
 use crate::report::input::GroupInput;
 use crate::report::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Mark, Panel, Series, Stroke};
 use crate::stages::fit::SpecimenSummary;

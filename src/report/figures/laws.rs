@@ -2,7 +2,7 @@
 
 use crate::models::{Direction, ForceModel, Prediction, State, festo_tool::FestoTool, new};
 use crate::numerics::jackknife;
-use crate::report::figures::words::symbol;
+use crate::report::figures::formatting::symbol;
 use crate::stages::fit::engine::EquationFit;
 
 /// The published coefficients of these names, for a diameter that has them all.

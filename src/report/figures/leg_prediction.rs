@@ -4,7 +4,7 @@ use crate::predict::Predictor;
 use crate::predict::muscle::mm;
 use crate::predict::torque::{AtAngle, Built};
 use crate::report::figures::Named;
-use crate::report::figures::words::plain;
+use crate::report::figures::formatting::plain;
 use crate::report::plot::{
     Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Legend, Panel, Series, Stroke,
 };

@@ -4,7 +4,7 @@ use crate::base::columns::TIME;
 use crate::draft::{Draft, Guess};
 use crate::formats::overview::place;
 use crate::report::figures::Named;
-use crate::report::figures::words::verbatim;
+use crate::report::figures::formatting::verbatim;
 use crate::report::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Panel, Series, Stroke};
 
 /// Height of a panel, mm.

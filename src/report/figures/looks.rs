@@ -1,6 +1,7 @@
 //! One look for each model in all figures: name, colour, dash and mark, so that none is told by its colour alone.
 
 use crate::report::plot::{Dash, Ink, Mark, Shape, Stroke, look};
+use crate::report::wording::name::model_name;
 use crate::stages::compare::NEW;
 
 /// How a model is drawn.
@@ -80,14 +81,14 @@ const LOOKS: [(&str, &str, Ink, Dash, Shape); 9] = [
     ),
 ];
 
-/// The look of a model; one that is not in the list gets its title without what stands in parentheses, and a look by its place.
+/// The look of a model; one that is not in the list gets its short title, and a look by its place.
 pub fn of_model(id: &str, title: &str, place: usize) -> Look {
     let listed = LOOKS.iter().find(|l| l.0 == id);
     let (name, ink, dash, shape) = match listed {
         Some((_, name, ink, dash, shape)) => (*name, *ink, *dash, *shape),
         None => {
             let (ink, shape, dash) = look(place);
-            (title.split(" (").next().unwrap_or(title), ink, dash, shape)
+            (model_name(id, title), ink, dash, shape)
         }
     };
     Look {
@@ -153,7 +154,7 @@ mod tests {
     fn a_model_that_is_new_here_is_drawn_all_the_same() {
         assert_eq!(
             of_model("next", "Next 2030 (implicit)", 3).name,
-            "Next 2030"
+            "Next 2030 (implicit)"
         );
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::config::Config;
 use crate::models::{P_620_KPA, new};
+use crate::report::figures::formatting::listed;
 use crate::report::figures::laws::{self, Band, festo, misleading, places, published};
-use crate::report::figures::words::listed;
 use crate::report::input::GroupInput;
 use crate::report::plot::{
     Axis, Dash, Figure, Ink, Layer, Mark, Panel, SINGLE_MM, Series, Shape, Stroke,
@@ -211,5 +211,5 @@ impl<'a> Plot<'a> {
 
 /// Whether a maximum comes from readings at other lengths.
 fn is_extrapolated(maximum: &Maximum) -> bool {
-    maximum.method.starts_with("parabola")
+    maximum.method == crate::stages::fit::maxima::ALONG_LENGTH
 }

@@ -1,14 +1,13 @@
 //! The figures, one file each. A figure of a group is one new file and one line in [`OF_GROUP`], or in
-//! [`OF_DIAGNOSIS`] if it shows what was found in the residual.
+//! [`found`] if it shows what was found in the residual.
 //!
 //! A figure that cannot be built is left out and named ([`LeftOut`]); it takes no other with it.
 
-mod asked;
 mod covariates;
-mod empirical;
 mod error_by_model;
 mod error_by_specimen;
-mod heldout;
+mod formatting;
+pub mod found;
 mod isobars;
 pub mod knee;
 mod laws;
@@ -25,7 +24,6 @@ mod readings;
 mod residuals;
 mod rest;
 mod trend;
-mod words;
 
 use crate::base::error::Result;
 use crate::base::names::file_name;
@@ -33,6 +31,7 @@ use crate::config::Config;
 use crate::report::input::{GroupInput, ReportInput};
 use crate::report::left_out::{LeftOut, Part, Task, attempt};
 use crate::report::plot::Figure;
+use crate::stages::torque::diagnose::JointDiagnosis;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -94,14 +93,6 @@ const OF_GROUP: &[(&str, OfGroup)] = &[
     ("residuals", residuals::figure),
 ];
 
-/// Every figure of a diagnosis, in the order of the report.
-const OF_DIAGNOSIS: &[(&str, OfGroup)] = &[
-    ("residual-before", asked::before),
-    ("heldout", heldout::figure),
-    ("residual-after", asked::after),
-    ("empirical", empirical::figure),
-];
-
 /// A figure, or the one that could not be composed.
 pub type Composed = std::result::Result<Named, LeftOut>;
 
@@ -110,9 +101,32 @@ pub fn of_group(group: &GroupInput, config: &Config) -> Vec<Composed> {
     named(OF_GROUP, group, config)
 }
 
-/// The figures of what was found in the residual of one group; none for groups that were not asked.
-pub fn of_diagnosis(group: &GroupInput, config: &Config) -> Vec<Composed> {
-    named(OF_DIAGNOSIS, group, config)
+/// The figures of what was found in the residual of one group; none for groups that were not diagnosed.
+pub fn of_diagnosis(group: &GroupInput) -> Vec<(found::Kind, Composed)> {
+    let Some(diagnosis) = &group.diagnosis else {
+        return Vec::new();
+    };
+    found::figures(&found::Shown {
+        found: &diagnosis.findings,
+        residuals: &diagnosis.residuals,
+        rows: &group.predictions.rows,
+        slug: slug(group),
+    })
+}
+
+/// The figures of what was found of one joint.
+pub fn of_joint(joint: &JointDiagnosis) -> Vec<(found::Kind, Composed)> {
+    let found = &joint.findings;
+    let part = found.part.as_deref().unwrap_or_default();
+    found::figures(&found::Shown {
+        found,
+        residuals: &joint.residuals,
+        rows: &[],
+        slug: file_name(&format!(
+            "{}-{part}-{}mm",
+            found.campaign, found.diameter_mm
+        )),
+    })
 }
 
 fn named(figures: &[(&str, OfGroup)], group: &GroupInput, config: &Config) -> Vec<Composed> {

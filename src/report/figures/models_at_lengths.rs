@@ -2,10 +2,10 @@
 
 use crate::config::Config;
 use crate::models::Prediction;
+use crate::report::figures::formatting::{listed, millimetres, specimen_names};
 use crate::report::figures::laws::places;
 use crate::report::figures::model_curves::{Curve, Model, models};
 use crate::report::figures::readings::near;
-use crate::report::figures::words::{listed, millimetres, specimen_names};
 use crate::report::input::GroupInput;
 use crate::report::plot::style::HAIR_PT;
 use crate::report::plot::{Axis, DOUBLE_MM, Figure, Ink, Mark, Panel, Series, Shape, Stroke};

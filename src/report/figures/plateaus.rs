@@ -4,7 +4,7 @@ use crate::base::columns::{FORCE, PRESSURE, TIME};
 use crate::base::names::file_name;
 use crate::base::row::Row;
 use crate::base::session::Phase;
-use crate::report::figures::words::verbatim;
+use crate::report::figures::formatting::verbatim;
 use crate::report::figures::{Composed, Named, compose};
 use crate::report::input::{ReportInput, SessionInput, Trace};
 use crate::report::plot::{

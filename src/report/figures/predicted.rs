@@ -1,8 +1,8 @@
 //! Measured against predicted force, each reading predicted by the fit that has not seen its specimen, and what is left over.
 
 use crate::config::Config;
+use crate::report::figures::formatting::{largest, specimen_names};
 use crate::report::figures::looks::{MOST_SPECIMENS, of_specimen};
-use crate::report::figures::words::{largest, specimen_names};
 use crate::report::input::GroupInput;
 use crate::report::plot::{Axis, DOUBLE_MM, Figure, Ink, Layer, Mark, Panel, Series, Shape};
 use crate::stages::compare::{NEW, NEW_LOSO};

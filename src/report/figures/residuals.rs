@@ -4,8 +4,8 @@ use crate::base::row::Row;
 use crate::config::Config;
 use crate::numerics::running::normal_plot;
 use crate::report::figures::covariates::{Covariate, covariates};
+use crate::report::figures::formatting::listed;
 use crate::report::figures::trend::{columns, spread, trend};
-use crate::report::figures::words::listed;
 use crate::report::input::GroupInput;
 use crate::report::plot::{
     Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Mark, Panel, Series, Shape, Stroke,

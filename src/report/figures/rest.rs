@@ -3,10 +3,10 @@
 use crate::base::row::Row;
 use crate::config::Config;
 use crate::models::new;
+use crate::report::figures::formatting::number;
 use crate::report::figures::laws::{self, misleading, places, published};
 use crate::report::figures::looks::of_isobar;
 use crate::report::figures::readings::{first_isobars, near};
-use crate::report::figures::words::number;
 use crate::report::input::GroupInput;
 use crate::report::plot::{
     Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Mark, Panel, Series, Shape, Stroke,

@@ -3,11 +3,12 @@
 use super::*;
 use crate::base::row::Row;
 use crate::base::session::Phase;
+use crate::findings::{CampaignFindings, Residuals};
 use crate::models::new;
 use crate::report::plot::units::pt;
+use crate::report::wording::tests::example;
 use crate::stages::compare::compare;
-use crate::stages::diagnose::diagnose;
-use crate::stages::diagnose::findings::Unexplained;
+use crate::stages::diagnose::Diagnosis;
 use crate::stages::fit::{Group, fit_group};
 use std::collections::BTreeMap;
 
@@ -95,10 +96,8 @@ pub(super) fn composed(group: &GroupInput) -> Vec<Named> {
 
 /// The same of its diagnosis.
 pub(super) fn composed_of_diagnosis(group: &GroupInput) -> Vec<Named> {
-    let all = of_diagnosis(group, &Config::default());
-    all.into_iter()
-        .collect::<std::result::Result<_, _>>()
-        .unwrap()
+    let all = of_diagnosis(group).into_iter();
+    all.map(|(_, composed)| composed.unwrap()).collect()
 }
 
 fn figures_of(campaign: &str) -> BTreeMap<String, Named> {
@@ -229,29 +228,46 @@ fn rows_that_are_held_out_stay_out_of_the_residuals() {
 }
 
 #[test]
-fn figures_of_a_diagnosis_are_fit_for_print_and_share_their_axes() {
-    let config = Config::default();
+fn figures_of_a_diagnosis_are_fit_for_print() {
     let mut group = groups().remove(0);
-    let of = group.fit.group.clone();
-    assert!(of_diagnosis(&group, &config).is_empty(), "not asked");
-    group.diagnosis = diagnose(&of, &group.predictions.rows, &config.fit, &config.diagnose);
-    let mut diagnosis = group.diagnosis.clone().unwrap();
-    let halves = diagnosis.residuals.before.iter().map(|r| 0.5 * r);
-    diagnosis.residuals.after = halves.collect();
-    diagnosis.findings.unexplained = vec![Unexplained {
-        column: "humidity_#1".to_owned(),
-        shape: "offset".to_owned(),
-        p_adjusted: 0.001,
-        share_of_residual: 0.4,
-        rmse_heldout_before: None,
-        rmse_heldout_after: None,
-        curve: vec![(30.0, 0.0), (60.0, 2.0)],
-    }];
-    group.diagnosis = Some(diagnosis);
+    assert!(of_diagnosis(&group).is_empty(), "not diagnosed");
+    let readings = group.predictions.rows.len();
+    let wave = |k: usize| libm::sin(k as f64);
+    group.diagnosis = Some(Diagnosis {
+        findings: CampaignFindings {
+            simulated: true,
+            ..example()
+        },
+        residuals: Residuals {
+            session: vec!["s".to_owned(); readings],
+            specimen: (0..readings)
+                .map(|k| format!("specimen-{}", k % 4))
+                .collect(),
+            before: (0..readings).map(|k| 4.0 * wave(k)).collect(),
+            after: (0..readings).map(|k| 2.0 * wave(k)).collect(),
+            conditional: (0..readings).map(wave).collect(),
+            predicted: (0..readings).map(|k| k as f64).collect(),
+            columns: ["humidity", "pressure_kpa", "session"]
+                .map(|name| {
+                    (
+                        name.to_owned(),
+                        (0..readings).map(|k| (k % 7) as f64).collect(),
+                    )
+                })
+                .to_vec(),
+        },
+    });
     let figures = composed_of_diagnosis(&group);
     let names: Vec<&str> = figures.iter().map(|n| n.name.as_str()).collect();
-    let kinds = ["residual-before", "heldout", "residual-after", "empirical"];
-    assert_eq!(names, kinds.map(|k| format!("{k}-five-10mm")));
+    let stems = [
+        "residual-tested",
+        "effects",
+        "scatter",
+        "held-out",
+        "calibration",
+        "unexplained",
+    ];
+    assert_eq!(names, stems.map(|stem| format!("{stem}-five-10mm")));
     for named in &figures {
         let svg = named.draw().unwrap().svg;
         assert!(
@@ -260,18 +276,60 @@ fn figures_of_a_diagnosis_are_fit_for_print_and_share_their_axes() {
             named.name
         );
         assert!(svg.len() < 400_000, "{}: {} bytes", named.name, svg.len());
+        assert!(
+            named.figure.width_mm <= 164.0,
+            "{} hangs over the margins",
+            named.name
+        );
         assert!(named.caption.starts_with("Simulated. "));
         let source = format!("#set page(width: 200mm)\n{}", named.caption);
         let pdf = crate::report::typeset::Document::new(&source).compile();
         assert!(pdf.is_ok(), "{}", named.caption);
     }
-    let axes = |k: usize| -> Vec<_> {
-        let panels = figures[k].figure.panels.iter();
-        panels.map(|p| (p.x.clone(), p.y.clone())).collect()
+}
+
+#[test]
+fn a_pool_of_many_specimens_and_sessions_has_its_figures() {
+    let mut many = example();
+    for scatter in &mut many.scatter {
+        scatter.values = (0..1000)
+            .map(|k| (format!("s{k}"), libm::sin(f64::from(k))))
+            .collect();
+    }
+    let unit = many.by_unit[0].clone();
+    many.by_unit = vec![unit; 1000];
+    let estimate = many.effects[0]
+        .by_specimen
+        .values()
+        .next()
+        .copied()
+        .unwrap();
+    many.effects[0].by_specimen = (0..1000).map(|k| (format!("l{k}"), estimate)).collect();
+    let shown = found::Shown {
+        found: &many,
+        residuals: &Residuals::default(),
+        rows: &[],
+        slug: "many".to_owned(),
     };
-    assert_eq!(
-        axes(0),
-        axes(2),
-        "before and after are seen on the same axes"
-    );
+    let figures = found::figures(&shown);
+    assert!(figures.len() >= 4);
+    for (_, composed) in figures {
+        let named = composed.unwrap();
+        assert!(named.draw().is_ok(), "{}", named.name);
+        assert!(
+            named.figure.height_mm <= 205.0,
+            "{} fits on no page",
+            named.name
+        );
+    }
+}
+
+#[test]
+fn a_budget_of_many_campaigns_is_one_figure() {
+    let (one, mut other) = (example(), example());
+    other.budget[0].source = "mounting".into();
+    let named = found::budget(&[&one, &other, &one]).unwrap();
+    assert!(named.draw().is_ok());
+    other.budget.clear();
+    assert!(found::budget(&[&other]).is_none());
 }

@@ -1,15 +1,16 @@
-//! The effects that were found and the candidates that were not taken.
+//! The effects that were found, the candidates that were tested, and what stays without a name.
 
-use super::words::{newtons, percent};
-use crate::effects;
-use crate::report::answers::{p_words, rounded, size, title};
+use crate::findings::{CampaignFindings, EffectFinding, Tested, Unexplained};
 use crate::report::number::Rounding;
-use crate::stages::diagnose::findings::{CampaignFindings, EffectFinding, Rejected};
+use crate::report::wording::SIGNIFICANT;
+use crate::report::wording::name;
+use crate::report::wording::number::{
+    NONE, equals_probability, error_with_unit, gain, percent, plain, probability, rounded, size,
+};
 use serde::Serialize;
-use std::collections::BTreeSet;
 
-/// Most rejected candidates in print; `findings.json` has all.
-const REJECTED: usize = 8;
+/// Most tested candidates in print; `tested.csv` has all.
+const TESTED: usize = 12;
 
 #[derive(Serialize)]
 pub(super) struct Effect {
@@ -19,77 +20,117 @@ pub(super) struct Effect {
     acts_on: String,
     sizes: Vec<String>,
     others: Vec<String>,
+    negligible: bool,
     facts: Vec<(&'static str, String)>,
-    source: String,
     measurement: String,
+    source: String,
 }
 
-/// What speaks for an effect. Strengths are part of every model and were not searched, so that some of it says nothing of them.
-fn facts(e: &EffectFinding) -> Vec<(&'static str, String)> {
-    let arrow = |a: f64, b: f64| format!("{} → {} N", newtons(a), newtons(b));
-    let p = p_words(e.p_adjusted);
-    let mut facts = vec![("p, corrected", p.trim_start_matches("= ").to_owned())];
-    if e.criterion_gain != 0.0 {
-        let gain = rounded(e.criterion_gain, Rounding::Decimals(1));
-        let again = format!("{} of the resamples", percent(e.selected_in_resamples));
-        let helps = format!("in {} of the folds", percent(e.helps_in_folds));
-        facts.push(("gain in the criterion", gain));
-        let folds = format!("in {} of the folds", percent(e.selected_in_folds));
-        facts.push(("chosen again", again));
-        facts.push(("chosen by their own search", folds));
-        facts.push(("helps", helps));
+pub(super) fn effect(found: &CampaignFindings, e: &EffectFinding) -> Effect {
+    Effect {
+        id: e.id.clone(),
+        title: name::capitalised(&name::effect_with_form(&e.id, &e.form)),
+        equation: e.equation.clone(),
+        acts_on: name::acts_on(e),
+        sizes: e.parameters.iter().map(size).collect(),
+        others: crate::report::wording::sentence::alias_set(e),
+        negligible: e.negligible,
+        facts: facts(found, e),
+        measurement: e.measurement.clone(),
+        source: e.source.clone(),
     }
-    let held_out = arrow(e.rmse_heldout_before, e.rmse_heldout_after);
-    facts.push(("held out, own strength", held_out));
-    facts.push(("training", arrow(e.rmse_before, e.rmse_after)));
+}
+
+fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, String)> {
+    let mut facts = vec![
+        ("family-wise p", probability(e.p_familywise)),
+        ("gain in log-likelihood", gain(e.log_likelihood_gain)),
+        (
+            "found in",
+            format!("{} of the folds", percent(e.found_in_folds)),
+        ),
+        ("RMS on its readings", error_with_unit(e.rms, &found.unit)),
+    ];
+    if let Some(free) = &e.free_form {
+        facts.push(("free form", format!("p {}", equals_probability(free.p))));
+    }
+    if found.misfit.sensitive.contains(&e.id) {
+        facts.push((
+            "misfit prior",
+            "the answer changes where it is halved or doubled".to_owned(),
+        ));
+    }
     facts
 }
 
-pub(super) fn effect(e: &EffectFinding) -> Effect {
-    Effect {
-        id: e.id.clone(),
-        title: e.title.clone(),
-        equation: e.equation.clone(),
-        acts_on: e.acts_on.clone(),
-        sizes: e.parameters.iter().map(size).collect(),
-        others: e
+/// An alias set: its effect, and the likelihood of each other member in its place.
+#[derive(Serialize)]
+pub(super) struct AliasRow {
+    effect: String,
+    /// Member, log-likelihood less that of the effect, cosine of the sensitivities.
+    members: Vec<[String; 3]>,
+}
+
+pub(super) fn alias_sets(found: &CampaignFindings) -> Vec<AliasRow> {
+    let with_others = found.effects.iter().filter(|e| e.class.len() > 1);
+    let row = |e: &EffectFinding| AliasRow {
+        effect: name::effect(&e.id),
+        members: e
             .class
             .iter()
             .filter(|id| **id != e.id)
-            .map(|id| title(id))
+            .map(|id| member(found, e, id))
             .collect(),
-        facts: facts(e),
-        source: e.source.clone(),
-        measurement: e.measurement.clone(),
-    }
+    };
+    with_others.map(row).collect()
 }
 
-/// The title of a candidate, with its form where the effect has several.
-fn titled(r: &Rejected) -> String {
-    let several = effects::index(&r.id).is_some_and(|k| effects::all()[k].forms().len() > 1);
-    match &r.form {
-        Some(form) if several => format!("{} ({form})", title(&r.id)),
-        _ => title(&r.id),
-    }
+fn member(found: &CampaignFindings, e: &EffectFinding, id: &str) -> [String; 3] {
+    let likelihood = e.in_its_place.iter().find(|(other, _)| other == id);
+    let is_pair = |ids: &[String; 2]| ids.contains(&e.id) && ids.iter().any(|other| other == id);
+    let alias = found.aliases.iter().find(|a| is_pair(&a.ids));
+    [
+        name::capitalised(&name::effect(id)),
+        likelihood.map_or_else(|| NONE.to_owned(), |(_, l)| gain(*l)),
+        alias.map_or_else(
+            || NONE.to_owned(),
+            |a| rounded(a.cosine, Rounding::Decimals(3)),
+        ),
+    ]
 }
 
-pub(super) fn rejected(found: &CampaignFindings) -> Vec<[String; 4]> {
-    // A candidate that was chosen first and then failed also stands among those that were not chosen: its first reason says more. One that
-    // failed in one set of effects and was chosen in another was taken.
-    let mut seen = BTreeSet::new();
-    let once = |r: &&Rejected| seen.insert((r.id.clone(), r.acts_on.clone()));
-    let taken = |r: &&Rejected| {
-        let same = |e: &EffectFinding| e.id == r.id && e.acts_on == r.acts_on;
-        found.effects.iter().any(same)
+#[derive(Serialize)]
+pub(super) struct TestedRow {
+    /// Candidate, acts on, size, gain, p.
+    cells: [String; 5],
+    significant: bool,
+}
+
+pub(super) fn tested(found: &CampaignFindings) -> Vec<TestedRow> {
+    let row = |t: &Tested| TestedRow {
+        cells: [
+            if t.is_column {
+                format!("{} (column)", name::column(&t.id))
+            } else {
+                name::effect_with_form(&t.id, &t.form)
+            },
+            name::acts_on_what(t.acts_on).to_owned(),
+            t.amplitude
+                .map_or_else(|| NONE.to_owned(), |a| plain(a, &t.unit)),
+            gain(t.log_likelihood_gain),
+            probability(t.p_familywise),
+        ],
+        significant: t.p_familywise < SIGNIFICANT,
     };
-    let row = |r: &Rejected| {
-        [
-            titled(r),
-            r.acts_on.clone(),
-            percent(r.share),
-            r.why.clone(),
-        ]
-    };
-    let first = found.rejected.iter().filter(|r| !taken(r)).filter(once);
-    first.take(REJECTED).map(row).collect()
+    found.tested.iter().take(TESTED).map(row).collect()
+}
+
+/// Column, share of the variance, gain, p.
+pub(super) fn unexplained(u: &Unexplained) -> [String; 4] {
+    [
+        name::capitalised(&name::column(&u.column)),
+        percent(u.share_of_variance),
+        gain(u.log_likelihood_gain),
+        probability(u.p_familywise),
+    ]
 }

@@ -1,44 +1,25 @@
-//! What the campaign can show and cannot, and what would decide.
+//! What a campaign could not have shown, and what to measure next.
 
-use super::words::{named, newtons, percent};
 use crate::effects;
-use crate::report::answers::{rounded, title, unit_words};
-use crate::report::number::Rounding;
-use crate::stages::diagnose::findings::{
-    Alias, CampaignFindings, DetectionLimit, NextMeasurement, NotMeasurable,
-};
+use crate::findings::{CampaignFindings, DetectionLimit, NextMeasurement, NotMeasurable, WhyNot};
+use crate::report::wording::name;
+use crate::report::wording::number::{percent, plain};
+use crate::report::wording::sentence::{measurement, worth_words};
 use serde::Serialize;
 
-#[derive(Serialize)]
-pub(super) struct Next {
-    separates: Vec<String>,
-    /// For which effect, empty where there is one action for all; and what to do.
-    actions: Vec<(String, String)>,
-    difference: Option<String>,
-}
-
-pub(super) fn limits(found: &CampaignFindings) -> Vec<[String; 4]> {
-    let limit = |l: &DetectionLimit| {
-        let beyond = if l.smallest > largest_possible(l) {
-            ", beyond its bounds"
-        } else {
-            ""
-        };
-        let smallest = rounded(l.smallest, Rounding::Digits(2));
-        let unit = unit_words(&l.unit);
-        let size = if unit.is_empty() {
-            smallest
-        } else {
-            format!("{smallest} {unit}")
-        };
-        [
-            title(&l.id),
-            l.form.clone(),
-            size + beyond,
-            percent(l.visible),
-        ]
+/// Effect, form, smallest detectable size, identifiable share.
+pub(super) fn limit(l: &DetectionLimit) -> [String; 4] {
+    let beyond = if l.smallest > largest_possible(l) {
+        ", beyond its bounds"
+    } else {
+        ""
     };
-    found.detection_limits.iter().map(limit).collect()
+    [
+        name::capitalised(&name::effect(&l.id)),
+        l.form.clone(),
+        plain(l.smallest, &l.unit) + beyond,
+        percent(l.identifiable_share),
+    ]
 }
 
 /// Largest size that the effect's bounds allow.
@@ -51,132 +32,51 @@ fn largest_possible(l: &DetectionLimit) -> f64 {
     })
 }
 
-/// Effects that cannot be shown, those of one reason together.
-pub(super) fn by_reason(found: &CampaignFindings) -> Vec<(String, Vec<String>)> {
-    // Beside an effect that was found, its like leave no trace of their own: they were measured with it.
+/// Effects that cannot be shown for one reason.
+#[derive(Serialize)]
+pub(super) struct Cannot {
+    why: String,
+    effects: Vec<String>,
+}
+
+/// Effects that cannot be shown, those of one reason together. Beside an effect that was found, those of its alias set have no sensitivity
+/// of their own: they were measured with it.
+pub(super) fn not_measurable(found: &CampaignFindings) -> Vec<Cannot> {
     let was_found = |n: &&NotMeasurable| {
         found
             .effects
             .iter()
             .any(|e| e.id == n.id || e.class.contains(&n.id))
     };
-    let list = found.not_measurable.iter().filter(|n| !was_found(n));
-    let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
-    for one in list.filter(|n| wanting(n).is_none()) {
-        match reasons.iter_mut().find(|(why, _)| *why == one.why) {
-            Some((_, ids)) => ids.push(title(&one.id)),
-            None => reasons.push((one.why.clone(), vec![title(&one.id)])),
+    let mut reasons: Vec<Cannot> = Vec::new();
+    for one in found.not_measurable.iter().filter(|n| !was_found(n)) {
+        let (why, effect) = reason(one);
+        match reasons.iter_mut().find(|r| r.why == why) {
+            Some(reason) => reason.effects.push(effect),
+            None => reasons.push(Cannot {
+                why,
+                effects: vec![effect],
+            }),
         }
     }
     reasons
 }
 
-/// What a campaign lacks for an effect to be shown, where that is why it cannot.
-pub(super) fn wanting(one: &NotMeasurable) -> Option<(String, String)> {
-    let what = one.why.strip_prefix("the campaign lacks ")?;
-    Some((title(&one.id), what.to_owned()))
-}
-
-/// Sets of effects of which no two can be told apart, with the smallest cosine between two of them.
-pub(super) fn alike(aliases: &[Alias]) -> Vec<(Vec<String>, String)> {
-    let pairs: Vec<[&str; 2]> = aliases
-        .iter()
-        .map(|a| [a.ids[0].as_str(), a.ids[1].as_str()])
-        .collect();
-    let smallest = |set: &[&str]| {
-        let within = |a: &&Alias| a.ids.iter().all(|id| set.contains(&id.as_str()));
-        let cosines = aliases.iter().filter(within).map(|a| a.cosine.abs());
-        cosines.fold(1.0, f64::min)
-    };
-    cliques(&pairs)
-        .into_iter()
-        .map(|set| {
-            let cosine = rounded(smallest(&set), Rounding::Decimals(2));
-            (set.into_iter().map(title).collect(), cosine)
-        })
-        .collect()
-}
-
-/// Sets whose members all stand in pairs with each other: each pair joins the first set that it completes, or begins one.
-fn cliques<'a>(pairs: &[[&'a str; 2]]) -> Vec<Vec<&'a str>> {
-    let paired =
-        |a: &str, b: &str| a == b || pairs.iter().any(|p| p.contains(&a) && p.contains(&b));
-    let mut sets: Vec<Vec<&str>> = Vec::new();
-    for pair in pairs {
-        let fits = |set: &&mut Vec<&str>| pair.iter().all(|a| set.iter().all(|b| paired(a, b)));
-        match sets.iter_mut().find(fits) {
-            Some(set) => {
-                for id in pair {
-                    if !set.contains(id) {
-                        set.push(id);
-                    }
-                }
-            }
-            None => sets.push(pair.to_vec()),
-        }
-    }
-    sets
-}
-
-/// What would decide; pairs that are told apart by the same measurements together.
-pub(super) fn next(found: &CampaignFindings) -> Vec<Next> {
-    let is_plain = |n: &&NextMeasurement| n.separates.len() == 2 && n.difference_n.is_none();
-    let pairs: Vec<[&str; 2]> = found
-        .next_measurement
-        .iter()
-        .filter(is_plain)
-        .map(|n| [n.separates[0].as_str(), n.separates[1].as_str()])
-        .collect();
-    let sets = cliques(&pairs);
-    let mut list: Vec<Next> = Vec::new();
-    let mut begun: Vec<&[&str]> = Vec::new();
-    for n in &found.next_measurement {
-        let of_pair = |set: &&Vec<&str>| {
-            is_plain(&n) && n.separates.iter().all(|id| set.contains(&id.as_str()))
-        };
-        let set = sets.iter().find(of_pair);
-        let actions: Vec<(String, String)> = n.action.split("; ").map(action).collect();
-        let place = set.and_then(|s| begun.iter().position(|b| *b == s.as_slice()));
-        if let Some(place) = place {
-            for one in actions {
-                if !list[place].actions.contains(&one) {
-                    list[place].actions.push(one);
-                }
-            }
-            continue;
-        }
-        begun.push(set.map_or(&[], Vec::as_slice));
-        let separates = set.map_or_else(
-            || n.separates.iter().map(|s| named(s)).collect(),
-            |set| set.iter().map(|s| named(s)).collect(),
-        );
-        list.push(Next {
-            separates,
-            actions,
-            difference: n.difference_n.map(newtons),
-        });
-    }
-    list
-}
-
-/// `id: what to do`, or what to do.
-fn action(text: &str) -> (String, String) {
-    match text.split_once(": ") {
-        Some((id, what)) if effects::index(id).is_some() => (title(id), what.to_owned()),
-        _ => (String::new(), text.to_owned()),
+/// Why not, and the effect; what was not recorded stands behind the effect, so that all of these are one reason.
+fn reason(one: &NotMeasurable) -> (String, String) {
+    let effect = name::effect(&one.id);
+    match (one.reason, &one.by) {
+        (WhyNot::NoColumn, Some(by)) => (
+            name::NOT_RECORDED.to_owned(),
+            format!("{effect} ({})", name::column(by)),
+        ),
+        _ => (name::why_not(one), effect),
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn pairs_join_only_where_all_members_are_pairs() {
-        assert_eq!(
-            cliques(&[["a", "b"], ["a", "c"], ["b", "c"], ["c", "d"]]),
-            [vec!["a", "b", "c"], vec!["c", "d"]]
-        );
-        assert!(cliques(&[]).is_empty());
-    }
+/// What to measure, what it is worth.
+pub(super) fn next(found: &CampaignFindings) -> Vec<[String; 2]> {
+    let nouns = name::nouns(found);
+    let row = |n: &NextMeasurement| [name::capitalised(&measurement(n, &nouns)), worth_words(n)];
+    found.next_measurement.iter().map(row).collect()
 }

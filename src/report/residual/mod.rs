@@ -1,183 +1,265 @@
-//! The pages of `residual.pdf`: what the residual of every campaign still holds, for somebody who has to decide whether to believe it.
+//! The pages of `residual.pdf`: for every campaign, pool and joint the answer, what the error is made of, and the evidence, for somebody who has
+//! to decide. Everything is made of [`crate::findings`]; what is said in sentences comes from [`super::wording`].
+//!
+//! | module | part of the page |
+//! |---|---|
+//! | [`front`] | the first page: sentences, errors, budget |
+//! | [`effects`] | effects with their facts, alias sets, what was tested, what stays without a name |
+//! | [`groups`] | scatter, misfit, recording errors |
+//! | [`held_out`] | errors by unit, coefficients, alternatives of the law |
+//! | [`limits`] | what could not have been seen, what to measure next |
 
-mod asked;
 mod effects;
-mod errors;
+mod front;
+mod groups;
+mod held_out;
 mod limits;
-mod suspects;
-mod words;
 
 use crate::base::error::Result;
-use crate::report::answers::{size, verdict, verdict_words};
+use crate::findings::CampaignFindings;
+use crate::report::extent::{MOST_GROUPS, MOST_ROWS_ON_PAGES};
 use crate::report::figures::Drawn;
-use crate::report::input::{GroupFigures, GroupInput, ReportInput};
+use crate::report::figures::found::Kind;
+use crate::report::input::ReportInput;
 use crate::report::typeset::{Document, Pdf};
-use crate::stages::diagnose::findings::{CampaignFindings, EffectFinding};
-use asked::{Asked, questions, unexplained};
-use effects::{Effect, effect, rejected};
-use errors::{coefficient, errors, reading, unit};
-use limits::{Next, alike, by_reason, limits, next, wanting};
+use crate::report::wording::name;
+use crate::report::wording::number::unit;
 use serde::Serialize;
-use suspects::{Suspect, summary, suspects};
-use words::perhaps;
 
 const TEMPLATE: &str = include_str!("../templates/residual.typ");
+
+/// Most rows of a table that has one for each held-out unit, or each recording error; the data files have all.
+const MOST_ROWS: usize = 40;
+
+/// The figures that belong to no group of rows.
+#[derive(Clone, Debug, Default)]
+pub struct Figures {
+    /// The budgets of all that is on the first page; none where there is none.
+    pub budget: Option<Drawn>,
+    /// Of every joint, in the order of the input.
+    pub joints: Vec<Vec<(Kind, Drawn)>>,
+}
+
+impl Figures {
+    /// All of them.
+    pub fn all(&self) -> impl Iterator<Item = &Drawn> {
+        let joints = self.joints.iter().flatten().map(|(_, drawn)| drawn);
+        self.budget.iter().chain(joints)
+    }
+}
 
 /// What the template is told.
 #[derive(Serialize)]
 struct Data {
     only_simulated: bool,
+    /// Those with a section.
     campaigns: Vec<Campaign>,
+    /// The errors of these.
+    errors: Vec<front::ErrorRow>,
+    /// Those without a section: name, answer.
+    others: Vec<[String; 2]>,
+    budget: Option<Picture>,
     version: &'static str,
     input: String,
 }
 
+/// A section.
 #[derive(Serialize)]
 struct Campaign {
+    /// What labels of its tables end with.
+    key: String,
     name: String,
-    diameter_mm: u32,
     simulated: bool,
     verdict: &'static str,
     verdict_words: &'static str,
-    /// Mistakes of recording, before everything else.
-    suspects: Vec<Suspect>,
-    summary: String,
-    base: String,
-    counts: [usize; 4],
-    held_out_by: String,
-    before: [String; 4],
-    after: [String; 4],
-    as_chosen: Option<[String; 4]>,
-    empirical: Option<[String; 4]>,
-    /// Whether the empirical corrections lower the held-out error.
-    empirical_helps: bool,
-    noise: String,
+    unit: String,
+    /// One and several of what is held out, one and several set-ups.
+    nouns: [&'static str; 4],
+    answer: front::Said,
+    design: String,
+    budget: Vec<[String; 4]>,
+    expected: String,
+    effects: Vec<effects::Effect>,
+    alias_sets: Vec<effects::AliasRow>,
+    tested: Vec<effects::TestedRow>,
+    tested_in_all: usize,
+    unexplained: Vec<[String; 4]>,
+    scatter: Vec<[String; 6]>,
+    misfit: String,
+    recording_errors: Vec<[String; 6]>,
+    recording_errors_left_out: usize,
+    units: Vec<[String; 8]>,
+    units_left_out: usize,
     black_box: String,
-    black_box_after: String,
-    /// Titles of the effects with their first parameter.
-    short: Vec<String>,
-    effects: Vec<Effect>,
-    rejected: Vec<[String; 4]>,
-    questions: Vec<Asked>,
-    unexplained: Vec<[String; 6]>,
-    units: Vec<[String; 6]>,
-    readings_of_the_base: Vec<[String; 5]>,
-    coefficients: Vec<[String; 6]>,
+    coefficients: Vec<[String; 5]>,
+    alternatives: Vec<[String; 6]>,
+    alternatives_sentence: String,
     limits: Vec<[String; 4]>,
-    /// Why, and which effects.
-    not_measurable: Vec<(String, Vec<String>)>,
-    /// Effects for which the campaign lacks something, and what.
-    wanting: Vec<(String, String)>,
-    /// Effects that cannot be told apart, and the smallest cosine between two of them.
-    aliases: Vec<(Vec<String>, String)>,
-    next: Vec<Next>,
-    notes: Vec<String>,
-    /// Whether it has a section of its own.
-    section: bool,
+    not_measurable: Vec<limits::Cannot>,
+    next: Vec<[String; 2]>,
     figures: Vec<Picture>,
 }
 
 #[derive(Serialize)]
 struct Picture {
-    kind: String,
+    kind: Option<Kind>,
     file: String,
     caption: String,
     alt: String,
+    width_mm: f64,
+}
+
+/// One campaign, pool or joint, with its figures where it has a section.
+struct Entry<'a> {
+    found: &'a CampaignFindings,
+    figures: Option<&'a [(Kind, Drawn)]>,
+}
+
+/// What has a section, in the order of the pages, what was measured before what was simulated: its budget stands on the first page.
+pub fn on_the_first_page(input: &ReportInput) -> Vec<&CampaignFindings> {
+    let groups = input
+        .with_section()
+        .filter_map(|(g, _)| g.diagnosis.as_ref());
+    let joints = input.torque_findings().take(MOST_GROUPS);
+    let mut all: Vec<&CampaignFindings> = groups.map(|d| &d.findings).chain(joints).collect();
+    all.sort_by_key(|found| found.simulated);
+    all
+}
+
+fn entries<'a>(input: &'a ReportInput, figures: &'a Figures) -> Vec<Entry<'a>> {
+    let groups = input.groups.iter().zip(&input.figures);
+    let groups = groups.filter_map(|(group, drawn)| {
+        Some(Entry {
+            found: &group.diagnosis.as_ref()?.findings,
+            figures: drawn.as_ref().map(|d| d.diagnosis.as_slice()),
+        })
+    });
+    let joints = input.torque_findings().enumerate().map(|(k, found)| Entry {
+        found,
+        figures: figures
+            .joints
+            .get(k)
+            .filter(|_| k < MOST_GROUPS)
+            .map(Vec::as_slice),
+    });
+    let mut all: Vec<Entry> = groups.chain(joints).collect();
+    all.sort_by_key(|entry| entry.found.simulated);
+    all
 }
 
 /// Typesets `residual.pdf`. None where nothing was diagnosed.
 ///
 /// # Errors
 /// A template that does not compile.
-pub fn residual_pdf(input: &ReportInput, date: Option<(i32, u8, u8)>) -> Result<Option<Pdf>> {
-    let both = input.groups.iter().zip(&input.figures);
-    let of_group = |(g, f): (&GroupInput, &Option<GroupFigures>)| {
-        Some(campaign(&g.diagnosis.as_ref()?.findings, f.as_ref()))
-    };
-    let campaigns: Vec<Campaign> = both.filter_map(of_group).collect();
-    if campaigns.is_empty() {
+pub fn residual_pdf(
+    input: &ReportInput,
+    figures: &Figures,
+    date: Option<(i32, u8, u8)>,
+) -> Result<Option<Pdf>> {
+    let entries = entries(input, figures);
+    if entries.is_empty() {
         return Ok(None);
     }
+    let with_section = || entries.iter().filter_map(|e| Some((e.found, e.figures?)));
+    let without = entries.iter().filter(|e| e.figures.is_none());
     let data = Data {
-        only_simulated: campaigns.iter().all(|c| c.simulated),
-        campaigns,
+        only_simulated: entries.iter().all(|e| e.found.simulated),
+        campaigns: with_section()
+            .enumerate()
+            .map(|(k, (found, f))| campaign(k, found, f))
+            .collect(),
+        errors: with_section()
+            .flat_map(|(found, _)| front::errors(found))
+            .collect(),
+        others: without
+            .take(MOST_ROWS_ON_PAGES)
+            .map(|e| front::in_short(e.found))
+            .collect(),
+        budget: figures.budget.as_ref().map(|drawn| picture(None, drawn)),
         version: env!("CARGO_PKG_VERSION"),
         input: input.input_digest.clone(),
     };
     let mut document = Document::new(TEMPLATE)
         .data("data.json", &data)?
         .dated(date);
-    for drawn in input.with_section().flat_map(|(_, f)| &f.diagnosis) {
-        document = document.file(&format!("figures/{}.svg", drawn.name), &drawn.svg);
+    let drawn = with_section().flat_map(|(_, f)| f.iter().map(|(_, drawn)| drawn));
+    for drawn in drawn.chain(&figures.budget) {
+        document = document.file(&path(drawn), &drawn.svg);
     }
     document.compile().map(Some)
 }
 
-fn campaign(found: &CampaignFindings, figures: Option<&GroupFigures>) -> Campaign {
-    let refitted = if found.base_refitted {
-        "its coefficients fitted here"
-    } else {
-        "its coefficients as published"
-    };
-    let first = |e: &EffectFinding| {
-        let size = e.parameters.first().map(size).unwrap_or_default();
-        format!("{}: {size}", e.title)
-    };
-    Campaign {
-        name: found.campaign.clone(),
-        diameter_mm: found.diameter_mm,
-        simulated: found.simulated,
-        verdict: verdict(found.verdict),
-        verdict_words: verdict_words(found.verdict),
-        suspects: suspects(found),
-        summary: summary(found),
-        base: format!("{}, {refitted}", found.base_model),
-        counts: [
-            found.readings,
-            found.sessions,
-            found.specimens,
-            found.readings_held_out,
-        ],
-        held_out_by: found.held_out_by.clone(),
-        before: errors(&found.before),
-        after: errors(&found.after),
-        as_chosen: found.after_as_chosen.as_ref().map(errors),
-        empirical: found.after_empirical.as_ref().map(errors),
-        empirical_helps: found
-            .after_empirical
-            .is_some_and(|e| e.rmse_heldout < found.after.rmse_heldout),
-        noise: perhaps(found.noise_floor),
-        black_box: perhaps(found.black_box_rmse_heldout),
-        black_box_after: perhaps(found.black_box_after_rmse_heldout),
-        short: found.effects.iter().map(first).collect(),
-        effects: found.effects.iter().map(effect).collect(),
-        rejected: rejected(found),
-        questions: questions(found),
-        unexplained: unexplained(found),
-        units: found.by_specimen.iter().map(unit).collect(),
-        readings_of_the_base: found.readings_of_the_base.iter().map(reading).collect(),
-        coefficients: found.coefficients.iter().map(coefficient).collect(),
-        limits: limits(found),
-        not_measurable: by_reason(found),
-        wanting: found.not_measurable.iter().filter_map(wanting).collect(),
-        aliases: alike(&found.aliases),
-        next: next(found),
-        notes: found.notes.clone(),
-        section: figures.is_some(),
-        figures: figures.map_or_else(Vec::new, |f| f.diagnosis.iter().map(picture).collect()),
+fn path(drawn: &Drawn) -> String {
+    format!("figures/{}.svg", drawn.name)
+}
+
+fn picture(kind: Option<Kind>, drawn: &Drawn) -> Picture {
+    Picture {
+        kind,
+        file: path(drawn),
+        caption: drawn.caption.clone(),
+        alt: drawn.title.clone(),
+        width_mm: drawn.size_mm.0,
     }
 }
 
-fn picture(drawn: &Drawn) -> Picture {
-    let kinds = ["residual-before", "residual-after", "heldout", "empirical"];
-    let kind = kinds
-        .into_iter()
-        .find(|k| drawn.name.starts_with(k))
-        .unwrap_or_default();
-    Picture {
-        kind: kind.to_owned(),
-        file: format!("figures/{}.svg", drawn.name),
-        caption: drawn.caption.clone(),
-        alt: drawn.title.clone(),
+fn campaign(place: usize, found: &CampaignFindings, figures: &[(Kind, Drawn)]) -> Campaign {
+    let nouns = name::nouns(found);
+    Campaign {
+        key: place.to_string(),
+        name: name::campaign(found),
+        simulated: found.simulated,
+        verdict: name::verdict_id(found.verdict),
+        verdict_words: name::verdict(found.verdict),
+        unit: unit(&found.unit).to_owned(),
+        nouns: [nouns.unit, nouns.units, nouns.setup, nouns.setups],
+        answer: front::answer(found),
+        design: front::design(found),
+        budget: front::budget(found),
+        expected: front::expected(found),
+        effects: found
+            .effects
+            .iter()
+            .map(|e| effects::effect(found, e))
+            .collect(),
+        alias_sets: effects::alias_sets(found),
+        tested: effects::tested(found),
+        tested_in_all: found.tested.len(),
+        unexplained: found.unexplained.iter().map(effects::unexplained).collect(),
+        scatter: found.scatter.iter().map(groups::scatter).collect(),
+        misfit: groups::misfit(found),
+        recording_errors: found
+            .recording_errors
+            .iter()
+            .take(MOST_ROWS)
+            .map(|e| groups::recording_error(found, e))
+            .collect(),
+        recording_errors_left_out: found.recording_errors.len().saturating_sub(MOST_ROWS),
+        units: found
+            .by_unit
+            .iter()
+            .take(MOST_ROWS)
+            .map(|u| held_out::unit(found, u))
+            .collect(),
+        units_left_out: found.by_unit.len().saturating_sub(MOST_ROWS),
+        black_box: held_out::black_box(found),
+        coefficients: found
+            .coefficients
+            .iter()
+            .map(held_out::coefficient)
+            .collect(),
+        alternatives: found
+            .alternatives
+            .iter()
+            .map(|a| held_out::alternative(found, a))
+            .collect(),
+        alternatives_sentence: held_out::alternatives_sentence(found),
+        limits: found.detection_limits.iter().map(limits::limit).collect(),
+        not_measurable: limits::not_measurable(found),
+        next: limits::next(found),
+        figures: figures
+            .iter()
+            .map(|(kind, drawn)| picture(Some(*kind), drawn))
+            .collect(),
     }
 }

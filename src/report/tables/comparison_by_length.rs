@@ -3,7 +3,7 @@
 use crate::report::figures::slug;
 use crate::report::input::{GroupInput, ReportInput};
 use crate::report::table::{Audience, Cell, Column, Rounding, Table};
-use crate::report::tables::model_comparison::short;
+use crate::report::wording::name::model_name;
 
 /// All groups.
 pub fn table(input: &ReportInput) -> Table {
@@ -56,7 +56,7 @@ fn build(groups: Vec<&GroupInput>) -> Table {
                 if again {
                     Cell::Empty
                 } else {
-                    Cell::text(short(&c.title))
+                    Cell::text(model_name(&c.model, &c.title))
                 },
                 Cell::text(&c.split),
                 Cell::text(&s.specimen),

@@ -1,51 +1,72 @@
-//! `detection_limits`: the smallest size of every effect that a campaign would have shown, and what it cannot show at all.
+//! `detection_limits`: the smallest size of every effect that a campaign could have shown, and what it cannot show at all.
 
-use crate::report::answers::finite;
+use super::described::{Of, number, of_all, optional, text};
+use crate::findings::{CampaignFindings, DetectionLimit, NotMeasurable, WhyNot};
 use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Column, Rounding, Table};
+use crate::report::table::{Cell, Rounding, Table};
+use crate::report::wording::number::finite;
+
+/// What a row says.
+enum Line<'a> {
+    Limit(&'a DetectionLimit),
+    Not(&'a NotMeasurable),
+}
+
+type Row<'a> = Of<'a, Line<'a>>;
 
 /// All campaigns.
 pub fn table(input: &ReportInput) -> Table {
     let columns = vec![
-        Column::text("campaign", "Campaign"),
-        Column::number("diameter_mm", "⌀", "mm"),
-        Column::text("id", "Effect"),
-        Column::text("form", "Form"),
-        Column::number("smallest", "Smallest", ""),
-        Column::text("unit", "Unit"),
-        Column::number("visible", "Visible", ""),
-        Column::text("not_measurable", "Not measurable, because"),
+        text("id", "Effect", |r: &Row| match r.one {
+            Line::Limit(l) => Cell::text(&l.id),
+            Line::Not(n) => Cell::text(&n.id),
+        }),
+        text("form", "Form", |r| limit(r, |l| Cell::text(&l.form))),
+        number("smallest", "Smallest", "", |r| {
+            limit(r, |l| finite(l.smallest, Rounding::Digits(2)))
+        }),
+        text("unit", "Unit", |r| limit(r, |l| Cell::text(&l.unit))),
+        number("identifiable_share", "Identifiable share", "", |r| {
+            limit(r, |l| finite(l.identifiable_share, Rounding::Decimals(2)))
+        }),
+        text("not_measurable", "Not measurable", |r| {
+            not(r, |n| Cell::text(reason(n.reason)))
+        }),
+        text("by", "By", |r| not(r, |n| optional(n.by.as_deref()))),
     ];
-    let mut table = Table::new(
-        "detection_limits",
-        "The smallest size of every effect that a campaign would have shown",
-        columns,
+    let caption =
+        "The smallest size of every effect that a campaign would have shown in 80 of 100 cases";
+    of_all(input, ("detection_limits", caption), columns, rows).note(
+        "\\v{Identifiable share}: what the fitted coefficients leave of the effect's sensitivity. \\v{Not measurable}: absorbed by a coefficient or an effect, no column for it, or \
+         beyond its physical bounds.",
     )
-    .note("\\v{Visible}: share of the effect's trace that a refit of the base model leaves.");
-    for found in input.findings() {
-        table.rule();
-        let row = |id: &str, rest: [Cell; 5]| {
-            let campaign = Cell::text(&found.campaign);
-            let diameter = Cell::Integer(i64::from(found.diameter_mm));
-            [campaign, diameter, Cell::text(id)]
-                .into_iter()
-                .chain(rest)
-                .collect()
-        };
-        for limit in &found.detection_limits {
-            let cells = [
-                Cell::text(&limit.form),
-                finite(limit.smallest, Rounding::Digits(2)),
-                Cell::text(&limit.unit),
-                finite(limit.visible, Rounding::Decimals(2)),
-                Cell::Empty,
-            ];
-            table.push(row(&limit.id, cells));
-        }
-        for none in &found.not_measurable {
-            let [a, b, c, d] = [const { Cell::Empty }; 4];
-            table.push(row(&none.id, [a, b, c, d, Cell::text(&none.why)]));
-        }
+}
+
+fn rows(found: &CampaignFindings) -> Vec<Line<'_>> {
+    let limits = found.detection_limits.iter().map(Line::Limit);
+    limits
+        .chain(found.not_measurable.iter().map(Line::Not))
+        .collect()
+}
+
+fn limit(row: &Row, cell: fn(&DetectionLimit) -> Cell) -> Cell {
+    match row.one {
+        Line::Limit(l) => cell(l),
+        Line::Not(_) => Cell::Empty,
     }
-    table
+}
+
+fn not(row: &Row, cell: fn(&NotMeasurable) -> Cell) -> Cell {
+    match row.one {
+        Line::Limit(_) => Cell::Empty,
+        Line::Not(n) => cell(n),
+    }
+}
+
+fn reason(why: WhyNot) -> &'static str {
+    match why {
+        WhyNot::Absorbed => "absorbed",
+        WhyNot::NoColumn => "no_column",
+        WhyNot::Bound => "bound",
+    }
 }

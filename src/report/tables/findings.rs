@@ -1,116 +1,143 @@
-//! `findings`: what every campaign's base model lacks, one row a parameter of an effect.
+//! `findings`: what every campaign's model lacks, one row a parameter of an effect, a column without a name, or a campaign without either.
 
-use crate::report::answers::{finite, verdict};
+use super::described::{self, Of, interval, number, of_all, optional, text};
+use crate::findings::{ActsOn, CampaignFindings, EffectFinding, Parameter, Unexplained};
 use crate::report::input::ReportInput;
-use crate::report::table::{Audience, Cell, Column, Rounding, Table};
-use crate::stages::diagnose::findings::{
-    CampaignFindings, EffectFinding, ParameterFinding, Unexplained,
-};
+use crate::report::table::{Cell, Rounding, Table};
+use crate::report::wording::number::{cells, finite};
 
 /// What stands in the place of an effect where none of the library explains the dependence on a column.
 const UNEXPLAINED: &str = "unexplained";
 
+/// What a row says.
+enum Found<'a> {
+    Effect(&'a EffectFinding, &'a Parameter),
+    Unexplained(&'a Unexplained),
+    Nothing,
+}
+use Found::{Effect, Nothing};
+
+type Row<'a> = Of<'a, Found<'a>>;
+
 /// All campaigns.
 pub fn table(input: &ReportInput) -> Table {
-    let mut table = Table::new(
-        "findings",
-        "What the base model lacks, campaign by campaign",
-        columns(),
+    let columns = vec![
+        described::verdict(),
+        text("effect", "Effect", |r: &Row| match r.one {
+            Effect(e, _) => Cell::text(&e.id),
+            Found::Unexplained(_) => Cell::text(UNEXPLAINED),
+            Nothing => Cell::Empty,
+        }),
+        text("class", "Alias set", |r| {
+            effect(r, |e| Cell::text(e.class.join(" ")))
+        })
+        .for_machines(),
+        text("form", "Form", |r| effect(r, |e| Cell::text(&e.form))).for_machines(),
+        text("acts_on", "Acts on", |r| {
+            effect(r, |e| Cell::text(acts_on(e.acts_on)))
+        })
+        .for_machines(),
+        text("column", "Column", |r: &Row| match r.one {
+            Effect(e, _) => optional(e.column.as_deref()),
+            Found::Unexplained(u) => Cell::text(&u.column),
+            Nothing => Cell::Empty,
+        }),
+        text("from", "From", |r| {
+            effect(r, |e| optional(e.from.as_deref()))
+        })
+        .for_machines(),
+        text("parameter", "Parameter", |r| {
+            parameter(r, |p| Cell::text(&p.name))
+        }),
+        number("value", "Value", "", |r| {
+            parameter(r, |p| size(p)[0].clone())
+        }),
+        interval("ci", "95%", |r| parameter(r, |p| size(p)[1].clone())),
+        text("unit", "Unit", |r| parameter(r, |p| Cell::text(&p.unit))),
+        number("p_familywise", "\\v{p}", "", |r| {
+            both(
+                r,
+                |e| e.p_familywise,
+                |u| u.p_familywise,
+                Rounding::Digits(2),
+            )
+        }),
+        number("log_likelihood_gain", "Gain", "", |r| {
+            both(
+                r,
+                |e| e.log_likelihood_gain,
+                |u| u.log_likelihood_gain,
+                Rounding::Decimals(1),
+            )
+        }),
+        number("found_in_folds", "In folds", "", |r| {
+            effect(r, |e| finite(e.found_in_folds, Rounding::Percent(0)))
+        }),
+        described::flag("negligible", "Negligible", |r| {
+            effect(r, |e| Cell::Flag(e.negligible))
+        })
+        .for_machines(),
+        number("rms", "RMS", "", |r| {
+            effect(r, |e| finite(e.rms, Rounding::Digits(3)))
+        }),
+        number("share_of_variance", "Share", "", |r: &Row| match r.one {
+            Found::Unexplained(u) => finite(u.share_of_variance, Rounding::Decimals(3)),
+            _ => Cell::Empty,
+        })
+        .for_machines(),
+    ];
+    of_all(input, ("findings", "What the model of every campaign lacks"), columns, rows).note(
+        "\\v{p}: probability of a candidate as strong as this anywhere. \\v{Gain}: in marginal log-likelihood, variances estimated again. \\v{In folds}: share of the \
+         held-out searches that find it too. \\v{RMS}: of what it does to the readings, in the unit of the errors. \\v{unexplained}: a dependence on a column for which the library has no effect.",
     )
-    .note(
-        "Held-out errors are without and with this effect, the other effects kept and the strength of the held-out specimen taken off. \
-         \\v{unexplained}: a dependence on a column that no effect of the library explains.",
-    );
-    for found in input.findings() {
-        table.rule();
-        for effect in &found.effects {
-            for parameter in &effect.parameters {
-                table.push(row(found, Some(effect), Some(parameter), None));
-            }
-        }
-        for unexplained in &found.unexplained {
-            table.push(row(found, None, None, Some(unexplained)));
-        }
-        if found.effects.is_empty() && found.unexplained.is_empty() {
-            table.push(row(found, None, None, None));
-        }
+}
+
+fn rows(found: &CampaignFindings) -> Vec<Found<'_>> {
+    let effects = found
+        .effects
+        .iter()
+        .flat_map(|e| e.parameters.iter().map(move |p| Effect(e, p)));
+    let all: Vec<Found> = effects
+        .chain(found.unexplained.iter().map(Found::Unexplained))
+        .collect();
+    if all.is_empty() { vec![Nothing] } else { all }
+}
+
+fn acts_on(acts_on: ActsOn) -> &'static str {
+    match acts_on {
+        ActsOn::All => "all",
+        ActsOn::Levels => "levels",
+        ActsOn::From => "from",
     }
-    table
 }
 
-fn columns() -> Vec<Column> {
-    let machines = |column: Column| column.seen_by(Audience::Machines);
-    vec![
-        Column::text("campaign", "Campaign"),
-        Column::number("diameter_mm", "⌀", "mm"),
-        machines(Column::text("verdict", "Verdict")),
-        Column::text("effect", "Effect"),
-        machines(Column::text("class", "Class")),
-        machines(Column::text("scope", "Scope")),
-        Column::text("acts_on", "Acts on"),
-        Column::text("parameter", "Parameter"),
-        Column::number("value", "Value", ""),
-        Column::interval("ci", "95%", ""),
-        Column::text("unit", "Unit"),
-        Column::number("p_adjusted", "\\v{p}", ""),
-        machines(Column::number("selected_in_folds", "Chosen in folds", "")),
-        machines(Column::number("helps_in_folds", "Helps", "")),
-        Column::number("rmse_heldout_before", "Without", "N"),
-        Column::number("rmse_heldout_after", "With", "N"),
-    ]
-}
-
-fn row(
-    found: &CampaignFindings,
-    effect: Option<&EffectFinding>,
-    parameter: Option<&ParameterFinding>,
-    unexplained: Option<&Unexplained>,
-) -> Vec<Cell> {
-    let text = |x: Option<&str>| x.map_or(Cell::Empty, Cell::text);
-    let number = |x: Option<f64>, rounding| finite(x.unwrap_or(f64::NAN), rounding);
-    let [value, interval] = parameter.map_or([Cell::Empty, Cell::Empty], size);
-    let effect_or = |e: fn(&EffectFinding) -> f64, u: fn(&Unexplained) -> Option<f64>| {
-        effect.map(e).or_else(|| unexplained.and_then(u))
-    };
-    let name = unexplained.map(|_| UNEXPLAINED);
-    vec![
-        Cell::text(&found.campaign),
-        Cell::Integer(i64::from(found.diameter_mm)),
-        Cell::text(verdict(found.verdict)),
-        text(effect.map(|e| e.id.as_str()).or(name)),
-        effect.map_or(Cell::Empty, |e| Cell::text(e.class.join(" "))),
-        text(effect.map(|e| e.scope.as_str())),
-        text(
-            effect
-                .map(|e| e.acts_on.as_str())
-                .or(unexplained.map(|u| u.column.as_str())),
-        ),
-        text(parameter.map(|p| p.name.as_str())),
-        value,
-        interval,
-        text(parameter.map(|p| p.unit.as_str())),
-        number(
-            effect_or(|e| e.p_adjusted, |u| Some(u.p_adjusted)),
-            Rounding::Digits(2),
-        ),
-        number(effect.map(|e| e.selected_in_folds), Rounding::Percent(0)),
-        number(effect.map(|e| e.helps_in_folds), Rounding::Percent(0)),
-        number(
-            effect_or(|e| e.rmse_heldout_before, |u| u.rmse_heldout_before),
-            Rounding::Decimals(2),
-        ),
-        number(
-            effect_or(|e| e.rmse_heldout_after, |u| u.rmse_heldout_after),
-            Rounding::Decimals(2),
-        ),
-    ]
-}
-
-/// A value with its interval; without, where there is none.
-fn size(p: &ParameterFinding) -> [Cell; 2] {
-    if p.ci_low.is_finite() && p.ci_high.is_finite() && p.value.is_finite() {
-        Cell::with_interval(p.value, p.ci_low, p.ci_high)
-    } else {
-        [finite(p.value, Rounding::Digits(3)), Cell::Empty]
+fn effect(row: &Row, cell: fn(&EffectFinding) -> Cell) -> Cell {
+    match row.one {
+        Effect(e, _) => cell(e),
+        _ => Cell::Empty,
     }
+}
+
+fn parameter(row: &Row, cell: fn(&Parameter) -> Cell) -> Cell {
+    match row.one {
+        Effect(_, p) => cell(p),
+        _ => Cell::Empty,
+    }
+}
+
+fn both(
+    row: &Row,
+    e: fn(&EffectFinding) -> f64,
+    u: fn(&Unexplained) -> f64,
+    rounding: Rounding,
+) -> Cell {
+    match row.one {
+        Effect(effect, _) => finite(e(effect), rounding),
+        Found::Unexplained(unexplained) => finite(u(unexplained), rounding),
+        Nothing => Cell::Empty,
+    }
+}
+
+fn size(p: &Parameter) -> [Cell; 2] {
+    cells(p.value, p.ci_low, p.ci_high)
 }

@@ -1,9 +1,12 @@
 //! The tables, one file each. A new table is one new file and one line in [`ALL`].
 
+mod alternatives;
 mod audit;
 mod baselines;
+mod budget;
 mod coefficients;
 mod comparison_by_length;
+mod described;
 mod detection_limits;
 mod findings;
 mod fits;
@@ -15,14 +18,16 @@ mod paper;
 mod plateaus;
 pub mod prediction;
 mod provenance;
-mod questions;
+mod recording_errors;
 mod rejects;
 mod residual_errors;
+mod scatter;
 mod sessions;
 mod specimens;
 mod statistics;
 mod table1;
 mod table2;
+mod tested;
 mod zeros;
 
 use crate::report::input::ReportInput;
@@ -45,9 +50,13 @@ pub const ALL: &[fn(&ReportInput) -> Table] = &[
     model_comparison::table,
     comparison_by_length::table,
     findings::table,
-    questions::table,
+    scatter::table,
+    budget::table,
+    tested::table,
     detection_limits::table,
+    recording_errors::table,
     residual_errors::table,
+    alternatives::table,
     provenance::table,
 ];
 

@@ -3,6 +3,7 @@
 use crate::report::figures::slug;
 use crate::report::input::{GroupInput, ReportInput};
 use crate::report::table::{Audience, Cell, Column, Rounding, Table};
+use crate::report::wording::name::model_name;
 use crate::stages::compare::Comparison;
 
 /// All groups.
@@ -21,11 +22,6 @@ pub fn of_group(group: &GroupInput) -> Table {
     });
     table.id = format!("model_comparison-{}", slug(group));
     table
-}
-
-/// A title without what stands in brackets behind it.
-pub fn short(title: &str) -> &str {
-    title.split(" (").next().unwrap_or(title)
 }
 
 fn build(groups: Vec<&GroupInput>, shown: fn(&Comparison) -> bool) -> Table {
@@ -64,7 +60,7 @@ fn build(groups: Vec<&GroupInput>, shown: fn(&Comparison) -> bool) -> Table {
             let title = if model == Some(&c.model) {
                 Cell::Empty
             } else {
-                Cell::text(short(&c.title))
+                Cell::text(model_name(&c.model, &c.title))
             };
             model = Some(&c.model);
             table.push(vec![

@@ -5,6 +5,7 @@ use crate::base::reading::Reading;
 use crate::base::reject::{Extent, Reject};
 use crate::base::session::{Phase, Session};
 use crate::stages::clean::screen::Screened;
+use crate::stages::clean::steady::CLIPPED;
 use crate::stages::clean::zero::is_clipped;
 
 /// Adds the readings of one log of points; rows at the limit of the converter are left out.
@@ -26,7 +27,7 @@ pub fn readings(
                 last_row: Some(line),
                 count: 1,
                 extent: Extent::Row,
-                reason: "force at the limit of the converter".to_owned(),
+                reason: CLIPPED.to_owned(),
             });
             continue;
         }

@@ -17,7 +17,8 @@ use std::ops::Range;
 
 const TOO_SHORT: &str = "a steady stretch too short to be used";
 const TOO_FEW: &str = "too few samples";
-const CLIPPED: &str = "force at the limit of the converter";
+/// Why a plateau or a row of points is left out that the converter cannot show.
+pub const CLIPPED: &str = "force at the limit of the converter";
 const PRESSURE_DRIFTS: &str = "pressure still drifts";
 const FORCE_DRIFTS: &str = "force still drifts";
 const BETWEEN: &str = "outside the steady windows";

@@ -16,6 +16,7 @@
 //!
 //! Deliberately absent: knowledge of how a campaign was made. The stage sees rows, and the simulator shares no equation with it.
 
+pub mod adapter;
 pub mod answer;
 pub mod base;
 mod belief;
@@ -69,6 +70,15 @@ pub const VERSION: u32 = 1;
 #[derive(Clone, Debug)]
 pub struct Diagnosis {
     /// The answer.
+    pub findings: crate::findings::CampaignFindings,
+    /// One entry a reading.
+    pub residuals: crate::findings::Residuals,
+}
+
+/// The same as `bpa-findings/1`, until [`adapter`] goes.
+#[derive(Clone, Debug)]
+pub struct Former {
+    /// The answer.
     pub findings: CampaignFindings,
     /// One entry a reading.
     pub residuals: Residuals,
@@ -112,6 +122,19 @@ pub fn diagnose(
     fit: &FitOptions,
     options: &DiagnoseOptions,
 ) -> Option<Diagnosis> {
+    former(group, rows, fit, options).map(|old| Diagnosis {
+        findings: adapter::findings(&old.findings, Some(&old.residuals)),
+        residuals: adapter::residuals(old.residuals),
+    })
+}
+
+/// [`diagnose`] with findings of the former schema.
+pub fn former(
+    group: &Group,
+    rows: &[Row],
+    fit: &FitOptions,
+    options: &DiagnoseOptions,
+) -> Option<Former> {
     let searched = |r: &&Row| is_usable(r) && (is_fitted(r) || r.role == Some(Role::Holdout));
     let rows: Vec<&Row> = rows.iter().filter(searched).collect();
     let base = base_model(group, &rows, fit, options)?;

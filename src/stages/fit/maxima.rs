@@ -27,6 +27,9 @@ pub struct Maximum {
     pub method: String,
 }
 
+/// How a maximum was made of readings at other lengths.
+pub const ALONG_LENGTH: &str = "parabola in contraction at 620 kPa";
+
 /// The maximum of every specimen that has rows near it, by specimen id.
 pub fn maxima(rows: &[&Row], options: &FitOptions) -> Vec<Maximum> {
     let mut by_specimen: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
@@ -95,7 +98,7 @@ fn along_length(rows: &[&Row], options: &FitOptions) -> Option<(f64, usize, &'st
         return None;
     }
     let force = polynomial_at_zero(&contractions, &forces, 2)?;
-    Some((force, used.len(), "parabola in contraction at 620 kPa"))
+    Some((force, used.len(), ALONG_LENGTH))
 }
 
 /// The value at zero of the least-squares polynomial of that degree; `None` where the points do not determine it.

@@ -3,7 +3,7 @@
 use super::{angle_axis, over_angle};
 use crate::base::names::file_name;
 use crate::report::figures::Named;
-use crate::report::figures::words::plain;
+use crate::report::figures::formatting::plain;
 use crate::report::plot::{
     Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Mark, Panel, Series, Shape, Stroke,
 };

@@ -58,7 +58,7 @@ fn panel(reference: &Reference, d: &Design) -> Panel {
     for h in references.filter(|h| h.what == Compares::Torque && h.muscle == d.human) {
         let rows = h.rows.iter().step_by(EVERY);
         let marks = rows.map(|r| (r.0.to_degrees(), r.2)).collect();
-        let (name, mark) = if h.against.contains("target") {
+        let (name, mark) = if h.against == crate::stages::torque::reference::human::TARGET {
             ("design target", Mark::open(Shape::Cross, Ink::Grey))
         } else {
             ("OpenSim", Mark::open(Shape::Circle, Ink::Green))

@@ -2,10 +2,10 @@
 
 use super::angle_axis;
 use crate::report::figures::Named;
-use crate::report::figures::words::{number, plain};
+use crate::report::figures::formatting::{number, plain};
 use crate::report::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Mark, Panel, Series, Shape, Stroke};
 use crate::stages::torque::reference::Reference;
-use crate::stages::torque::reference::human::{Compared, Compares};
+use crate::stages::torque::reference::human::{Compared, Compares, TARGET};
 
 /// Name of its files.
 pub const NAME: &str = "knee-human";
@@ -17,7 +17,7 @@ const EVERY: usize = 6;
 pub fn figure(reference: &Reference) -> Named {
     let of = |what: Compares, target: bool| {
         let all = reference.human.iter();
-        all.filter(move |h| h.what == what && h.against.contains("target") == target)
+        all.filter(move |h| h.what == what && (h.against == TARGET) == target)
     };
     let flexor = |h: &&Compared| h.muscle == "bifemsh";
     let title = "Human muscles beside OpenSim";

@@ -3,7 +3,7 @@
 use super::{angle_axis, configuration, over_angle};
 use crate::base::names::file_name;
 use crate::report::figures::Named;
-use crate::report::figures::words::largest;
+use crate::report::figures::formatting::largest;
 use crate::report::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Panel, Series, Stroke};
 use crate::stages::torque::diagnose::JointDiagnosis;
 use crate::stages::torque::diagnose::curves::BeforeAfter;

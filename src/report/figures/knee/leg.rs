@@ -2,7 +2,7 @@
 
 use super::{angle_axis, over_angle};
 use crate::report::figures::Named;
-use crate::report::figures::words::{number, plain};
+use crate::report::figures::formatting::{number, plain};
 use crate::report::plot::{
     Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Legend, Mark, Panel, Series, Shape, Stroke,
 };

@@ -89,7 +89,7 @@ fn row(joint: &JointDiagnosis, test: &TestErrors) -> Vec<Cell> {
         Cell::text(&test.specimen),
         Cell::Flag(test.fitted),
         Cell::Flag(test.in_largest),
-        Cell::text(crate::report::answers::verdict(found.verdict)),
+        Cell::text(crate::report::wording::name::verdict_id(found.verdict)),
         test.before
             .map_or(Cell::Empty, |s| Cell::Integer(s.n as i64)),
     ];

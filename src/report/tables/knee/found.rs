@@ -1,11 +1,12 @@
 //! `knee_found`: the effects that the loop found, with their sizes.
 
 use super::named;
-use crate::report::answers::{self, verdict, verdict_words};
+use crate::findings::{EffectFinding, Parameter};
 use crate::report::input::ReportInput;
 use crate::report::number::Rounding;
 use crate::report::table::{Audience, Cell, Column, Table};
-use crate::stages::diagnose::findings::{EffectFinding, ParameterFinding};
+use crate::report::wording::name::{effect_with_form, verdict, verdict_id};
+use crate::report::wording::number::{cells, finite, unit};
 use crate::stages::torque::CampaignTorque;
 use crate::stages::torque::diagnose::JointDiagnosis;
 
@@ -37,18 +38,15 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
             machines(Column::text("unit", "Unit")),
             Column::text("unit_words", "Unit").seen_by(Audience::People),
             Column::number("stiffness_n_m", "1/\\v{C}", "N/m"),
-            Column::number("p_adjusted", "\\v{p}", ""),
-            Column::number("chosen_again", "Again", "%"),
-            Column::number("rmse_held_out_without_nm", "Without", "N.m"),
-            Column::number("rmse_held_out_with_nm", "With", "N.m"),
-            machines(Column::text("class", "Class")),
+            Column::number("p_familywise", "\\v{p}", ""),
+            machines(Column::number("log_likelihood_gain", "Gain", "")),
+            machines(Column::number("found_in_folds", "In folds", "%")),
+            Column::number("rms_nm", "RMS", "N.m"),
+            machines(Column::text("class", "Alias set")),
         ],
     )
-    .span("Held out, set kept", "rmse_held_out_without_nm", "rmse_held_out_with_nm")
     .note(
-        "Held out, set kept: RMSE on what took no part (actuators, or tests or stretches of the angle where there is one), sizes fitted without it, without the effect and with it; \
-         everywhere else the search itself is made without what is held out. \
-         Again: searches without one test (or stretch) that choose the effect or one that leaves its trace.",
+        "\\v{p}: probability of a candidate as strong as this anywhere. RMS: of what it does to the torques.",
     );
     for campaign in campaigns {
         for joint in &campaign.diagnoses {
@@ -68,38 +66,35 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
 fn row(joint: &JointDiagnosis, effect: Option<&EffectFinding>) -> Vec<Cell> {
     let found = &joint.findings;
     let text = |of: fn(&EffectFinding) -> String| effect.map_or(Cell::Empty, |e| Cell::text(of(e)));
-    let number = |rounding: Rounding, of: fn(&EffectFinding) -> f64| {
-        let value = effect.map(of).filter(|x| x.is_finite());
-        Cell::number(value, rounding)
-    };
+    let number =
+        |rounding: Rounding, of: fn(&EffectFinding) -> f64| finite(effect.map(of), rounding);
+    let parameter = effect.and_then(|e| e.parameters.first());
+    let words = |of: fn(&Parameter) -> &str| parameter.map_or(Cell::Empty, |p| Cell::text(of(p)));
     let mut row = vec![
         Cell::text(&found.campaign),
         Cell::text(found.part.as_deref().unwrap_or_default()),
         Cell::Integer(i64::from(found.diameter_mm)),
-        Cell::text(verdict(found.verdict)),
+        Cell::text(verdict_id(found.verdict)),
         text(|e| e.id.clone()),
         text(|e| e.form.clone()),
-        effect.map_or(Cell::text(verdict_words(found.verdict)), |e| {
-            Cell::text(&e.title)
+        effect.map_or(Cell::text(verdict(found.verdict)), |e| {
+            Cell::text(effect_with_form(&e.id, &e.form))
         }),
     ];
-    let parameter = effect.and_then(|e| e.parameters.first());
-    row.extend(parameter.map_or([Cell::Empty, Cell::Empty], size));
+    row.extend(parameter.map_or([Cell::Empty, Cell::Empty], |p| {
+        cells(p.value, p.ci_low, p.ci_high)
+    }));
     row.extend([
-        text(|e| e.parameters[0].unit.clone()),
-        text(|e| answers::unit_words(&e.parameters[0].unit)),
+        words(|p| &p.unit),
+        words(|p| unit(&p.unit)),
         number(Rounding::Digits(2), stiffness),
-        number(Rounding::Digits(2), |e| e.p_adjusted),
-        number(Rounding::Decimals(0), |e| 100.0 * e.selected_in_resamples),
-        number(Rounding::Decimals(2), |e| e.rmse_heldout_before),
-        number(Rounding::Decimals(2), |e| e.rmse_heldout_after),
+        number(Rounding::Digits(2), |e| e.p_familywise),
+        number(Rounding::Decimals(1), |e| e.log_likelihood_gain),
+        number(Rounding::Decimals(0), |e| 100.0 * e.found_in_folds),
+        number(Rounding::Decimals(2), |e| e.rms),
         text(|e| e.class.join(" ")),
     ]);
     row
-}
-
-fn size(p: &ParameterFinding) -> [Cell; 2] {
-    Cell::with_interval(p.value, p.ci_low, p.ci_high)
 }
 
 /// Of a compliance in um/N its stiffness in N/m; of others none.

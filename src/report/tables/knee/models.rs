@@ -3,6 +3,7 @@
 use super::{decimals, named};
 use crate::report::input::ReportInput;
 use crate::report::table::{Audience, Cell, Column, Table};
+use crate::report::wording::name::model_author;
 use crate::stages::torque::CampaignTorque;
 use crate::stages::torque::errors::{Basis, Errors};
 
@@ -22,14 +23,13 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
         Column::text("campaign", "Campaign").seen_by(Audience::Machines),
         Column::text("session", "Test"),
     ];
-    let short = |title: &str| title.split([' ', ',']).next().unwrap_or(title).to_owned();
     columns.extend(models.iter().map(|m| {
         let heading = match m.id() {
-            "new_published" => "New".to_owned(),
-            "knee_paper" => "Knee paper".to_owned(),
-            _ => short(m.title()),
+            "new_published" => "New",
+            "knee_paper" => "Knee paper",
+            id => model_author(id, m.title()),
         };
-        Column::number(m.id(), &heading, "")
+        Column::number(m.id(), heading, "")
     }));
     let mut table = Table::new(
         "knee_models",

@@ -21,7 +21,7 @@ use super::model::{Fitted, Model, Place};
 use super::search::{Search, State};
 use super::term::{Term, What};
 use super::uncertainty::{Uncertainty, uncertainties};
-use super::{Diagnosis, Work, noise, questions, train_error};
+use super::{Former, Work, noise, questions, train_error};
 use crate::models::{ForceModel, new};
 use std::collections::BTreeSet;
 use strengths::Strengths;
@@ -70,7 +70,7 @@ fn chosen_terms(work: &Work) -> Vec<Term> {
 }
 
 /// The answer.
-pub(super) fn answer(work: &Work) -> Diagnosis {
+pub(super) fn answer(work: &Work) -> Former {
     let thin = work.train.thinned(work.options.most_readings);
     let search = Search::new(
         work.base,
@@ -155,7 +155,7 @@ pub(super) fn answer(work: &Work) -> Diagnosis {
         coefficients: coefficients(work, &fits.null, full, fitted, &fits.uncertain),
         notes,
     };
-    Diagnosis {
+    Former {
         findings,
         residuals: residuals(work, &fits),
     }

@@ -39,6 +39,7 @@ mod words;
 use crate::base::random::Stream;
 use crate::base::session::Role;
 use crate::models::{ForceModel, published};
+use crate::stages::diagnose::adapter;
 use crate::stages::diagnose::findings::CampaignFindings;
 use crate::stages::torque::Configuration;
 use crate::stages::torque::build::Build;
@@ -71,9 +72,12 @@ const STRETCHES: usize = 5;
 
 /// What was found of one joint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct JointDiagnosis {
+pub struct JointDiagnosis<Findings = crate::findings::CampaignFindings> {
     /// The findings.
-    pub findings: CampaignFindings,
+    pub findings: Findings,
+    /// One entry a reading of the search; empty where a figure of it means nothing.
+    #[serde(default)]
+    pub residuals: crate::findings::Residuals,
     /// Errors by test.
     pub tests: Vec<TestErrors>,
     /// What the measurers reached by hand, where they had the actuator.
@@ -115,6 +119,27 @@ pub fn diagnose(
     found: &[(Build, Configuration)],
     confidence: f64,
 ) -> Vec<JointDiagnosis> {
+    let now = |old: Former| JointDiagnosis {
+        findings: adapter::findings(&old.findings, None),
+        residuals: old.residuals,
+        tests: old.tests,
+        by_hand: old.by_hand,
+        curves: old.curves,
+    };
+    let joints = former(campaign, simulated, found, confidence);
+    joints.into_iter().map(now).collect()
+}
+
+/// [`JointDiagnosis`] with findings of the former schema, until the adapter goes.
+pub type Former = JointDiagnosis<CampaignFindings>;
+
+/// [`diagnose`] with findings of the former schema.
+pub fn former(
+    campaign: &str,
+    simulated: bool,
+    found: &[(Build, Configuration)],
+    confidence: f64,
+) -> Vec<Former> {
     let mut joints: Vec<Vec<&(Build, Configuration)>> = Vec::new();
     for member in found {
         let same = |(b, c): &(Build, Configuration)| {
@@ -231,7 +256,7 @@ fn known_of(sets: &[search::Ranked]) -> Known {
     sets.iter().map(named).collect()
 }
 
-fn one(campaign: &str, simulated: bool, group: &Group, confidence: f64) -> Option<JointDiagnosis> {
+fn one(campaign: &str, simulated: bool, group: &Group, confidence: f64) -> Option<Former> {
     let readings = group.searched_readings();
     if readings.len() < FEWEST_READINGS {
         return None;
@@ -282,6 +307,7 @@ fn one(campaign: &str, simulated: bool, group: &Group, confidence: f64) -> Optio
     let curves = curves::curves(group, &whole.accepted.sizes, &held_out, fold);
     Some(JointDiagnosis {
         findings,
+        residuals: crate::findings::Residuals::default(),
         by_hand: match simulated {
             true => Vec::new(),
             false => measurers::beside(group, &tests),

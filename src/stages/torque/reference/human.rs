@@ -53,7 +53,8 @@ pub struct Compared {
 }
 
 const OPENSIM: &str = "OpenSim, Gait2392";
-const TARGET: &str = "design target";
+/// What a torque is compared with where a designer asked for it.
+pub const TARGET: &str = "design target";
 
 const WHY_FLEXOR: &str = "the rounding of the exported file";
 const WHY_VASTI: &str =

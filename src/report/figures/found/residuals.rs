@@ -1,29 +1,32 @@
-//! The residual against every column that it was asked about, before and after the effects: two figures with the same axes.
+//! The residual against the columns that were tested: without effects, with them, and with the predicted values of the random effects too;
+//! rows of panels with the same axes.
 
+use super::super::formatting::plain;
+use super::{Shown, TEXT_MM};
 use crate::base::row::{NO_LABEL, Row, label_names};
-use crate::config::Config;
-use crate::report::answers::{SIGNIFICANT, p_words};
+use crate::findings::{Residuals, Tested};
 use crate::report::figures::trend::{spread, trend};
-use crate::report::figures::words::plain;
-use crate::report::input::GroupInput;
 use crate::report::plot::axis::{Span, Ticks};
-use crate::report::plot::{Axis, DOUBLE_MM, Figure, Ink, Layer, Mark, Panel, Series, Shape};
-use crate::stages::diagnose::Diagnosis;
-use crate::stages::diagnose::findings::Question;
+use crate::report::plot::{Axis, Figure, Ink, Layer, Mark, Panel, Series, Shape};
+use crate::report::wording::SIGNIFICANT;
+use crate::report::wording::number::equals_probability;
 use std::collections::BTreeSet;
 
 /// The column of the diagnosis that says of which sessions the zero of the force is not known, 0 or 1.
 const ZERO_UNKNOWN: &str = "zero_unknown";
 /// Most readings drawn in a panel; the medians are those of all.
-const DRAWN: usize = 700;
-/// Panels beyond these are left out, the least explained first.
-const MOST_PANELS: usize = 10;
-/// Height of a row of panels, mm.
-const ROW_MM: f64 = 35.0;
+const DRAWN: usize = 500;
+/// Most columns; the most telling are shown.
+const MOST_COLUMNS: usize = 5;
+/// Height of a row of panels, and of what is around them, mm.
+const ROW_MM: f64 = 29.0;
+const AROUND_MM: f64 = 10.0;
 /// Width of a dot where there are many readings and where there are few, mm.
 const DOT_MM: [f64; 2] = [0.6, 1.0];
 /// Up to so many readings are few.
 const FEW: usize = 250;
+/// Columns that are shown where nothing was more telling.
+const PLAIN: [&str; 3] = ["force_n", "pressure_kpa", "contraction_rel"];
 /// Up to so many specimens have a colour each.
 const COLOURS: [Ink; 6] = [
     Ink::Blue,
@@ -34,108 +37,86 @@ const COLOURS: [Ink; 6] = [
     Ink::Sky,
 ];
 
-/// The residual of the base model.
-pub fn before(group: &GroupInput, _config: &Config) -> Option<(String, Figure)> {
-    let diagnosis = group.diagnosis.as_ref()?;
-    let caption = caption(group, diagnosis, "the base model");
-    let title = format!("Residual before, {}", group.fit.group.campaign);
-    let shown = Shown {
-        residuals: &diagnosis.residuals.before,
-        questions: &diagnosis.findings.questions,
-    };
-    let figure = figure(group, diagnosis, &shown, &title)?;
-    Some((caption, figure))
-}
-
-/// The residual of the model with the effects; none where nothing was added.
-pub fn after(group: &GroupInput, _config: &Config) -> Option<(String, Figure)> {
-    let diagnosis = group.diagnosis.as_ref()?;
-    let residuals = &diagnosis.residuals;
-    if residuals.before == residuals.after {
+/// The figure; none where there are no residuals.
+pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
+    let columns = columns(shown);
+    if shown.residuals.before.is_empty() || columns.is_empty() {
         return None;
     }
-    let mut model = "the model with the effects".to_owned();
-    if diagnosis.findings.after_empirical.is_some() {
-        model.push_str(" and the empirical corrections");
-    }
-    let caption = format!(
-        "{} Axes, grey strips and colours are those of the residual before.",
-        caption(group, diagnosis, &model)
-    );
-    let title = format!("Residual after, {}", group.fit.group.campaign);
-    let shown = Shown {
-        residuals: &residuals.after,
-        questions: &diagnosis.findings.questions_after,
-    };
-    let figure = figure(group, diagnosis, &shown, &title)?;
-    Some((caption, figure))
-}
-
-/// What one of the two figures shows.
-struct Shown<'a> {
-    residuals: &'a [f64],
-    questions: &'a [Question],
-}
-
-fn figure(group: &GroupInput, diagnosis: &Diagnosis, shown: &Shown, title: &str) -> Option<Figure> {
-    let mut asked = panels(group, diagnosis);
-    for a in &mut asked {
-        a.question = shown.questions.iter().find(|q| q.column == a.name);
-    }
-    if asked.is_empty() {
-        return None;
-    }
-    let in_a_row = columns(asked.len());
-    let mut figure = Figure::new(title, DOUBLE_MM, 0.0)
-        .grid(in_a_row)
+    let rows = rows(shown.residuals);
+    let title = format!("Residual against what was tested, {}", shown.found.campaign);
+    let height = AROUND_MM + ROW_MM * rows.len() as f64;
+    let mut figure = Figure::new(&title, TEXT_MM, height)
+        .grid(columns.len())
         .shared_legend();
-    for (k, asked) in asked.iter().enumerate() {
-        let mut panel = panel(diagnosis, shown.residuals, asked);
-        if k % in_a_row > 0 {
-            panel.y = panel.y.bare();
+    figure.lettered = false;
+    for (r, row) in rows.iter().enumerate() {
+        for (k, column) in columns.iter().enumerate() {
+            let mut panel = panel(shown, row, column, r == 0);
+            if k > 0 {
+                panel.y = panel.y.bare();
+            }
+            if r + 1 < rows.len() {
+                panel.x = panel.x.bare();
+            }
+            figure = figure.with(panel);
         }
-        figure = figure.with(panel);
     }
-    figure.height_mm = 12.0 + ROW_MM * asked.len().div_ceil(in_a_row) as f64;
-    Some(figure)
+    Some((caption(shown, &rows), figure))
 }
 
-/// Panels in a row: two rows at most, so that the figure before and the one after leave room for words.
-fn columns(panels: usize) -> usize {
-    match panels {
-        0..=4 => panels.max(1),
-        more => more.div_ceil(2),
-    }
+/// One residual of every reading, and what it is called on the axis.
+struct OneResidual<'a> {
+    name: &'static str,
+    values: &'a [f64],
 }
 
-/// A column with the question about it; none where the strengths of the specimens answer for it.
-struct Asked<'a> {
+/// The residuals that differ: that without effects first.
+fn rows(residuals: &Residuals) -> Vec<OneResidual<'_>> {
+    let all = [
+        ("Before", &residuals.before),
+        ("After", &residuals.after),
+        ("Own values", &residuals.conditional),
+    ];
+    let mut rows: Vec<OneResidual> = Vec::new();
+    for (name, values) in all {
+        let new = rows.iter().all(|r| r.values != values.as_slice());
+        if new && values.len() == residuals.before.len() {
+            rows.push(OneResidual { name, values });
+        }
+    }
+    rows
+}
+
+/// A column with its test; none where it was not tested by itself.
+struct Tried<'a> {
     name: &'a str,
     values: &'a [f64],
-    question: Option<&'a Question>,
+    tested: Option<&'a Tested>,
     /// What its values stand for, from the smallest, in a column of words.
     words: Vec<String>,
 }
 
-/// The columns to show: what is not asked about and names no specimen says little.
-fn panels<'a>(group: &GroupInput, diagnosis: &'a Diagnosis) -> Vec<Asked<'a>> {
-    let questions = &diagnosis.findings.questions;
-    let columns = diagnosis.residuals.columns.iter();
-    let mut asked: Vec<Asked> = columns
-        .map(|(name, values)| Asked {
+/// The columns to show: those that a test found first, then those that everybody looks for, then the others by their gain.
+fn columns<'a>(shown: &'a Shown) -> Vec<Tried<'a>> {
+    let tested = |name: &str| {
+        let mut all = shown.found.tested.iter();
+        all.find(|t| t.is_column && t.id == name)
+    };
+    let all = shown.residuals.columns.iter();
+    let mut columns: Vec<Tried> = all
+        .map(|(name, values)| Tried {
             name,
             values,
-            question: questions.iter().find(|q| q.column == *name),
-            words: words(&group.predictions.rows, name, values),
+            tested: tested(name),
+            words: words(shown.rows, name, values),
         })
-        .filter(|a| a.name != "log" || a.is_significant())
         .collect();
-    while asked.len() > MOST_PANELS {
-        let share = |a: &Asked| a.question.map_or(0.0, |q| q.share);
-        let least = (0..asked.len()).min_by(|a, b| share(&asked[*a]).total_cmp(&share(&asked[*b])));
-        asked.remove(least.unwrap_or(0));
-    }
-    asked
+    let rank = |t: &Tried| (!t.is_significant(), !PLAIN.contains(&t.name));
+    let gain = |t: &Tried| t.tested.map_or(0.0, |t| t.log_likelihood_gain);
+    columns.sort_by(|a, b| rank(a).cmp(&rank(b)).then(gain(b).total_cmp(&gain(a))));
+    columns.truncate(MOST_COLUMNS);
+    columns
 }
 
 /// The words of a column of labels in their order, which is that of the numbers that stand for them; none if they do not match.
@@ -166,9 +147,9 @@ fn levels(values: &[f64]) -> Vec<f64> {
     levels
 }
 
-impl Asked<'_> {
+impl Tried<'_> {
     fn is_significant(&self) -> bool {
-        self.question.is_some_and(|q| q.p_adjusted < SIGNIFICANT)
+        self.tested.is_some_and(|t| t.p_familywise < SIGNIFICANT)
     }
 
     /// Whether its values stand for names.
@@ -190,15 +171,14 @@ impl Asked<'_> {
     }
 
     fn title(&self) -> String {
-        match self.question {
-            Some(q) => format!("\\v{{p}} {}", p_words(q.p_adjusted)),
-            None => "not asked".to_owned(),
-        }
+        self.tested.map_or_else(String::new, |t| {
+            format!("\\v{{p}} {}", equals_probability(t.p_familywise))
+        })
     }
 
     fn axis(&self, (low, high): (f64, f64)) -> Axis {
         let mut label = label(self.name);
-        // Columns of the user's own are asked about in standard deviations from their mean.
+        // Columns of the user's own are tested in standard deviations from their mean.
         if label == plain(self.name) && self.words.is_empty() {
             label.push_str(" (s.d.)");
         }
@@ -261,33 +241,37 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
         })
 }
 
-fn panel(diagnosis: &Diagnosis, residuals: &[f64], asked: &Asked) -> Panel {
-    let values = asked.shown();
+fn panel(shown: &Shown, row: &OneResidual, column: &Tried, first: bool) -> Panel {
+    let values = column.shown();
     let ends = range(values.iter().copied());
-    let both = &diagnosis.residuals;
+    let both = shown.residuals;
     let (low, high) = range(both.before.iter().chain(&both.after).copied());
     let margin = 0.04 * (high - low);
-    let y = Axis::new("Residual (N)").fixed(low - margin, high + 3.0 * margin);
-    let mut panel = Panel::new(asked.axis(ends), y).title(&asked.title());
-    if asked.is_significant() {
+    let y = Axis::new(&format!("{} ({})", row.name, shown.unit()));
+    let y = y.fixed(low - margin, high + 3.0 * margin);
+    let mut panel = Panel::new(column.axis(ends), y);
+    if first {
+        panel = panel.title(&column.title());
+    }
+    if first && column.is_significant() {
         let strip = |x: f64| (x, high + 1.5 * margin, high + 3.0 * margin);
         let wide = ends.1 - ends.0 + 9.0;
-        let name = "the residual depends on this column";
+        let name = "the error depends on this column";
         let points = vec![strip(ends.0 - wide), strip(ends.1 + wide)];
         panel = panel.with(Layer::band(name, points, Ink::Black));
     }
     panel = panel.with(Layer::zero());
-    let places = if asked.is_named() {
+    let places = if column.is_named() {
         spread(&values)
     } else {
         values.clone()
     };
-    let width = DOT_MM[usize::from(residuals.len() <= FEW)];
-    for ((ink, name), points) in by_specimen(&both.specimen, &places, residuals) {
+    let width = DOT_MM[usize::from(row.values.len() <= FEW)];
+    for ((ink, name), points) in by_specimen(&both.specimen, &places, row.values) {
         let mark = Mark::filled(Shape::Dot, ink).wide(width);
         panel = panel.with(Series::marks(&name, points, mark));
     }
-    panel.with(trend(&values, residuals, asked.is_named()))
+    panel.with(trend(&values, row.values, column.is_named()))
 }
 
 type Cloud = ((Ink, String), Vec<(f64, f64)>);
@@ -316,23 +300,20 @@ fn by_specimen(specimens: &[String], places: &[f64], residuals: &[f64]) -> Vec<C
     clouds
 }
 
-fn caption(group: &GroupInput, diagnosis: &Diagnosis, model: &str) -> String {
-    let readings = diagnosis.residuals.before.len();
+fn caption(shown: &Shown, rows: &[OneResidual]) -> String {
+    let readings = shown.residuals.before.len();
     let every = readings.div_ceil(DRAWN).max(1);
     let drawn = match every {
         1 => String::new(),
         n => format!(" One reading in {n} is drawn, the medians are those of all."),
     };
-    let unasked = if panels(group, diagnosis)
-        .iter()
-        .any(|a| a.question.is_none())
-    {
-        " What is constant within every specimen is not asked: the strengths of the specimens answer for it."
+    let own = if rows.iter().any(|r| r.values == shown.residuals.conditional.as_slice()) {
+        " _Own values_: the predicted gains, lengths and zeros taken into account too, which are in sample."
     } else {
         ""
     };
     format!(
-        "Residual (measured force minus that of {model}, no specimen with a strength of its own) of {readings} readings, against what it \
-         was asked about; _p_ is corrected for the number of questions.{unasked}{drawn}"
+        "Residual (measured minus predicted) of {readings} readings, before and after the effects, against the most telling columns; _p_ is that of the family-wise test of a \
+         smooth dependence, where the column was tested.{own}{drawn}"
     )
 }

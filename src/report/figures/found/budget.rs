@@ -1,0 +1,126 @@
+//! What the expected error on an unseen specimen is made of: one bar a campaign, as long for all, because errors of 10 and 40 mm and of torque
+//! have no common scale.
+
+use super::super::Named;
+use super::super::formatting::plain;
+use super::TEXT_MM;
+use crate::findings::{BudgetEntry, CampaignFindings};
+use crate::report::plot::{
+    Anchor, Axis, Dash, Figure, Ink, Layer, Legend, Level, Panel, Place, Series, Side, Stroke,
+};
+use crate::report::wording::name;
+use crate::report::wording::number::{error, error_with_unit};
+
+/// Height of a campaign's band, of the axis and of the legend, mm.
+const BAND_MM: f64 = 7.0;
+const AXIS_MM: f64 = 12.0;
+const LEGEND_MM: f64 = 9.0;
+/// Half the height of a bar, in bands.
+const HALF: f64 = 0.34;
+/// Segments narrower than this share carry no number.
+const NARROW: f64 = 0.055;
+/// Where the totals stand, and where the axis ends.
+const TOTAL_AT: f64 = 1.02;
+const END: f64 = 1.16;
+
+/// Sources with name and colour in the legend, in the order in which they stand in a bar; others are grey.
+const SOURCES: [(&[&str], &str, Ink); 7] = [
+    (
+        &["set_length", "mounting"],
+        "set length, mounting",
+        Ink::Blue,
+    ),
+    (&["specimen_gain", "actuator_gain"], "gain", Ink::Orange),
+    (&["force_zero", "torque_zero"], "zero", Ink::Purple),
+    (&["specimen_lengths"], "free lengths", Ink::Sky),
+    (
+        &["session_misfit", "test_misfit"],
+        "misfit of the session, test",
+        Ink::Green,
+    ),
+    (&["estimation"], "estimation", Ink::Vermilion),
+    (&["noise"], "noise", Ink::Black),
+];
+/// Name and colour of all others.
+const OTHERS: (&str, Ink) = ("other", Ink::Grey);
+
+/// The figure of all campaigns; none where no campaign has a budget.
+pub fn figure(all: &[&CampaignFindings]) -> Option<Named> {
+    let with: Vec<&&CampaignFindings> = all.iter().filter(|f| !f.budget.is_empty()).rev().collect();
+    if with.is_empty() {
+        return None;
+    }
+    let names: Vec<String> = with.iter().map(|f| plain(&name::campaign(f))).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let x = Axis::new("Share of the expected squared error").fixed(0.0, END);
+    let mut panel = Panel::new(x, Axis::categories("", &names)).legend(Legend::Above);
+    panel.x.ticks = crate::report::plot::axis::Ticks::Named(
+        [0.0, 0.25, 0.5, 0.75, 1.0]
+            .map(|at| (at, format!("{at}")))
+            .to_vec(),
+    );
+    for (row, found) in with.iter().enumerate() {
+        for layer in bar(found, row as f64) {
+            panel = panel.with(layer);
+        }
+    }
+    let height = AXIS_MM + LEGEND_MM + BAND_MM * with.len() as f64;
+    Some(Named {
+        name: "budget".to_owned(),
+        caption: "What the expected squared error on an unseen specimen (actuator) is made of. Lengths of the bars are shares of the variance, \
+                  which add up; the numbers are their roots in the unit of the errors, which do not. Beside each bar: the expected error."
+            .to_owned(),
+        figure: Figure::new("Budget of the expected error", TEXT_MM, height).with(panel),
+    })
+}
+
+fn place(entry: &BudgetEntry) -> usize {
+    let found = SOURCES
+        .iter()
+        .position(|(ids, ..)| ids.contains(&entry.source.as_str()));
+    found.unwrap_or(SOURCES.len())
+}
+
+fn bar(found: &CampaignFindings, row: f64) -> Vec<Layer> {
+    let total: f64 = found.budget.iter().map(|b| b.variance).sum();
+    let mut entries: Vec<&BudgetEntry> = found.budget.iter().collect();
+    entries.sort_by_key(|entry| place(entry));
+    let mut layers = Vec::new();
+    let mut at = 0.0;
+    for entry in entries {
+        let share = entry.variance / total.max(f64::MIN_POSITIVE);
+        layers.extend(segment(found, entry, (at, at + share), row));
+        at += share;
+    }
+    layers.push(Layer::Text {
+        text: error_with_unit(found.expected_rmse_heldout, &found.unit),
+        place: Place::Data(TOTAL_AT, row),
+        anchor: Anchor::new(Side::Left, Level::Center),
+    });
+    layers
+}
+
+fn segment(
+    found: &CampaignFindings,
+    entry: &BudgetEntry,
+    (from, to): (f64, f64),
+    row: f64,
+) -> Vec<Layer> {
+    let (name, ink) = SOURCES
+        .get(place(entry))
+        .map_or(OTHERS, |(_, name, ink)| (*name, *ink));
+    let ends = [(from, row - HALF, row + HALF), (to, row - HALF, row + HALF)];
+    let edge = vec![(to, row - HALF), (to, row + HALF)];
+    let mut layers = vec![
+        Layer::band(name, ends.to_vec(), ink),
+        Series::line("", edge, Stroke::hair(Ink::White, Dash::Solid)).into(),
+    ];
+    if to - from >= NARROW {
+        layers.push(Layer::Text {
+            text: error(entry.rmse, &found.unit),
+            place: Place::Data(0.5 * (from + to), row),
+            anchor: Anchor::new(Side::Middle, Level::Center),
+        });
+    }
+    layers
+}

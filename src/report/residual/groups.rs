@@ -1,0 +1,78 @@
+//! What varies from group to group, how far the law itself is from right, and groups that are recorded wrongly.
+
+use crate::findings::{CampaignFindings, RecordingError, Scatter};
+use crate::report::number::Rounding;
+use crate::report::wording::name::{self, listed};
+use crate::report::wording::number::{
+    NONE, error, error_or_none, gain_or_none, plain, probability, rounded, unit, with_interval,
+};
+use crate::report::wording::sentence::recorded_size;
+
+/// What, of each, how many, standard deviation with interval, declared, gain.
+pub(super) fn scatter(s: &Scatter) -> [String; 6] {
+    let (factor, in_unit) = if s.unit == "1" {
+        (100.0, "%")
+    } else {
+        (1.0, unit(&s.unit))
+    };
+    let times = |x: Option<f64>| x.map(|x| factor * x);
+    let (value, interval) = with_interval(factor * s.sd, times(s.ci_low), times(s.ci_high));
+    let contradicted = if s.declared_contradicted {
+        ", contradicted"
+    } else {
+        ""
+    };
+    [
+        name::capitalised(&name::scatter(&s.id, s.level)),
+        name::level(s.level).to_owned(),
+        s.values.len().to_string(),
+        format!("{value} {interval} {in_unit}"),
+        s.declared.map_or_else(
+            || NONE.to_owned(),
+            |d| plain(factor * d, "1") + contradicted,
+        ),
+        gain_or_none(s.log_likelihood_gain),
+    ]
+}
+
+/// The misfit of the law in a sentence.
+pub(super) fn misfit(found: &CampaignFindings) -> String {
+    let nouns = name::nouns(found);
+    let share = |x: f64| rounded(100.0 * x, Rounding::Digits(2));
+    let m = &found.misfit;
+    let sensitive: Vec<String> = m.sensitive.iter().map(|id| name::candidate(id)).collect();
+    let changes = if sensitive.is_empty() {
+        "No answer changes where the prior scales of the misfit are halved or doubled.".to_owned()
+    } else {
+        format!(
+            "Where the prior scales of the misfit are halved or doubled, the answer changes for {}.",
+            listed(&sensitive)
+        )
+    };
+    format!(
+        "Smooth misfit of the law: {}% of the {} common to all {}, {}% of each {} along the pressure. {changes}",
+        share(m.common),
+        if found.kind == "knee-torque" {
+            "torque"
+        } else {
+            "force"
+        },
+        nouns.units,
+        share(m.session),
+        nouns.setup
+    )
+}
+
+/// Group, what it looks like, size, p, RMS as recorded and corrected, set aside.
+pub(super) fn recording_error(found: &CampaignFindings, e: &RecordingError) -> [String; 6] {
+    let rms = error(e.rms, &found.unit);
+    let corrected = error_or_none(e.rms_corrected, &found.unit);
+    [
+        format!("{} {}", name::level(e.level), e.group),
+        name::capitalised(&name::recording_error(e.kind, e.quantity.as_deref())),
+        recorded_size(e).unwrap_or_else(|| NONE.to_owned()),
+        probability(e.p),
+        format!("{rms} → {corrected}"),
+        (if e.set_aside { "yes" } else { "no" }).to_owned(),
+    ]
+}

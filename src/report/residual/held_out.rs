@@ -1,0 +1,151 @@
+//! Errors by held-out unit, coefficients before and after, and the law with and without its parts.
+
+use crate::findings::{Alternative, CampaignFindings, CoefficientChange, UnitErrors};
+use crate::report::number::Rounding;
+use crate::report::wording::name::{self, listed};
+use crate::report::wording::number::{
+    NONE, error_or_none, error_with_unit, gain, percent, rounded, size, unit as unit_name,
+};
+
+/// Log-likelihoods that differ by less tell nothing apart.
+const CLOSE: f64 = 2.0;
+/// Normal quantile of a 95% interval.
+const Z: f64 = 1.96;
+
+/// Unit, readings, before, after, own values, realised over expected, inside 95%, found without it.
+pub(super) fn unit(found: &CampaignFindings, u: &UnitErrors) -> [String; 8] {
+    let error = |e: Option<f64>| error_or_none(e, &found.unit);
+    let without: Vec<String> = u.found.iter().map(|id| name::candidate(id)).collect();
+    [
+        u.unit.clone(),
+        u.readings.to_string(),
+        error(u.before.rmse_heldout),
+        error(u.after.rmse_heldout),
+        error(u.after.rmse_heldout_calibrated),
+        rounded(u.realised_over_expected, Rounding::Decimals(2)),
+        percent(u.inside_95),
+        if without.is_empty() {
+            "nothing".to_owned()
+        } else {
+            without.join(", ")
+        },
+    ]
+}
+
+/// What a black box reaches, in a sentence; empty where there is none.
+pub(super) fn black_box(found: &CampaignFindings) -> String {
+    let reaches = |e: f64| {
+        format!(
+            "A smooth black box on the residual of the base model reaches {} on the same held-out readings.",
+            error_with_unit(e, &found.unit)
+        )
+    };
+    found
+        .black_box_rmse_heldout
+        .map_or_else(String::new, reaches)
+}
+
+/// Symbol, unit, published, before, after with interval.
+pub(super) fn coefficient(c: &CoefficientChange) -> [String; 5] {
+    let half = Z * c.standard_error;
+    let bounded = half.is_finite() && half > 0.0;
+    let rounding = if bounded {
+        Rounding::ByInterval {
+            low: c.after - half,
+            high: c.after + half,
+        }
+    } else {
+        Rounding::Digits(4)
+    };
+    let after = rounded(c.after, rounding);
+    let with = if c.at_bound {
+        format!("{after} (at its bound)")
+    } else if bounded {
+        format!("{after} ± {}", rounded(half, rounding))
+    } else {
+        after
+    };
+    [
+        c.name.clone(),
+        unit_name(&c.unit).to_owned(),
+        c.published
+            .map_or_else(|| NONE.to_owned(), |p| rounded(p, Rounding::Digits(4))),
+        rounded(c.before, Rounding::Digits(4)),
+        with,
+    ]
+}
+
+fn parts(a: &Alternative) -> String {
+    let parts: Vec<String> = a.parts.iter().map(|p| name::part(p)).collect();
+    if parts.is_empty() {
+        "none of them".to_owned()
+    } else {
+        parts.join(" + ")
+    }
+}
+
+/// Parts, parameters, log-likelihood, held-out error, log density, numbers.
+pub(super) fn alternative(found: &CampaignFindings, a: &Alternative) -> [String; 6] {
+    let numbers: Vec<String> = a.numbers.iter().map(size).collect();
+    [
+        name::capitalised(&parts(a)),
+        a.parameters.to_string(),
+        gain(a.log_likelihood),
+        error_or_none(a.rmse_heldout, &found.unit),
+        a.log_density_heldout
+            .map_or_else(|| NONE.to_owned(), |d| rounded(d, Rounding::Decimals(2))),
+        numbers.join("; "),
+    ]
+}
+
+/// Which alternative the likelihood prefers, and whether the readings settle it; empty where there are none.
+pub(super) fn alternatives_sentence(found: &CampaignFindings) -> String {
+    let mut order: Vec<&Alternative> = found.alternatives.iter().collect();
+    order.sort_by(|a, b| b.log_likelihood.total_cmp(&a.log_likelihood));
+    let (Some(first), Some(second)) = (order.first(), order.get(1)) else {
+        return String::new();
+    };
+    let ahead = first.log_likelihood - second.log_likelihood;
+    let close: Vec<String> = order[1..]
+        .iter()
+        .filter(|a| first.log_likelihood - a.log_likelihood < CLOSE)
+        .map(|a| parts(a))
+        .collect();
+    let likelihood = if close.is_empty() {
+        format!(
+            "The log-likelihood is highest with {}, {} above the next.",
+            parts(first),
+            gain(ahead)
+        )
+    } else {
+        format!(
+            "The log-likelihood is highest with {}; {} within {} of it: these readings do not settle it.",
+            parts(first),
+            listed(&close) + if close.len() == 1 { " comes" } else { " come" },
+            rounded(CLOSE, Rounding::Decimals(0))
+        )
+    };
+    format!("{likelihood}{}", spread(found))
+}
+
+/// By how much the held-out errors differ.
+fn spread(found: &CampaignFindings) -> String {
+    let errors: Vec<f64> = found
+        .alternatives
+        .iter()
+        .filter_map(|a| a.rmse_heldout)
+        .collect();
+    let (low, high) = errors
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), e| {
+            (l.min(*e), h.max(*e))
+        });
+    if errors.len() < 2 {
+        return String::new();
+    }
+    let noun = name::nouns(found).units;
+    format!(
+        " On unseen {noun} their errors differ by at most {}.",
+        error_with_unit(high - low, &found.unit)
+    )
+}

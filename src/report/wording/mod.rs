@@ -1,0 +1,19 @@
+//! Names, numbers and sentences made of the values of [`crate::findings`]. The report and the command line take theirs from here, so that
+//! one thing has one name and one quantity one value wherever it is read.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`number`] | errors, probabilities, sizes and units as people read them |
+//! | [`name`] | effects, columns, random effects, sources of error, reasons |
+//! | [`sentence`] | the answer of a campaign in sentences |
+//!
+//! Architecture invariant: text goes out of here and is never read back; whoever has to decide something reads the values.
+
+pub mod name;
+pub mod number;
+pub mod sentence;
+#[cfg(test)]
+pub(crate) mod tests;
+
+/// Probability below which a test has found something.
+pub const SIGNIFICANT: f64 = 0.05;

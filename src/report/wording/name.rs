@@ -1,0 +1,354 @@
+//! What things are called: effects, columns, random effects, sources of error, reasons.
+
+use crate::effects;
+use crate::findings::{
+    ActsOn, CampaignFindings, EffectFinding, ErrorKind, HeldOutBy, Level, NotAssessed,
+    NotMeasurable, Verdict, WhyNot,
+};
+
+/// Effects that the registry of the force chain does not have or calls otherwise.
+const CALLED: [(&str, &str); 10] = [
+    ("specimen_variation", "specimen gain"),
+    ("kinking", "kinking of the actuator"),
+    ("joint_friction", "friction of the joint"),
+    ("wrapping_loss", "loss where the actuator wraps"),
+    ("origin_shift", "shift of the origin"),
+    ("insertion_shift", "shift of the insertion"),
+    ("attachment_shift", "shift of the attachments"),
+    ("torque_zero_offset", "zero of the torque sensor"),
+    ("length_law", "dependence on the resting length"),
+    ("placebo", "shuffled column"),
+];
+
+/// What is called otherwise than by its id, of all random effects and sources of error.
+const SOURCES: [(&str, &str); 16] = [
+    ("set_length", "set lengths"),
+    ("specimen_gain", "specimen gain"),
+    ("actuator_gain", "actuator gain"),
+    ("campaign_gain", "campaign gain"),
+    ("force_zero", "zero of the force"),
+    ("torque_zero", "zero of the torque"),
+    ("specimen_lengths", "free lengths of the specimen"),
+    ("mounting", "mounting of the tests"),
+    ("session_misfit", "misfit of the session"),
+    ("test_misfit", "misfit of the test"),
+    ("common_misfit", "common misfit"),
+    ("estimation", "estimation"),
+    ("noise", "noise"),
+    ("log_zero", "zero of the log"),
+    ("campaign_zero", "zero of the campaign"),
+    ("scatter", "other scatter"),
+];
+
+fn look_up(table: &[(&str, &'static str)], id: &str) -> Option<&'static str> {
+    table
+        .iter()
+        .find(|(key, _)| *key == id)
+        .map(|(_, name)| *name)
+}
+
+/// An identifier as words.
+fn spelled(id: &str) -> String {
+    id.replace('_', " ")
+}
+
+/// What an effect is called.
+pub fn effect(id: &str) -> String {
+    let registered = || effects::index(id).map(|k| effects::all()[k].title());
+    look_up(&CALLED, id)
+        .or_else(registered)
+        .map_or_else(|| spelled(id), str::to_owned)
+}
+
+/// What an effect is called, with its form where the effect has several.
+pub fn effect_with_form(id: &str, form: &str) -> String {
+    let one = effects::index(id).is_some_and(|k| effects::all()[k].forms().len() == 1);
+    if one || form.is_empty() || form == effect(id) {
+        effect(id)
+    } else {
+        format!("{} ({form})", effect(id))
+    }
+}
+
+/// A column as a sentence calls it.
+pub fn column(column: &str) -> String {
+    let name = match column {
+        "pressure_kpa" => "pressure",
+        "contraction_rel" => "relative contraction",
+        "force_n" => "force",
+        "torque_nm" => "torque",
+        "angle_rad" | "angle_deg" => "knee angle",
+        "direction" => "direction",
+        "time_s" => "time in the log",
+        "since_step_s" => "time since the step",
+        "pressure_rate" => "rate of the pressure",
+        "temperature_c" => "temperature",
+        "cycles" => "cycles",
+        "session_order" => "order of the sessions",
+        "rest_length_m" => "resting length",
+        "zero_unknown" => "unknown zero of the force",
+        "placebo" => "a shuffled column",
+        other => return other.to_owned(),
+    };
+    name.to_owned()
+}
+
+/// An effect, or a column where the library has no such effect.
+pub fn candidate(id: &str) -> String {
+    if effects::index(id).is_some() || look_up(&CALLED, id).is_some() {
+        effect(id)
+    } else {
+        column(id)
+    }
+}
+
+/// A random effect.
+pub fn scatter(id: &str, level: Level) -> String {
+    let name = match (id, level) {
+        ("length_offset", Level::Session) => "set length",
+        ("length_offset", Level::Test) => "mounting length",
+        ("specimen_variation" | "force_gain", Level::Specimen) => "specimen gain",
+        ("specimen_variation" | "force_gain", Level::Actuator) => "actuator gain",
+        ("specimen_variation" | "force_gain", Level::Campaign) => "campaign gain",
+        ("force_zero_offset", _) => "zero of the force",
+        ("rest_length" | "rest_length_offset", _) => "resting length",
+        ("contracted_length" | "contracted_length_offset", _) => "contracted length",
+        _ => return effect(id),
+    };
+    name.to_owned()
+}
+
+/// A source of the expected error.
+pub fn source(source: &str) -> String {
+    look_up(&SOURCES, source).map_or_else(|| spelled(source), str::to_owned)
+}
+
+/// The random effect whose standard deviation stands beside a source of error in a sentence: id and levels.
+pub fn scatter_of(source: &str) -> Option<(&'static str, [Level; 2])> {
+    match source {
+        "set_length" | "mounting" => Some(("length_offset", [Level::Session, Level::Test])),
+        "specimen_gain" | "actuator_gain" => {
+            Some(("specimen_variation", [Level::Specimen, Level::Actuator]))
+        }
+        "force_zero" => Some(("force_zero_offset", [Level::Session, Level::Log])),
+        _ => None,
+    }
+}
+
+/// A level, of one group.
+pub fn level(level: Level) -> &'static str {
+    match level {
+        Level::Campaign => "campaign",
+        Level::Specimen => "specimen",
+        Level::Session => "session",
+        Level::Log => "log",
+        Level::Actuator => "actuator",
+        Level::Test => "test",
+    }
+}
+
+/// What is unseen, and what its readings come in: a specimen and its sessions, an actuator and its tests.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Nouns {
+    /// One unit.
+    pub unit: &'static str,
+    /// Several.
+    pub units: &'static str,
+    /// One set-up.
+    pub setup: &'static str,
+    /// Several.
+    pub setups: &'static str,
+}
+
+/// The nouns of a campaign.
+pub fn nouns(found: &CampaignFindings) -> Nouns {
+    if found.kind == "knee-torque" {
+        Nouns {
+            unit: "actuator",
+            units: "actuators",
+            setup: "test",
+            setups: "tests",
+        }
+    } else {
+        Nouns {
+            unit: "specimen",
+            units: "specimens",
+            setup: "session",
+            setups: "sessions",
+        }
+    }
+}
+
+/// A verdict as data files name it.
+pub fn verdict_id(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::EffectFound => "effect_found",
+        Verdict::None => "none",
+        Verdict::Unexplained => "unexplained",
+        Verdict::NotAssessed => "not_assessed",
+    }
+}
+
+/// A verdict for people.
+pub fn verdict(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::EffectFound => "effect found",
+        Verdict::None => "no effect detected",
+        Verdict::Unexplained => "unexplained",
+        Verdict::NotAssessed => "not assessed",
+    }
+}
+
+/// Why nothing could be said.
+pub fn not_assessed(found: &CampaignFindings) -> String {
+    let nouns = nouns(found);
+    match found.not_assessed {
+        Some(NotAssessed::TooFewReadings) => "too few readings".to_owned(),
+        Some(NotAssessed::TooFewSpecimens) => format!("fewer than two {}", nouns.units),
+        Some(NotAssessed::NoConvergence) => "the fit without effects did not converge".to_owned(),
+        None => "no reason given".to_owned(),
+    }
+}
+
+/// On what the held-out errors are.
+pub fn held_out(found: &CampaignFindings) -> String {
+    let nouns = nouns(found);
+    match found.design.held_out_by {
+        HeldOutBy::Holdout => format!("the {} held out by their owner", nouns.setups),
+        HeldOutBy::None => "nothing unseen".to_owned(),
+        _ => format!("unseen {}", nouns.units),
+    }
+}
+
+/// How the held-out errors were made.
+pub fn held_out_by(found: &CampaignFindings) -> String {
+    let nouns = nouns(found);
+    match found.design.held_out_by {
+        HeldOutBy::Holdout => format!(
+            "the {} with the role holdout, which take part in no fit and no choice",
+            nouns.setups
+        ),
+        HeldOutBy::Specimen => "each specimen in turn, the whole search made without it".to_owned(),
+        HeldOutBy::SpecimenGroups => {
+            "groups of specimens in turn, the whole search made without them".to_owned()
+        }
+        HeldOutBy::Actuator => "each actuator in turn, the whole search made without it".to_owned(),
+        HeldOutBy::None => format!("none: there is one {} only", nouns.unit),
+    }
+}
+
+/// The campaign, with joint and diameter.
+pub fn campaign(found: &CampaignFindings) -> String {
+    let part = found
+        .part
+        .as_ref()
+        .map_or_else(String::new, |part| format!(", {part}"));
+    format!("{}{part}, {} mm", found.campaign, found.diameter_mm)
+}
+
+/// What an effect acts on.
+pub fn acts_on(effect: &EffectFinding) -> String {
+    match (effect.acts_on, &effect.column, &effect.from) {
+        (ActsOn::Levels, Some(label), _) => format!("levels of {}", column(label)),
+        (ActsOn::From, _, Some(session)) => format!("from {session} on"),
+        (only, _, _) => acts_on_what(only).to_owned(),
+    }
+}
+
+/// What an effect acts on, in general.
+pub fn acts_on_what(acts_on: ActsOn) -> &'static str {
+    match acts_on {
+        ActsOn::All => "all readings",
+        ActsOn::Levels => "levels of a label",
+        ActsOn::From => "from a session on",
+    }
+}
+
+/// What a recording error looks like: "set length", "force and pressure exchanged".
+pub fn recording_error(kind: ErrorKind, quantity: Option<&str>) -> String {
+    let what = quantity.map(column_or_quantity);
+    match (kind, what) {
+        (ErrorKind::Length, Some(what)) => what,
+        (ErrorKind::Length, None) => "a length".to_owned(),
+        (ErrorKind::SwappedColumns, _) => "force and pressure exchanged".to_owned(),
+        (ErrorKind::Unit, what) => format!("unit of the {}", what.as_deref().unwrap_or("column")),
+        (ErrorKind::Sign, what) => format!("sign of the {}", what.as_deref().unwrap_or("column")),
+        (ErrorKind::Zero, what) => format!("zero of the {}", what.as_deref().unwrap_or("channel")),
+        (ErrorKind::Outlier, _) => "an outlier that no usual mistake explains".to_owned(),
+    }
+}
+
+fn column_or_quantity(quantity: &str) -> String {
+    match quantity {
+        "length" | "length_m" => "set length".to_owned(),
+        "rest_length" => "resting length".to_owned(),
+        "contracted_length" => "contracted length".to_owned(),
+        other => column(other),
+    }
+}
+
+/// Why a campaign cannot show effects whose quantity nobody recorded.
+pub const NOT_RECORDED: &str = "a quantity that it needs was not recorded";
+
+/// Why a campaign cannot show an effect.
+pub fn why_not(none: &NotMeasurable) -> String {
+    let by = none.by.as_deref();
+    match (none.reason, by) {
+        (WhyNot::Absorbed, Some(by)) if effects::index(by).is_some() => {
+            format!("absorbed by {}", effect(by))
+        }
+        (WhyNot::Absorbed, Some(by)) => format!("absorbed by {by}"),
+        (WhyNot::Absorbed, None) => "absorbed by the fitted coefficients".to_owned(),
+        (WhyNot::NoColumn, Some(by)) => format!("{} was not recorded", column(by)),
+        (WhyNot::NoColumn, None) => NOT_RECORDED.to_owned(),
+        (WhyNot::Bound, _) => {
+            "its smallest detectable size is beyond what is physically possible".to_owned()
+        }
+    }
+}
+
+/// A part of the law, as the table of alternatives calls it.
+pub fn part(part: &str) -> String {
+    effect(part)
+}
+
+/// Published models by id: who made them, and what they are called in tables and legends.
+const MODELS: [(&str, &str, &str); 6] = [
+    ("chou_hannaford", "Chou", "Chou and Hannaford 1996"),
+    ("festo_tool", "Festo", "Festo tool"),
+    ("hunt2017", "Hunt", "Hunt 2017"),
+    ("martens2017", "Martens", "Martens and Boblan 2017"),
+    ("sarosi2012", "Sarosi", "Sarosi 2012"),
+    ("tondu_lopez", "Tondu", "Tondu and Lopez 2000"),
+];
+
+/// A model in tables and legends; its title where it has no shorter name.
+pub fn model_name<'a>(id: &str, title: &'a str) -> &'a str {
+    match id {
+        "knee_paper" => "Earlier form",
+        _ => MODELS.iter().find(|m| m.0 == id).map_or(title, |m| m.2),
+    }
+}
+
+/// The first of a model's authors, or its maker; its title where nobody is known.
+pub fn model_author<'a>(id: &str, title: &'a str) -> &'a str {
+    MODELS.iter().find(|m| m.0 == id).map_or(title, |m| m.1)
+}
+
+/// Words as a sentence lists them: `a, b and c`.
+pub fn listed<S: AsRef<str>>(words: &[S]) -> String {
+    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
+    match words.as_slice() {
+        [] => String::new(),
+        [only] => (*only).to_owned(),
+        [others @ .., last] => format!("{} and {last}", others.join(", ")),
+    }
+}
+
+/// A text with a capital at its beginning.
+pub fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
+}

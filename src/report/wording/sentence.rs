@@ -1,0 +1,429 @@
+//! The answer of a campaign in sentences: what was found, what the error is made of, what is worth measuring.
+
+use super::name::{self, Nouns, capitalised, listed, nouns};
+use super::number::{
+    amount, count, equals_probability, error, error_with_unit, percent, plain, rounded, with_unit,
+};
+use crate::findings::{
+    BudgetEntry, CampaignFindings, EffectFinding, NextKind, NextMeasurement, RecordingError,
+    Scatter, Verdict,
+};
+use crate::report::number::Rounding;
+
+/// A source that makes less than this share of the expected variance is summed up with others; noise is always named.
+const NAMED_SHARE: f64 = 0.02;
+/// Sources that the answer on a page and on the terminal names, beside noise; the table has all.
+const SOURCES_IN_FULL: usize = 3;
+const SOURCES_IN_SHORT: usize = 2;
+/// Most members of an alias set, and most recording errors, that a sentence names.
+const MOST_NAMED: usize = 3;
+/// The readings of each set-up of which the answer speaks; beside it the table has the others.
+const READINGS_GIVEN: &str = "3";
+
+/// What there is to say of a campaign; the report says all of it, the command line as much as fits.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Clauses {
+    /// Recording errors; none where there are none.
+    pub recording_errors: Option<String>,
+    /// What was found.
+    pub found: String,
+    /// Whether "the smallest detectable sizes are in" a table belongs behind what was found.
+    pub limits: bool,
+    /// What stays without a name beside an effect.
+    pub unexplained: Option<String>,
+    /// What the errors on unseen units are, before and after.
+    pub errors: Option<String>,
+    /// What the expected error is made of.
+    pub budget: Option<String>,
+    /// The same with the largest sources only.
+    pub budget_in_short: Option<String>,
+    /// What the best next measurement is worth.
+    pub worth: Option<String>,
+    /// What a few readings of a new unit are worth.
+    pub readings: Option<String>,
+}
+
+/// Everything that there is to say, each clause without a capital and without a full stop.
+pub fn clauses(found: &CampaignFindings) -> Clauses {
+    Clauses {
+        recording_errors: recording_errors(&found.recording_errors),
+        found: answer(found),
+        limits: found.verdict == Verdict::None && !found.detection_limits.is_empty(),
+        unexplained: (found.verdict == Verdict::EffectFound)
+            .then(|| beside(found))
+            .flatten(),
+        errors: errors(found),
+        budget: budget(found, SOURCES_IN_FULL),
+        budget_in_short: budget(found, SOURCES_IN_SHORT),
+        worth: worth(found),
+        readings: few_readings(found),
+    }
+}
+
+/// What was found, without the errors.
+fn answer(found: &CampaignFindings) -> String {
+    let weighty: Vec<&EffectFinding> = found.effects.iter().filter(|e| !e.negligible).collect();
+    match found.verdict {
+        Verdict::NotAssessed => format!("not assessed: {}", name::not_assessed(found)),
+        Verdict::None => "no effect detected".to_owned(),
+        Verdict::Unexplained => unexplained(found),
+        Verdict::EffectFound => {
+            let all: Vec<String> = weighty.into_iter().map(effect_with_size).collect();
+            all.join("; ")
+        }
+    }
+}
+
+/// `threshold pressure of the bladder 60 kPa (indistinguishable from zero of the pressure sensor)`.
+fn effect_with_size(effect: &EffectFinding) -> String {
+    let size = effect
+        .parameters
+        .first()
+        .map_or_else(String::new, |p| format!(" {}", amount(p)));
+    let others: Vec<String> = alias_set(effect);
+    let alike = match others.len() {
+        0 => String::new(),
+        n if n <= MOST_NAMED => format!(" (indistinguishable from {})", listed(&others)),
+        n => format!(" (indistinguishable from {} other effects)", count(n)),
+    };
+    format!("{}{size}{alike}", name::effect(&effect.id))
+}
+
+/// The other members of an effect's alias set.
+pub fn alias_set(effect: &EffectFinding) -> Vec<String> {
+    let others = effect.class.iter().filter(|id| **id != effect.id);
+    others.map(|id| name::effect(id)).collect()
+}
+
+/// `the error depends on humidity (p = 0.002), for which the library has no effect`.
+fn unexplained(found: &CampaignFindings) -> String {
+    let columns: Vec<String> = found
+        .unexplained
+        .iter()
+        .map(|u| {
+            format!(
+                "{} (p {})",
+                name::column(&u.column),
+                equals_probability(u.p_familywise)
+            )
+        })
+        .collect();
+    format!(
+        "the error depends on {}, for which the library has no effect",
+        listed(&columns)
+    )
+}
+
+/// The same beside effects that were found.
+fn beside(found: &CampaignFindings) -> Option<String> {
+    let share: f64 = found.unexplained.first()?.share_of_variance;
+    let rest = unexplained(found);
+    Some(format!(
+        "what the effects leave is not all chance: {rest} ({} of its variance)",
+        percent(share)
+    ))
+}
+
+/// Whether anything was put into the model.
+pub fn has_effects(found: &CampaignFindings) -> bool {
+    !found.effects.is_empty()
+}
+
+/// `the error on unseen specimens goes from 18.7 to 15.8 N`.
+fn errors(found: &CampaignFindings) -> Option<String> {
+    let before = found.before.rmse_heldout?;
+    let on = name::held_out(found);
+    let after = found.after.rmse_heldout.filter(|_| has_effects(found));
+    Some(match after {
+        Some(after) => format!(
+            "the error on {on} goes from {} to {}",
+            error(before, &found.unit),
+            error_with_unit(after, &found.unit)
+        ),
+        None => format!(
+            "the error on {on} is {}",
+            error_with_unit(before, &found.unit)
+        ),
+    })
+}
+
+/// The sources that a sentence names, largest first, at most so many and noise; and the root of what the others make together.
+fn named_sources(found: &CampaignFindings, most: usize) -> (Vec<&BudgetEntry>, f64) {
+    let total: f64 = found.budget.iter().map(|b| b.variance).sum();
+    let mut order: Vec<&BudgetEntry> = found.budget.iter().collect();
+    order.sort_by(|a, b| b.variance.total_cmp(&a.variance));
+    let is_noise = |b: &BudgetEntry| b.source == "noise";
+    let large = order
+        .iter()
+        .filter(|b| !is_noise(b) && b.variance >= NAMED_SHARE * total);
+    let mut named: Vec<&BudgetEntry> = large.take(most).copied().collect();
+    let left: f64 = order
+        .iter()
+        .filter(|b| !is_noise(b) && !named.iter().any(|n| n.source == b.source))
+        .map(|b| b.variance)
+        .sum();
+    named.extend(order.iter().filter(|b| is_noise(b)));
+    (named, left.max(0.0).sqrt())
+}
+
+/// `of the 13.4 N expected on an unseen specimen, 12.0 come from set lengths (0.9 mm), 4.1 from specimen gain and 2.6 from noise`.
+fn budget(found: &CampaignFindings, most: usize) -> Option<String> {
+    let (named, left) = named_sources(found, most);
+    let from = |b: &&BudgetEntry| {
+        let scatter = scattered(found, b);
+        format!(
+            "{} from {}{scatter}",
+            error(b.rmse, &found.unit),
+            name::source(&b.source)
+        )
+    };
+    let mut parts: Vec<String> = named.iter().map(from).collect();
+    if left > 0.0 && left.is_finite() {
+        let others = format!("{} from all else", error(left, &found.unit));
+        parts.insert(
+            parts.len().saturating_sub(1).max(1).min(parts.len()),
+            others,
+        );
+    }
+    let (first, others) = (named.first()?, parts.get(1..).unwrap_or_default());
+    let first = format!(
+        "{} come from {}{}",
+        error(first.rmse, &found.unit),
+        name::source(&first.source),
+        scattered(found, first)
+    );
+    let all: Vec<String> = [first].into_iter().chain(others.iter().cloned()).collect();
+    let total = error_with_unit(found.expected_rmse_heldout, &found.unit);
+    let unit = nouns(found).unit;
+    Some(format!(
+        "of the {total} expected on an unseen {unit}, {}",
+        listed(&all)
+    ))
+}
+
+/// ` (0.9 mm)`: the scatter behind a source of error, where it is one random effect.
+fn scattered(found: &CampaignFindings, entry: &BudgetEntry) -> String {
+    let Some(scatter) = scatter_behind(found, &entry.source) else {
+        return String::new();
+    };
+    format!(" ({})", scatter_size(scatter))
+}
+
+/// The random effect behind a source of error, where it is one.
+pub fn scatter_behind<'a>(found: &'a CampaignFindings, source: &str) -> Option<&'a Scatter> {
+    let (id, levels) = name::scatter_of(source)?;
+    let is = |s: &&Scatter| s.id == id && levels.contains(&s.level);
+    found.scatter.iter().find(is)
+}
+
+/// The standard deviation of a random effect: a gain as a percentage.
+pub fn scatter_size(scatter: &Scatter) -> String {
+    if scatter.unit == "1" {
+        let rounding = Rounding::Digits(2);
+        return rounded(100.0 * scatter.sd, rounding) + "%";
+    }
+    plain(scatter.sd, &scatter.unit)
+}
+
+/// What the measurement that is worth most is worth.
+fn worth(found: &CampaignFindings) -> Option<String> {
+    let in_units = found
+        .next_measurement
+        .iter()
+        .filter(|n| n.kind != NextKind::Separate);
+    let best = in_units.max_by(|a, b| a.worth.total_cmp(&b.worth))?;
+    (best.worth > 0.0)
+        .then(|| format!("{} {}", measurement(best, &nouns(found)), worth_words(best)))
+}
+
+/// `three readings of each session of a new specimen bring the error to 5.1 N`.
+fn few_readings(found: &CampaignFindings) -> Option<String> {
+    let nouns = nouns(found);
+    let after = found.after.rmse_heldout_after.get(READINGS_GIVEN)?;
+    let unseen = found.after.rmse_heldout?;
+    let error = error_with_unit(*after, &found.unit);
+    let verb = if *after < unseen {
+        "bring the error to"
+    } else {
+        "leave it at"
+    };
+    Some(format!(
+        "three readings of each {} of a new {} {verb} {error}",
+        nouns.setup, nouns.unit
+    ))
+}
+
+/// What to measure: `knowing set lengths to 0.2 mm`.
+pub fn measurement(next: &NextMeasurement, nouns: &Nouns) -> String {
+    let number = |key: &str| next.at.get(key).copied();
+    match next.kind {
+        NextKind::Precision => {
+            let what: Vec<String> = next.separates.iter().map(|s| name::source(s)).collect();
+            format!("knowing {} to {}", listed(&what), conditions(next))
+        }
+        NextKind::Specimens => match number("specimens") {
+            Some(1.0) => format!("one more {}", nouns.unit),
+            Some(n) => format!("{} more {}", count(n as usize), nouns.units),
+            None => format!("more {}", nouns.units),
+        },
+        NextKind::SetPoints => match number("set_points") {
+            Some(n) => format!(
+                "the best {} set points more on these {}",
+                count(n as usize),
+                nouns.units
+            ),
+            None => format!("readings at {}", conditions(next)),
+        },
+        NextKind::Separate => {
+            let ids: Vec<String> = next.separates.iter().map(|id| name::effect(id)).collect();
+            format!(
+                "readings at {} to separate {}",
+                conditions(next),
+                listed(&ids)
+            )
+        }
+    }
+}
+
+/// What it is worth, as the end of a sentence: `is worth 6.0 N`.
+pub fn worth_words(next: &NextMeasurement) -> String {
+    let several = match next.kind {
+        NextKind::Specimens => next.at.get("specimens") != Some(&1.0),
+        NextKind::SetPoints | NextKind::Separate => true,
+        NextKind::Precision => false,
+    };
+    let verb = if several { "are worth" } else { "is worth" };
+    match next.kind {
+        NextKind::Separate => format!(
+            "{verb} {} in log-likelihood",
+            rounded(next.worth, Rounding::Decimals(1))
+        ),
+        _ => format!("{verb} {}", error_with_unit(next.worth, &next.unit)),
+    }
+}
+
+/// The conditions of a measurement: `120 kPa, ε* = 0.40`.
+pub fn conditions(next: &NextMeasurement) -> String {
+    let all: Vec<String> = next
+        .at
+        .iter()
+        .map(|(key, value)| condition(key, *value))
+        .collect();
+    all.join(", ")
+}
+
+fn condition(key: &str, value: f64) -> String {
+    let digits = |unit: &str| with_unit(&rounded(value, Rounding::Digits(3)), unit);
+    let short = |unit: &str| plain_number(value, unit);
+    match key {
+        "pressure_kpa" => digits("kPa"),
+        "contraction_rel" => format!("ε* = {}", rounded(value, Rounding::Decimals(2))),
+        "contraction" => format!("ε = {}", rounded(value, Rounding::Decimals(3))),
+        "rest_length_mm" => format!("a resting length of {}", digits("mm")),
+        "length_mm" => format!("a length of {}", digits("mm")),
+        "angle_deg" => format!("{}°", rounded(value, Rounding::Decimals(0))),
+        "temperature_c" => digits("°C"),
+        "sd_mm" => short("mm"),
+        "sd_n" => short("N"),
+        "sd_kpa" => short("kPa"),
+        "sd" => percent(value),
+        other => format!("{} {}", other.replace('_', " "), short("1")),
+    }
+}
+
+/// As many digits as it has, at most three.
+fn plain_number(value: f64, unit: &str) -> String {
+    let text = (0..3)
+        .map(|decimals| Rounding::Decimals(decimals))
+        .find(|r| {
+            r.round(value)
+                .is_some_and(|x| x.ascii().parse() == Ok(value))
+        });
+    with_unit(&rounded(value, text.unwrap_or(Rounding::Digits(3))), unit)
+}
+
+/// `recording error: session s05 (set length, −10 mm; set aside)`.
+fn recording_errors(all: &[RecordingError]) -> Option<String> {
+    let mut order: Vec<&RecordingError> = all.iter().collect();
+    order.sort_by_key(|e| !e.set_aside);
+    let mut said: Vec<String> = order
+        .iter()
+        .take(MOST_NAMED)
+        .map(|e| recording_error(e))
+        .collect();
+    if order.len() > MOST_NAMED {
+        said.push(format!("{} more", count(order.len() - MOST_NAMED)));
+    }
+    let plural = if all.len() == 1 { "" } else { "s" };
+    (!said.is_empty()).then(|| format!("recording error{plural}: {}", listed(&said)))
+}
+
+fn recording_error(e: &RecordingError) -> String {
+    let size = recorded_size(e).map_or_else(String::new, |s| format!(", {s}"));
+    let aside = if e.set_aside { "; set aside" } else { "" };
+    let kind = name::recording_error(e.kind, e.quantity.as_deref());
+    format!("{} {} ({kind}{size}{aside})", name::level(e.level), e.group)
+}
+
+/// The size of a recording error: a factor, or true less recorded.
+pub fn recorded_size(e: &RecordingError) -> Option<String> {
+    let value = e.value?;
+    let number = rounded(value, Rounding::Digits(3));
+    Some(match e.kind {
+        crate::findings::ErrorKind::Unit => format!("factor {number}"),
+        _ => with_unit(&number, &e.unit),
+    })
+}
+
+/// The answer of a campaign for a page.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Answer {
+    /// What was found, and the errors where something was: a sentence without its full stop.
+    pub opening: String,
+    /// Whether "; the smallest detectable sizes are in" a table belongs behind it.
+    pub limits: bool,
+    /// Everything else, in sentences.
+    pub rest: Vec<String>,
+}
+
+/// What was found with the errors; what they are made of and what would help; recording errors.
+pub fn told(found: &CampaignFindings) -> Answer {
+    let c = clauses(found);
+    let (beside, apart) = if c.limits {
+        (None, c.errors)
+    } else {
+        (c.errors, None)
+    };
+    let opening: Vec<String> = [Some(c.found), beside].into_iter().flatten().collect();
+    let second: Vec<String> = [c.budget, c.worth, c.readings]
+        .into_iter()
+        .flatten()
+        .collect();
+    let second = (!second.is_empty()).then(|| second.join("; "));
+    let rest = [apart, c.unexplained, second, c.recording_errors]
+        .into_iter()
+        .flatten();
+    Answer {
+        opening: capitalised(&opening.join(": ")),
+        limits: c.limits,
+        rest: rest.map(|s| capitalised(&s) + ".").collect(),
+    }
+}
+
+/// The same as sentences, without a table to point to.
+pub fn sentences(found: &CampaignFindings) -> Vec<String> {
+    let Answer {
+        opening,
+        limits,
+        rest,
+    } = told(found);
+    let limits = if limits {
+        "; the smallest detectable sizes are in tables/detection_limits.csv"
+    } else {
+        ""
+    };
+    [format!("{opening}{limits}.")]
+        .into_iter()
+        .chain(rest)
+        .collect()
+}
