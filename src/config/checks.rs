@@ -78,10 +78,10 @@ impl Config {
                 "diagnose.most_effects",
                 d.most_effects,
                 1,
-                crate::stages::diagnose::model::MOST_TERMS,
+                crate::stages::diagnose::problem::MOST_TERMS,
             ),
             ("diagnose.most_readings", d.most_readings, 100, 100_000),
-            ("diagnose.permutations", d.permutations, 99, 100_000),
+            ("diagnose.draws", d.draws, 19, 100_000),
         ];
         for (key, x, low, high) in counts {
             if !(low..=high).contains(&x) {

@@ -248,9 +248,12 @@ pub struct DiagnoseOptions {
     pub most_effects: usize,
     /// The search looks at so many readings of a campaign, an equal share of each session.
     pub most_readings: usize,
-    /// Permutations of each question.
-    pub permutations: usize,
-    /// Seed of permutations and resamples.
+    /// Draws from the fitted null model, with which the strongest candidate is compared.
+    pub draws: usize,
+    /// Smallest effect of interest, N (root mean square over the readings that it acts on): a smaller one is listed as negligible and
+    /// changes no verdict.
+    pub smallest_effect_n: f64,
+    /// Seed of draws and of the shuffled column.
     pub seed: u64,
 }
 }
@@ -262,7 +265,8 @@ impl Default for DiagnoseOptions {
             refit: true,
             most_effects: 4,
             most_readings: 1500,
-            permutations: 1999,
+            draws: 199,
+            smallest_effect_n: 0.5,
             seed: 1,
         }
     }

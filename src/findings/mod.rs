@@ -63,7 +63,7 @@ pub struct CampaignFindings {
     /// What the expected squared error on an unseen specimen is made of; the variances add up.
     pub budget: Vec<BudgetEntry>,
     /// Root of the budget's sum.
-    pub expected_rmse_heldout: f64,
+    pub expected_rmse_heldout: Option<f64>,
     /// Share of held-out readings inside their 50% interval.
     pub inside_50: Option<f64>,
     /// Share of held-out readings inside their 95% interval.
@@ -71,7 +71,7 @@ pub struct CampaignFindings {
     /// Histogram of the probability integral transform of the held-out readings, ten equal bins, as shares.
     pub pit: Vec<f64>,
     /// Standard deviation of a reading, everything else known.
-    pub noise: f64,
+    pub noise: Option<f64>,
     /// Held-out error of a smooth black box on the residual of the base model.
     pub black_box_rmse_heldout: Option<f64>,
     /// What was tested at the first step, strongest first: one entry an effect's form or a column.
@@ -183,7 +183,7 @@ pub struct EffectFinding {
     /// Probability, under the model without it, of a candidate as strong as this anywhere.
     pub p_familywise: f64,
     /// Gain in marginal log-likelihood, variances estimated again.
-    pub log_likelihood_gain: f64,
+    pub log_likelihood_gain: Option<f64>,
     /// Share of the folds in which it or a member of its class was found again.
     pub found_in_folds: f64,
     /// Whether it is smaller than the smallest effect of interest: it then changes no verdict.

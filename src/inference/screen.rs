@@ -85,13 +85,7 @@ impl<'a> Screen<'a> {
                 }
             }
         }
-        let mut panel = Panel::new(&null.design, &columns, false);
-        let active = |n: usize| setting.active[n];
-        let kept = null.design.members().into_iter().zip(panel.parts);
-        panel.parts = kept
-            .filter(|((node, _, _), _)| active(*node))
-            .map(|(_, part)| part)
-            .collect();
+        let panel = Panel::of_active(&null.design, &columns, |n| setting.active[n]);
         let mut screen = Self {
             setting,
             null,

@@ -18,6 +18,9 @@ pub struct Decision {
     pub alike: f64,
     /// Most terms in a model.
     pub most_terms: usize,
+    /// Whether candidates are also looked for from nothing, and alternatives to what was accepted. Inside folds, where a search starts from what
+    /// all readings gave, neither is needed.
+    pub thorough: bool,
 }
 
 /// A term that was accepted.
@@ -145,7 +148,9 @@ impl Search<'_> {
         } else {
             self.fits(&screen, &model, &shown)
         };
-        fits.extend(self.fits_afresh(&model));
+        if self.decision.thorough {
+            fits.extend(self.fits_afresh(&model));
+        }
         let Some((fitted, term)) = self.preferred(&fits) else {
             return Step::Nothing;
         };
@@ -269,7 +274,11 @@ impl Search<'_> {
                 continue;
             }
             found.accepted[place].gain = gain;
-            let others = self.others(&found.model, &without, term, gain);
+            let others = if self.decision.thorough {
+                self.others(&found.model, &without, term, gain)
+            } else {
+                Vec::new()
+            };
             let better = others
                 .iter()
                 .filter(|(_, f)| f.log_likelihood > found.model.log_likelihood + WORTH_A_SWAP)

@@ -492,6 +492,21 @@ impl Panel {
         }
     }
 
+    /// The products with the readings of some nodes only.
+    pub fn of_active(
+        design: &crate::gram::Design,
+        columns: &[Vec<f64>],
+        active: impl Fn(usize) -> bool,
+    ) -> Self {
+        let mut panel = Self::new(design, columns, false);
+        let kept = design.members().into_iter().zip(panel.parts);
+        panel.parts = kept
+            .filter(|((node, _, _), _)| active(*node))
+            .map(|(_, part)| part)
+            .collect();
+        panel
+    }
+
     /// The products with another response, for the parts of a Gram.
     pub fn with_response_of(
         &self,

@@ -19,7 +19,7 @@ const RUN: [&str; 3] = ["run", "--config", "fast.toml"];
 fn small() -> Bench {
     let bench = Bench::small();
     let options =
-        "[fit]\nbootstrap_refits = 20\n[diagnose]\npermutations = 99\n[report]\npng_dpi = 20.0\n";
+        "[fit]\nbootstrap_refits = 20\n[diagnose]\ndraws = 39\n[report]\npng_dpi = 20.0\n";
     std::fs::write(bench.root().join("fast.toml"), options).unwrap();
     bench
 }

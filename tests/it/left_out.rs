@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 const LEFT_OUT: i32 = 5;
 /// A resolution at which no figure can be drawn.
 const HUGE: &str =
-    "[fit]\nbootstrap_refits = 20\n[diagnose]\npermutations = 99\n[report]\npng_dpi = 1e9\n";
+    "[fit]\nbootstrap_refits = 20\n[diagnose]\ndraws = 39\n[report]\npng_dpi = 1e9\n";
 
 fn run(bench: &Bench) -> Said {
     bench.run(&["run", "--config", FAST])

@@ -95,7 +95,7 @@ fn a_changed_log_names_the_file_and_both_digests() {
 #[test]
 fn a_changed_option_is_named_with_both_values() {
     let bench = ready();
-    configure(&bench, "[diagnose]\npermutations = 199\n");
+    configure(&bench, "[diagnose]\ndraws = 39\n");
     let said = status(&bench);
     assert_eq!(
         said,

@@ -19,6 +19,8 @@ pub struct BaseCoefficient {
     pub bounds: (f64, f64),
     /// Whether it is fitted.
     pub free: bool,
+    /// The published coefficient of which it is the reciprocal.
+    pub reciprocal_of: Option<&'static str>,
 }
 
 enum Equation {
@@ -41,6 +43,10 @@ pub struct Base {
     equation: Equation,
 }
 
+/// Place of the coefficient by which the force depends on the resting length.
+pub const LENGTH_LAW: usize = 1;
+/// Its symbol: the reciprocal of b2 is 0 where the force does not depend on the length.
+const LENGTH_LAW_NAME: &str = "1/b2";
 /// 1/b2 of a force that does not depend on the resting length, m.
 const NO_LENGTH_LAW: f64 = 1e-4;
 
@@ -62,7 +68,7 @@ impl Base {
         let list = [
             ("b1", "N", value("b1", constant), (1e-3, 1e5), true),
             (
-                "1/b2",
+                LENGTH_LAW_NAME,
                 "m",
                 1.0 / value("b2", 1.0 / NO_LENGTH_LAW),
                 (NO_LENGTH_LAW, 10.0),
@@ -80,6 +86,7 @@ impl Base {
                 start,
                 bounds,
                 free: free && refit,
+                reciprocal_of: (name == LENGTH_LAW_NAME).then_some("b2"),
             })
             .collect();
         Self {
@@ -102,6 +109,7 @@ impl Base {
                 start: 1.0,
                 bounds: (0.05, 20.0),
                 free: refit,
+                reciprocal_of: None,
             }],
             equation: Equation::Published(model),
         })
@@ -118,11 +126,11 @@ impl Base {
             return None;
         };
         let mut coefficients = self.coefficients.clone();
-        if !coefficients[1].free {
+        if !coefficients[LENGTH_LAW].free {
             return None;
         }
-        coefficients[1].free = false;
-        coefficients[1].start = NO_LENGTH_LAW;
+        coefficients[LENGTH_LAW].free = false;
+        coefficients[LENGTH_LAW].start = NO_LENGTH_LAW;
         Some(Self {
             id: self.id.clone(),
             coefficients,
@@ -131,12 +139,6 @@ impl Base {
     }
 }
 
-impl Base {
-    /// Whether it knows how the force depends on the resting length: the strengths of specimens are then comparable.
-    pub fn knows_lengths(&self) -> bool {
-        matches!(self.equation, Equation::New { .. })
-    }
-}
 
 impl Actuator for Base {
     fn force<R: Real>(&self, coefficients: &[R], pressure: R, length: R, at: &Conditions) -> R {

@@ -1,8 +1,8 @@
 //! The terms of a campaign: every form of every effect that its readings can show, on all readings, on the levels of a column of labels,
 //! or from a change point on; and smooth functions of every column.
 
-use super::data::{Data, PLACEBO};
-use crate::effects::{self, Applied, Form, Grouping, Need};
+use super::data::Data;
+use crate::effects::{self, Applied, Form, Grouping, Need, Place};
 use crate::inference::problem;
 use crate::models::P_620_KPA;
 use crate::numerics::real::Real;
@@ -209,12 +209,9 @@ impl Term {
         }
     }
 
-    /// Whether it is the shuffled column, which must never be chosen.
-    pub fn is_placebo(&self, data: &Data) -> bool {
-        match self.what {
-            What::Column(Column::Gain(k) | Column::Offset(k)) => data.extras[k].name == PLACEBO,
-            _ => false,
-        }
+    /// Whether it acts on the length by the force: a frame that yields.
+    pub fn is_frame(&self) -> bool {
+        self.form().is_some_and(|f| f.place == Place::Frame)
     }
 }
 

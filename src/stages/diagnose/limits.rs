@@ -1,196 +1,164 @@
-//! What a campaign could have shown: detection limits, effects that it cannot show, and effects that it cannot tell apart.
-//!
-//! All of it follows from the design of the campaign at hand: from the trace of every effect after base model and strengths have been
-//! refitted, and from the residual that is left.
+//! What this campaign could have shown: the smallest detectable amplitude of every effect, effects that it cannot show, and pairs with nearly
+//! one sensitivity.
 
-use super::between;
-use super::findings::{Alias, DetectionLimit, NotMeasurable};
-use super::judge::ALIKE;
-use super::linear::{BLIND, Information, Linear, Stand};
-use super::search::{LEAST_FALL, Search, State};
-use super::term::Scope;
-use super::words::with_unit;
-use crate::effects::{self, Effect};
-use std::collections::BTreeSet;
+use super::data::Data;
+use super::library::{Scope, Term, What};
+use super::problem::ForceProblem;
+use crate::effects;
+use crate::findings::{Alias, DetectionLimit, NotMeasurable, WhyNot};
+use crate::inference::fit::{Fitted, Setting};
+use crate::inference::problem::{Direction, Problem};
+use crate::inference::screen::{IDENTIFIABLE, Screen};
+use crate::inference::statistic::likelihood_ratio;
+use crate::inference::system::{Factor, Panel};
 
-/// Standard errors at which an effect passes all guards.
-const SURE: f64 = 6.0;
+/// Normal deviate of a power of 80%.
+const POWER: f64 = 0.841_621_233_572_914;
+/// Cosine from which two sensitivities are reported as nearly one.
+const NEARLY_ONE: f64 = 0.9;
 
-/// What the design can show.
+/// The answers.
 pub struct Limits {
-    /// Smallest sizes, one an effect.
-    pub detection: Vec<DetectionLimit>,
-    /// Effects that leave no trace.
+    /// One entry an effect's form, the smallest.
+    pub smallest: Vec<DetectionLimit>,
+    /// What cannot be shown.
     pub not_measurable: Vec<NotMeasurable>,
-    /// Pairs with one trace.
+    /// Pairs.
     pub aliases: Vec<Alias>,
 }
 
-/// The limits beside a fitted state.
-pub fn limits(search: &Search, state: &State) -> Limits {
-    let model = search.model(&state.chosen);
-    let linear = Linear::new(
-        &model,
-        &state.fitted,
-        state.fitted.scatter,
-        search.candidates,
-    );
-    let stand = linear.stand(&linear.all_sessions(), &[]);
-    let mut limits = Limits {
-        detection: Vec::new(),
-        not_measurable: Vec::new(),
-        aliases: Vec::new(),
-    };
-    let mut shown: Vec<usize> = Vec::new();
-    for (e, effect) in effects::all().iter().enumerate() {
-        if effect.id() == super::candidates::STRENGTHS {
-            continue;
-        }
-        let not_measurable = |why: String| NotMeasurable {
-            id: effect.id().to_owned(),
-            why,
-        };
-        let whole = on_all_readings(search, *effect);
-        if let Some(c) = whole
+/// The limits beside a model, for a critical value of the family-wise test.
+pub fn limits(setting: &Setting, problem: &ForceProblem, model: &Fitted, critical: f64) -> Limits {
+    let wanted = likelihood_ratio(critical, 1).sqrt() + POWER;
+    let all: Vec<Direction> = problem
+        .directions(&model.point)
+        .into_iter()
+        .filter(|d| problem.library[d.term].scope == Scope::All)
+        .collect();
+    let screen = Screen::of(setting, model, all);
+    let shown = screen.shown(0);
+    let mut smallest: Vec<DetectionLimit> = Vec::new();
+    let mut not_measurable = missing(problem.data);
+    for (effect, e) in effects::all().iter().enumerate() {
+        let of = |term: &Term| matches!(term.what, What::Effect { effect: k, .. } if k == effect);
+        let in_model = model.point.terms.iter().any(|(t, _)| of(&problem.library[*t]));
+        let mine: Vec<_> = shown
             .iter()
-            .find(|c| between::is_common_gain(search.base, &search.candidates[**c]))
-        {
-            limits.detection.extend(limit_of_gain(search, state, *c));
-            continue;
-        }
-        let Some((candidate, information)) = most_visible(&stand, &whole) else {
-            let why = why_not(search, e, &whole);
-            limits.not_measurable.push(not_measurable(why));
-            continue;
-        };
-        shown.push(candidate);
-        let Some(form) = search.candidates[candidate].form() else {
-            continue;
-        };
-        let size = smallest(search, state, &stand, information, *effect);
-        let amplitude = form.amplitude;
-        if size > amplitude.bounds.0.abs().max(amplitude.bounds.1.abs()) {
-            let size = with_unit(size, amplitude.unit);
-            limits.not_measurable.push(not_measurable(format!(
-                "it would have to be larger than is physically possible ({} = {size})",
-                amplitude.name
-            )));
-            continue;
-        }
-        limits.detection.push(DetectionLimit {
-            id: effect.id().to_owned(),
-            form: form.name.to_owned(),
-            smallest: size,
-            unit: amplitude.unit.to_owned(),
-            visible: information.visible,
-        });
-    }
-    limits.aliases = aliases(search, &stand, &shown);
-    limits
-}
-
-/// The smallest gain of all readings that the strengths of the specimens would show beside a base that is not fitted.
-fn limit_of_gain(search: &Search, state: &State, candidate: usize) -> Option<DetectionLimit> {
-    let term = &search.candidates[candidate];
-    let form = term.form()?;
-    let specimens: BTreeSet<usize> = search.data.specimen.iter().copied().collect();
-    Some(DetectionLimit {
-        id: term.id()?.to_owned(),
-        form: form.name.to_owned(),
-        smallest: SURE * state.fitted.scatter / (specimens.len() as f64).sqrt(),
-        unit: form.amplitude.unit.to_owned(),
-        visible: 1.0,
-    })
-}
-
-/// The candidates of an effect with one value for all readings. One unit for an effect, that of its first form, so that campaigns can be
-/// compared.
-fn on_all_readings(search: &Search, effect: &dyn Effect) -> Vec<usize> {
-    let unit = effect.forms().first().map(|f| f.amplitude.unit);
-    let of_effect = |c: &usize| {
-        let term = &search.candidates[*c];
-        term.id() == Some(effect.id())
-            && term.scope == Scope::Whole
-            && term.form().map(|f| f.amplitude.unit) == unit
-    };
-    (0..search.candidates.len()).filter(of_effect).collect()
-}
-
-/// The candidate of which a refit leaves most; none where it leaves nothing of any.
-fn most_visible(stand: &Stand, candidates: &[usize]) -> Option<(usize, Information)> {
-    candidates
-        .iter()
-        .map(|c| (*c, stand.information(*c)))
-        .filter(|(_, i)| i.visible >= BLIND && i.left > 0.0)
-        .max_by(|a, b| a.1.visible.total_cmp(&b.1.visible).then(b.0.cmp(&a.0)))
-}
-
-/// The size at which an effect passes all guards: it must stand out of the noise, and matter.
-fn smallest(
-    search: &Search,
-    state: &State,
-    stand: &Stand,
-    information: Information,
-    effect: &dyn Effect,
-) -> f64 {
-    let readings = search.data.len() as f64;
-    let inflation = (readings / state.effective).max(1.0).sqrt();
-    let by_noise = SURE * state.fitted.sigma * inflation / information.left.sqrt();
-    let least = search.least_n * search.least_n * readings;
-    let by_use = ((LEAST_FALL * stand.left).max(least) / information.left).sqrt();
-    let size = by_noise.max(by_use);
-    if effect.near() > 0.0 {
-        // The trace of an angle grows with its square: F (1 - cos phi).
-        (2.0 * size * effect.near()).sqrt()
-    } else {
-        size
-    }
-}
-
-/// The pairs of candidates that leave one trace.
-fn aliases(search: &Search, stand: &Stand, shown: &[usize]) -> Vec<Alias> {
-    let id = |c: usize| search.candidates[c].id().unwrap_or_default().to_owned();
-    let mut aliases = Vec::new();
-    for (k, a) in shown.iter().enumerate() {
-        for b in &shown[k + 1..] {
-            let cosine = stand.cosine(*a, *b);
-            if cosine.abs() > ALIKE {
-                aliases.push(Alias {
-                    ids: [id(*a), id(*b)],
-                    cosine,
+            .filter(|s| of(&problem.library[screen.directions[s.direction].term]))
+            .collect();
+        if mine.is_empty() {
+            let asked = problem.library.iter().any(of);
+            if asked && !in_model {
+                not_measurable.push(NotMeasurable {
+                    id: e.id().to_owned(),
+                    reason: WhyNot::Absorbed,
+                    by: None,
                 });
             }
+            continue;
+        }
+        let before = smallest.len();
+        for s in mine {
+            let term = &problem.library[screen.directions[s.direction].term];
+            let Some(form) = term.form() else { continue };
+            let size = wanted / s.length;
+            let (low, high) = form.amplitude.bounds;
+            if size > high.abs().max(low.abs()) {
+                continue;
+            }
+            let limit = DetectionLimit {
+                id: e.id().to_owned(),
+                form: form.name.to_owned(),
+                smallest: size,
+                unit: form.amplitude.unit.to_owned(),
+                identifiable_share: s.share,
+            };
+            match smallest[before..].iter_mut().find(|l| l.form == form.name) {
+                Some(known) if known.smallest > size => *known = limit,
+                Some(_) => {}
+                None => smallest.push(limit),
+            }
+        }
+        if smallest.len() == before {
+            not_measurable.push(NotMeasurable {
+                id: e.id().to_owned(),
+                reason: WhyNot::Bound,
+                by: None,
+            });
         }
     }
+    let aliases = aliases(setting, problem, model, &screen);
+    Limits {
+        smallest,
+        not_measurable,
+        aliases,
+    }
+}
+
+/// Effects that lack a quantity.
+fn missing(data: &Data) -> Vec<NotMeasurable> {
+    let lacks = |e: &&dyn effects::Effect| {
+        let needs = e.forms().iter().map(|f| f.needs);
+        let mut lacking = needs.map(|n| n.iter().find(|n| data.missing.contains_key(n)));
+        lacking.clone().all(|n| n.is_some()).then(|| lacking.find_map(|n| n.copied()))
+    };
+    effects::all()
+        .iter()
+        .filter_map(|e| Some((e.id(), lacks(e)??)))
+        .map(|(id, need)| NotMeasurable {
+            id: id.to_owned(),
+            reason: WhyNot::NoColumn,
+            by: Some(need.words().to_owned()),
+        })
+        .collect()
+}
+
+/// Pairs of effects, each by its most visible form, whose whitened sensitivities are nearly parallel.
+fn aliases(
+    setting: &Setting,
+    problem: &ForceProblem,
+    model: &Fitted,
+    screen: &Screen,
+) -> Vec<Alias> {
+    let mut best: Vec<(&'static str, Vec<f64>, f64)> = Vec::new();
+    for s in screen.shown(0) {
+        let direction = &screen.directions[s.direction];
+        let Some(id) = problem.library[direction.term].id() else {
+            continue;
+        };
+        if s.share > IDENTIFIABLE && best.iter().all(|(known, ..)| *known != id) {
+            best.push((id, direction.columns[0].clone(), s.length));
+        }
+    }
+    let mut columns: Vec<Vec<f64>> = best.iter().map(|(_, c, l)| scaled(c, 1.0 / l)).collect();
+    let pairs: Vec<(usize, usize)> = (0..best.len())
+        .flat_map(|i| (0..i).map(move |j| (i, j)))
+        .collect();
+    for &(i, j) in &pairs {
+        let sum = columns[i].iter().zip(&columns[j]).map(|(a, b)| a + b);
+        let sum = sum.collect();
+        columns.push(sum);
+    }
+    let panel = Panel::of_active(&model.design, &columns, |n| setting.active[n]);
+    let projected = Factor::new(&model.design.tree, &model.gram, &model.variances).project(&panel);
+    let mut aliases: Vec<Alias> = pairs
+        .iter()
+        .enumerate()
+        .map(|(k, &(i, j))| {
+            let product = 0.5
+                * (projected.squares[best.len() + k] - projected.squares[i] - projected.squares[j]);
+            let norm = (projected.squares[i] * projected.squares[j]).sqrt();
+            Alias {
+                ids: [best[j].0.to_owned(), best[i].0.to_owned()],
+                cosine: product / norm,
+            }
+        })
+        .filter(|a| a.cosine.abs() >= NEARLY_ONE)
+        .collect();
+    aliases.sort_by(|a, b| b.cosine.abs().total_cmp(&a.cosine.abs()));
     aliases
 }
 
-fn why_not(search: &Search, effect: usize, whole: &[usize]) -> String {
-    let effect = effects::all()[effect];
-    let lacking: Vec<&String> = effect
-        .forms()
-        .iter()
-        .flat_map(|f| f.needs)
-        .filter_map(|n| search.data.missing.get(n))
-        .collect();
-    if whole.is_empty() {
-        return lacking
-            .first()
-            .map_or_else(|| "no form of it applies".to_owned(), |s| (*s).clone());
-    }
-    if search.base.coefficients.iter().any(|c| c.free) {
-        format!(
-            "one value for all readings is absorbed by the coefficients of the base model ({})",
-            search
-                .base
-                .coefficients
-                .iter()
-                .filter(|c| c.free)
-                .map(|c| c.name.as_str())
-                .collect::<Vec<&str>>()
-                .join(", ")
-        )
-    } else {
-        "it is absorbed by the strengths of the specimens".to_owned()
-    }
+fn scaled(column: &[f64], factor: f64) -> Vec<f64> {
+    column.iter().map(|x| x * factor).collect()
 }

@@ -1,140 +1,70 @@
-//! Diagnose: what does the residual of the base model depend on, which effect explains it, and what is the error with it?
+//! Diagnose: where does the error of the base model come from, and what does the law lack?
 //!
-//! Nobody tells this stage what is in the data. For each campaign and diameter:
+//! One mixed model of a campaign ([`problem`]) and what is asked of it ([`crate::inference`]). Nobody tells this stage what is in the data.
+//! For each campaign and diameter:
 //!
-//! 1. [`data`]: the readings with everything that is known of each ([`labels`] are words); [`base`]: the model to which effects are added.
-//!    [`suspects`]: mistakes of recording, before anything is searched.
-//! 2. [`questions`]: is there anything at all? The residual against every column, by permutation; and whether set points differ by more than
-//!    repeats of one do.
-//! 3. [`candidates`], [`linear`], [`search`]: which additions explain it. Strengths of the specimens are in every model ([`model`]).
-//! 4. [`judge`]: which of them may be believed.
-//! 5. [`folds`]: the held-out error, the whole search inside each fold; [`black_box`]: what is left to explain. `belief`: what the folds do not find
-//!    again, and what zero logs contradict, is not believed.
-//! 6. [`answer`]: intervals, classes, detection limits, the next measurement: the [`findings`].
+//! 1. [`data`]: the readings with everything that is known of each ([`labels`] are words); [`base`]: the law to which effects are added.
+//! 2. [`library`]: the terms that may be added: forms of effects, and smooth functions of columns.
+//! 3. The null model has the gain of each specimen, the set length and the zero of the force of each session, and a smooth misfit of the law.
+//!    The search tests every term against the maximum over all of them in draws from it ([`crate::inference::search`]).
+//! 4. [`unseen`]: the same search without each specimen; errors, predictive intervals, the budget of the expected error.
+//! 5. [`limits`]: what could have been seen, and what leaves the same trace. [`answer`]: the [`crate::findings`], as values.
 //!
-//! Three answers are right answers: an effect, none, or a dependence on a column that has no name in the library.
+//! The numbers on which decisions rest stand in [`settings`], each with its reason. No rule names an effect.
 //!
-//! Deliberately absent: knowledge of how a campaign was made. The stage sees rows, and the simulator shares no equation with it.
+//! Deliberately absent: sentences, and knowledge of how a campaign was made. The stage sees rows.
 
-pub mod adapter;
 pub mod answer;
 pub mod base;
-mod belief;
-pub mod between;
 pub mod black_box;
-pub mod candidates;
 pub mod data;
-pub mod findings;
-pub mod folds;
-pub mod held_out;
-pub mod judge;
 pub mod labels;
 pub mod library;
 pub mod limits;
-pub mod linear;
-pub mod model;
-pub mod noise;
 pub mod problem;
 pub mod settings;
-pub mod questions;
-pub mod search;
-pub mod suspects;
-pub mod term;
-#[cfg(test)]
-mod tests;
-pub mod uncertainty;
-pub(crate) mod words;
+pub mod unseen;
 
+use crate::base::random::Stream;
 use crate::base::row::Row;
 use crate::base::session::Role;
 use crate::config::{DiagnoseOptions, FitOptions};
 use crate::effects::{self, Conditions};
-use crate::models::{ForceModel, new};
-use crate::numerics::statistics::mean;
+use crate::findings::{
+    CampaignFindings, Design, EffectFinding, Errors, HeldOutBy, Misfit, NextKind, NextMeasurement,
+    NotAssessed, Residuals, Verdict,
+};
+use crate::inference::fit::Setting;
+use crate::inference::search::{Decision, Found, Search};
 use crate::stages::fit::{Group, is_fitted, is_usable};
+use answer::{Work, rms};
 use base::Base;
 use data::Data;
-use findings::{CampaignFindings, Errors, Question, Rejected, Residuals, Suspect};
-use folds::{Fold, Tally};
-use held_out::{HeldOut, held_out};
-use judge::Judgement;
-use model::{Fitted, Model};
-use search::{Search, State};
-use std::collections::BTreeSet;
-use term::Term;
+use problem::{ForceProblem, component};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Raised when results change without a change of this stage's source files.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// The answer for one campaign, and its residuals for the figures.
 #[derive(Clone, Debug)]
 pub struct Diagnosis {
-    /// The answer.
-    pub findings: crate::findings::CampaignFindings,
-    /// One entry a reading.
-    pub residuals: crate::findings::Residuals,
-}
-
-/// The same as `bpa-findings/1`, until [`adapter`] goes.
-#[derive(Clone, Debug)]
-pub struct Former {
     /// The answer.
     pub findings: CampaignFindings,
     /// One entry a reading.
     pub residuals: Residuals,
 }
 
-/// Fewest readings that are searched.
+/// Fewest readings that are searched: below, the model has hardly a reading to spare for each of its coefficients and groups.
 const FEWEST_READINGS: usize = 20;
-/// What a zero log shows if the first is so, and does not if the second is.
-const ZERO_OR_THRESHOLD: [&str; 2] = ["pressure_zero_offset", "bladder_threshold"];
-/// Largest corrected p of a question at which the search goes on.
-const WORTH_ASKING: f64 = 0.05;
 
-/// Everything between the data and the answer.
-pub(crate) struct Work<'a> {
-    group: &'a Group,
-    options: &'a DiagnoseOptions,
-    base: &'a Base,
-    /// All readings, held-out ones included.
-    all: &'a Data,
-    /// The readings that are searched.
-    train: &'a Data,
-    candidates: &'a [Term],
-    folds: &'a [Fold],
-    held_out_by: &'static str,
-    questions: Vec<Question>,
-    /// Whether a question gave reason to search.
-    searched: bool,
-    null: State,
-    best: State,
-    judgements: Vec<Judgement>,
-    rejected: Vec<Rejected>,
-    held: HeldOut,
-    passed_over: usize,
-    suspects: Vec<Suspect>,
-}
-
-/// Searches the rows of a group; none where they are too few.
+/// Searches the rows of a group; none where the base model has no value for any of them.
 pub fn diagnose(
     group: &Group,
     rows: &[Row],
     fit: &FitOptions,
     options: &DiagnoseOptions,
 ) -> Option<Diagnosis> {
-    former(group, rows, fit, options).map(|old| Diagnosis {
-        findings: adapter::findings(&old.findings, Some(&old.residuals)),
-        residuals: adapter::residuals(old.residuals),
-    })
-}
-
-/// [`diagnose`] with findings of the former schema.
-pub fn former(
-    group: &Group,
-    rows: &[Row],
-    fit: &FitOptions,
-    options: &DiagnoseOptions,
-) -> Option<Former> {
     let searched = |r: &&Row| is_usable(r) && (is_fitted(r) || r.role == Some(Role::Holdout));
     let rows: Vec<&Row> = rows.iter().filter(searched).collect();
     let base = base_model(group, &rows, fit, options)?;
@@ -143,111 +73,270 @@ pub fn former(
         .copied()
         .filter(|r| base_answers(&base, r))
         .collect();
-    let passed_over = rows.len() - answered.len();
-    let (suspects, answered) = without_mistakes(&base, group, answered, fit, options);
-    let all = Data::new(&answered).with_placebo(options.seed);
-    let kept_out: Vec<bool> = answered
-        .iter()
-        .map(|r| r.role == Some(Role::Holdout))
-        .collect();
-    let (folds, held_out_by) = folds::folds(&all, &kept_out);
-    let train: Vec<usize> = (0..all.len()).filter(|i| !kept_out[*i]).collect();
-    if train.len() < FEWEST_READINGS {
+    if answered.is_empty() {
         return None;
     }
-    let train = all.select(&train);
-    let candidates = candidates::candidates(&train);
-    let thin = train.thinned(options.most_readings);
-    let search = Search::new(
-        &base,
-        &thin,
-        &candidates,
-        options.most_effects,
-        judge::SIGNIFICANT.0,
-    );
-    let null = search.state(Vec::new(), None);
-    let mut questions = ask(&search, &null, options);
-    questions.extend(noise::between_set_points(&thin, &null.fitted.residuals));
-    // What acts alike on all readings of a specimen is no question of a column: the strengths answer.
-    let by_strengths = between::asked_for(&search, &null.fitted);
-    let something = questions.iter().any(|q| q.p_adjusted < WORTH_ASKING)
-        || by_strengths.is_some_and(|(_, p)| p < judge::SIGNIFICANT.0);
-    let (best, judgements, rejected) = if something {
-        belief::by_zero_logs(&search, belief::believed(&search, options.seed))
+    let outside = rows.len() - answered.len();
+    let data = Data::new(&answered)
+        .with_placebo(options.seed)
+        .thinned(options.most_readings);
+    let kept_out: BTreeSet<&str> = answered
+        .iter()
+        .filter(|r| r.role == Some(Role::Holdout))
+        .map(|r| r.session.as_str())
+        .collect();
+    let findings = unassessed(group, &base, &data, outside, &kept_out);
+    let train = data.session.iter();
+    let train = train.filter(|s| !kept_out.contains(data.sessions[**s].as_str()));
+    let reason = if train.count() < FEWEST_READINGS {
+        Some(NotAssessed::TooFewReadings)
+    } else if data.specimens.len() < 2 {
+        Some(NotAssessed::TooFewSpecimens)
     } else {
-        (null.clone(), Vec::new(), Vec::new())
+        None
     };
-    let held_by = |search: bool| held_out(&base, &all, &candidates, &folds, search, options);
-    let mut found = belief::Found {
-        held: held_by(something && !best.chosen.is_empty()),
-        best,
-        judgements,
-        rejected,
-    };
-    if found.was_not_found_again(&search) {
-        found.drop_effects(&search);
-        found.held = held_by(false);
+    if reason.is_some() {
+        return Some(Diagnosis {
+            findings: CampaignFindings {
+                not_assessed: reason,
+                ..findings
+            },
+            residuals: Residuals::default(),
+        });
     }
-    let belief::Found {
-        held,
-        best,
-        judgements,
-        rejected,
-    } = found;
-    let work = Work {
-        group,
-        options,
-        base: &base,
-        all: &all,
-        train: &train,
-        candidates: &candidates,
-        folds: &folds,
-        held_out_by,
-        questions,
-        searched: something,
-        null,
-        best,
-        judgements,
-        rejected,
-        held,
-        passed_over,
-        suspects,
-    };
-    let mut diagnosis = answer::answer(&work);
-    diagnosis.findings.notes.extend(all.notes.iter().cloned());
-    Some(diagnosis)
+    Some(assessed(group, &base, &data, &kept_out, options, findings))
 }
 
-/// What is far off, and the rows without the sessions that are set aside for it.
-fn without_mistakes<'a>(
-    base: &Base,
+/// The search and everything that is asked of its result.
+fn assessed(
     group: &Group,
-    rows: Vec<&'a Row>,
-    fit: &FitOptions,
+    base: &Base,
+    data: &Data,
+    kept_out: &BTreeSet<&str>,
     options: &DiagnoseOptions,
-) -> (Vec<Suspect>, Vec<&'a Row>) {
-    let searched: Vec<&Row> = rows
-        .iter()
-        .copied()
-        .filter(|r| r.role != Some(Role::Holdout))
-        .collect();
-    if searched.len() < FEWEST_READINGS {
-        return (Vec::new(), rows);
+    mut findings: CampaignFindings,
+) -> Diagnosis {
+    let library = library::terms(data);
+    let problem = ForceProblem::new(base, data, &library).with_reference();
+    let mut setting = Setting::new(&problem);
+    for (node, id) in problem.sessions.iter().zip(&data.sessions) {
+        if kept_out.contains(id.as_str()) {
+            setting.active[*node] = false;
+        }
     }
-    let data = Data::new(&searched).thinned(options.most_readings);
-    let known = new::NewPublished.coefficients(group.diameter_mm).len() > 1;
-    let published = known.then(|| Base::new(group.diameter_mm, false, 2, fit));
-    let suspects = suspects::suspects(base, &data, published.as_ref());
-    let aside: BTreeSet<&str> = suspects
-        .iter()
-        .filter(|s| s.set_aside)
-        .filter_map(|s| s.what.strip_prefix("session "))
-        .collect();
-    let rows = rows
+    let decision = Decision {
+        level: settings::LEVEL,
+        draws: options.draws,
+        alike: settings::ALIKE,
+        most_terms: options.most_effects,
+        thorough: true,
+    };
+    let normal = |k: usize| -> Box<dyn FnMut() -> f64> {
+        let mut stream = Stream::new(options.seed, &["draw", &k.to_string()]);
+        Box::new(move || stream.normal())
+    };
+    let null = setting.fit_afresh(&crate::inference::problem::Problem::start(&problem));
+    let search = Search {
+        setting: &setting,
+        decision,
+    };
+    let found = search.run(null, &normal, None);
+    let name = |t: usize| match library[t].what {
+        library::What::Column(column) => column.name(data),
+        library::What::Effect { effect, .. } => effects::all()[effect].id().to_owned(),
+    };
+    let held = unseen::held_out(&setting, &problem, &found, decision, &normal, name);
+    let work = Work {
+        diameter_mm: group.diameter_mm,
+        base,
+        problem: &problem,
+        setting: &setting,
+        found: &found,
+        held: &held,
+        smallest_n: options.smallest_effect_n,
+        normal: &normal,
+    };
+    let residuals = work.residuals();
+    let variances = found.model.restricted(&setting);
+    let limits = limits::limits(&setting, &problem, &found.model, found.critical);
+    findings.effects = work.effects();
+    findings.unexplained = work.unexplained();
+    findings.verdict = verdict(&findings.effects, !findings.unexplained.is_empty());
+    findings.scatter = work.scatter(&variances);
+    findings.misfit = Misfit {
+        sensitive: work.sensitive(),
+        ..answer::misfit(&variances)
+    };
+    findings.before = Errors {
+        rmse_train: rms(&residuals.before),
+        ..held.before.clone()
+    };
+    findings.after = Errors {
+        rmse_train: rms(&residuals.after),
+        ..held.after.clone()
+    };
+    findings.design.held_out_by = held.by;
+    findings.next_measurement = next(&held.budget, variances.components[component::SET_LENGTH], data);
+    findings.expected_rmse_heldout = expected(&held.budget);
+    findings.inside_50 = held.inside.map(|i| i.0);
+    findings.inside_95 = held.inside.map(|i| i.1);
+    findings.pit.clone_from(&held.pit);
+    findings.noise = Some(variances.noise[0]);
+    findings.tested = work.tested();
+    findings.detection_limits = limits.smallest;
+    findings.not_measurable = limits.not_measurable;
+    findings.aliases = limits.aliases;
+    findings.coefficients = work.coefficients();
+    findings.alternatives = alternatives(&problem, &setting, &found, base);
+    findings.black_box_rmse_heldout = unseen::black_box(&setting, &problem, &residuals.before);
+    findings.by_unit = held.units;
+    findings.budget = held.budget;
+    Diagnosis {
+        findings,
+        residuals,
+    }
+}
+
+fn verdict(effects: &[EffectFinding], unexplained: bool) -> Verdict {
+    if effects.iter().any(|e| !e.negligible) {
+        Verdict::EffectFound
+    } else if unexplained {
+        Verdict::Unexplained
+    } else {
+        Verdict::None
+    }
+}
+
+fn expected(budget: &[crate::findings::BudgetEntry]) -> Option<f64> {
+    let total: f64 = budget.iter().map(|b| b.variance).sum();
+    (!budget.is_empty()).then(|| total.sqrt())
+}
+
+/// What is worth measuring next, best first.
+fn next(
+    budget: &[crate::findings::BudgetEntry],
+    set_length_mm: f64,
+    data: &Data,
+) -> Vec<NextMeasurement> {
+    let mut list: Vec<NextMeasurement> = unseen::worth(budget, set_length_mm)
         .into_iter()
-        .filter(|r| !aside.contains(r.session.as_str()))
+        .filter(|(_, worth)| *worth > 0.0)
+        .map(|(what, worth)| {
+            let precision = what == unseen::SET_LENGTH;
+            let (kind, separates, key, value) = if precision {
+                let separates = vec![what.to_owned()];
+                (NextKind::Precision, separates, "sd_mm", settings::CALIPER_MM)
+            } else {
+                let more = data.specimens.len() as f64;
+                (NextKind::Specimens, Vec::new(), "specimens", more)
+            };
+            NextMeasurement {
+                kind,
+                separates,
+                at: BTreeMap::from([(key.to_owned(), value)]),
+                worth,
+                unit: "N".to_owned(),
+            }
+        })
         .collect();
-    (suspects, rows)
+    list.sort_by(|a, b| b.worth.total_cmp(&a.worth));
+    list
+}
+
+/// The law with and without its dependence on the resting length, and with and without a frame that yields: what a yielding frame and a
+/// dependence on the length explain of one another.
+fn alternatives(
+    problem: &ForceProblem,
+    setting: &Setting,
+    found: &Found,
+    base: &Base,
+) -> Vec<crate::findings::Alternative> {
+    let Some(short) = base.without_length_law() else {
+        return Vec::new();
+    };
+    let other = problem.with_base(&short);
+    let mut without = Setting::new(&other);
+    without.active.clone_from(&setting.active);
+    let frame = problem
+        .library
+        .iter()
+        .position(|t| t.scope == library::Scope::All && t.is_frame());
+    let Some(frame) = frame else {
+        return Vec::new();
+    };
+    let mut list = Vec::new();
+    for (law, yields) in [(false, false), (true, false), (false, true), (true, true)] {
+        let setting = if law { setting } else { &without };
+        let mut from = found.model.point.clone();
+        from.terms.retain(|(t, _)| !problem.library[*t].is_frame());
+        if !law {
+            from.coefficients[base::LENGTH_LAW] = short.coefficients[base::LENGTH_LAW].start;
+        }
+        if yields {
+            from.terms.push((frame, problem.library[frame].start(1.0)));
+        }
+        let fit = setting.fit(&from, std::slice::from_ref(&found.model.variances));
+        list.push(answer::alternative(&fit, law, yields.then_some(frame), problem));
+    }
+    let first = list.first().map_or(0.0, |a| a.log_likelihood);
+    for a in &mut list {
+        a.log_likelihood -= first;
+    }
+    list
+}
+
+/// The findings of a campaign of which nothing is said yet.
+fn unassessed(
+    group: &Group,
+    base: &Base,
+    data: &Data,
+    outside: usize,
+    kept_out: &BTreeSet<&str>,
+) -> CampaignFindings {
+    let held = |s: &&usize| kept_out.contains(data.sessions[**s].as_str());
+    let held = data.session.iter().filter(held).count();
+    CampaignFindings {
+        campaign: group.campaign.clone(),
+        part: None,
+        diameter_mm: group.diameter_mm,
+        simulated: group.simulated,
+        kind: "isometric".to_owned(),
+        base_model: base.id.clone(),
+        base_refitted: base.coefficients.iter().any(|c| c.free),
+        unit: "N".to_owned(),
+        design: Design {
+            readings: data.len() - held,
+            readings_outside_domain: outside,
+            sessions: data.sessions.len() - kept_out.len(),
+            specimens: data.specimens.len(),
+            readings_held_out: held,
+            held_out_by: HeldOutBy::None,
+        },
+        verdict: Verdict::NotAssessed,
+        not_assessed: None,
+        effects: Vec::new(),
+        scatter: Vec::new(),
+        misfit: Misfit::default(),
+        unexplained: Vec::new(),
+        recording_errors: Vec::new(),
+        before: Errors::default(),
+        after: Errors::default(),
+        by_unit: Vec::new(),
+        budget: Vec::new(),
+        expected_rmse_heldout: None,
+        inside_50: None,
+        inside_95: None,
+        pit: Vec::new(),
+        noise: None,
+        black_box_rmse_heldout: None,
+        tested: Vec::new(),
+        detection_limits: Vec::new(),
+        not_measurable: Vec::new(),
+        aliases: Vec::new(),
+        next_measurement: Vec::new(),
+        coefficients: Vec::new(),
+        alternatives: Vec::new(),
+    }
 }
 
 fn base_model(
@@ -279,39 +368,4 @@ fn base_answers(base: &Base, row: &Row) -> bool {
     );
     at.diameter_mm = row.diameter_mm;
     effects::force(base, &base.starts(), 1.0, &[], &at).is_finite()
-}
-
-fn ask(search: &Search, null: &State, options: &DiagnoseOptions) -> Vec<Question> {
-    let predicted = search.model(&[]).predict(&null.fitted, true);
-    let columns = questions::columns(search.data, &predicted);
-    questions::ask(
-        search.data,
-        &null.fitted.residuals,
-        &columns,
-        options.permutations,
-        options.seed,
-    )
-}
-
-/// The errors of a tally beside the training error.
-fn errors(train: f64, held: Tally) -> Errors {
-    Errors {
-        rmse_train: train,
-        rmse_heldout: held.rmse(),
-        max_abs_error_heldout: held.largest,
-        rmse_heldout_own_strength: held.rmse_own_strength(),
-    }
-}
-
-/// Root mean square of the training residuals, strengths not used, N.
-fn train_error(model: &Model, fitted: &Fitted) -> f64 {
-    let predicted = model.predict(fitted, false);
-    let squares: Vec<f64> = model
-        .data
-        .force
-        .iter()
-        .zip(&predicted)
-        .map(|(y, f)| (y - f) * (y - f))
-        .collect();
-    mean(&squares).sqrt()
 }

@@ -180,7 +180,7 @@ impl<'a> ForceProblem<'a> {
             session_basis: data.conditions.iter().map(session_basis).collect(),
             common_basis: data.conditions.iter().map(common_basis).collect(),
             reference: vec![0.0; data.len()],
-            floor: env("FLOOR", settings::MISFIT_FLOOR) * largest,
+            floor: settings::MISFIT_FLOOR * largest,
         }
     }
 
@@ -193,6 +193,17 @@ impl<'a> ForceProblem<'a> {
         let fit = setting.fit(&self.start(), &setting.fresh()[..1]);
         self.reference = self.predict(&fit.point);
         self
+    }
+
+    /// The same readings and terms with another form of the base law.
+    pub fn with_base<'b>(&self, base: &'b Base) -> ForceProblem<'b>
+    where
+        'a: 'b,
+    {
+        ForceProblem {
+            reference: self.reference.clone(),
+            ..ForceProblem::new(base, self.data, self.library)
+        }
     }
 
     /// The force of reading `i`, misfit left out.
@@ -377,8 +388,8 @@ fn components(data: &Data, pooled: bool) -> Vec<Component> {
         scatter(settings::USUAL_ZERO_N, sessions),
         component(Prior::Fixed(rounding), rounding, true, true, false),
         component(Prior::Fixed(rounding), rounding, true, true, false),
-        { let c = env("COMMON", settings::COMMON_MISFIT); if std::env::var("HARD").is_ok() { component(Prior::Fixed(c), c, true, false, true) } else { with_groups(misfit(c), sessions) } },
-        with_groups(misfit(env("SESSION", settings::SESSION_MISFIT)), sessions),
+        with_groups(misfit(settings::COMMON_MISFIT), sessions),
+        with_groups(misfit(settings::SESSION_MISFIT), sessions),
         pool(settings::USUAL_GAIN),
         pool(settings::USUAL_ZERO_N),
     ]
@@ -412,7 +423,7 @@ fn session_basis(at: &Conditions) -> [f64; SESSION_COSINES] {
 
 /// Products of cosines over eps* and P*, without the constant, which is a gain of all readings.
 fn common_basis(at: &Conditions) -> Vec<f64> {
-    let w = weights(COMMON_COSINES, env("SURF", settings::SURFACE_LENGTH));
+    let w = weights(COMMON_COSINES, settings::SURFACE_LENGTH);
     let eps_620 = (at.rest_length_m - at.contracted_length_m) / at.rest_length_m;
     let contraction = (at.rest_length_m - at.length_m) / at.rest_length_m / eps_620;
     let pressure = at.pressure_kpa / P_620_KPA;
@@ -607,5 +618,3 @@ fn cosine(a: &[f64], b: &[f64]) -> f64 {
     let norms = (dot(a, a) * dot(b, b)).sqrt();
     if norms > 0.0 { dot(a, b) / norms } else { 1.0 }
 }
-
-fn env(name: &str, otherwise: f64) -> f64 { std::env::var(name).ok().and_then(|s| s.parse().ok()).unwrap_or(otherwise) }

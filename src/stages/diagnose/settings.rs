@@ -24,3 +24,9 @@ pub const USUAL_SET_LENGTH_MM: f64 = 1.0;
 pub const USUAL_ZERO_N: f64 = 1.0;
 /// Scale of the priors of these scatters, as a multiple of the usual ones: weak, but no scatter takes the place of the law.
 pub const LARGEST_SCATTER: f64 = 5.0;
+/// Family-wise level of every test.
+pub const LEVEL: f64 = 0.05;
+/// Models whose log-likelihoods differ by less than this are indistinguishable: a ratio of likelihoods of 7.
+pub const ALIKE: f64 = 2.0;
+/// Precision of a caliper on the crossmember, mm: what "set lengths known" means where its worth is asked for.
+pub const CALIPER_MM: f64 = 0.2;

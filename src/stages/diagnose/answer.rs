@@ -1,0 +1,561 @@
+//! From the fitted models to the findings: values, no sentences.
+
+use super::base::{Base, LENGTH_LAW};
+use super::data::{Data, PLACEBO};
+use super::library::{Scope, Term, What};
+use super::problem::{ForceProblem, component};
+use super::unseen::HeldOut;
+use crate::effects;
+use crate::findings::{
+    ActsOn, Alternative, CoefficientChange, EffectFinding, Estimate, Level, Parameter, Residuals, Scatter,
+    Tested, Unexplained,
+};
+use crate::inference::fit::{Fitted, Free, Setting};
+use crate::inference::problem::{Point, Problem};
+use crate::inference::profile::profile;
+use crate::inference::screen::Normal;
+use crate::inference::search::{Accepted, Found};
+use crate::inference::statistic::{deviate, upper_tail};
+use crate::inference::system::{Factor, Likelihood, Variances};
+use crate::inference::variance::{Effort, Prior};
+use crate::models::{ForceModel, new};
+use std::collections::BTreeMap;
+
+/// Half of the 95% point of chi-squared with one degree: by so much the log-likelihood falls at the ends of an interval.
+const CUT: f64 = 1.920_729_410_347_062;
+
+/// Two-sided 95% point of the normal distribution.
+const NORMAL_95: f64 = 1.959_963_984_540_054;
+
+/// What the answers are made of.
+pub struct Work<'a> {
+    /// Diameter, mm.
+    pub diameter_mm: u32,
+    /// The base law.
+    pub base: &'a Base,
+    /// The problem.
+    pub problem: &'a ForceProblem<'a>,
+    /// Its active part.
+    pub setting: &'a Setting<'a>,
+    /// What the search found.
+    pub found: &'a Found,
+    /// What it says of unseen specimens.
+    pub held: &'a HeldOut,
+    /// Smallest effect of interest, N.
+    pub smallest_n: f64,
+    /// Draws.
+    pub normal: &'a Normal<'a>,
+}
+
+/// Root of the mean square.
+pub fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
+impl Work<'_> {
+    fn data(&self) -> &Data {
+        self.problem.data
+    }
+
+    fn term(&self, term: usize) -> &Term {
+        &self.problem.library[term]
+    }
+
+    /// Id of an effect, or name of a column.
+    pub fn name(&self, term: usize) -> String {
+        match self.term(term).what {
+            What::Column(column) => column.name(self.data()),
+            What::Effect { effect, .. } => effects::all()[effect].id().to_owned(),
+        }
+    }
+
+    fn acts_on(&self, term: usize) -> (ActsOn, Option<String>, Option<String>) {
+        match self.term(term).scope {
+            Scope::All => (ActsOn::All, None, None),
+            Scope::From(s) => (ActsOn::From, None, Some(self.data().sessions[s].clone())),
+            Scope::Levels(k) => {
+                let column = self.data().extras[k].name.clone();
+                (ActsOn::Levels, Some(column), None)
+            }
+        }
+    }
+
+    /// Predictions of a point without its random effects.
+    fn unconditional(&self, point: &Point, without: Option<usize>) -> Vec<f64> {
+        let mut bare = point.clone();
+        bare.random.fill(0.0);
+        bare.terms.retain(|(t, _)| Some(*t) != without);
+        self.problem.predict(&bare)
+    }
+
+    /// What a term does to the readings that it acts on.
+    fn change(&self, term: usize) -> Vec<f64> {
+        let point = &self.found.model.point;
+        let with = self.unconditional(point, None);
+        let without = self.unconditional(point, Some(term));
+        let acting = &self.term(term).acts_on;
+        let pairs = with.iter().zip(&without).enumerate();
+        pairs
+            .filter(|(i, _)| acting[self.data().session[*i]].is_some())
+            .map(|(_, (a, b))| a - b)
+            .collect()
+    }
+
+    /// The accepted effects.
+    pub fn effects(&self) -> Vec<EffectFinding> {
+        let accepted = self.found.accepted.iter();
+        let mut effects: Vec<EffectFinding> = accepted.filter_map(|a| self.effect(a)).collect();
+        effects.sort_by(|a, b| {
+            let gain = |e: &EffectFinding| e.log_likelihood_gain.unwrap_or(0.0);
+            gain(b).total_cmp(&gain(a))
+        });
+        effects
+    }
+
+    fn effect(&self, accepted: &Accepted) -> Option<EffectFinding> {
+        let term = self.term(accepted.term);
+        let What::Effect { effect, .. } = term.what else {
+            return None;
+        };
+        let e = effects::all()[effect];
+        let form = term.form()?;
+        let (acts_on, column, from) = self.acts_on(accepted.term);
+        let named = accepted
+            .in_its_place
+            .iter()
+            .filter(|(t, _)| self.term(*t).id().is_some());
+        let in_its_place: Vec<(String, f64)> =
+            named.map(|(t, d)| (self.name(*t), *d)).collect();
+        let mut class = vec![e.id().to_owned()];
+        for (id, _) in &in_its_place {
+            if !class.contains(id) {
+                class.push(id.clone());
+            }
+        }
+        let values = self.found.model.values(accepted.term)?.to_vec();
+        let (parameters, points) = self.parameters(accepted.term, &values);
+        let change = rms(&self.change(accepted.term));
+        Some(EffectFinding {
+            id: e.id().to_owned(),
+            acts_on,
+            column,
+            from,
+            parameters,
+            form: form.name.to_owned(),
+            equation: form.equation.to_owned(),
+            p_familywise: accepted.p,
+            log_likelihood_gain: Some(accepted.gain),
+            found_in_folds: self.found_in_folds(&class),
+            negligible: change < self.smallest_n,
+            rms: change,
+            by_specimen: self.by_specimen(accepted.term),
+            profile: points,
+            free_form: None,
+            in_its_place,
+            measurement: e.measurement().to_owned(),
+            source: e.source().to_owned(),
+            class,
+        })
+    }
+
+    /// Parameters with their intervals, and the profile of the first amplitude.
+    fn parameters(&self, term: usize, values: &[f64]) -> (Vec<Parameter>, Vec<(f64, f64)>) {
+        let Some(form) = self.term(term).form() else {
+            return (Vec::new(), Vec::new());
+        };
+        let amplitudes = self.term(term).amplitudes;
+        let mut points = Vec::new();
+        let parameters = values.iter().enumerate().map(|(k, value)| {
+            let known = match form.shape {
+                Some((shape, _)) if k >= amplitudes => shape,
+                _ => form.amplitude,
+            };
+            let profile = profile(self.setting, &self.found.model, term, k, self.normal);
+            if let (0, Some(p)) = (k, &profile) {
+                points = p
+                    .points
+                    .iter()
+                    .map(|(x, l)| (known.absent + x, *l))
+                    .collect();
+            }
+            let end = |x: Option<f64>| x.map(|x| known.absent + x);
+            Parameter {
+                name: known.name.to_owned(),
+                value: known.absent + value,
+                ci_low: end(profile.as_ref().and_then(|p| p.low)),
+                ci_high: end(profile.as_ref().and_then(|p| p.high)),
+                unit: known.unit.to_owned(),
+            }
+        });
+        (parameters.collect(), points)
+    }
+
+    fn found_in_folds(&self, class: &[String]) -> f64 {
+        if self.held.units.is_empty() {
+            return 0.0;
+        }
+        let again = |u: &&crate::findings::UnitErrors| u.found.iter().any(|f| class.contains(f));
+        self.held.units.iter().filter(again).count() as f64 / self.held.units.len() as f64
+    }
+
+    /// Each specimen's own estimate of the first amplitude, all else and the variances as found.
+    fn by_specimen(&self, term: usize) -> BTreeMap<String, Estimate> {
+        let model = &self.found.model;
+        let (Some(place), Some(values)) = (model.place(term, 0), model.values(term)) else {
+            return BTreeMap::new();
+        };
+        let mut design = model.design.clone();
+        let column = design.x.remove(place);
+        let others = design.x.len();
+        let data = self.data();
+        let mut names = Vec::new();
+        for (k, name) in data.specimens.iter().enumerate() {
+            let of = column.iter().zip(&data.specimen);
+            let masked: Vec<f64> = of.map(|(x, s)| if *s == k { *x } else { 0.0 }).collect();
+            if masked.iter().any(|x| *x != 0.0) {
+                design.x.push(masked);
+                names.push(name.clone());
+            }
+        }
+        let gram = self.setting.sums(&design);
+        let factor = Factor::new(&design.tree, &gram, &model.variances);
+        let (fixed, covariance) = (factor.fixed(), factor.fixed_covariance());
+        let absent = self.term(term).form().map_or(0.0, |f| f.amplitude.absent);
+        let estimate = |k: usize| Estimate {
+            value: absent + values[0] + fixed[others + k],
+            standard_error: covariance.at(others + k, others + k).max(0.0).sqrt(),
+        };
+        let named = names.into_iter().enumerate();
+        named
+            .map(|(k, name)| (name, estimate(k)))
+            .filter(|(_, e)| e.standard_error > 0.0 && e.standard_error.is_finite())
+            .collect()
+    }
+
+    /// Columns that explain what no effect does.
+    pub fn unexplained(&self) -> Vec<Unexplained> {
+        let point = &self.found.model.point;
+        let before: Vec<f64> = self
+            .unconditional(&self.found.null.point, None)
+            .iter()
+            .zip(&self.data().force)
+            .map(|(p, y)| y - p)
+            .collect();
+        let accepted = self.found.accepted.iter();
+        accepted
+            .filter_map(|a| {
+                let What::Column(column) = self.term(a.term).what else {
+                    return None;
+                };
+                let values = point.terms.iter().find(|(t, _)| *t == a.term)?.1.clone();
+                let share = rms(&self.change(a.term)) / rms(&before).max(f64::MIN_POSITIVE);
+                Some(Unexplained {
+                    column: column.name(self.data()),
+                    shape: if column.is_gain() { "gain" } else { "offset" }.to_owned(),
+                    p_familywise: a.p,
+                    log_likelihood_gain: a.gain,
+                    share_of_variance: (share * share).min(1.0),
+                    curve: column.curve(self.data(), [values[0], values[1]]),
+                })
+            })
+            .collect()
+    }
+
+    /// The candidates beside the null model, the best form of each effect and column.
+    pub fn tested(&self) -> Vec<Tested> {
+        let mut tested: Vec<Tested> = Vec::new();
+        for (t, shown) in &self.found.tested {
+            let id = self.name(*t);
+            let form = self.term(*t).form();
+            let form_name = form.map_or("smooth", |f| f.name);
+            if tested.iter().any(|k| k.id == id && k.form == form_name) {
+                continue;
+            }
+            let amplitude = form.and_then(|f| Some(f.amplitude.absent + shown.estimate.first()?));
+            tested.push(Tested {
+                is_column: form.is_none(),
+                form: form_name.to_owned(),
+                acts_on: self.acts_on(*t).0,
+                log_likelihood_gain: 0.5 * shown.likelihood_ratio,
+                amplitude,
+                unit: form.map_or("1", |f| f.amplitude.unit).to_owned(),
+                p_familywise: upper_tail(&self.found.draws, shown.deviate()),
+                id,
+            });
+        }
+        tested
+    }
+
+    /// The random effects with their standard deviations.
+    pub fn scatter(&self, variances: &Variances) -> Vec<Scatter> {
+        let data = self.data();
+        let p = self.problem;
+        let groups = |names: &[String], nodes: &[usize]| -> Vec<(String, usize)> {
+            names.iter().cloned().zip(nodes.iter().copied()).collect()
+        };
+        let specimens = groups(&data.specimens, &p.specimens);
+        let sessions = groups(&data.sessions, &p.sessions);
+        let campaigns = groups(&data.campaigns, &p.campaigns);
+        let list = [
+            (component::GAIN, "specimen_variation", Level::Specimen, "1", &specimens),
+            (component::SET_LENGTH, "length_offset", Level::Session, "mm", &sessions),
+            (component::ZERO, "force_zero_offset", Level::Session, "N", &sessions),
+            (component::REST_LENGTH, "rest_length", Level::Specimen, "mm", &specimens),
+            (component::CONTRACTED_LENGTH, "contracted_length", Level::Specimen, "mm", &specimens),
+            (component::CAMPAIGN_GAIN, "force_gain", Level::Campaign, "1", &campaigns),
+            (component::CAMPAIGN_ZERO, "force_zero_offset", Level::Campaign, "N", &campaigns),
+        ];
+        let present = list.into_iter().filter(|(.., groups)| !groups.is_empty());
+        present
+            .map(|(c, id, level, unit, groups)| {
+                self.one_scatter(variances, c, (id, level, unit), groups)
+            })
+            .collect()
+    }
+
+    fn one_scatter(
+        &self,
+        variances: &Variances,
+        c: usize,
+        (id, level, unit): (&str, Level, &str),
+        groups: &[(String, usize)],
+    ) -> Scatter {
+        let declared = match self.problem.components()[c].scale.prior {
+            Prior::Fixed(sd) => Some(sd),
+            _ => None,
+        };
+        let tree = self.problem.tree();
+        let value = |node: usize| {
+            let (k, _) = tree.columns_of(node, c)?;
+            Some(self.found.model.point.random[k])
+        };
+        let values = groups.iter().filter(|(_, node)| *node < tree.len());
+        let (ci_low, ci_high) = match declared {
+            Some(_) => (None, None),
+            None => self.interval(variances, c),
+        };
+        Scatter {
+            id: id.to_owned(),
+            level,
+            sd: variances.components[c],
+            ci_low,
+            ci_high,
+            unit: unit.to_owned(),
+            declared,
+            declared_contradicted: false,
+            log_likelihood_gain: declared.is_none().then(|| self.gain_of(c)),
+            values: values
+                .filter_map(|(name, node)| Some((name.clone(), value(*node)?)))
+                .collect(),
+        }
+    }
+
+    /// Where the restricted likelihood has fallen by [`CUT`] on either side of an estimate, the other variances as they are.
+    fn interval(&self, variances: &Variances, c: usize) -> (Option<f64>, Option<f64>) {
+        let scales = self.setting.scales();
+        let maximiser = self.setting.maximiser(&scales, Likelihood::Restricted);
+        let gram = &self.found.model.gram;
+        let at = |sd: f64| {
+            let mut v = variances.clone();
+            v.components[c] = sd;
+            maximiser.value(gram, &v)
+        };
+        let sd = variances.components[c];
+        let usual = scales[c].usual;
+        let best = at(sd);
+        let mut high = sd.max(1e-3 * usual);
+        while at(high) > best - CUT && high < 100.0 * usual {
+            high *= 1.05;
+        }
+        let mut low = sd;
+        while low > 1e-3 * usual && at(low) > best - CUT {
+            low /= 1.05;
+        }
+        let low = if low > 1e-3 * usual { low } else { 0.0 };
+        (Some(low), (high < 100.0 * usual).then_some(high))
+    }
+
+    /// Gain in log-likelihood over a model without a component.
+    fn gain_of(&self, c: usize) -> f64 {
+        let mut scales = self.setting.scales();
+        let with = self.setting.maximiser(&scales, Likelihood::Full);
+        let gram = &self.found.model.gram;
+        let best = with
+            .maximise(gram, &self.found.model.variances, Effort::STEP)
+            .log_likelihood;
+        scales[c].prior = Prior::Fixed(0.0);
+        let mut from = self.found.model.variances.clone();
+        from.components[c] = 0.0;
+        let without = self.setting.maximiser(&scales, Likelihood::Full);
+        (best - without.maximise(gram, &from, Effort::FULL).log_likelihood).max(0.0)
+    }
+
+    /// Names of effects and columns whose place in the answer changes with the prior of the misfit.
+    pub fn sensitive(&self) -> Vec<String> {
+        let mut sensitive = Vec::new();
+        for factor in [0.5, 2.0] {
+            let other = Setting {
+                misfit_factor: factor,
+                ..self.setting.clone()
+            };
+            let starts = [self.found.model.variances.clone()];
+            let model = other.fit(&self.found.model.point, &starts);
+            for a in &self.found.accepted {
+                let mut from = model.point.clone();
+                from.terms.retain(|(t, _)| *t != a.term);
+                let without = other.fit(&from, &starts);
+                let ratio = 2.0 * (model.log_likelihood - without.log_likelihood);
+                let name = self.name(a.term);
+                let lost = deviate(ratio, self.term(a.term).amplitudes) < self.found.critical;
+                if lost && !sensitive.contains(&name) {
+                    sensitive.push(name);
+                }
+            }
+        }
+        sensitive
+    }
+
+    /// Coefficients of the law without and with the effects.
+    pub fn coefficients(&self) -> Vec<CoefficientChange> {
+        let model = &self.found.model;
+        let covariance = model.covariance(&model.variances);
+        let published = new::NewPublished.coefficients(self.diameter_mm);
+        let list = self.base.coefficients.iter().enumerate();
+        list.filter(|(_, c)| c.free)
+            .map(|(k, c)| {
+                let place = model.free.iter().position(|f| *f == Free::Coefficient(k));
+                let error = place.map_or(0.0, |p| covariance.at(p, p).max(0.0).sqrt());
+                let known = |symbol: &str| {
+                    let found = published.iter().find(|p| p.symbol == symbol);
+                    found.map(|p| p.value)
+                };
+                CoefficientChange {
+                    name: c.name.clone(),
+                    unit: c.unit.clone(),
+                    before: self.found.null.point.coefficients[k],
+                    after: model.point.coefficients[k],
+                    standard_error: error,
+                    published: match c.reciprocal_of {
+                        Some(symbol) => known(symbol).map(|x| 1.0 / x),
+                        None => known(&c.name),
+                    },
+                    at_bound: model.at_bound[k],
+                }
+            })
+            .collect()
+    }
+
+    /// Residuals for the figures.
+    pub fn residuals(&self) -> Residuals {
+        let data = self.data();
+        let without = self.unconditional(&self.found.null.point, None);
+        let with = self.unconditional(&self.found.model.point, None);
+        let left = |predicted: &[f64]| -> Vec<f64> {
+            let pairs = data.force.iter().zip(predicted);
+            pairs.map(|(y, p)| y - p).collect()
+        };
+        Residuals {
+            session: data.session.iter().map(|s| data.sessions[*s].clone()).collect(),
+            specimen: data.specimen.iter().map(|k| data.specimens[*k].clone()).collect(),
+            before: left(&without),
+            after: left(&with),
+            conditional: conditional(&self.found.model),
+            predicted: without,
+            columns: columns(data),
+        }
+    }
+}
+
+/// Measured less predicted with the predicted random effects.
+fn conditional(model: &Fitted) -> Vec<f64> {
+    let tree = &model.design.tree;
+    let paths: Vec<Vec<usize>> = (0..tree.len()).map(|n| tree.path_numbers(n)).collect();
+    let rows = model.design.z.iter().zip(&model.design.node);
+    rows.zip(&model.design.y)
+        .map(|((z, node), y)| {
+            let own = paths[*node].iter().zip(z);
+            y - own.map(|(c, z)| z * model.point.random[*c]).sum::<f64>()
+        })
+        .collect()
+}
+
+/// The columns that were looked at, one value a reading.
+fn columns(data: &Data) -> Vec<(String, Vec<f64>)> {
+    let of = |f: &dyn Fn(&effects::Conditions) -> f64| -> Vec<f64> {
+        data.conditions.iter().map(f).collect()
+    };
+    let relative = |c: &effects::Conditions| {
+        (c.rest_length_m - c.length_m) / (c.rest_length_m - c.contracted_length_m)
+    };
+    let mut columns = vec![
+        ("pressure_kpa".to_owned(), of(&|c| c.pressure_kpa)),
+        ("contraction_rel".to_owned(), of(&relative)),
+        ("rest_length_m".to_owned(), of(&|c| c.rest_length_m)),
+        ("direction".to_owned(), of(&|c| c.direction)),
+        ("time_s".to_owned(), of(&|c| c.log_time_s)),
+        ("since_step_s".to_owned(), of(&|c| c.since_step_s)),
+        ("pressure_rate".to_owned(), of(&|c| c.rate_kpa_per_s)),
+        ("temperature_c".to_owned(), of(&|c| c.temperature_c)),
+        ("cycles".to_owned(), of(&|c| c.cycles)),
+    ];
+    let extras = data.extras.iter().filter(|e| e.name != PLACEBO);
+    columns.extend(extras.map(|e| {
+        let values = e.values.iter().map(|x| e.scale.0 + e.scale.1 * x);
+        (e.name.clone(), values.collect())
+    }));
+    columns.retain(|(_, v)| v.iter().any(|x| (x - v[0]).abs() > 1e-9));
+    columns
+}
+
+/// The sizes of the misfit.
+pub fn misfit(variances: &Variances) -> crate::findings::Misfit {
+    crate::findings::Misfit {
+        common: variances.components[component::COMMON_MISFIT],
+        session: variances.components[component::SESSION_MISFIT],
+        sensitive: Vec::new(),
+    }
+}
+
+/// The law with or without its dependence on the resting length, and with or without a frame that yields.
+pub fn alternative(
+    fit: &Fitted,
+    length_law: bool,
+    frame: Option<usize>,
+    problem: &ForceProblem,
+) -> Alternative {
+    let covariance = fit.covariance(&fit.variances);
+    let number = |name: &str, unit: &str, value: f64, place: Option<usize>| {
+        let error = place.map(|p| covariance.at(p, p).max(0.0).sqrt());
+        let end = |sign: f64| error.map(|e| value + sign * NORMAL_95 * e);
+        Parameter {
+            name: name.to_owned(),
+            value,
+            ci_low: end(-1.0),
+            ci_high: end(1.0),
+            unit: unit.to_owned(),
+        }
+    };
+    let mut parts = Vec::new();
+    let mut numbers = Vec::new();
+    if length_law {
+        parts.push("length_law".to_owned());
+        let c = &problem.base.coefficients[LENGTH_LAW];
+        let place = fit.free.iter().position(|f| *f == Free::Coefficient(LENGTH_LAW));
+        numbers.push(number(&c.name, &c.unit, fit.point.coefficients[LENGTH_LAW], place));
+    }
+    if let Some(term) = frame {
+        parts.extend(problem.library[term].id().map(str::to_owned));
+        if let (Some(form), Some(values)) = (problem.library[term].form(), fit.values(term)) {
+            let a = form.amplitude;
+            numbers.push(number(a.name, a.unit, values[0], fit.place(term, 0)));
+        }
+    }
+    Alternative {
+        parts,
+        parameters: fit.free.len(),
+        log_likelihood: fit.log_likelihood,
+        rmse_heldout: None,
+        log_density_heldout: None,
+        numbers,
+    }
+}

@@ -1,0 +1,366 @@
+//! What a model says of specimens that took no part: folds, errors in their three forms, predictive intervals, and the budget.
+
+use super::black_box::{self, Features};
+use super::problem::{ForceProblem, component};
+use super::settings;
+use crate::findings::{BudgetEntry, Errors, HeldOutBy, UnitErrors};
+use crate::inference::fit::{Fitted, Setting};
+use crate::inference::heldout::{Predicted, Unseen};
+use crate::inference::problem::{Point, Problem};
+use crate::inference::screen::Normal;
+use crate::inference::search::{Decision, Found, Search};
+use crate::numerics::distributions::normal_cdf;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// The source of the budget that a better length gauge lowers.
+pub const SET_LENGTH: &str = "set_length";
+/// Most folds: with more specimens, groups of them are held out together.
+const MOST_FOLDS: usize = 8;
+/// How many readings of each session are given, where a few are.
+const GIVEN: [usize; 4] = [1, 2, 3, 5];
+/// Two-sided 50 and 95% points of the normal distribution.
+const QUANTILES: (f64, f64) = (0.674_489_750_196_082, 1.959_963_984_540_054);
+/// Bins of the probability integral transform.
+const BINS: usize = 10;
+
+/// Nodes that are held out together.
+struct Fold {
+    nodes: Vec<(String, usize)>,
+}
+
+/// Errors of one model on readings that took no part.
+#[derive(Default)]
+struct Tally {
+    squares: f64,
+    calibrated: f64,
+    count: usize,
+    largest: f64,
+    log_density: f64,
+    after: BTreeMap<usize, (f64, usize)>,
+    expected: f64,
+    inside: (usize, usize),
+    bins: [usize; BINS],
+    sources: Vec<f64>,
+}
+
+/// Everything that is known of unseen specimens.
+pub struct HeldOut {
+    /// What was held out.
+    pub by: HeldOutBy,
+    /// Errors without and with effects, training errors not filled in.
+    pub before: Errors,
+    /// See `before`.
+    pub after: Errors,
+    /// One entry a unit.
+    pub units: Vec<UnitErrors>,
+    /// Sources of the expected squared error.
+    pub budget: Vec<BudgetEntry>,
+    /// Shares inside the 50 and 95% intervals; none where nothing was held out.
+    pub inside: Option<(f64, f64)>,
+    /// Histogram of the probability integral transform, as shares.
+    pub pit: Vec<f64>,
+    /// For each fold the kinds of the terms that its own search accepted.
+    pub kinds: Vec<Vec<usize>>,
+}
+
+/// The held-out errors, the whole search inside each fold. `active` marks the nodes that were searched.
+pub fn held_out(
+    setting: &Setting,
+    problem: &ForceProblem,
+    found: &Found,
+    decision: Decision,
+    normal: &Normal,
+    named: impl Fn(usize) -> String + Sync,
+) -> HeldOut {
+    let (folds, by) = folds(setting, problem);
+    let answers: Vec<FoldAnswer> = folds
+        .par_iter()
+        .map(|fold| answer(setting, problem, found, decision, normal, fold))
+        .collect();
+    let mut sums = (Tally::default(), Tally::default());
+    let mut units = Vec::new();
+    let mut kinds = Vec::new();
+    for a in answers {
+        for (unit, before, after) in a.units {
+            units.push(UnitErrors {
+                unit,
+                readings: after.count,
+                realised_over_expected: after.squares / after.expected.max(f64::MIN_POSITIVE),
+                inside_95: after.inside.1 as f64 / after.count.max(1) as f64,
+                found: a.terms.iter().map(|t| named(*t)).collect(),
+                before: before.errors(),
+                after: after.errors(),
+            });
+            sums.0.add(&before);
+            sums.1.add(&after);
+        }
+        kinds.push(a.terms.iter().map(|t| setting.problem.terms()[*t].kind).collect());
+    }
+    let after = &sums.1;
+    let count = after.count.max(1) as f64;
+    HeldOut {
+        by,
+        before: sums.0.errors(),
+        after: after.errors(),
+        units,
+        budget: after.budget(),
+        inside: (after.count > 0)
+            .then(|| (after.inside.0 as f64 / count, after.inside.1 as f64 / count)),
+        pit: if after.count > 0 {
+            after.bins.iter().map(|b| *b as f64 / count).collect()
+        } else {
+            Vec::new()
+        },
+        kinds,
+    }
+}
+
+struct FoldAnswer {
+    /// Unit, errors without and with effects.
+    units: Vec<(String, Tally, Tally)>,
+    terms: Vec<usize>,
+}
+
+/// Sessions that their owner held out, or else each specimen in turn.
+fn folds(setting: &Setting, problem: &ForceProblem) -> (Vec<Fold>, HeldOutBy) {
+    let kept_out: Vec<(String, usize)> = problem
+        .sessions
+        .iter()
+        .zip(&problem.data.sessions)
+        .filter(|(n, _)| !setting.active[**n])
+        .map(|(n, id)| (id.clone(), *n))
+        .collect();
+    if !kept_out.is_empty() {
+        return (vec![Fold { nodes: kept_out }], HeldOutBy::Holdout);
+    }
+    let specimens: Vec<(String, usize)> = problem
+        .data
+        .specimens
+        .iter()
+        .cloned()
+        .zip(problem.specimens.iter().copied())
+        .collect();
+    if specimens.len() < 2 {
+        return (Vec::new(), HeldOutBy::None);
+    }
+    if specimens.len() <= MOST_FOLDS {
+        let one = |s: (String, usize)| Fold { nodes: vec![s] };
+        return (specimens.into_iter().map(one).collect(), HeldOutBy::Specimen);
+    }
+    let mut folds: Vec<Fold> = (0..MOST_FOLDS).map(|_| Fold { nodes: Vec::new() }).collect();
+    for (k, s) in specimens.into_iter().enumerate() {
+        folds[k % MOST_FOLDS].nodes.push(s);
+    }
+    (folds, HeldOutBy::SpecimenGroups)
+}
+
+fn answer(
+    setting: &Setting,
+    problem: &ForceProblem,
+    found: &Found,
+    decision: Decision,
+    normal: &Normal,
+    fold: &Fold,
+) -> FoldAnswer {
+    let rest = fold
+        .nodes
+        .iter()
+        .fold(setting.clone(), |s, (_, node)| s.without(*node));
+    let null = rest.fit(&cleared(&found.null, &rest), &[found.null.variances.clone()]);
+    let search = Search {
+        setting: &rest,
+        decision: Decision {
+            thorough: false,
+            ..decision
+        },
+    };
+    let inner = search.run(null, normal, Some(&found.draws));
+    let models = [&inner.null, &inner.model].map(|m| Unseen::new(&rest, m));
+    let units = fold.nodes.iter().map(|(unit, node)| {
+        let [before, after] = [&models[0], &models[1]].map(|m| tally(m, *node, problem));
+        (unit.clone(), before, after)
+    });
+    FoldAnswer {
+        units: units.collect(),
+        terms: inner.accepted.iter().map(|a| a.term).collect(),
+    }
+}
+
+/// Where a fit without some groups starts: their random effects are 0.
+fn cleared(model: &Fitted, setting: &Setting) -> Point {
+    let tree = setting.problem.tree();
+    let mut point = model.point.clone();
+    for node in (0..tree.len()).filter(|n| !setting.active[*n]) {
+        let first = tree.first_column(node);
+        point.random[first..first + tree.width(node)].fill(0.0);
+    }
+    point
+}
+
+fn tally(model: &Unseen, node: usize, problem: &ForceProblem) -> Tally {
+    let predicted = model.predict(node);
+    let mut tally = Tally {
+        count: predicted.errors.len(),
+        log_density: predicted.log_density,
+        sources: predicted.sources.clone(),
+        ..Tally::default()
+    };
+    for (e, sd) in predicted.errors.iter().zip(&predicted.sd) {
+        tally.squares += e * e;
+        tally.expected += sd * sd;
+        tally.largest = tally.largest.max(e.abs());
+        tally.inside.0 += usize::from(e.abs() <= QUANTILES.0 * sd);
+        tally.inside.1 += usize::from(e.abs() <= QUANTILES.1 * sd);
+        let bin = (normal_cdf(e / sd) * BINS as f64) as usize;
+        tally.bins[bin.min(BINS - 1)] += 1;
+    }
+    for s in &mut tally.sources {
+        *s *= tally.count as f64;
+    }
+    tally.calibrated = model.errors_calibrated(node).iter().map(|(_, e)| e * e).sum();
+    for k in GIVEN {
+        let known = first_readings(&predicted, problem, k);
+        let after = model.errors_after(node, &known);
+        let scored = after.iter().filter(|(i, _)| !known.contains(i));
+        let squares: Vec<f64> = scored.map(|(_, e)| e * e).collect();
+        tally.after.insert(k, (squares.iter().sum(), squares.len()));
+    }
+    tally
+}
+
+/// The first readings of each session in time.
+fn first_readings(predicted: &Predicted, problem: &ForceProblem, count: usize) -> Vec<usize> {
+    let mut given: BTreeMap<usize, usize> = BTreeMap::new();
+    let is_given = |i: &&usize| {
+        let n = given.entry(problem.data.session[**i]).or_default();
+        *n += 1;
+        *n <= count
+    };
+    predicted.places.iter().filter(is_given).copied().collect()
+}
+
+impl Tally {
+    fn add(&mut self, other: &Tally) {
+        self.squares += other.squares;
+        self.calibrated += other.calibrated;
+        self.count += other.count;
+        self.largest = self.largest.max(other.largest);
+        self.log_density += other.log_density;
+        self.expected += other.expected;
+        self.inside.0 += other.inside.0;
+        self.inside.1 += other.inside.1;
+        for (a, b) in self.bins.iter_mut().zip(other.bins) {
+            *a += b;
+        }
+        self.sources.resize(other.sources.len().max(self.sources.len()), 0.0);
+        for (a, b) in self.sources.iter_mut().zip(&other.sources) {
+            *a += b;
+        }
+        for (k, (squares, n)) in &other.after {
+            let sum = self.after.entry(*k).or_default();
+            sum.0 += squares;
+            sum.1 += n;
+        }
+    }
+
+    fn errors(&self) -> Errors {
+        let n = self.count as f64;
+        let mean = |sum: f64| (self.count > 0).then(|| (sum / n).sqrt());
+        let after = self.after.iter().filter(|(_, (_, n))| *n > 0);
+        Errors {
+            rmse_train: 0.0,
+            rmse_heldout: mean(self.squares),
+            max_abs_error_heldout: (self.count > 0).then_some(self.largest),
+            rmse_heldout_calibrated: mean(self.calibrated),
+            rmse_heldout_after: after
+                .map(|(k, (squares, n))| (k.to_string(), (squares / *n as f64).sqrt()))
+                .collect(),
+            log_density_heldout: (self.count > 0).then(|| self.log_density / n),
+        }
+    }
+
+    /// The expected squared error by source, largest first.
+    fn budget(&self) -> Vec<BudgetEntry> {
+        if self.count == 0 {
+            return Vec::new();
+        }
+        let last = self.sources.len() - 1;
+        let name = |k: usize| match k {
+            component::GAIN | component::CAMPAIGN_GAIN => "specimen_gain",
+            component::SET_LENGTH => SET_LENGTH,
+            component::ZERO | component::CAMPAIGN_ZERO => "force_zero",
+            component::REST_LENGTH | component::CONTRACTED_LENGTH => "specimen_lengths",
+            component::SESSION_MISFIT => "session_misfit",
+            k if k == last => "noise",
+            _ => "estimation",
+        };
+        let mut sums: BTreeMap<&str, f64> = BTreeMap::new();
+        for (k, variance) in self.sources.iter().enumerate() {
+            *sums.entry(name(k)).or_default() += variance / self.count as f64;
+        }
+        let mut budget: Vec<BudgetEntry> = sums
+            .into_iter()
+            .map(|(source, variance)| BudgetEntry {
+                source: source.to_owned(),
+                variance,
+                rmse: variance.sqrt(),
+                unit: "N".to_owned(),
+            })
+            .collect();
+        budget.sort_by(|a, b| b.variance.total_cmp(&a.variance));
+        budget
+    }
+}
+
+/// Held-out error of a smooth black box on a residual, under the same folds, N.
+pub fn black_box(setting: &Setting, problem: &ForceProblem, residual: &[f64]) -> Option<f64> {
+    let (folds, _) = folds(setting, problem);
+    if folds.is_empty() {
+        return None;
+    }
+    let tree = problem.tree();
+    let predicted: Vec<f64> = problem.data.force.iter().zip(residual).map(|(y, r)| y - r).collect();
+    let features = Features::new(problem.data, &predicted);
+    let sums: Vec<Vec<f64>> = folds
+        .par_iter()
+        .map(|fold| {
+            let is_held = |i: &usize| {
+                let path = tree.path(problem.node()[*i]);
+                fold.nodes.iter().any(|(_, n)| path.contains(n))
+            };
+            let takes_part = |i: &usize| setting.active[problem.node()[*i]] && !is_held(i);
+            let held: Vec<usize> = (0..residual.len()).filter(is_held).collect();
+            let train: Vec<usize> = (0..residual.len()).filter(takes_part).collect();
+            let square = |p: &Vec<f64>| -> f64 {
+                let pairs = held.iter().zip(p);
+                pairs.map(|(i, p)| (residual[*i] - p) * (residual[*i] - p)).sum()
+            };
+            let answers = black_box::predict(&features, residual, &train, &held);
+            let mut sums: Vec<f64> = answers.iter().map(square).collect();
+            sums.push(held.len() as f64);
+            sums
+        })
+        .collect();
+    let count: f64 = sums.iter().map(|s| s[s.len() - 1]).sum();
+    (0..black_box::NOISE.len())
+        .map(|k| (sums.iter().map(|s| s[k]).sum::<f64>() / count).sqrt())
+        .min_by(f64::total_cmp)
+}
+
+/// What is worth measuring next, from a budget: by how much the expected error falls.
+pub fn worth(budget: &[BudgetEntry], set_length_mm: f64) -> Vec<(&'static str, f64)> {
+    let total: f64 = budget.iter().map(|b| b.variance).sum();
+    let of = |name: &str| {
+        let found = budget.iter().find(|b| b.source == name);
+        found.map_or(0.0, |b| b.variance)
+    };
+    let fall = |less: f64| total.sqrt() - (total - less).max(0.0).sqrt();
+    let known = (settings::CALIPER_MM / set_length_mm.max(settings::CALIPER_MM)).min(1.0);
+    let set_length = of(SET_LENGTH) * (1.0 - known * known);
+    // The variance of estimates falls with the number of specimens; with as many again, to half.
+    vec![
+        (SET_LENGTH, fall(set_length)),
+        ("specimens", fall(0.5 * of("estimation"))),
+    ]
+}
