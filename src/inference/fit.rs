@@ -8,12 +8,14 @@
 use crate::gram::{Design, Gram, Square};
 use crate::problem::{Component, Linearised, Point, Problem};
 use crate::system::{Factor, Likelihood, Posterior, Variances};
-use crate::variance::{Effort, Maximiser, Prior, Scale};
+use crate::variance::{Effort, Maximiser, Maximum, Prior, Scale};
 
 /// Most outer iterations.
 const MOST_ITERATIONS: usize = 24;
 /// An outer iteration that moves no estimate by more than this share of its standard error ends the fit.
-const CONVERGED: f64 = 0.02;
+const CONVERGED: f64 = 0.05;
+/// The same for the log-likelihood.
+const SETTLED: f64 = 0.02;
 /// After so many iterations steps are halved: readings that go slack and taut again in turn make the iteration alternate.
 const DAMPED_AFTER: usize = 8;
 /// Shortest part of a step that is tried.
@@ -166,7 +168,7 @@ impl<'a> Setting<'a> {
         let scales = self.scales();
         let maximiser = self.maximiser(&scales, Likelihood::Full);
         let mut point = self.inside(from);
-        let mut variances: Option<Variances> = None;
+        let mut known: Option<Maximum> = None;
         let mut held: Vec<Free> = Vec::new();
         let mut before = f64::NEG_INFINITY;
         let mut converged = false;
@@ -176,13 +178,15 @@ impl<'a> Setting<'a> {
             let free = self.free(&point, &held);
             let design = self.design(&point, &linear, &free);
             let gram = self.sums(&design);
-            let maximum = match &variances {
+            let maximum = match &known {
                 None => maximiser.best(&gram, starts, Effort::FULL),
-                Some(v) => maximiser.maximise(&gram, v, Effort::STEP),
+                Some(k) => {
+                    maximiser.maximise_with(&gram, &k.variances, Effort::STEP, Some(&k.inverse))
+                }
             };
             let posterior = Factor::new(&design.tree, &gram, &maximum.variances)
                 .posterior(Likelihood::Full);
-            let settled = (maximum.log_likelihood - before).abs() < 0.01;
+            let settled = (maximum.log_likelihood - before).abs() < SETTLED;
             before = maximum.log_likelihood;
             iteration += 1;
             if (converged && settled) || iteration >= MOST_ITERATIONS {
@@ -207,7 +211,7 @@ impl<'a> Setting<'a> {
             converged = self.small(&design, &gram, &maximum.variances, &moved.taken);
             held.extend(moved.stopped);
             point = moved.point;
-            variances = Some(maximum.variances);
+            known = Some(maximum);
         }
     }
 

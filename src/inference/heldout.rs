@@ -9,6 +9,9 @@ use crate::problem::Point;
 use crate::system::{Factor, Likelihood, Posterior, Variances, dot};
 use crate::tree::{Block, Tree};
 
+/// Steps by which the mode of a group's random effects is found.
+const GAUSS_NEWTON: usize = 4;
+
 /// What a fitted model says of a group that it has not seen.
 pub struct Unseen<'a> {
     setting: &'a Setting<'a>,
@@ -79,14 +82,12 @@ impl<'a> Unseen<'a> {
             .collect()
     }
 
-    /// The linear model of the readings at some places: a tree of the path and what is below it.
-    fn design(&self, places: &[usize], response: &[f64]) -> Design {
+    /// The linear model of the readings at some places, their rows of random effects given: a tree of the path and what is below it.
+    fn design(&self, places: &[usize], response: &[f64], rows: &[Vec<f64>]) -> Design {
         let whole = &self.model.design;
-        let parameters = self.root.n;
-        let own = self.variances.components.len();
         let mut tree = Tree::new(vec![Block {
-            component: own,
-            columns: parameters,
+            component: self.variances.components.len(),
+            columns: self.root.n,
         }]);
         let mut numbers = vec![usize::MAX; whole.tree.len()];
         numbers[0] = 0;
@@ -110,7 +111,7 @@ impl<'a> Unseen<'a> {
             design.node.push(numbers[whole.node[i]]);
             design.class.push(whole.class[i]);
             let mut row = self.parameters(i);
-            row.extend_from_slice(&whole.z[i][root..]);
+            row.extend_from_slice(&rows[i][root..]);
             design.z.push(row);
         }
         design.tree = tree;
@@ -135,7 +136,7 @@ impl<'a> Unseen<'a> {
     pub fn predict(&self, node: usize) -> Predicted {
         let places = self.below(node);
         let errors: Vec<f64> = places.iter().map(|&i| self.error(i)).collect();
-        let design = self.design(&places, &errors);
+        let design = self.design(&places, &errors, &self.model.design.z);
         let variances = self.with_parameters();
         let gram = design.gram();
         let log_density =
@@ -169,87 +170,82 @@ impl<'a> Unseen<'a> {
         }
     }
 
-    /// Errors on the readings below a node once some of them are known, linear in the random effects at the expected ones: the mean of all
-    /// readings given those at `known`.
+    /// Errors on the readings below a node once some of them are known: measured less the mode of all readings given those at `known`.
     pub fn errors_after(&self, node: usize, known: &[usize]) -> Vec<(usize, f64)> {
-        let places = self.below(node);
-        let errors: Vec<f64> = places.iter().map(|&i| self.error(i)).collect();
-        let design = self.design(&places, &errors);
-        let posterior = self.given(&places, &errors, known);
-        let of = |tree: &Tree, node: usize| tree.path_numbers(node);
-        places
-            .iter()
-            .zip(&errors)
-            .enumerate()
-            .map(|(k, (i, e))| {
-                let numbers = of(&design.tree, design.node[k]);
-                let mean: f64 = numbers
-                    .iter()
-                    .zip(&design.z[k])
-                    .map(|(c, z)| z * posterior.random[*c])
-                    .sum();
-                (*i, e - mean)
-            })
-            .collect()
-    }
-
-    /// The posterior of the group's random effects given some of its readings.
-    fn given(&self, places: &[usize], errors: &[f64], known: &[usize]) -> Posterior {
-        let mut design = self.design(places, errors);
-        let variances = self.with_parameters();
-        // What is not known takes no part, but keeps its place in the tree.
-        let is_known: Vec<bool> = places.iter().map(|i| known.contains(i)).collect();
-        let kept = |k: &usize| is_known[*k];
-        let list: Vec<usize> = (0..places.len()).filter(kept).collect();
-        design.node = list.iter().map(|&k| design.node[k]).collect();
-        design.class = list.iter().map(|&k| design.class[k]).collect();
-        design.z = list.iter().map(|&k| design.z[k].clone()).collect();
-        design.y = list.iter().map(|&k| design.y[k]).collect();
-        let gram = design.gram();
-        Factor::new(&design.tree, &gram, &variances).posterior(Likelihood::Full)
+        self.errors_given(node, Some(known))
     }
 
     /// Errors on the readings below a node with the random effects that calibrate as all of its readings show them, coefficients and misfit
     /// as predicted: in sample in these.
     pub fn errors_calibrated(&self, node: usize) -> Vec<(usize, f64)> {
+        self.errors_given(node, None)
+    }
+
+    /// The mode is found by Gauss-Newton steps: the forward model is linearised at the random effects found so far.
+    fn errors_given(&self, node: usize, known: Option<&[usize]>) -> Vec<(usize, f64)> {
         let places = self.below(node);
         let problem = self.setting.problem;
         let tree = problem.tree();
-        let mut point: Point = self.model.point.clone();
+        let components = problem.components();
         let root = tree.width(0);
-        let mut errors = vec![0.0; places.len()];
-        // Two steps: the forward model is nearly linear in gain and lengths.
-        for _ in 0..2 {
+        let mut point: Point = self.model.point.clone();
+        let mut errors = Vec::new();
+        for _ in 0..GAUSS_NEWTON {
             let linear = problem.linearise(&point);
             let response: Vec<f64> = places
                 .iter()
-                .map(|&i| self.response(&point, &linear.predicted, &linear.random[i], i))
+                .map(|&i| self.response(&point, linear.predicted[i], &linear.random[i], i))
                 .collect();
-            let posterior = self.given(&places, &response, &places);
-            let small = self.design(&places, &response);
-            let components = problem.components();
+            let design = self.design(&places, &response, &linear.random);
+            let posterior = self.given(&design, &places, known.unwrap_or(&places));
+            let parameters = &posterior.random[..self.root.n];
+            let mut of_parameters = Vec::with_capacity(places.len());
             for (k, &i) in places.iter().enumerate() {
-                let from = small.tree.path_numbers(small.node[k]);
+                let from = design.tree.path_numbers(design.node[k]);
                 let to = tree.path_numbers(self.model.design.node[i]);
                 let path = tree.path(self.model.design.node[i]);
                 let of: Vec<usize> = path.iter().flat_map(|n| tree.components_of(*n)).collect();
                 let own = from[self.root.n..].iter().zip(&to[root..]).zip(&of[root..]);
                 for ((f, t), c) in own {
-                    if components[*c].calibrates {
+                    if known.is_some() || components[*c].calibrates {
                         point.random[*t] = posterior.random[*f];
                     }
                 }
+                let row = &design.z[k][..self.root.n];
+                of_parameters.push(if known.is_some() { dot(row, parameters) } else { 0.0 });
             }
             let predicted = problem.predict(&point);
-            for (k, &i) in places.iter().enumerate() {
-                errors[k] = self.left(&point, &predicted, &linear.random[i], i);
-            }
+            errors = places
+                .iter()
+                .zip(&of_parameters)
+                .map(|(&i, p)| self.left(&point, predicted[i], &linear.random[i], i) - p)
+                .collect();
         }
         places.into_iter().zip(errors).collect()
     }
 
-    /// Measured less predicted at a point, nonlinear random effects below the root added back.
-    fn response(&self, point: &Point, predicted: &[f64], row: &[f64], i: usize) -> f64 {
+    /// The posterior of the group's random effects given some of its readings.
+    fn given(&self, design: &Design, places: &[usize], known: &[usize]) -> Posterior {
+        // What is not known takes no part, but keeps its place in the tree.
+        let list: Vec<usize> = (0..places.len())
+            .filter(|k| known.contains(&places[*k]))
+            .collect();
+        let part = Design {
+            tree: design.tree.clone(),
+            node: list.iter().map(|&k| design.node[k]).collect(),
+            class: list.iter().map(|&k| design.class[k]).collect(),
+            classes: design.classes,
+            z: list.iter().map(|&k| design.z[k].clone()).collect(),
+            x: Vec::new(),
+            y: list.iter().map(|&k| design.y[k]).collect(),
+        };
+        let variances = self.with_parameters();
+        let gram = part.gram();
+        Factor::new(&part.tree, &gram, &variances).posterior(Likelihood::Full)
+    }
+
+    /// Sum over the random effects below the root of a reading that are linear in the forward model, or that are not.
+    fn below_root(&self, point: &Point, row: &[f64], i: usize, linear: bool) -> f64 {
         let problem = self.setting.problem;
         let tree = problem.tree();
         let root = tree.width(0);
@@ -257,27 +253,27 @@ impl<'a> Unseen<'a> {
         let numbers = tree.path_numbers(node);
         let path = tree.path(node);
         let of: Vec<usize> = path.iter().flat_map(|n| tree.components_of(*n)).collect();
-        let own: f64 = (root..numbers.len())
-            .filter(|k| !problem.components()[of[*k]].linear)
+        (root..numbers.len())
+            .filter(|k| problem.components()[of[*k]].linear == linear)
             .map(|k| row[k] * point.random[numbers[k]])
-            .sum();
-        problem.observed()[i] - predicted[i] - dot(&row[..root], &self.root_mean) + own
+            .sum()
+    }
+
+    /// Measured less expected at a point, the common columns at their mean.
+    fn at_point(&self, predicted: f64, row: &[f64], i: usize) -> f64 {
+        let problem = self.setting.problem;
+        let root = problem.tree().width(0);
+        problem.observed()[i] - predicted - dot(&row[..root], &self.root_mean)
+    }
+
+    /// The response of the linear model at a point: nonlinear random effects below the root added back.
+    fn response(&self, point: &Point, predicted: f64, row: &[f64], i: usize) -> f64 {
+        self.at_point(predicted, row, i) + self.below_root(point, row, i, false)
     }
 
     /// Measured less predicted with the random effects of a point.
-    fn left(&self, point: &Point, predicted: &[f64], row: &[f64], i: usize) -> f64 {
-        let problem = self.setting.problem;
-        let tree = problem.tree();
-        let root = tree.width(0);
-        let node = problem.node()[i];
-        let numbers = tree.path_numbers(node);
-        let path = tree.path(node);
-        let of: Vec<usize> = path.iter().flat_map(|n| tree.components_of(*n)).collect();
-        let linear: f64 = (root..numbers.len())
-            .filter(|k| problem.components()[of[*k]].linear)
-            .map(|k| row[k] * point.random[numbers[k]])
-            .sum();
-        problem.observed()[i] - predicted[i] - dot(&row[..root], &self.root_mean) - linear
+    fn left(&self, point: &Point, predicted: f64, row: &[f64], i: usize) -> f64 {
+        self.at_point(predicted, row, i) - self.below_root(point, row, i, true)
     }
 }
 

@@ -223,26 +223,11 @@ impl<'a> Factor<'a> {
         let rest = above.n;
         let eliminated = &self.nodes[node];
         let stride = rest + 1;
-        // A = L^-T B and the own mean.
-        let mut a = vec![0.0; width * rest];
-        let mut own = vec![0.0; width];
-        let mut column = vec![0.0; width];
-        for j in 0..stride {
-            for (k, slot) in column.iter_mut().enumerate() {
-                *slot = eliminated.rest[k * stride + j];
-            }
-            let solved = back_substitute(&eliminated.lower, &column);
-            for (k, v) in solved.into_iter().enumerate() {
-                if j < rest {
-                    a[k * rest + j] = v;
-                } else {
-                    own[k] += v;
-                }
-            }
-        }
-        for k in 0..width {
-            own[k] -= dot(&a[k * rest..(k + 1) * rest], above_mean);
-        }
+        let a = self.solved(node, stride);
+        let row = |k: usize| &a[k * stride..k * stride + rest];
+        let own: Vec<f64> = (0..width)
+            .map(|k| a[k * stride + rest] - dot(row(k), above_mean))
+            .collect();
         let place = |j: usize| if j < before { j } else { j + width };
         let mut mean = vec![0.0; rest + width];
         for (j, m) in above_mean.iter().enumerate() {
@@ -257,20 +242,118 @@ impl<'a> Factor<'a> {
         }
         let inverse = inverse_of(&eliminated.lower);
         for k in 0..width {
-            let row = &a[k * rest..(k + 1) * rest];
-            let cross: Vec<f64> = (0..rest)
-                .map(|j| dot(row, &above.a[j * rest..(j + 1) * rest]))
-                .collect();
+            let cross = cross(row(k), above);
             for (j, c) in cross.iter().enumerate() {
                 *covariance.at_mut(before + k, place(j)) = -c;
                 *covariance.at_mut(place(j), before + k) = -c;
             }
-            for l in 0..width {
-                let other = &a[l * rest..(l + 1) * rest];
-                *covariance.at_mut(before + k, before + l) = inverse.at(k, l) + dot(&cross, other);
+            for l in 0..=k {
+                let value = inverse.at(k, l) + dot(&cross, row(l));
+                *covariance.at_mut(before + k, before + l) = value;
+                *covariance.at_mut(before + l, before + k) = value;
             }
         }
         (mean, covariance)
+    }
+
+    /// Derivatives of the log-likelihood by the logarithms of the standard deviations: components, then noise. The same as those of
+    /// [`Self::posterior`], without what else it holds.
+    pub fn gradient(&self, likelihood: Likelihood) -> (Vec<f64>, Vec<f64>) {
+        if self.variances.noise.len() > 1 {
+            let posterior = self.posterior(likelihood);
+            return (posterior.by_components, posterior.by_noise);
+        }
+        let tree = self.tree;
+        let fixed = self.fixed();
+        let at_root = match likelihood {
+            Likelihood::Full => Square::zeros(fixed.len()),
+            Likelihood::Restricted => self.fixed_covariance(),
+        };
+        let mut is_parent = vec![false; tree.len()];
+        for node in 1..tree.len() {
+            is_parent[tree.parent(node)] = true;
+        }
+        let mut known: Vec<Option<(Vec<f64>, Square)>> = Vec::with_capacity(tree.len());
+        let mut by_components = vec![0.0; self.variances.components.len()];
+        // Squares of the standardised random effects, and the variances that are left of them.
+        let (mut squares, mut left, mut columns) = (0.0, 0.0, 0);
+        for node in 0..tree.len() {
+            let found = {
+                let above = if node == 0 {
+                    None
+                } else {
+                    known[tree.parent(node)].as_ref()
+                };
+                let (mean, covariance) = above.map_or((&fixed, &at_root), |(m, c)| (m, c));
+                if is_parent[node] {
+                    let (mean, covariance) = self.descend(node, mean, covariance);
+                    let first = tree.above(node);
+                    let own = (first..first + tree.width(node))
+                        .map(|k| (mean[k], covariance.at(k, k)))
+                        .collect::<Vec<_>>();
+                    (own, Some((mean, covariance)))
+                } else {
+                    (self.own(node, mean, covariance), None)
+                }
+            };
+            for ((u, variance), c) in found.0.iter().zip(tree.components_of(node)) {
+                by_components[c] += u * u + variance - 1.0;
+                squares += u * u;
+                left += variance;
+                columns += 1;
+            }
+            known.push(found.1);
+        }
+        let estimated = match likelihood {
+            Likelihood::Full => 0,
+            Likelihood::Restricted => {
+                let pivots = (0..fixed.len()).filter(|k| self.fixed_lower.at(*k, *k) > 0.0);
+                pivots.count()
+            }
+        };
+        // Expected sum of squares of the noise, by the trace of (covariance times products) = columns - what is left.
+        let noise = self.quadratic - squares + columns as f64 - left + estimated as f64
+            - self.gram.count() as f64;
+        (by_components, vec![noise])
+    }
+
+    /// Mean and variance of a node's own columns, from those of its parent's path.
+    fn own(&self, node: usize, above_mean: &[f64], above: &Square) -> Vec<(f64, f64)> {
+        let width = self.tree.width(node);
+        let rest = above.n;
+        let stride = rest + 1;
+        let a = self.solved(node, stride);
+        let eliminated = &self.nodes[node];
+        (0..width)
+            .map(|k| {
+                let row = &a[k * stride..k * stride + rest];
+                let mean = a[k * stride + rest] - dot(row, above_mean);
+                let mut unit = vec![0.0; width];
+                unit[k] = 1.0;
+                let half = forward(&eliminated.lower, &unit);
+                (mean, dot(&half, &half) + dot(&cross(row, above), row))
+            })
+            .collect()
+    }
+
+    /// L^-T times what a node's rows hold beside it: columns above, fixed effects, response.
+    fn solved(&self, node: usize, stride: usize) -> Vec<f64> {
+        let eliminated = &self.nodes[node];
+        let width = self.tree.width(node);
+        let mut a = eliminated.rest.clone();
+        for k in (0..width).rev() {
+            let (head, below) = a.split_at_mut((k + 1) * stride);
+            let row = &mut head[k * stride..];
+            for l in k + 1..width {
+                let known = &below[(l - k - 1) * stride..(l - k) * stride];
+                add_times(row, -eliminated.lower.at(l, k), known);
+            }
+            let pivot = 1.0 / eliminated.lower.at(k, k);
+            for v in row {
+                *v *= pivot;
+            }
+        }
+        a
     }
 
     /// Derivatives by the logarithm of the noise: (expected sum of squares)/s^2 - n, class by class.
@@ -628,6 +711,18 @@ fn finish(front: &Square, p: usize) -> (Square, Vec<f64>, f64) {
     (lower, half, quadratic)
 }
 
+/// A row times a symmetric matrix.
+fn cross(row: &[f64], matrix: &Square) -> Vec<f64> {
+    let n = matrix.n;
+    let mut product = vec![0.0; n];
+    for (j, factor) in row.iter().enumerate() {
+        if *factor != 0.0 {
+            add_times(&mut product, *factor, &matrix.a[j * n..(j + 1) * n]);
+        }
+    }
+    product
+}
+
 /// L^-1 b; 0 where there is no pivot.
 pub(crate) fn forward(lower: &Square, b: &[f64]) -> Vec<f64> {
     let mut x = vec![0.0; b.len()];
@@ -670,10 +765,26 @@ fn inverse_of(lower: &Square) -> Square {
     inverse
 }
 
+/// Scalar product in four partial sums, in a fixed order.
+#[inline]
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
+    let mut sums = [0.0; 4];
+    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
+    let tail: f64 = a4
+        .remainder()
+        .iter()
+        .zip(b4.remainder())
+        .map(|(x, y)| x * y)
+        .sum();
+    for (x, y) in a4.zip(b4) {
+        for (s, (x, y)) in sums.iter_mut().zip(x.iter().zip(y)) {
+            *s += x * y;
+        }
+    }
+    sums.iter().sum::<f64>() + tail
 }
 
+#[inline]
 fn add_times(to: &mut [f64], factor: f64, from: &[f64]) {
     for (t, f) in to.iter_mut().zip(from) {
         *t += factor * f;

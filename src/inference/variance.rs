@@ -149,8 +149,8 @@ impl Maximiser<'_> {
         let at = self.variances(variables);
         let factor = Factor::new(self.tree, gram, &at);
         let value = factor.log_likelihood(self.likelihood) + self.log_prior(&at);
-        let posterior = factor.posterior(self.likelihood);
-        let slopes = posterior.by_components.iter().chain(&posterior.by_noise);
+        let (by_components, by_noise) = factor.gradient(self.likelihood);
+        let slopes = by_components.iter().chain(&by_noise);
         let values = at.components.iter().chain(&at.noise);
         let all = self.scales().zip(slopes).zip(values);
         let gradient = all

@@ -55,10 +55,10 @@ const ZERO: usize = 7;
 const TERMS: usize = 8;
 
 /// Cosines of the misfit along the pressure, and the pressure at which they end, kPa.
-const SESSION_COSINES: usize = 9;
+const SESSION_COSINES: usize = 8;
 const PRESSURE_RANGE_KPA: f64 = 700.0;
 /// Cosines of the common misfit along each of eps* and P*.
-const COMMON_COSINES: usize = 4;
+const COMMON_COSINES: usize = 3;
 /// A step of the resting or contracted length by which their sensitivities are taken, m.
 const LENGTH_STEP_M: f64 = 1e-4;
 
