@@ -33,6 +33,7 @@ pub fn findings(
                 (_, true) => v2::HeldOutBy::Actuator,
                 _ => v2::HeldOutBy::Specimen,
             },
+            doubtful_only: false,
         },
         verdict: match old.verdict {
             v1::Verdict::EffectFound => v2::Verdict::EffectFound,
@@ -42,22 +43,22 @@ pub fn findings(
         not_assessed: None,
         effects: old.effects.iter().map(|e| effect(e, old)).collect(),
         scatter: scatter(old, residuals),
-        misfit: v2::Misfit {
+        misfit: Some(v2::Misfit {
             common: 0.012,
             session: 0.021,
             sensitive: Vec::new(),
-        },
+        }),
         unexplained: old.unexplained.iter().map(unexplained).collect(),
         recording_errors: old.suspects.iter().map(suspect).collect(),
         before: errors(&old.before, 0.9),
-        expected_rmse_heldout: budget.iter().map(|b| b.variance).sum::<f64>().sqrt(),
+        expected_rmse_heldout: Some(budget.iter().map(|b| b.variance).sum::<f64>().sqrt()),
         after,
         by_unit: old.by_specimen.iter().enumerate().map(unit).collect(),
         budget,
         inside_50: Some(0.53),
         inside_95: Some(0.94),
         pit: vec![0.09, 0.11, 0.1, 0.12, 0.1, 0.09, 0.11, 0.1, 0.09, 0.09],
-        noise: old.noise_floor.unwrap_or(0.05 * old.after.rmse_heldout),
+        noise: Some(old.noise_floor.unwrap_or(0.05 * old.after.rmse_heldout)),
         black_box_rmse_heldout: old.black_box_rmse_heldout,
         tested: tested(old),
         detection_limits: old.detection_limits.iter().map(limit).collect(),
@@ -153,7 +154,7 @@ fn effect(old: &v1::EffectFinding, all: &v1::CampaignFindings) -> v2::EffectFind
         form: old.form.clone(),
         equation: old.equation.clone(),
         p_familywise: old.p_adjusted.clamp(0.0, 1.0),
-        log_likelihood_gain: old.criterion_gain.max(4.0),
+        log_likelihood_gain: Some(old.criterion_gain.max(4.0)),
         found_in_folds: old.selected_in_folds,
         negligible: false,
         rms: (old.rmse_before * old.rmse_before - old.rmse_after * old.rmse_after)
@@ -184,7 +185,7 @@ fn unexplained(old: &v1::Unexplained) -> v2::Unexplained {
         column: old.column.clone(),
         shape: old.shape.clone(),
         p_familywise: old.p_adjusted,
-        log_likelihood_gain: 11.0,
+        log_likelihood_gain: Some(11.0),
         share_of_variance: old.share_of_residual,
         curve: old.curve.clone(),
     }
@@ -208,7 +209,7 @@ fn suspect(old: &v1::Suspect) -> v2::RecordingError {
         quantity: length.then(|| "length".to_owned()),
         value: length.then_some(-10.0),
         unit: "mm".to_owned(),
-        p: 1e-6,
+        p: Some(1e-6),
         rms: old.error_n,
         rms_corrected: old.error_then_n,
         set_aside: old.set_aside,
@@ -232,8 +233,8 @@ fn unit((k, old): (usize, &v1::FoldErrors)) -> v2::UnitErrors {
         readings: old.readings,
         before: of(old.before),
         after: of(old.after),
-        realised_over_expected: 1.0 + 0.6 * wave(k),
-        inside_95: 0.95 - 0.04 * wave(k).abs(),
+        realised_over_expected: Some(1.0 + 0.6 * wave(k)),
+        inside_95: Some(0.95 - 0.04 * wave(k).abs()),
         found: old
             .chosen
             .iter()
@@ -256,6 +257,7 @@ fn not_measurable(old: &v1::NotMeasurable) -> v2::NotMeasurable {
     let lacks = old.why.strip_prefix("the campaign lacks ");
     v2::NotMeasurable {
         id: old.id.clone(),
+        form: None,
         reason: if lacks.is_some() {
             v2::WhyNot::NoColumn
         } else {
@@ -423,14 +425,14 @@ fn next(old: &v1::CampaignFindings) -> Vec<v2::NextMeasurement> {
             kind: v2::NextKind::Precision,
             separates: vec!["set_length".to_owned()],
             at: BTreeMap::from([("sd_mm".to_owned(), 0.2)]),
-            worth: 0.4 * total,
+            worth: Some(0.4 * total),
             unit: old.unit.clone(),
         },
         v2::NextMeasurement {
             kind: v2::NextKind::Specimens,
             separates: Vec::new(),
             at: BTreeMap::from([("specimens".to_owned(), 4.0)]),
-            worth: 0.06 * total,
+            worth: Some(0.06 * total),
             unit: old.unit.clone(),
         },
     ];
@@ -442,7 +444,7 @@ fn next(old: &v1::CampaignFindings) -> Vec<v2::NextMeasurement> {
             ("pressure_kpa".to_owned(), 120.0),
             ("contraction_rel".to_owned(), 0.4),
         ]),
-        worth: 14.2,
+        worth: Some(14.2),
         unit: "1".to_owned(),
     }));
     list
