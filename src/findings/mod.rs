@@ -48,13 +48,13 @@ pub struct CampaignFindings {
     pub effects: Vec<EffectFinding>,
     /// What varies from group to group: the random effects of the model.
     pub scatter: Vec<Scatter>,
-    /// How far the law itself is from right.
-    pub misfit: Misfit,
+    /// How far the law itself is from right; none where the mixed model was not fitted.
+    pub misfit: Option<Misfit>,
     /// Columns that explain what no effect does.
     pub unexplained: Vec<Unexplained>,
     /// Sessions, specimens and tests that the model fitted without them makes too improbable.
     pub recording_errors: Vec<RecordingError>,
-    /// Errors of the mixed model without effects.
+    /// Errors of the model without effects.
     pub before: Errors,
     /// Errors with them.
     pub after: Errors,
@@ -62,7 +62,7 @@ pub struct CampaignFindings {
     pub by_unit: Vec<UnitErrors>,
     /// What the expected squared error on an unseen specimen is made of; the variances add up.
     pub budget: Vec<BudgetEntry>,
-    /// Root of the budget's sum.
+    /// Root of the budget's sum; none where there is no budget.
     pub expected_rmse_heldout: Option<f64>,
     /// Share of held-out readings inside their 50% interval.
     pub inside_50: Option<f64>,
@@ -70,7 +70,7 @@ pub struct CampaignFindings {
     pub inside_95: Option<f64>,
     /// Histogram of the probability integral transform of the held-out readings, ten equal bins, as shares.
     pub pit: Vec<f64>,
-    /// Standard deviation of a reading, everything else known.
+    /// Standard deviation of a reading, everything else known; none where it was not estimated.
     pub noise: Option<f64>,
     /// Held-out error of a smooth black box on the residual of the base model.
     pub black_box_rmse_heldout: Option<f64>,
@@ -105,6 +105,8 @@ pub struct Design {
     pub readings_held_out: usize,
     /// What the held-out errors are of.
     pub held_out_by: HeldOutBy,
+    /// Whether there are none but tests that their owner doubts, which were then searched by themselves.
+    pub doubtful_only: bool,
 }
 
 /// What the held-out errors are of.
@@ -119,6 +121,10 @@ pub enum HeldOutBy {
     SpecimenGroups,
     /// Each actuator of a joint in turn.
     Actuator,
+    /// Each test of a joint in turn: there is one actuator only.
+    Test,
+    /// Each stretch of the angle in turn: there is one actuator only, with few tests.
+    Stretch,
     /// Nothing: there is one specimen only.
     None,
 }
@@ -182,7 +188,7 @@ pub struct EffectFinding {
     pub equation: String,
     /// Probability, under the model without it, of a candidate as strong as this anywhere.
     pub p_familywise: f64,
-    /// Gain in marginal log-likelihood, variances estimated again.
+    /// Gain in marginal log-likelihood, variances estimated again; none where no likelihood was computed.
     pub log_likelihood_gain: Option<f64>,
     /// Share of the folds in which it or a member of its class was found again.
     pub found_in_folds: f64,
@@ -304,8 +310,8 @@ pub struct Unexplained {
     pub shape: String,
     /// Probability of a candidate as strong as this anywhere.
     pub p_familywise: f64,
-    /// Gain in marginal log-likelihood.
-    pub log_likelihood_gain: f64,
+    /// Gain in marginal log-likelihood; none where no likelihood was computed.
+    pub log_likelihood_gain: Option<f64>,
     /// Share of the variance of what the model without it leaves.
     pub share_of_variance: f64,
     /// The empirical correction: value of the column, correction.
@@ -345,8 +351,9 @@ pub struct RecordingError {
     pub value: Option<f64>,
     /// Unit of `value`.
     pub unit: String,
-    /// Probability under the model fitted without the group.
-    pub p: f64,
+    /// Probability under the model fitted without the group (about a knee: of the ratio of its mean square to that of the others); none where
+    /// it was not computed.
+    pub p: Option<f64>,
     /// RMS of its readings about that model.
     pub rms: f64,
     /// The same with the mistake taken back; none where no kind explains it.
@@ -379,14 +386,14 @@ pub struct UnitErrors {
     pub unit: String,
     /// Readings of it.
     pub readings: usize,
-    /// Errors of the mixed model without effects.
+    /// Errors of the model without effects.
     pub before: Errors,
     /// With the effects that were found without it.
     pub after: Errors,
-    /// Mean of (realised error squared) over expected: 1 where the model knows how wrong it is.
-    pub realised_over_expected: f64,
-    /// Share of its readings inside their 95% interval.
-    pub inside_95: f64,
+    /// Mean of (realised error squared) over expected: 1 where the model knows how wrong it is; none without predictive distribution.
+    pub realised_over_expected: Option<f64>,
+    /// Share of its readings inside their 95% interval; none without predictive distribution.
+    pub inside_95: Option<f64>,
     /// The effects that were found without it.
     pub found: Vec<String>,
 }
@@ -450,6 +457,8 @@ pub enum WhyNot {
     NoColumn,
     /// Its smallest detectable amplitude lies beyond what is physically possible.
     Bound,
+    /// It changes none of these readings: the conditions under which it acts do not occur (`by`: the column that would have to vary).
+    NoTrace,
 }
 
 /// An effect that this campaign cannot show.
@@ -457,6 +466,8 @@ pub enum WhyNot {
 pub struct NotMeasurable {
     /// Id.
     pub id: String,
+    /// Form, where it is this form alone.
+    pub form: Option<String>,
     /// Why.
     pub reason: WhyNot,
     /// The coefficient or effect that absorbs it, or the quantity that is missing.
@@ -495,8 +506,9 @@ pub struct NextMeasurement {
     pub separates: Vec<String>,
     /// The conditions: quantity with its unit -> value ("pressure_kpa": 450, "sd_mm": 0.2, "specimens": 4).
     pub at: BTreeMap<String, f64>,
-    /// What it is worth: by how much the expected held-out error falls; or, where it separates, the expected gain in log-likelihood.
-    pub worth: f64,
+    /// What it is worth: by how much the expected held-out error falls; or, where it separates, the expected gain in log-likelihood; none where
+    /// that was not computed.
+    pub worth: Option<f64>,
     /// Unit of `worth`: that of the errors, or "1".
     pub unit: String,
 }

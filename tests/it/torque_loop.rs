@@ -5,7 +5,7 @@ use crate::support::Bench;
 use pipeline::base::random::Stream;
 use pipeline::models::new::NewPublished;
 use pipeline::models::{Direction, ForceModel, State};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// Centre of the joint, origin and insertion relative to it, m.
 const CENTRE: [f64; 2] = [0.01, -0.4];
@@ -384,4 +384,60 @@ fn the_owners_held_out_tests_are_the_judge_and_an_odd_test_is_pointed_at() {
         "{}",
         of("odd")
     );
+    let error = errors.iter().find(|e| e["group"] == "odd-b1").unwrap();
+    assert_eq!(
+        (&error["level"], &error["kind"]),
+        (&json!("test"), &json!("length"))
+    );
+    let mm = error["value"].as_f64().unwrap();
+    assert!((-38.0..-32.0).contains(&mm), "{error}");
+    for campaign in ["held", "odd"] {
+        has_nothing_of_a_mixed_model(of(campaign));
+    }
+}
+
+/// No mixed model is fitted to torque: what would come of one is absent, and no number stands in its place.
+fn has_nothing_of_a_mixed_model(found: &Value) {
+    for list in [
+        "scatter",
+        "budget",
+        "pit",
+        "tested",
+        "alternatives",
+        "coefficients",
+    ] {
+        assert_eq!(found[list], json!([]), "{list}");
+    }
+    for number in [
+        "misfit",
+        "expected_rmse_heldout",
+        "inside_50",
+        "inside_95",
+        "noise",
+    ] {
+        assert_eq!(found[number], Value::Null, "{number}");
+    }
+    let errors = |of: &Value| {
+        for when in ["before", "after"] {
+            assert!(of[when]["rmse_heldout"].is_f64(), "{of}");
+            assert!(of[when]["max_abs_error_heldout"].is_f64(), "{of}");
+            assert_eq!(of[when]["rmse_heldout_calibrated"], Value::Null);
+            assert_eq!(of[when]["log_density_heldout"], Value::Null);
+            assert_eq!(of[when]["rmse_heldout_after"], json!({}));
+        }
+    };
+    errors(found);
+    for unit in found["by_unit"].as_array().unwrap() {
+        errors(unit);
+        assert_eq!(unit["realised_over_expected"], Value::Null);
+        assert_eq!(unit["inside_95"], Value::Null);
+    }
+    for effect in found["effects"].as_array().unwrap() {
+        assert_eq!(effect["log_likelihood_gain"], Value::Null);
+        assert!(effect["rms"].as_f64().unwrap() > 0.0, "{effect}");
+        for list in ["profile", "in_its_place"] {
+            assert_eq!(effect[list], json!([]), "{list}");
+        }
+        assert_eq!(effect["by_specimen"], json!({}));
+    }
 }

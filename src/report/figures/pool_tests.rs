@@ -68,8 +68,8 @@ fn pool(five: &GroupInput, count: usize, equal: bool) -> GroupInput {
             readings: 9,
             before: errors(3.0 + (k % 11) as f64),
             after: errors(2.0),
-            realised_over_expected: 1.0,
-            inside_95: 0.95,
+            realised_over_expected: Some(1.0),
+            inside_95: Some(0.95),
             found: Vec::new(),
         };
         diagnosis.findings.by_unit = (0..count).map(unit).collect();

@@ -5,7 +5,8 @@ use crate::report::number::Rounding;
 use crate::report::wording::SIGNIFICANT;
 use crate::report::wording::name;
 use crate::report::wording::number::{
-    NONE, equals_probability, error_with_unit, gain, percent, plain, probability, rounded, size,
+    NONE, equals_probability, error_with_unit, gain, gain_or_none, percent, plain, probability,
+    rounded, size,
 };
 use serde::Serialize;
 
@@ -44,17 +45,20 @@ pub(super) fn effect(found: &CampaignFindings, e: &EffectFinding) -> Effect {
 fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, String)> {
     let mut facts = vec![
         ("family-wise p", probability(e.p_familywise)),
-        ("gain in log-likelihood", gain(e.log_likelihood_gain)),
         (
             "found in",
             format!("{} of the folds", percent(e.found_in_folds)),
         ),
         ("RMS on its readings", error_with_unit(e.rms, &found.unit)),
     ];
+    if let Some(log_likelihood) = e.log_likelihood_gain {
+        facts.insert(1, ("gain in log-likelihood", gain(log_likelihood)));
+    }
     if let Some(free) = &e.free_form {
         facts.push(("free form", format!("p {}", equals_probability(free.p))));
     }
-    if found.misfit.sensitive.contains(&e.id) {
+    let mut misfit = found.misfit.iter();
+    if misfit.any(|m| m.sensitive.contains(&e.id)) {
         facts.push((
             "misfit prior",
             "the answer changes where it is halved or doubled".to_owned(),
@@ -72,7 +76,8 @@ pub(super) struct AliasRow {
 }
 
 pub(super) fn alias_sets(found: &CampaignFindings) -> Vec<AliasRow> {
-    let with_others = found.effects.iter().filter(|e| e.class.len() > 1);
+    // Without likelihoods there is nothing to compare; the block of the effect names the others.
+    let with_others = found.effects.iter().filter(|e| !e.in_its_place.is_empty());
     let row = |e: &EffectFinding| AliasRow {
         effect: name::effect(&e.id),
         members: e
@@ -130,7 +135,7 @@ pub(super) fn unexplained(u: &Unexplained) -> [String; 4] {
     [
         name::capitalised(&name::column(&u.column)),
         percent(u.share_of_variance),
-        gain(u.log_likelihood_gain),
+        gain_or_none(u.log_likelihood_gain),
         probability(u.p_familywise),
     ]
 }

@@ -48,6 +48,13 @@ fn cells(errors: &Errors, unit: &str) -> [String; 6] {
     all.map(|e| error_or_none(e, unit))
 }
 
+/// Whether any error but that on unseen units is known.
+pub(super) fn has_forms(found: &CampaignFindings) -> bool {
+    let known =
+        |e: &Errors| e.rmse_heldout_calibrated.is_some() || !e.rmse_heldout_after.is_empty();
+    known(&found.before) || known(&found.after)
+}
+
 /// The answer, a pointer to the detection limits apart.
 #[derive(Serialize)]
 pub(super) struct Said {
@@ -95,8 +102,13 @@ pub(super) fn design(found: &CampaignFindings) -> String {
             counted(n, "reading is", "readings are")
         ),
     };
+    let doubtful = if d.doubtful_only {
+        "; its owner doubts all of these, and they take part in no other fit"
+    } else {
+        ""
+    };
     format!(
-        "Searched: {} in {} of {}{outside}{held}. Base model: {}, {base}. Held out: {}.",
+        "Searched: {} in {} of {}{outside}{held}{doubtful}. Base model: {}, {base}. Held out: {}.",
         counted(d.readings, "reading", "readings"),
         counted(d.sessions, nouns.setup, nouns.setups),
         counted(d.specimens, nouns.unit, nouns.units),
@@ -126,7 +138,8 @@ pub(super) fn budget(found: &CampaignFindings) -> Vec<[String; 4]> {
     order.iter().map(row).collect()
 }
 
-/// The expected error on an unseen unit.
+/// The expected error on an unseen unit; empty where none was computed.
 pub(super) fn expected(found: &CampaignFindings) -> String {
-    error_with_unit(found.expected_rmse_heldout, &found.unit)
+    let words = |e: f64| error_with_unit(e, &found.unit);
+    found.expected_rmse_heldout.map_or_else(String::new, words)
 }

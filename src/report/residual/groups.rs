@@ -6,7 +6,7 @@ use crate::report::wording::name::{self, listed};
 use crate::report::wording::number::{
     NONE, error, error_or_none, gain_or_none, plain, probability, rounded, unit, with_interval,
 };
-use crate::report::wording::sentence::recorded_size;
+use crate::report::wording::sentence::{not_fitted, recorded_size};
 
 /// What, of each, how many, standard deviation with interval, declared, gain.
 pub(super) fn scatter(s: &Scatter) -> [String; 6] {
@@ -35,11 +35,13 @@ pub(super) fn scatter(s: &Scatter) -> [String; 6] {
     ]
 }
 
-/// The misfit of the law in a sentence.
+/// The misfit of the law in a sentence; where no mixed model was fitted, that; empty where nothing was assessed.
 pub(super) fn misfit(found: &CampaignFindings) -> String {
+    let Some(m) = &found.misfit else {
+        return not_fitted(found).unwrap_or_default().to_owned();
+    };
     let nouns = name::nouns(found);
     let share = |x: f64| rounded(100.0 * x, Rounding::Digits(2));
-    let m = &found.misfit;
     let sensitive: Vec<String> = m.sensitive.iter().map(|id| name::candidate(id)).collect();
     let changes = if sensitive.is_empty() {
         "No answer changes where the prior scales of the misfit are halved or doubled.".to_owned()
@@ -71,7 +73,7 @@ pub(super) fn recording_error(found: &CampaignFindings, e: &RecordingError) -> [
         format!("{} {}", name::level(e.level), e.group),
         name::capitalised(&name::recording_error(e.kind, e.quantity.as_deref())),
         recorded_size(e).unwrap_or_else(|| NONE.to_owned()),
-        probability(e.p),
+        e.p.map_or_else(|| NONE.to_owned(), probability),
         format!("{rms} → {corrected}"),
         (if e.set_aside { "yes" } else { "no" }).to_owned(),
     ]

@@ -4,7 +4,7 @@ use crate::findings::{Alternative, CampaignFindings, CoefficientChange, UnitErro
 use crate::report::number::Rounding;
 use crate::report::wording::name::{self, listed};
 use crate::report::wording::number::{
-    NONE, error_or_none, error_with_unit, gain, percent, rounded, size, unit as unit_name,
+    NONE, error_or_none, error_with_unit, gain, percent_or_none, rounded, size, unit as unit_name,
 };
 
 /// Log-likelihoods that differ by less tell nothing apart.
@@ -22,14 +22,25 @@ pub(super) fn unit(found: &CampaignFindings, u: &UnitErrors) -> [String; 8] {
         error(u.before.rmse_heldout),
         error(u.after.rmse_heldout),
         error(u.after.rmse_heldout_calibrated),
-        rounded(u.realised_over_expected, Rounding::Decimals(2)),
-        percent(u.inside_95),
+        u.realised_over_expected
+            .map_or_else(|| NONE.to_owned(), |r| rounded(r, Rounding::Decimals(2))),
+        percent_or_none(u.inside_95),
         if without.is_empty() {
             "nothing".to_owned()
         } else {
             without.join(", ")
         },
     ]
+}
+
+/// Whether the units have a predictive distribution, and errors with their own values: the columns of [`unit`] after the errors.
+pub(super) fn is_predictive(found: &CampaignFindings) -> bool {
+    let has = |u: &UnitErrors| {
+        u.realised_over_expected.is_some()
+            || u.inside_95.is_some()
+            || u.after.rmse_heldout_calibrated.is_some()
+    };
+    found.by_unit.iter().any(has)
 }
 
 /// What a black box reaches, in a sentence; empty where there is none.

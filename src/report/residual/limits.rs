@@ -1,7 +1,9 @@
 //! What a campaign could not have shown, and what to measure next.
 
 use crate::effects;
-use crate::findings::{CampaignFindings, DetectionLimit, NextMeasurement, NotMeasurable, WhyNot};
+use crate::findings::{
+    CampaignFindings, DetectionLimit, EffectFinding, NextMeasurement, NotMeasurable, WhyNot,
+};
 use crate::report::wording::name;
 use crate::report::wording::number::{percent, plain};
 use crate::report::wording::sentence::{measurement, worth_words};
@@ -43,14 +45,12 @@ pub(super) struct Cannot {
 /// of their own: they were measured with it.
 pub(super) fn not_measurable(found: &CampaignFindings) -> Vec<Cannot> {
     let was_found = |n: &&NotMeasurable| {
-        found
-            .effects
-            .iter()
-            .any(|e| e.id == n.id || e.class.contains(&n.id))
+        let is = |e: &EffectFinding| e.id == n.id || e.class.contains(&n.id);
+        n.form.is_none() && found.effects.iter().any(is)
     };
     let mut reasons: Vec<Cannot> = Vec::new();
     for one in found.not_measurable.iter().filter(|n| !was_found(n)) {
-        let (why, effect) = reason(one);
+        let (why, effect) = reason(found, one);
         match reasons.iter_mut().find(|r| r.why == why) {
             Some(reason) => reason.effects.push(effect),
             None => reasons.push(Cannot {
@@ -63,20 +63,24 @@ pub(super) fn not_measurable(found: &CampaignFindings) -> Vec<Cannot> {
 }
 
 /// Why not, and the effect; what was not recorded stands behind the effect, so that all of these are one reason.
-fn reason(one: &NotMeasurable) -> (String, String) {
-    let effect = name::effect(&one.id);
+fn reason(found: &CampaignFindings, one: &NotMeasurable) -> (String, String) {
+    let form = one.form.as_deref().unwrap_or_default();
+    let effect = name::effect_with_form(&one.id, form);
     match (one.reason, &one.by) {
         (WhyNot::NoColumn, Some(by)) => (
             name::NOT_RECORDED.to_owned(),
             format!("{effect} ({})", name::column(by)),
         ),
-        _ => (name::why_not(one), effect),
+        _ => (name::why_not(found, one), effect),
     }
 }
 
-/// What to measure, what it is worth.
+/// What to measure, what it is worth; the latter empty where it was not computed.
 pub(super) fn next(found: &CampaignFindings) -> Vec<[String; 2]> {
     let nouns = name::nouns(found);
-    let row = |n: &NextMeasurement| [name::capitalised(&measurement(n, &nouns)), worth_words(n)];
+    let row = |n: &NextMeasurement| {
+        let worth = worth_words(n).unwrap_or_default();
+        [name::capitalised(&measurement(n, &nouns)), worth]
+    };
     found.next_measurement.iter().map(row).collect()
 }

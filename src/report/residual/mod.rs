@@ -24,6 +24,7 @@ use crate::report::input::ReportInput;
 use crate::report::typeset::{Document, Pdf};
 use crate::report::wording::name;
 use crate::report::wording::number::unit;
+use crate::report::wording::sentence::not_fitted;
 use serde::Serialize;
 
 const TEMPLATE: &str = include_str!("../templates/residual.typ");
@@ -56,6 +57,10 @@ struct Data {
     campaigns: Vec<Campaign>,
     /// The errors of these.
     errors: Vec<front::ErrorRow>,
+    /// Whether any of these knows another error than that on unseen units.
+    forms: bool,
+    /// What the mixed model does not say of joints; empty where there is none.
+    not_fitted: &'static str,
     /// Those without a section: name, answer.
     others: Vec<[String; 2]>,
     budget: Option<Picture>,
@@ -86,9 +91,15 @@ struct Campaign {
     unexplained: Vec<[String; 4]>,
     scatter: Vec<[String; 6]>,
     misfit: String,
+    /// Whether a mixed model was fitted: without one there are no likelihoods.
+    mixed: bool,
     recording_errors: Vec<[String; 6]>,
     recording_errors_left_out: usize,
     units: Vec<[String; 8]>,
+    /// Whether the units have errors with their own values and a predictive distribution.
+    predictive: bool,
+    /// One of the units.
+    held_out_unit: &'static str,
     units_left_out: usize,
     black_box: String,
     coefficients: Vec<[String; 5]>,
@@ -171,6 +182,10 @@ pub fn residual_pdf(
         errors: with_section()
             .flat_map(|(found, _)| front::errors(found))
             .collect(),
+        forms: with_section().any(|(found, _)| front::has_forms(found)),
+        not_fitted: with_section()
+            .find_map(|(found, _)| not_fitted(found))
+            .unwrap_or_default(),
         others: without
             .take(MOST_ROWS_ON_PAGES)
             .map(|e| front::in_short(e.found))
@@ -228,6 +243,7 @@ fn campaign(place: usize, found: &CampaignFindings, figures: &[(Kind, Drawn)]) -
         unexplained: found.unexplained.iter().map(effects::unexplained).collect(),
         scatter: found.scatter.iter().map(groups::scatter).collect(),
         misfit: groups::misfit(found),
+        mixed: not_fitted(found).is_none(),
         recording_errors: found
             .recording_errors
             .iter()
@@ -241,6 +257,8 @@ fn campaign(place: usize, found: &CampaignFindings, figures: &[(Kind, Drawn)]) -
             .take(MOST_ROWS)
             .map(|u| held_out::unit(found, u))
             .collect(),
+        predictive: held_out::is_predictive(found),
+        held_out_unit: name::held_out_unit(found),
         units_left_out: found.by_unit.len().saturating_sub(MOST_ROWS),
         black_box: held_out::black_box(found),
         coefficients: found

@@ -24,7 +24,8 @@ pub fn table(input: &ReportInput) -> Table {
         text("unit", "Unit", |r| Cell::text(&r.one.unit)),
         number("expected_rmse_heldout", "Expected", "", |r| {
             let all = r.found.expected_rmse_heldout;
-            finite(all, error_rounding(all, &r.found.unit))
+            let rounding = error_rounding(all.unwrap_or(f64::NAN), &r.found.unit);
+            finite(all, rounding)
         }),
     ];
     let caption = "What the expected squared error on an unseen specimen is made of";

@@ -21,7 +21,10 @@ pub fn table(input: &ReportInput) -> Table {
             Line::Limit(l) => Cell::text(&l.id),
             Line::Not(n) => Cell::text(&n.id),
         }),
-        text("form", "Form", |r| limit(r, |l| Cell::text(&l.form))),
+        text("form", "Form", |r: &Row| match r.one {
+            Line::Limit(l) => Cell::text(&l.form),
+            Line::Not(n) => optional(n.form.as_deref()),
+        }),
         number("smallest", "Smallest", "", |r| {
             limit(r, |l| finite(l.smallest, Rounding::Digits(2)))
         }),
@@ -37,8 +40,8 @@ pub fn table(input: &ReportInput) -> Table {
     let caption =
         "The smallest size of every effect that a campaign would have shown in 80 of 100 cases";
     of_all(input, ("detection_limits", caption), columns, rows).note(
-        "\\v{Identifiable share}: what the fitted coefficients leave of the effect's sensitivity. \\v{Not measurable}: absorbed by a coefficient or an effect, no column for it, or \
-         beyond its physical bounds.",
+        "\\v{Identifiable share}: what the fitted coefficients leave of the effect's sensitivity. \\v{Not measurable}: absorbed by a coefficient or an effect, no column for it, \
+         beyond its physical bounds, or without any trace in the readings.",
     )
 }
 
@@ -68,5 +71,6 @@ fn reason(why: WhyNot) -> &'static str {
         WhyNot::Absorbed => "absorbed",
         WhyNot::NoColumn => "no_column",
         WhyNot::Bound => "bound",
+        WhyNot::NoTrace => "no_trace",
     }
 }

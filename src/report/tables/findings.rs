@@ -57,8 +57,8 @@ pub fn table(input: &ReportInput) -> Table {
         number("p_familywise", "\\v{p}", "", |r| {
             both(
                 r,
-                |e| e.p_familywise,
-                |u| u.p_familywise,
+                |e| Some(e.p_familywise),
+                |u| Some(u.p_familywise),
                 Rounding::Digits(2),
             )
         }),
@@ -127,8 +127,8 @@ fn parameter(row: &Row, cell: fn(&Parameter) -> Cell) -> Cell {
 
 fn both(
     row: &Row,
-    e: fn(&EffectFinding) -> f64,
-    u: fn(&Unexplained) -> f64,
+    e: fn(&EffectFinding) -> Option<f64>,
+    u: fn(&Unexplained) -> Option<f64>,
     rounding: Rounding,
 ) -> Cell {
     match row.one {

@@ -108,8 +108,8 @@ fn error(row: &Row, of: fn(&Errors) -> Option<f64>) -> Cell {
     finite(value, error_rounding(value, &row.found.unit))
 }
 
-fn of_unit(row: &Row, of: fn(&UnitErrors) -> f64) -> Option<f64> {
-    row.one.unit.filter(|_| row.one.after).map(of)
+fn of_unit(row: &Row, of: fn(&UnitErrors) -> Option<f64>) -> Option<f64> {
+    row.one.unit.filter(|_| row.one.after).and_then(of)
 }
 
 fn inside(row: &Row) -> Option<f64> {

@@ -77,7 +77,7 @@ pub fn column(column: &str) -> String {
         "contraction_rel" => "relative contraction",
         "force_n" => "force",
         "torque_nm" => "torque",
-        "angle_rad" | "angle_deg" => "knee angle",
+        "angle" | "angle_rad" | "angle_deg" => "knee angle",
         "direction" => "direction",
         "time_s" => "time in the log",
         "since_step_s" => "time since the step",
@@ -88,6 +88,10 @@ pub fn column(column: &str) -> String {
         "rest_length_m" => "resting length",
         "zero_unknown" => "unknown zero of the force",
         "placebo" => "a shuffled column",
+        "sense_of_motion" => "sense of motion",
+        "predicted_torque" => "predicted torque",
+        "origin_bracket_foot" => "foot of the bracket at the origin",
+        "insertion_bracket_foot" => "foot of the bracket at the insertion",
         other => return other.to_owned(),
     };
     name.to_owned()
@@ -216,7 +220,20 @@ pub fn held_out(found: &CampaignFindings) -> String {
     match found.design.held_out_by {
         HeldOutBy::Holdout => format!("the {} held out by their owner", nouns.setups),
         HeldOutBy::None => "nothing unseen".to_owned(),
-        _ => format!("unseen {}", nouns.units),
+        HeldOutBy::Test => format!("unseen {}", nouns.setups),
+        HeldOutBy::Stretch => "unseen stretches of the angle".to_owned(),
+        HeldOutBy::Specimen | HeldOutBy::SpecimenGroups | HeldOutBy::Actuator => {
+            format!("unseen {}", nouns.units)
+        }
+    }
+}
+
+/// One of what is held out in turn.
+pub fn held_out_unit(found: &CampaignFindings) -> &'static str {
+    match found.design.held_out_by {
+        HeldOutBy::Test => nouns(found).setup,
+        HeldOutBy::Stretch => "stretch of the angle",
+        _ => nouns(found).unit,
     }
 }
 
@@ -233,6 +250,11 @@ pub fn held_out_by(found: &CampaignFindings) -> String {
             "groups of specimens in turn, the whole search made without them".to_owned()
         }
         HeldOutBy::Actuator => "each actuator in turn, the whole search made without it".to_owned(),
+        HeldOutBy::Test | HeldOutBy::Stretch => format!(
+            "each {} in turn, the whole search made without it; there is one {} only",
+            held_out_unit(found),
+            nouns.unit
+        ),
         HeldOutBy::None => format!("none: there is one {} only", nouns.unit),
     }
 }
@@ -283,6 +305,7 @@ fn column_or_quantity(quantity: &str) -> String {
         "length" | "length_m" => "set length".to_owned(),
         "rest_length" => "resting length".to_owned(),
         "contracted_length" => "contracted length".to_owned(),
+        "mounting_length" => "mounting length".to_owned(),
         other => column(other),
     }
 }
@@ -291,19 +314,24 @@ fn column_or_quantity(quantity: &str) -> String {
 pub const NOT_RECORDED: &str = "a quantity that it needs was not recorded";
 
 /// Why a campaign cannot show an effect.
-pub fn why_not(none: &NotMeasurable) -> String {
+pub fn why_not(found: &CampaignFindings, none: &NotMeasurable) -> String {
     let by = none.by.as_deref();
     match (none.reason, by) {
         (WhyNot::Absorbed, Some(by)) if effects::index(by).is_some() => {
             format!("absorbed by {}", effect(by))
         }
         (WhyNot::Absorbed, Some(by)) => format!("absorbed by {by}"),
+        (WhyNot::Absorbed, None) if found.coefficients.is_empty() => {
+            "absorbed by what was found and by what is each unit's own".to_owned()
+        }
         (WhyNot::Absorbed, None) => "absorbed by the fitted coefficients".to_owned(),
         (WhyNot::NoColumn, Some(by)) => format!("{} was not recorded", column(by)),
         (WhyNot::NoColumn, None) => NOT_RECORDED.to_owned(),
         (WhyNot::Bound, _) => {
             "its smallest detectable size is beyond what is physically possible".to_owned()
         }
+        (WhyNot::NoTrace, Some(by)) => format!("too few of the readings vary the {}", column(by)),
+        (WhyNot::NoTrace, None) => "nothing in these readings would show it".to_owned(),
     }
 }
 

@@ -193,7 +193,7 @@ fn budget(found: &CampaignFindings, most: usize) -> Option<String> {
         scattered(found, first)
     );
     let all: Vec<String> = [first].into_iter().chain(others.iter().cloned()).collect();
-    let total = error_with_unit(found.expected_rmse_heldout, &found.unit);
+    let total = error_with_unit(found.expected_rmse_heldout?, &found.unit);
     let unit = nouns(found).unit;
     Some(format!(
         "of the {total} expected on an unseen {unit}, {}",
@@ -230,10 +230,20 @@ fn worth(found: &CampaignFindings) -> Option<String> {
     let in_units = found
         .next_measurement
         .iter()
-        .filter(|n| n.kind != NextKind::Separate);
-    let best = in_units.max_by(|a, b| a.worth.total_cmp(&b.worth))?;
-    (best.worth > 0.0)
-        .then(|| format!("{} {}", measurement(best, &nouns(found)), worth_words(best)))
+        .filter(|n| n.kind != NextKind::Separate)
+        .filter_map(|n| Some((n, n.worth?)));
+    let (best, worth) = in_units.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let words = worth_words(best)?;
+    (worth > 0.0).then(|| format!("{} {words}", measurement(best, &nouns(found))))
+}
+
+/// What is not said of a joint, because the mixed model is not fitted to torque; none where it was fitted.
+pub fn not_fitted(found: &CampaignFindings) -> Option<&'static str> {
+    let fitted = found.misfit.is_some() || !found.budget.is_empty() || !found.scatter.is_empty();
+    let absent = !fitted && found.verdict != Verdict::NotAssessed;
+    absent.then_some(
+        "The mixed model is not yet fitted to torque: budget, scatter and predictive intervals are not computed.",
+    )
 }
 
 /// `three readings of each session of a new specimen bring the error to 5.1 N`.
@@ -285,21 +295,22 @@ pub fn measurement(next: &NextMeasurement, nouns: &Nouns) -> String {
     }
 }
 
-/// What it is worth, as the end of a sentence: `is worth 6.0 N`.
-pub fn worth_words(next: &NextMeasurement) -> String {
+/// What it is worth, as the end of a sentence: `is worth 6.0 N`; none where that was not computed.
+pub fn worth_words(next: &NextMeasurement) -> Option<String> {
+    let worth = next.worth?;
     let several = match next.kind {
         NextKind::Specimens => next.at.get("specimens") != Some(&1.0),
         NextKind::SetPoints | NextKind::Separate => true,
         NextKind::Precision => false,
     };
     let verb = if several { "are worth" } else { "is worth" };
-    match next.kind {
+    Some(match next.kind {
         NextKind::Separate => format!(
             "{verb} {} in log-likelihood",
-            rounded(next.worth, Rounding::Decimals(1))
+            rounded(worth, Rounding::Decimals(1))
         ),
-        _ => format!("{verb} {}", error_with_unit(next.worth, &next.unit)),
-    }
+        _ => format!("{verb} {}", error_with_unit(worth, &next.unit)),
+    })
 }
 
 /// The conditions of a measurement: `120 kPa, ε* = 0.40`.
@@ -327,6 +338,7 @@ fn condition(key: &str, value: f64) -> String {
         "sd_n" => short("N"),
         "sd_kpa" => short("kPa"),
         "sd" => percent(value),
+        "pressure_share" => format!("{} of the pressure", percent(value)),
         other => format!("{} {}", other.replace('_', " "), short("1")),
     }
 }

@@ -2,8 +2,10 @@
 
 use super::name::{self, listed};
 use super::number::{amount, cells, equals_probability, error, percent, size};
-use super::sentence::{clauses, sentences, told};
-use crate::findings::{CampaignFindings, Findings, NotAssessed, Parameter, Verdict};
+use super::sentence::{clauses, measurement, not_fitted, sentences, told, worth_words};
+use crate::findings::{
+    CampaignFindings, Findings, NextKind, NextMeasurement, NotAssessed, Parameter, Verdict,
+};
 use crate::report::table::Cell;
 
 /// Findings in which every field has a value, shared with `tests/it`.
@@ -88,6 +90,39 @@ fn a_joint_is_told_of_in_actuators_and_newton_metres() {
             .ends_with("unseen actuators goes from 18.70 to 15.80\u{a0}N\u{a0}m")
     );
     assert!(c.readings.unwrap().contains("each test of a new actuator"));
+}
+
+#[test]
+fn a_joint_without_a_mixed_model_says_so_and_nothing_about_what_was_not_computed() {
+    let mut joint = example();
+    assert_eq!(not_fitted(&joint), None);
+    joint.kind = "knee-torque".into();
+    joint.unit = "N.m".into();
+    (joint.misfit, joint.expected_rmse_heldout) = (None, None);
+    joint.scatter.clear();
+    joint.budget.clear();
+    joint.next_measurement.clear();
+    joint.after.rmse_heldout_after.clear();
+    let words = "The mixed model is not yet fitted to torque: budget, scatter and predictive intervals are not computed.";
+    assert_eq!(not_fitted(&joint), Some(words));
+    let c = clauses(&joint);
+    assert_eq!(
+        (c.budget, c.budget_in_short, c.worth, c.readings),
+        (None, None, None, None)
+    );
+    let half = NextMeasurement {
+        kind: NextKind::Separate,
+        separates: vec!["length_offset".into(), "series_compliance".into()],
+        at: [("pressure_share".to_owned(), 0.5)].into(),
+        worth: None,
+        unit: "1".into(),
+    };
+    assert_eq!(worth_words(&half), None);
+    assert!(
+        measurement(&half, &name::nouns(&joint)).starts_with("readings at 50% of the pressure")
+    );
+    joint.verdict = Verdict::NotAssessed;
+    assert_eq!(not_fitted(&joint), None);
 }
 
 #[test]

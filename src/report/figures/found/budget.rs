@@ -92,11 +92,11 @@ fn bar(found: &CampaignFindings, row: f64) -> Vec<Layer> {
         layers.extend(segment(found, entry, (at, at + share), row));
         at += share;
     }
-    layers.push(Layer::Text {
-        text: error_with_unit(found.expected_rmse_heldout, &found.unit),
+    layers.extend(found.expected_rmse_heldout.map(|expected| Layer::Text {
+        text: error_with_unit(expected, &found.unit),
         place: Place::Data(TOTAL_AT, row),
         anchor: Anchor::new(Side::Left, Level::Center),
-    });
+    }));
     layers
 }
 

@@ -6,7 +6,7 @@ use crate::findings::{Errors, UnitErrors};
 use crate::report::plot::{
     Axis, Dash, Figure, Ink, Layer, Legend, Mark, Panel, Series, Shape, Stroke,
 };
-use crate::report::wording::name::nouns;
+use crate::report::wording::name::held_out_unit;
 use crate::report::wording::sentence::has_effects;
 
 /// Units beyond these are left out, so that the figure fits on a page with its caption.
@@ -59,7 +59,7 @@ pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
     let height = AROUND_MM + BAND_MM * units.len() as f64;
     let caption = format!(
         "Root-mean-square error on each {} by models that have not seen it: the whole search was made without it.{others}",
-        nouns(found).unit
+        held_out_unit(found)
     );
     Some((caption, Figure::new(&title, HALF_MM, height).with(panel)))
 }
@@ -85,11 +85,11 @@ fn series(units: &[&UnitErrors], with_effects: bool) -> Vec<Series> {
         marks(&|u| u.after.rmse_heldout_calibrated, -SHIFT),
         Mark::open(Shape::Diamond, Ink::Vermilion).wide(1.8),
     );
-    if with_effects {
-        vec![before, after, calibrated]
-    } else {
-        vec![before, calibrated]
-    }
+    let mut series = vec![before];
+    series.extend(with_effects.then_some(after));
+    let has_calibrated = |u: &&UnitErrors| u.after.rmse_heldout_calibrated.is_some();
+    series.extend(units.iter().any(has_calibrated).then_some(calibrated));
+    series
 }
 
 /// A thin line below a unit's band.

@@ -68,6 +68,7 @@ fn row(joint: &JointDiagnosis, effect: Option<&EffectFinding>) -> Vec<Cell> {
     let text = |of: fn(&EffectFinding) -> String| effect.map_or(Cell::Empty, |e| Cell::text(of(e)));
     let number =
         |rounding: Rounding, of: fn(&EffectFinding) -> f64| finite(effect.map(of), rounding);
+    let gain = effect.and_then(|e| e.log_likelihood_gain);
     let parameter = effect.and_then(|e| e.parameters.first());
     let words = |of: fn(&Parameter) -> &str| parameter.map_or(Cell::Empty, |p| Cell::text(of(p)));
     let mut row = vec![
@@ -89,7 +90,7 @@ fn row(joint: &JointDiagnosis, effect: Option<&EffectFinding>) -> Vec<Cell> {
         words(|p| unit(&p.unit)),
         number(Rounding::Digits(2), stiffness),
         number(Rounding::Digits(2), |e| e.p_familywise),
-        number(Rounding::Decimals(1), |e| e.log_likelihood_gain),
+        finite(gain, Rounding::Decimals(1)),
         number(Rounding::Decimals(0), |e| 100.0 * e.found_in_folds),
         number(Rounding::Decimals(2), |e| e.rms),
         text(|e| e.class.join(" ")),

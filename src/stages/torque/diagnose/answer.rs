@@ -1,18 +1,19 @@
-//! The findings of one joint.
+//! The findings of one joint: what this search computes of them. No mixed model is fitted to torque, so that there are no random effects, no
+//! likelihoods and no predictive distribution; what would be made of these stays empty.
 
-use super::judge::{Judged, fold_of};
+use super::judge::{Judged, Task, fold_of};
 use super::questions::Asked;
 use super::refit::{Reading, Sizes};
-use super::terms::{ALL, Term, place};
+use super::terms::{ALL, place};
 use super::tests::TestErrors;
 use super::traces::{ALIKE, Traces, VISIBLE};
 use super::{Group, Searched, black_box, questions};
-use crate::numerics::statistics::sum_of_squares;
-use crate::stages::diagnose::findings::{
-    Alias, CampaignFindings, DetectionLimit, EffectFinding, Errors, FoldErrors, NextMeasurement,
-    NotMeasurable, ParameterFinding, Rejected, Unexplained, Verdict,
+use crate::findings::{
+    ActsOn, Alias, CampaignFindings, Design, DetectionLimit, EffectFinding, Errors, HeldOutBy,
+    NextKind, NextMeasurement, NotMeasurable, Parameter, Unexplained, UnitErrors, Verdict, WhyNot,
 };
-use std::collections::BTreeSet;
+use crate::numerics::statistics::sum_of_squares;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Sets whose criterion is worse by so much are told apart by the readings: "very strong" evidence (Kass and Raftery, *J. Am. Stat. Assoc.* 90,
 /// 1995).
@@ -29,7 +30,6 @@ pub(super) struct Answered<'s, 'a> {
     pub group: &'s Group<'a>,
     pub whole: &'s Searched<'a>,
     pub held_out: &'s [(usize, Sizes)],
-    pub largest: Option<&'s Sizes>,
     pub tests: &'s [TestErrors],
     pub confidence: f64,
 }
@@ -38,13 +38,36 @@ pub(super) fn rms(residuals: &[f64]) -> f64 {
     (sum_of_squares(residuals) / residuals.len().max(1) as f64).sqrt()
 }
 
-fn largest(residuals: &[f64]) -> f64 {
-    residuals.iter().fold(0.0, |m: f64, r| m.max(r.abs()))
+fn finite(x: f64) -> Option<f64> {
+    x.is_finite().then_some(x)
+}
+
+/// Errors of what was fitted and of what was held out.
+fn errors(train: &[f64], out: &[f64]) -> Errors {
+    let largest = out.iter().fold(0.0, |m: f64, r| m.max(r.abs()));
+    Errors {
+        rmse_train: rms(train),
+        rmse_heldout: finite(rms(out)),
+        max_abs_error_heldout: finite(largest).filter(|_| rms(out).is_finite()),
+        rmse_heldout_calibrated: None,
+        rmse_heldout_after: BTreeMap::new(),
+        log_density_heldout: None,
+    }
 }
 
 impl<'a> Answered<'_, 'a> {
     pub(super) fn readings(&self) -> &[Reading<'a>] {
         &self.whole.readings
+    }
+
+    fn task(&self) -> Task<'_, 'a> {
+        Task {
+            readings: self.readings(),
+            spreads: &self.whole.spreads,
+            candidates: &self.whole.candidates,
+            most: self.whole.most,
+            confidence: self.confidence,
+        }
     }
 
     pub(super) fn sizes(&self) -> &Sizes {
@@ -71,26 +94,17 @@ impl<'a> Answered<'_, 'a> {
         let folds: Vec<usize> = self.readings().iter().map(fold).collect();
         let angles: Vec<f64> = self.readings().iter().map(|r| r.at.angle_rad).collect();
         let smooth = black_box::left(&angles, &rigid, &folds);
-        let smooth_after = black_box::left(&angles, &held_out, &folds);
-        let errors = |train: &[f64], out: &[f64]| Errors {
-            rmse_train: rms(train),
-            rmse_heldout: rms(out),
-            max_abs_error_heldout: largest(out),
-            rmse_heldout_own_strength: rms(out),
-        };
         let (rigid_out, after_out) = self
             .held_by_their_owner()
             .unwrap_or((rigid.clone(), held_out.clone()));
-        let (before, after) = (errors(&rigid, &rigid_out), errors(&fitted, &after_out));
         let traces = Traces::new(&self.task().sample(), self.sizes());
         let judged = self.whole.accepted.judged.iter();
-        let effects: Vec<EffectFinding> = judged.map(|j| self.effect(j, &traces)).collect();
-        let asked = self.asked();
-        let sample = self.task().sample();
-        let nothing = Sizes::rigid(self.readings(), &self.whole.spreads);
-        let mut unexplained = self.unexplained(&asked, &held_out, &folds);
-        if effects.is_empty() && unexplained.is_empty() && !self.odd().is_empty() {
-            unexplained.push(self.between_tests(&held_out));
+        let mut effects: Vec<EffectFinding> = judged.map(|j| self.effect(j, &traces)).collect();
+        effects.sort_by(|a, b| b.rms.total_cmp(&a.rms));
+        let recording_errors = self.odd();
+        let mut unexplained = self.unexplained(&self.asked(), &held_out, &folds);
+        if effects.is_empty() && unexplained.is_empty() && !recording_errors.is_empty() {
+            unexplained.push(self.between_tests());
         }
         let verdict = match (effects.is_empty(), unexplained.is_empty()) {
             (false, _) => Verdict::EffectFound,
@@ -99,8 +113,6 @@ impl<'a> Answered<'_, 'a> {
         };
         let configuration = &self.group.members[0].1;
         let part = format!("{} knee, {}", configuration.knee, configuration.muscle);
-        let tests: BTreeSet<usize> = self.readings().iter().map(|r| r.test).collect();
-        let actuators: BTreeSet<usize> = self.readings().iter().map(|r| r.actuator).collect();
         CampaignFindings {
             campaign: self.campaign.to_owned(),
             part: Some(part),
@@ -110,35 +122,55 @@ impl<'a> Answered<'_, 'a> {
             base_model: self.group.law.id().to_owned(),
             base_refitted: false,
             unit: "N.m".to_owned(),
+            design: self.design(),
             verdict,
-            summary: self.summary(verdict, &effects, &unexplained, &before, &after),
-            readings: self.readings().len(),
-            sessions: tests.len(),
-            specimens: actuators.len(),
-            readings_held_out: self.group.held_readings().len(),
-            held_out_by: self.held_out_by(actuators.len()).to_owned(),
-            questions: questions::ask(&sample, &nothing, &asked),
-            questions_after: questions::ask(&sample, self.sizes(), &asked),
+            not_assessed: None,
+            next_measurement: next(&effects),
+            effects,
+            scatter: Vec::new(),
+            misfit: None,
             unexplained,
-            suspects: Vec::new(),
-            before,
-            after,
-            after_as_chosen: None,
-            after_empirical: None,
-            by_specimen: self.by_fold(&rigid, &held_out, &smooth),
-            noise_floor: None,
-            black_box_rmse_heldout: Some(rms(&smooth)),
-            black_box_after_rmse_heldout: (!effects.is_empty()).then(|| rms(&smooth_after)),
-            rejected: self.rejected(),
+            recording_errors,
+            before: errors(&rigid, &rigid_out),
+            after: errors(&fitted, &after_out),
+            by_unit: self.by_unit(&rigid, &held_out),
+            budget: Vec::new(),
+            expected_rmse_heldout: None,
+            inside_50: None,
+            inside_95: None,
+            pit: Vec::new(),
+            noise: None,
+            // Of other readings than those that the owner holds out.
+            black_box_rmse_heldout: finite(rms(&smooth)).filter(|_| !self.has_holdout()),
+            tested: Vec::new(),
             detection_limits: self.limits(&traces),
             not_measurable: self.not_measurable(&traces),
             aliases: self.aliases(&traces),
-            readings_of_the_base: self.alternatives(),
             coefficients: Vec::new(),
-            next_measurement: self.next(&effects),
-            notes: self.notes(&tests),
-            effects,
+            alternatives: Vec::new(),
         }
+    }
+
+    fn design(&self) -> Design {
+        let of = |unit: fn(&Reading) -> usize| -> BTreeSet<usize> {
+            self.readings().iter().map(unit).collect()
+        };
+        let fitted = self.group.unanswered.iter().zip(&self.group.fitted);
+        let outside = fitted.filter(|(_, fitted)| **fitted);
+        let (tests, actuators) = (of(|r| r.test).len(), of(|r| r.actuator).len());
+        Design {
+            readings: self.readings().len(),
+            readings_outside_domain: outside.map(|(n, _)| n).sum(),
+            sessions: tests,
+            specimens: actuators,
+            readings_held_out: self.group.held_readings().len(),
+            held_out_by: self.held_out_by(tests, actuators),
+            doubtful_only: self.group.doubtful,
+        }
+    }
+
+    fn has_holdout(&self) -> bool {
+        !self.group.held_readings().is_empty()
     }
 
     /// Residuals of the tests that their owner holds out, rigid and with what was found on the others; none where there are none.
@@ -148,16 +180,14 @@ impl<'a> Answered<'_, 'a> {
         (!held.is_empty()).then(|| (rigid, self.sizes().residuals(&held)))
     }
 
-    fn held_out_by(&self, actuators: usize) -> &'static str {
-        let tests: BTreeSet<usize> = self.readings().iter().map(|r| r.test).collect();
-        let folds = self.held_out.len();
-        if self.group.held.contains(&true) {
-            return "the sessions with the role holdout";
+    fn held_out_by(&self, tests: usize, actuators: usize) -> HeldOutBy {
+        if self.has_holdout() {
+            return HeldOutBy::Holdout;
         }
-        match (actuators, folds == tests.len()) {
-            (1, true) if folds > 1 => "leave-one-test-out",
-            (1, _) => "leave-one-stretch-of-the-angle-out",
-            _ => "leave-one-actuator-out",
+        match (actuators, self.held_out.len() == tests) {
+            (1, true) if tests > 1 => HeldOutBy::Test,
+            (1, _) => HeldOutBy::Stretch,
+            _ => HeldOutBy::Actuator,
         }
     }
 
@@ -167,43 +197,39 @@ impl<'a> Answered<'_, 'a> {
         questions::columns(self.readings(), self.sizes(), &extras)
     }
 
-    /// The columns on which what the effects leave still depends, the strongest first, with the error that a curve over each would take off what
-    /// was held out.
+    /// The columns on which what the effects leave still depends, the strongest first: those over which a curve takes off some of the error on
+    /// what was held out.
     fn unexplained(&self, asked: &[Asked], held_out: &[f64], folds: &[usize]) -> Vec<Unexplained> {
         let sample = self.task().sample();
         let answers = questions::ask(&sample, self.sizes(), asked);
         let left = sample.conditional(self.sizes());
+        // Only what would help where nothing was fitted, and by more than chance does.
+        let helps =
+            |a: &Asked| rms(&black_box::left(&a.values, held_out, folds)) < HELPS * rms(held_out);
         let mut found: Vec<Unexplained> = answers
             .iter()
             .zip(asked)
-            .filter(|(q, _)| questions::is_structure(q))
+            .filter(|(q, a)| questions::is_structure(q) && helps(a))
             .map(|(q, a)| Unexplained {
                 column: q.column.clone(),
                 shape: "offset".to_owned(),
-                p_adjusted: q.p_adjusted,
-                share_of_residual: q.share,
-                rmse_heldout_before: Some(rms(held_out)),
-                rmse_heldout_after: Some(rms(&black_box::left(&a.values, held_out, folds))),
+                p_familywise: q.p_adjusted,
+                log_likelihood_gain: None,
+                share_of_variance: q.share,
                 curve: black_box::curve(&a.values, &left),
             })
             .collect();
-        found.sort_by(|a, b| b.share_of_residual.total_cmp(&a.share_of_residual));
-        // Only what would help where nothing was fitted, and by more than chance does.
-        let helps = |u: &Unexplained| {
-            let (before, after) = (u.rmse_heldout_before, u.rmse_heldout_after);
-            before.zip(after).is_some_and(|(b, a)| a < HELPS * b)
-        };
-        found.retain(helps);
+        found.sort_by(|a, b| b.share_of_variance.total_cmp(&a.share_of_variance));
         let nothing = self.sizes().terms.is_empty() && found.is_empty();
         let p_adjusted = answers.iter().map(|q| q.p_adjusted).fold(1.0, f64::min);
         let seen = self.seen_in_parts(held_out, p_adjusted);
-        let seen = seen.or_else(|| self.seen_without_a_name(held_out));
+        let seen = seen.or_else(|| self.seen_without_a_name());
         found.extend(seen.filter(|_| nothing));
         found
     }
 
     /// Effects may stand without an actuator and fall with it: that is structure, too.
-    fn seen_in_parts(&self, held_out: &[f64], p_adjusted: f64) -> Option<Unexplained> {
+    fn seen_in_parts(&self, held_out: &[f64], p_familywise: f64) -> Option<Unexplained> {
         let rigid = Sizes::rigid(self.readings(), &self.whole.spreads);
         let rigid = rigid.residuals(self.readings());
         let (before, after) = (rms(&rigid), rms(held_out));
@@ -215,16 +241,15 @@ impl<'a> Answered<'_, 'a> {
         (after < STRUCTURE * before).then(|| Unexplained {
             column: "angle".to_owned(),
             shape: "offset".to_owned(),
-            p_adjusted,
-            share_of_residual: 1.0 - after * after / (before * before),
-            rmse_heldout_before: Some(before),
-            rmse_heldout_after: Some(after),
+            p_familywise,
+            log_likelihood_gain: None,
+            share_of_variance: 1.0 - after * after / (before * before),
             curve: black_box::curve(&angles, &rigid),
         })
     }
 
     /// Several effects may each explain by far more than chance does, and the readings be too few to tell which: that is structure as well.
-    fn seen_without_a_name(&self, held_out: &[f64]) -> Option<Unexplained> {
+    fn seen_without_a_name(&self) -> Option<Unexplained> {
         let sets = &self.whole.sets;
         let rigid = sets.iter().find(|s| s.sizes.terms.is_empty())?;
         let real = |s: &&super::search::Ranked| !s.sizes.terms.contains(&place::PLACEBO);
@@ -240,10 +265,9 @@ impl<'a> Answered<'_, 'a> {
             column: "angle".to_owned(),
             shape: "offset".to_owned(),
             // Odds of the rigid leg by the criterion (Kass and Raftery 1995), times the number of sets that were asked.
-            p_adjusted: (sets.len() as f64 * libm::exp(-0.5 * gain)).min(1.0),
-            share_of_residual: 1.0 - best.sizes.sse / rigid.sizes.sse,
-            rmse_heldout_before: Some(rms(held_out)),
-            rmse_heldout_after: None,
+            p_familywise: (sets.len() as f64 * libm::exp(-0.5 * gain)).min(1.0),
+            log_likelihood_gain: None,
+            share_of_variance: 1.0 - best.sizes.sse / rigid.sizes.sse,
             curve: black_box::curve(&angles, &residuals),
         })
     }
@@ -252,45 +276,41 @@ impl<'a> Answered<'_, 'a> {
         let (term, sizes) = (&ALL[judged.term], self.sizes());
         let value = sizes.values[judged.term];
         let half = judged.half_width;
-        let mut others = sizes.terms.clone();
-        others.retain(|t| *t != judged.term);
-        let without = Sizes::of(&others, self.readings(), &self.whole.spreads, Some(sizes));
-        let n = self.readings().len() as f64;
-        let criterion = |terms: &[usize]| {
-            let set = self.whole.sets.iter().find(|s| s.sizes.terms == terms);
-            set.map_or(f64::NAN, |s| s.criterion)
-        };
+        let mut without = sizes.clone();
+        without.values[judged.term] = 0.0;
+        let does = |r: &Reading| sizes.predict(r).0 - without.predict(r).0;
+        let does: Vec<f64> = self.readings().iter().map(does).collect();
         EffectFinding {
             id: term.id.to_owned(),
-            title: term.title.to_owned(),
-            equation: term.equation.to_owned(),
-            form: term.form.to_owned(),
             class: self.class(judged.term, traces),
-            scope: "global".to_owned(),
-            acts_on: "all readings".to_owned(),
-            parameters: vec![ParameterFinding {
+            acts_on: ActsOn::All,
+            column: None,
+            from: None,
+            parameters: vec![Parameter {
                 name: term.symbol.to_owned(),
                 value,
-                ci_low: value - half,
-                ci_high: value + half,
+                ci_low: finite(value - half),
+                ci_high: finite(value + half),
                 unit: term.unit.to_owned(),
             }],
-            p_adjusted: judged.p_adjusted,
-            selected_in_resamples: judged.chosen_again,
-            selected_in_folds: self.selected_in_folds(judged.term, traces),
-            helps_in_folds: judged.helps,
-            rmse_before: (without.sse / n).sqrt(),
-            rmse_after: (sizes.sse / n).sqrt(),
-            rmse_heldout_before: (judged.held_out.0 / n).sqrt(),
-            rmse_heldout_after: (judged.held_out.1 / n).sqrt(),
-            criterion_gain: criterion(&others) - criterion(&sizes.terms),
-            source: term.source.to_owned(),
+            form: term.form.to_owned(),
+            equation: term.equation.to_owned(),
+            p_familywise: judged.p_adjusted.clamp(0.0, 1.0),
+            log_likelihood_gain: None,
+            found_in_folds: self.found_in_folds(judged.term, traces),
+            negligible: false,
+            rms: rms(&does),
+            by_specimen: BTreeMap::new(),
+            profile: Vec::new(),
+            free_form: None,
+            in_its_place: Vec::new(),
             measurement: term.measurement.to_owned(),
+            source: term.source.to_owned(),
         }
     }
 
     /// Part of the folds whose own search found the effect, or one that leaves its trace.
-    fn selected_in_folds(&self, term: usize, traces: &Traces) -> f64 {
+    fn found_in_folds(&self, term: usize, traces: &Traces) -> f64 {
         let alike = |t: &usize| ALL[*t].id == ALL[term].id || traces.cosine(term, *t).abs() > ALIKE;
         let folds = self.held_out.iter();
         let chose = folds.filter(|(_, sizes)| sizes.terms.iter().any(alike));
@@ -347,15 +367,16 @@ impl<'a> Answered<'_, 'a> {
         others.iter().filter(near).copied().collect()
     }
 
-    fn by_fold(&self, rigid: &[f64], held_out: &[f64], smooth: &[f64]) -> Vec<FoldErrors> {
+    /// The errors of every fold, with what the search without it found.
+    fn by_unit(&self, rigid: &[f64], held_out: &[f64]) -> Vec<UnitErrors> {
         let fold = fold_of(self.readings());
-        let of = |out: usize, all: &[f64]| {
-            let own = self.readings().iter().zip(all);
-            let own: Vec<f64> = own
-                .filter(|(r, _)| fold(r) == out)
-                .map(|(_, e)| *e)
-                .collect();
-            own
+        let part = |all: &[f64], keep: &dyn Fn(usize) -> bool| -> Vec<f64> {
+            let kept = self
+                .readings()
+                .iter()
+                .zip(all)
+                .filter(|(r, _)| keep(fold(r)));
+            kept.map(|(_, e)| *e).collect()
         };
         let one = |(out, sizes): &(usize, Sizes)| {
             let first = self.readings().iter().find(|r| fold(r) == *out);
@@ -366,68 +387,44 @@ impl<'a> Answered<'_, 'a> {
                     false => format!("{actuator}, part {}", out + 1),
                 }
             });
-            let chosen = sizes.terms.iter().map(|t| label(*t, sizes)).collect();
-            FoldErrors {
+            let (own, others) = (|f: usize| f == *out, |f: usize| f != *out);
+            let fitted = sizes.residuals(self.readings());
+            let mut found: Vec<String> = Vec::new();
+            for id in sizes.terms.iter().map(|t| ALL[*t].id.to_owned()) {
+                if !found.contains(&id) {
+                    found.push(id);
+                }
+            }
+            UnitErrors {
                 unit,
-                readings: of(*out, rigid).len(),
-                before: rms(&of(*out, rigid)),
-                after: rms(&of(*out, held_out)),
-                black_box: Some(rms(&of(*out, smooth))),
-                chosen,
+                readings: part(rigid, &own).len(),
+                before: errors(&part(rigid, &others), &part(rigid, &own)),
+                after: errors(&part(&fitted, &others), &part(held_out, &own)),
+                realised_over_expected: None,
+                inside_95: None,
+                found,
             }
         };
         self.held_out.iter().map(one).collect()
     }
 
-    /// Sets that came before what was taken and do not stand, then every single term, with what it would explain by itself.
-    fn rejected(&self) -> Vec<Rejected> {
-        let rigid = Sizes::rigid(self.readings(), &self.whole.spreads).sse;
-        let joined = |terms: &[usize], of: fn(&Term) -> &'static str| {
-            let names: Vec<&str> = terms.iter().map(|t| of(&ALL[*t])).collect();
-            names.join(" + ")
-        };
-        let rejected = |terms: &[usize], why: String| {
-            let sizes = Sizes::of(terms, self.readings(), &self.whole.spreads, None);
-            Rejected {
-                id: joined(terms, |t| t.id),
-                form: Some(joined(terms, |t| t.form)),
-                acts_on: "all readings".to_owned(),
-                share: 1.0 - sizes.sse / rigid,
-                why,
-            }
-        };
-        let refused = &self.whole.accepted.refused;
-        let together = refused.iter().filter(|r| r.terms.len() > 1);
-        let mut all: Vec<Rejected> = together
-            .map(|r| rejected(&r.terms, format!("{}: {}", ALL[r.because_of].id, r.why)))
-            .collect();
-        let taken = |t: &&usize| !self.sizes().terms.contains(t);
-        let why = |t: usize| {
-            let own = refused.iter().find(|r| r.terms == [t]);
-            let inside = self.whole.sets.iter().any(|s| s.sizes.terms == [t]);
-            match (own, inside) {
-                (Some(own), _) => own.why.clone(),
-                (None, true) => "explains less than what was taken".to_owned(),
-                (None, false) => "runs to a bound of what is physically possible".to_owned(),
-            }
-        };
-        let alone = self.whole.candidates.iter().filter(taken);
-        let mut alone: Vec<Rejected> = alone.map(|t| rejected(&[*t], why(*t))).collect();
-        alone.sort_by(|a, b| b.share.total_cmp(&a.share));
-        all.extend(alone);
-        all
-    }
-
-    fn measurable(&self, term: usize, traces: &Traces) -> Result<f64, &'static str> {
-        let smallest = traces.smallest(term, self.whole.candidates.len());
-        if !smallest.is_finite() {
-            return Err("leaves no trace in these readings");
+    /// The smallest size that would be found, or why there is none, and what takes it up where that is one effect.
+    fn measurable(&self, term: usize, traces: &Traces) -> Result<f64, (WhyNot, Option<String>)> {
+        if !traces.is_there(term) {
+            return Err((WhyNot::NoTrace, None));
         }
-        if traces.visible(term) < VISIBLE {
-            return Err("the effects that were found take up its trace");
+        let smallest = traces.smallest(term, self.whole.candidates.len());
+        if !smallest.is_finite() || traces.visible(term) < VISIBLE {
+            let others = self.sizes().terms.iter().filter(|t| **t != term);
+            let others: Vec<usize> = others.copied().collect();
+            let by = match others[..] {
+                [only] => Some(ALL[only].id.to_owned()),
+                _ => None,
+            };
+            return Err((WhyNot::Absorbed, by));
         }
         if smallest > ALL[term].bounds.1 {
-            return Err("only a size beyond what is possible would show");
+            return Err((WhyNot::Bound, None));
         }
         Ok(smallest)
     }
@@ -445,7 +442,7 @@ impl<'a> Answered<'_, 'a> {
                 form: ALL[*t].form.to_owned(),
                 smallest,
                 unit: ALL[*t].unit.to_owned(),
-                visible: traces.visible(*t),
+                identifiable_share: traces.visible(*t),
             })
         };
         candidates.filter_map(limit).collect()
@@ -457,80 +454,82 @@ impl<'a> Answered<'_, 'a> {
             .candidates
             .iter()
             .filter(|t| **t != place::PLACEBO);
-        let of = |id: &str, why: &str| NotMeasurable {
-            id: id.to_owned(),
-            why: why.to_owned(),
-        };
+        let of =
+            |id: &str, form: Option<&str>, (reason, by): (WhyNot, Option<String>)| NotMeasurable {
+                id: id.to_owned(),
+                form: form.map(str::to_owned),
+                reason,
+                by,
+            };
         let mut all: Vec<NotMeasurable> = candidates
             .filter_map(|t| {
                 let why = self.measurable(*t, traces).err()?;
-                Some(of(ALL[*t].id, &format!("{}: {why}", ALL[*t].form)))
+                let forms = ALL.iter().filter(|other| other.id == ALL[*t].id).count();
+                Some(of(ALL[*t].id, (forms > 1).then_some(ALL[*t].form), why))
             })
             .collect();
         if !self.whole.candidates.contains(&place::FRICTION) {
-            let why = "the joint came to too few of the angles from the other side";
-            all.push(of("joint_friction", why));
+            let why = (WhyNot::NoTrace, Some("sense_of_motion".to_owned()));
+            all.push(of(ALL[place::FRICTION].id, None, why));
         }
-        all.push(of("misalignment", "leaves the trace of force_gain"));
+        let strength = ALL[place::GAIN].id.to_owned();
+        let why = (WhyNot::Absorbed, Some(strength));
+        all.push(of("misalignment", None, why));
         if !self.whole.candidates.contains(&place::WRAPPING) {
-            all.push(of("wrapping_loss", "the route does not touch the knee"));
+            let why = (WhyNot::NoTrace, None);
+            all.push(of(ALL[place::WRAPPING].id, None, why));
         }
-        for (term, end) in [(place::ORIGIN, "origin"), (place::INSERTION, "insertion")] {
+        for (term, foot) in [
+            (place::ORIGIN, "origin_bracket_foot"),
+            (place::INSERTION, "insertion_bracket_foot"),
+        ] {
             if !self.whole.candidates.contains(&term) {
-                let why = format!("{end} bracket: its foot on the bone is not known");
-                all.push(of("series_compliance", &why));
+                let why = (WhyNot::NoColumn, Some(foot.to_owned()));
+                all.push(of(ALL[term].id, Some(ALL[term].form), why));
             }
         }
         all
     }
 
+    /// Pairs of effects of which some forms leave nearly one trace, with the cosine of those that are most alike.
     fn aliases(&self, traces: &Traces) -> Vec<Alias> {
-        let all: Vec<usize> = self.whole.candidates.to_vec();
-        let mut found = Vec::new();
+        let of = self
+            .whole
+            .candidates
+            .iter()
+            .filter(|t| **t != place::PLACEBO);
+        let all: Vec<usize> = of.copied().collect();
+        let mut found: Vec<Alias> = Vec::new();
         for (k, a) in all.iter().enumerate() {
             for b in &all[k + 1..] {
                 let cosine = traces.cosine(*a, *b);
-                if cosine.abs() > ALIKE {
-                    let name = |t: usize| format!("{} ({})", ALL[t].id, ALL[t].form);
-                    found.push(Alias {
-                        ids: [name(*a), name(*b)],
-                        cosine,
-                    });
+                if cosine.abs() <= ALIKE || cosine.is_nan() || ALL[*a].id == ALL[*b].id {
+                    continue;
+                }
+                let ids = [*a, *b].map(|t| ALL[t].id.to_owned());
+                match found.iter_mut().find(|f| f.ids == ids) {
+                    Some(known) if known.cosine.abs() < cosine.abs() => known.cosine = cosine,
+                    Some(_) => {}
+                    None => found.push(Alias { ids, cosine }),
                 }
             }
         }
         found
     }
-
-    fn next(&self, effects: &[EffectFinding]) -> Vec<NextMeasurement> {
-        let of = |e: &EffectFinding| NextMeasurement {
-            separates: e.class.clone(),
-            action: e.measurement.clone(),
-            difference_n: None,
-        };
-        let mut next: Vec<NextMeasurement> = effects.iter().map(of).collect();
-        if effects.iter().any(|e| e.id == "series_compliance") {
-            next.push(NextMeasurement {
-                separates: vec!["length_offset".to_owned(), "series_compliance".to_owned()],
-                action: "repeat a test at half the pressure: an offset of the length stays, what yields halves"
-                    .to_owned(),
-                difference_n: None,
-            });
-        }
-        next
-    }
 }
 
-/// A term with its size in words: "series_compliance (insertion bracket) 94.1 um/N".
-pub(super) fn label(term: usize, sizes: &Sizes) -> String {
-    let t = &ALL[term];
-    let value = sizes.values[term];
-    // Three digits, whatever the unit.
-    let decimals = match value.abs() {
-        v if v >= 100.0 => 0,
-        v if v >= 10.0 => 1,
-        v if v >= 1.0 => 2,
-        _ => 3,
+/// A test at half the pressure separates an offset of the length, which stays, from what yields, which halves. What else would measure an effect
+/// stands beside it.
+fn next(effects: &[EffectFinding]) -> Vec<NextMeasurement> {
+    let yields = ALL[place::AXIAL].id;
+    let is_found = effects.iter().any(|e| e.id == yields);
+    let separates = [ALL[place::LENGTH].id, yields].map(str::to_owned).to_vec();
+    let half = NextMeasurement {
+        kind: NextKind::Separate,
+        separates,
+        at: BTreeMap::from([("pressure_share".to_owned(), 0.5)]),
+        worth: None,
+        unit: "1".to_owned(),
     };
-    format!("{} ({}) {value:.decimals$} {}", t.id, t.form, t.unit)
+    is_found.then_some(half).into_iter().collect()
 }

@@ -50,23 +50,6 @@ pub struct Judged {
     pub half_width: f64,
     /// Probability, times the number of effects that were asked for.
     pub p_adjusted: f64,
-    /// Part of the searches without one test that choose its effect, or one that leaves its trace.
-    pub chosen_again: f64,
-    /// Part of the folds in which it helps.
-    pub helps: f64,
-    /// Held-out sums of squares without it and with it, (N.m)^2.
-    pub held_out: (f64, f64),
-}
-
-/// A set that was looked at and not taken.
-#[derive(Clone, Debug)]
-pub struct Refused {
-    /// Its terms.
-    pub terms: Vec<usize>,
-    /// The term that does not stand.
-    pub because_of: usize,
-    /// Why, in words.
-    pub why: String,
 }
 
 /// What a term does on what took no part.
@@ -85,8 +68,6 @@ pub struct Accepted {
     pub sizes: Sizes,
     /// Its terms.
     pub judged: Vec<Judged>,
-    /// Sets that were looked at before it.
-    pub refused: Vec<Refused>,
 }
 
 impl<'r, 'a> Task<'r, 'a> {
@@ -101,12 +82,10 @@ impl<'r, 'a> Task<'r, 'a> {
     /// The best set of which every term stands, with a third where that stands as well; the rigid leg if there is none. `again` are the sets
     /// that were chosen without one unit each; an effect has to be in all of them but one, or nine in ten.
     pub fn accepted(&self, sets: &[Ranked], again: &[Vec<usize>], known: &Known) -> Accepted {
-        let mut refused = Vec::new();
-        let Some((sizes, judged)) = self.first_that_stands(sets, 0, again, &mut refused) else {
+        let Some((sizes, judged)) = self.first_that_stands(sets, 0, again) else {
             return Accepted {
                 sizes: Sizes::rigid(self.readings, self.spreads),
                 judged: Vec::new(),
-                refused,
             };
         };
         let terms = sizes.terms.clone();
@@ -115,13 +94,12 @@ impl<'r, 'a> Task<'r, 'a> {
             let extended = |sample: &Sample| sample.extended(&terms, self.candidates, known);
             let again = self.again(extended);
             let larger = extended(&self.sample());
-            let found = self.first_that_stands(&larger, terms.len(), &again, &mut refused);
+            let found = self.first_that_stands(&larger, terms.len(), &again);
             taken = found.unwrap_or(taken);
         }
         Accepted {
             sizes: taken.0,
             judged: taken.1,
-            refused,
         }
     }
 
@@ -131,7 +109,6 @@ impl<'r, 'a> Task<'r, 'a> {
         sets: &[Ranked],
         fewer: usize,
         again: &[Vec<usize>],
-        refused: &mut Vec<Refused>,
     ) -> Option<(Sizes, Vec<Judged>)> {
         let best_alone = self.best_alone(sets);
         let mut looked_at = [0; MOST + 1];
@@ -144,9 +121,8 @@ impl<'r, 'a> Task<'r, 'a> {
             if looked_at[terms] > LOOKED_AT {
                 continue;
             }
-            match self.stands(&set.sizes, again, &best_alone) {
-                Ok(judged) => return Some((set.sizes.clone(), judged)),
-                Err(why) => refused.push(why),
+            if let Some(judged) = self.stands(&set.sizes, again, &best_alone) {
+                return Some((set.sizes.clone(), judged));
             }
         }
         None
@@ -162,65 +138,41 @@ impl<'r, 'a> Task<'r, 'a> {
         alone.map(held_out).min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// The judgement of a set of which every term stands; the guards that cost least come first.
+    /// The judgement of a set, none where one of its terms does not stand; the guards that cost least come first.
     fn stands(
         &self,
         sizes: &Sizes,
         again: &[Vec<usize>],
         best_alone: &Option<(usize, f64)>,
-    ) -> Result<Vec<Judged>, Refused> {
-        let refuse = |because_of: usize, why: String| Refused {
-            terms: sizes.terms.clone(),
-            because_of,
-            why,
-        };
+    ) -> Option<Vec<Judged>> {
         let traces = Traces::new(&self.sample(), sizes);
-        let beyond_chance = |t: usize, p: f64| match p < SIGNIFICANT {
-            true => Ok(()),
-            false => Err(refuse(t, format!("not beyond chance, p = {p:.2}"))),
+        let beyond_chance = |t: &usize| {
+            let p = self.p_adjusted(sizes.values[*t], traces.error(*t), &traces, *t);
+            *t != place::PLACEBO && p < SIGNIFICANT
         };
-        for t in &sizes.terms {
-            if *t == place::PLACEBO {
-                return Err(refuse(*t, "the shuffled column".to_owned()));
-            }
-            let error = traces.error(*t);
-            beyond_chance(*t, self.p_adjusted(sizes.values[*t], error, &traces, *t))?;
-        }
-        if self.is_contradicted_at_slack(sizes) {
-            let why = "where an actuator hardly pulls the torque is nearer to nothing".to_owned();
-            return Err(refuse(place::ZERO, why));
+        if !sizes.terms.iter().all(beyond_chance) || self.is_contradicted_at_slack(sizes) {
+            return None;
         }
         let allowed = (0.1 * again.len() as f64).max(1.0) + 1e-9;
-        for t in &sizes.terms {
-            let times = chosen_again(*t, &traces, again);
-            if again.len() as f64 - times > allowed {
-                let why = format!("chosen in {times} of {} searches of parts", again.len());
-                return Err(refuse(*t, why));
-            }
+        let chosen = |t: &usize| again.len() as f64 - chosen_again(*t, &traces, again) <= allowed;
+        if !sizes.terms.iter().all(chosen) {
+            return None;
         }
         let helps = self.helps(sizes);
         if let Some((single, held_out)) = best_alone {
             let own = helps.first().map_or(f64::NAN, |h| h.held_out.1);
-            let weakest = sizes.terms.iter().copied().find(|t| t != single);
-            if let Some(t) = weakest.filter(|_| sizes.terms.len() > 1 && own >= *held_out) {
-                let why = format!(
-                    "what took no part is predicted no better than by {} alone",
-                    ALL[*single].id
-                );
-                return Err(refuse(t, why));
+            let has_others = sizes.terms.iter().any(|t| t != single);
+            if has_others && sizes.terms.len() > 1 && own >= *held_out {
+                return None;
             }
         }
-        for (t, help) in sizes.terms.iter().zip(&helps) {
-            if help.held_out.1 >= help.held_out.0 || help.folds < 0.5 {
-                let why = "does not lower the error on what took no part".to_owned();
-                return Err(refuse(*t, why));
-            }
+        let useless = |h: &Help| h.held_out.1 >= h.held_out.0 || h.folds < 0.5;
+        if helps.iter().any(useless) {
+            return None;
         }
-        let judged = self.judged(sizes, again, &helps);
-        for j in &judged {
-            beyond_chance(j.term, j.p_adjusted)?;
-        }
-        Ok(judged)
+        let judged = self.judged(sizes);
+        let all_beyond_chance = judged.iter().all(|j| j.p_adjusted < SIGNIFICANT);
+        all_beyond_chance.then_some(judged)
     }
 
     /// Whether a zero of the torque makes the readings of any actuator worse at which it hardly pulls, and which show it most plainly: the zero
@@ -317,23 +269,19 @@ impl<'r, 'a> Task<'r, 'a> {
         folds.into_iter().map(left).collect()
     }
 
-    /// The judgement of every term of a set, of which `helps` is known.
-    fn judged(&self, sizes: &Sizes, again: &[Vec<usize>], helps: &[Help]) -> Vec<Judged> {
+    /// The judgement of every term of a set.
+    fn judged(&self, sizes: &Sizes) -> Vec<Judged> {
         let traces = Traces::new(&self.sample(), sizes);
         let errors = self.errors(sizes, &traces);
-        let terms = sizes.terms.iter().zip(errors).zip(helps);
-        let one = |((t, error), help): ((&usize, f64), &Help)| {
+        let one = |(t, error): (&usize, f64)| {
             let freedom = traces.freedom(*t, error);
             Judged {
                 term: *t,
                 half_width: student_t_quantile(0.5 + 0.5 * self.confidence, freedom) * error,
                 p_adjusted: self.p_adjusted(sizes.values[*t], error, &traces, *t),
-                chosen_again: chosen_again(*t, &traces, again) / again.len() as f64,
-                helps: help.folds,
-                held_out: help.held_out,
             }
         };
-        terms.map(one).collect()
+        sizes.terms.iter().zip(errors).map(one).collect()
     }
 
     /// The standard error of every size of a set: whichever way of resampling, or none, says that least is known.
@@ -353,16 +301,6 @@ impl<'r, 'a> Task<'r, 'a> {
             by_stretch.max(by_test).max(traces.error(*t))
         };
         sizes.terms.iter().map(one).collect()
-    }
-
-    /// Half the widths of the intervals of a set's sizes.
-    pub fn half_widths(&self, sizes: &Sizes) -> Vec<f64> {
-        let traces = Traces::new(&self.sample(), sizes);
-        let errors = self.errors(sizes, &traces);
-        let half = |(t, error): (&usize, f64)| {
-            student_t_quantile(0.5 + 0.5 * self.confidence, traces.freedom(*t, error)) * error
-        };
-        sizes.terms.iter().zip(errors).map(half).collect()
     }
 }
 

@@ -18,7 +18,7 @@
 //! | [`measurers`] | beside what was reached by hand |
 //! | [`curves`] | torque over the angle before and after, for figures |
 //! | `odd` | mistakes of recording: tests that are far off by themselves, torques of the other sign |
-//! | [`answer`], `words` | the findings |
+//! | [`answer`] | the findings: what this search computes of [`crate::findings`], and nothing else |
 
 pub mod answer;
 pub mod black_box;
@@ -34,13 +34,11 @@ pub mod search;
 pub mod terms;
 pub mod tests;
 pub mod traces;
-mod words;
 
 use crate::base::random::Stream;
 use crate::base::session::Role;
+use crate::findings::{CampaignFindings, Residuals};
 use crate::models::{ForceModel, published};
-use crate::stages::diagnose::adapter;
-use crate::stages::diagnose::findings::CampaignFindings;
 use crate::stages::torque::Configuration;
 use crate::stages::torque::build::Build;
 use crate::stages::torque::point::Point;
@@ -72,12 +70,12 @@ const STRETCHES: usize = 5;
 
 /// What was found of one joint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct JointDiagnosis<Findings = crate::findings::CampaignFindings> {
+pub struct JointDiagnosis {
     /// The findings.
-    pub findings: Findings,
+    pub findings: CampaignFindings,
     /// One entry a reading of the search; empty where a figure of it means nothing.
     #[serde(default)]
-    pub residuals: crate::findings::Residuals,
+    pub residuals: Residuals,
     /// Errors by test.
     pub tests: Vec<TestErrors>,
     /// What the measurers reached by hand, where they had the actuator.
@@ -102,6 +100,8 @@ pub(crate) struct Group<'a> {
     pub held: Vec<bool>,
     /// What is doubted of each test.
     pub doubts: Vec<Option<&'a str>>,
+    /// Readings of each test for which the rigid leg has no torque.
+    pub unanswered: Vec<usize>,
     /// Whether there are none but doubtful tests, which are then searched by themselves.
     pub doubtful: bool,
     /// Actuators by number.
@@ -119,27 +119,6 @@ pub fn diagnose(
     found: &[(Build, Configuration)],
     confidence: f64,
 ) -> Vec<JointDiagnosis> {
-    let now = |old: Former| JointDiagnosis {
-        findings: adapter::findings(&old.findings, None),
-        residuals: old.residuals,
-        tests: old.tests,
-        by_hand: old.by_hand,
-        curves: old.curves,
-    };
-    let joints = former(campaign, simulated, found, confidence);
-    joints.into_iter().map(now).collect()
-}
-
-/// [`JointDiagnosis`] with findings of the former schema, until the adapter goes.
-pub type Former = JointDiagnosis<CampaignFindings>;
-
-/// [`diagnose`] with findings of the former schema.
-pub fn former(
-    campaign: &str,
-    simulated: bool,
-    found: &[(Build, Configuration)],
-    confidence: f64,
-) -> Vec<Former> {
     let mut joints: Vec<Vec<&(Build, Configuration)>> = Vec::new();
     for member in found {
         let same = |(b, c): &(Build, Configuration)| {
@@ -165,8 +144,6 @@ pub(crate) struct Searched<'a> {
     pub accepted: Accepted,
     /// Every set, best first.
     pub sets: Vec<search::Ranked>,
-    /// Sets that were chosen without one test each (or stretch).
-    pub again: Vec<Vec<usize>>,
     /// Terms that were asked for.
     pub candidates: Vec<usize>,
     /// Most terms that were looked for at once.
@@ -204,7 +181,6 @@ pub(crate) fn searched<'a>(
     Searched {
         accepted,
         sets,
-        again,
         candidates,
         most,
         readings,
@@ -256,7 +232,7 @@ fn known_of(sets: &[search::Ranked]) -> Known {
     sets.iter().map(named).collect()
 }
 
-fn one(campaign: &str, simulated: bool, group: &Group, confidence: f64) -> Option<Former> {
+fn one(campaign: &str, simulated: bool, group: &Group, confidence: f64) -> Option<JointDiagnosis> {
     let readings = group.searched_readings();
     if readings.len() < FEWEST_READINGS {
         return None;
@@ -299,7 +275,6 @@ fn one(campaign: &str, simulated: bool, group: &Group, confidence: f64) -> Optio
         group,
         whole: &whole,
         held_out: &held_out,
-        largest: largest.as_ref().map(|(_, sizes)| sizes),
         tests: &tests,
         confidence,
     };
@@ -307,7 +282,7 @@ fn one(campaign: &str, simulated: bool, group: &Group, confidence: f64) -> Optio
     let curves = curves::curves(group, &whole.accepted.sizes, &held_out, fold);
     Some(JointDiagnosis {
         findings,
-        residuals: crate::findings::Residuals::default(),
+        residuals: Residuals::default(),
         by_hand: match simulated {
             true => Vec::new(),
             false => measurers::beside(group, &tests),
@@ -333,6 +308,7 @@ impl<'a> Group<'a> {
             fitted: Vec::new(),
             held: Vec::new(),
             doubts: Vec::new(),
+            unanswered: Vec::new(),
             doubtful: false,
             actuators: Vec::new(),
             arms_by_hand: Vec::new(),
@@ -358,6 +334,7 @@ impl<'a> Group<'a> {
             let number = self.sessions.len();
             let senses = senses(&test.points);
             let mut readings = Vec::new();
+            let mut unanswered = 0;
             for (order, (p, sense)) in test.points.iter().zip(senses).enumerate() {
                 let reading = Reading {
                     joint,
@@ -374,13 +351,18 @@ impl<'a> Group<'a> {
                     unit: number,
                     own: [0.0; 2],
                 };
-                let usable = p.expected.is_some() && p.pressure_kpa.is_finite();
-                if usable && is_answered(&reading) {
+                if !p.pressure_kpa.is_finite() {
+                    continue;
+                }
+                if p.expected.is_some() && is_answered(&reading) {
                     readings.push(reading);
                     self.arms_by_hand.push(p.by_hand.arm_m);
                     self.extras.push(&p.extras);
+                } else {
+                    unanswered += 1;
                 }
             }
+            self.unanswered.push(unanswered);
             self.all.extend(shuffled(readings, &test.session));
             self.sessions.push(&test.session);
             self.fitted.push(test.is_fitted());

@@ -7,7 +7,6 @@ use super::refit::{Reading, Sizes};
 use super::search::Sample;
 use crate::base::random::Stream;
 use crate::numerics::matrix::{dot, norm};
-use crate::stages::diagnose::findings::Question;
 use std::collections::BTreeSet;
 
 /// Largest corrected probability.
@@ -15,6 +14,17 @@ const SIGNIFICANT: f64 = 0.05;
 const FLIPS: usize = 999;
 /// Powers of a column beside the constant.
 const POWERS: usize = 5;
+
+/// Whether what is left depends on a column.
+#[derive(Clone, Debug)]
+pub struct Question {
+    /// Column.
+    pub column: String,
+    /// Share of the sum of squares that it explains.
+    pub share: f64,
+    /// Probability of as much by chance, corrected for the number of questions (Holm).
+    pub p_adjusted: f64,
+}
 
 /// A column and its values, one a reading.
 pub struct Asked {
@@ -85,9 +95,7 @@ pub fn ask(sample: &Sample, sizes: &Sizes, asked: &[Asked]) -> Vec<Question> {
     let adjusted = holm(&p);
     let question = |k: usize| Question {
         column: asked[k].column.clone(),
-        blocks: "signs of stretches of the angle".to_owned(),
         share: shares[k],
-        p: p[k],
         p_adjusted: adjusted[k],
     };
     (0..asked.len()).map(question).collect()

@@ -13,6 +13,8 @@ use std::collections::BTreeSet;
 pub const ALIKE: f64 = 0.9;
 /// Visible share below which an effect cannot be measured.
 pub const VISIBLE: f64 = 0.05;
+/// Share of the cases in which the smallest detectable size is found.
+const POWER: f64 = 0.8;
 
 /// The traces at a fit.
 pub struct Traces {
@@ -91,11 +93,17 @@ impl Traces {
         1.0 / sum
     }
 
-    /// The smallest size that would be significant among so many candidates; not finite where there is no trace.
+    /// The smallest size that would be significant among so many candidates in 80 of 100 cases; not finite where there is no trace.
     pub fn smallest(&self, term: usize, candidates: usize) -> f64 {
         let tail = 0.025 / candidates as f64;
         let error = self.error(term);
-        student_t_quantile(1.0 - tail, self.freedom(term, error)) * error
+        let quantile = |p: f64| student_t_quantile(p, self.freedom(term, error));
+        (quantile(1.0 - tail) + quantile(POWER)) * error
+    }
+
+    /// Whether a term changes any of the readings.
+    pub fn is_there(&self, term: usize) -> bool {
+        norm(&self.plain[term]) > 0.0
     }
 
     /// Cosine between the traces of two terms, the other chosen terms refitted; as the torques have them, whatever is their tests' own.
