@@ -22,6 +22,8 @@ const STAGES: &[(&str, &[&str])] = &[
         &[
             "base",
             "effects",
+            "findings",
+            "inference",
             "models",
             "numerics",
             "stages/fit",
@@ -36,7 +38,7 @@ const STAGES: &[(&str, &[&str])] = &[
             "models",
             "numerics",
             "stages/torque",
-            "stages/diagnose/findings.rs",
+            "findings",
         ],
     ),
     (
@@ -49,7 +51,7 @@ const STAGES: &[(&str, &[&str])] = &[
             "models",
             "numerics",
             "report",
-            "stages/diagnose/findings.rs",
+            "findings",
             "stages/report.rs",
             "stages/torque",
         ],

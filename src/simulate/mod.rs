@@ -40,7 +40,6 @@ mod session_file;
 pub mod setting;
 pub mod staircase;
 pub mod steady;
-pub mod trials;
 pub mod truth;
 mod truth_lists;
 pub mod write;

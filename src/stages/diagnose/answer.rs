@@ -253,7 +253,7 @@ impl Work<'_> {
                     column: column.name(self.data()),
                     shape: if column.is_gain() { "gain" } else { "offset" }.to_owned(),
                     p_familywise: a.p,
-                    log_likelihood_gain: a.gain,
+                    log_likelihood_gain: Some(a.gain),
                     share_of_variance: (share * share).min(1.0),
                     curve: column.curve(self.data(), [values[0], values[1]]),
                 })

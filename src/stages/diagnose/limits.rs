@@ -53,6 +53,7 @@ pub fn limits(setting: &Setting, problem: &ForceProblem, model: &Fitted, critica
                     id: e.id().to_owned(),
                     reason: WhyNot::Absorbed,
                     by: None,
+                    form: None,
                 });
             }
             continue;
@@ -84,6 +85,7 @@ pub fn limits(setting: &Setting, problem: &ForceProblem, model: &Fitted, critica
                 id: e.id().to_owned(),
                 reason: WhyNot::Bound,
                 by: None,
+                form: None,
             });
         }
     }
@@ -109,6 +111,7 @@ fn missing(data: &Data) -> Vec<NotMeasurable> {
             id: id.to_owned(),
             reason: WhyNot::NoColumn,
             by: Some(need.words().to_owned()),
+            form: None,
         })
         .collect()
 }

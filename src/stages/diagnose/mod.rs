@@ -163,10 +163,10 @@ fn assessed(
     findings.unexplained = work.unexplained();
     findings.verdict = verdict(&findings.effects, !findings.unexplained.is_empty());
     findings.scatter = work.scatter(&variances);
-    findings.misfit = Misfit {
+    findings.misfit = Some(Misfit {
         sensitive: work.sensitive(),
         ..answer::misfit(&variances)
-    };
+    });
     findings.before = Errors {
         rmse_train: rms(&residuals.before),
         ..held.before.clone()
@@ -234,12 +234,13 @@ fn next(
                 kind,
                 separates,
                 at: BTreeMap::from([(key.to_owned(), value)]),
-                worth,
+                worth: Some(worth),
                 unit: "N".to_owned(),
             }
         })
         .collect();
-    list.sort_by(|a, b| b.worth.total_cmp(&a.worth));
+    let worth = |n: &NextMeasurement| n.worth.unwrap_or(0.0);
+    list.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
     list
 }
 
@@ -311,12 +312,13 @@ fn unassessed(
             specimens: data.specimens.len(),
             readings_held_out: held,
             held_out_by: HeldOutBy::None,
+            doubtful_only: false,
         },
         verdict: Verdict::NotAssessed,
         not_assessed: None,
         effects: Vec::new(),
         scatter: Vec::new(),
-        misfit: Misfit::default(),
+        misfit: None,
         unexplained: Vec::new(),
         recording_errors: Vec::new(),
         before: Errors::default(),

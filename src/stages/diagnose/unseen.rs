@@ -86,8 +86,8 @@ pub fn held_out(
             units.push(UnitErrors {
                 unit,
                 readings: after.count,
-                realised_over_expected: after.squares / after.expected.max(f64::MIN_POSITIVE),
-                inside_95: after.inside.1 as f64 / after.count.max(1) as f64,
+                realised_over_expected: Some(after.squares / after.expected.max(f64::MIN_POSITIVE)),
+                inside_95: Some(after.inside.1 as f64 / after.count.max(1) as f64),
                 found: a.terms.iter().map(|t| named(*t)).collect(),
                 before: before.errors(),
                 after: after.errors(),
