@@ -388,7 +388,7 @@ fn components(data: &Data, pooled: bool) -> Vec<Component> {
         scatter(settings::USUAL_ZERO_N, sessions),
         component(Prior::Fixed(rounding), rounding, true, true, false),
         component(Prior::Fixed(rounding), rounding, true, true, false),
-        with_groups(misfit(settings::COMMON_MISFIT), sessions),
+        with_groups(misfit(settings::COMMON_MISFIT), data.specimens.len()),
         with_groups(misfit(settings::SESSION_MISFIT), sessions),
         pool(settings::USUAL_GAIN),
         pool(settings::USUAL_ZERO_N),
