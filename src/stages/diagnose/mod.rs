@@ -34,6 +34,7 @@ pub mod linear;
 pub mod model;
 pub mod noise;
 pub mod problem;
+pub mod recording;
 pub mod settings;
 pub mod questions;
 pub mod search;
