@@ -22,6 +22,7 @@ pub mod labels;
 pub mod library;
 pub mod limits;
 pub mod problem;
+pub mod recording;
 pub mod settings;
 pub mod unseen;
 
