@@ -9,7 +9,9 @@ use crate::variance::{Effort, Maximiser, Prior, Scale};
 fn noise(k: &mut u64) -> f64 {
     let mut sum = -6.0;
     for _ in 0..12 {
-        *k = k.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        *k = k
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
         sum += (*k >> 11) as f64 / (1_u64 << 53) as f64;
     }
     sum
@@ -152,7 +154,10 @@ fn projected(design: &Design, w: &Square, y: &[f64]) -> (Vec<f64>, f64, Vec<f64>
 }
 
 fn close(a: f64, b: f64, tolerance: f64) {
-    assert!((a - b).abs() <= tolerance * (1.0 + b.abs()), "{a} against {b}");
+    assert!(
+        (a - b).abs() <= tolerance * (1.0 + b.abs()),
+        "{a} against {b}"
+    );
 }
 
 #[test]
@@ -167,7 +172,11 @@ fn likelihoods_estimates_and_predictions_are_those_of_the_dense_covariance() {
     let factor = Factor::new(&design.tree, &gram, &variances);
     close(factor.log_likelihood(Likelihood::Full), full, 1e-12);
     let restricted = full - 0.5 * (log_det_x - 2.0 * libm::log(std::f64::consts::TAU));
-    close(factor.log_likelihood(Likelihood::Restricted), restricted, 1e-12);
+    close(
+        factor.log_likelihood(Likelihood::Restricted),
+        restricted,
+        1e-12,
+    );
     for (a, b) in factor.fixed().iter().zip(&theta) {
         close(*a, *b, 1e-10);
     }
@@ -204,7 +213,11 @@ fn projections_of_further_columns_are_those_of_the_dense_covariance() {
         let panel = Panel::new(&design, &columns, false);
         let found = factor.project(&panel);
         for (j, c) in columns.iter().enumerate() {
-            close(found.scores[j], dot(c, &projected(&design, &w, &design.y).0), 1e-9);
+            close(
+                found.scores[j],
+                dot(c, &projected(&design, &w, &design.y).0),
+                1e-9,
+            );
             close(found.squares[j], dot(c, &projected(&design, &w, c).0), 1e-9);
             close(found.unprojected[j], dot(c, &times(&w, c)), 1e-9);
         }
@@ -241,13 +254,21 @@ fn the_gradient_is_that_of_differences() {
             let (mut up, mut down) = (at.clone(), at.clone());
             up.components[c] *= 1.0 + h;
             down.components[c] *= 1.0 - h;
-            close(posterior.by_components[c], (value(&up) - value(&down)) / (2.0 * h), 1e-6);
+            close(
+                posterior.by_components[c],
+                (value(&up) - value(&down)) / (2.0 * h),
+                1e-6,
+            );
         }
         for c in 0..2 {
             let (mut up, mut down) = (at.clone(), at.clone());
             up.noise[c] *= 1.0 + h;
             down.noise[c] *= 1.0 - h;
-            close(posterior.by_noise[c], (value(&up) - value(&down)) / (2.0 * h), 1e-6);
+            close(
+                posterior.by_noise[c],
+                (value(&up) - value(&down)) / (2.0 * h),
+                1e-6,
+            );
         }
     }
 }

@@ -184,8 +184,8 @@ impl<'a> Setting<'a> {
                     maximiser.maximise_with(&gram, &k.variances, Effort::STEP, Some(&k.inverse))
                 }
             };
-            let posterior = Factor::new(&design.tree, &gram, &maximum.variances)
-                .posterior(Likelihood::Full);
+            let posterior =
+                Factor::new(&design.tree, &gram, &maximum.variances).posterior(Likelihood::Full);
             let settled = (maximum.log_likelihood - before).abs() < SETTLED;
             before = maximum.log_likelihood;
             iteration += 1;
@@ -207,7 +207,14 @@ impl<'a> Setting<'a> {
                 };
             }
             let longest = if iteration > DAMPED_AFTER { 0.5 } else { 1.0 };
-            let moved = self.step(&point, &linear, &free, &posterior, &maximum.variances, longest);
+            let moved = self.step(
+                &point,
+                &linear,
+                &free,
+                &posterior,
+                &maximum.variances,
+                longest,
+            );
             converged = self.small(&design, &gram, &maximum.variances, &moved.taken);
             held.extend(moved.stopped);
             point = moved.point;
@@ -224,7 +231,11 @@ impl<'a> Setting<'a> {
 
     fn inside(&self, point: &Point) -> Point {
         let mut point = point.clone();
-        for (x, c) in point.coefficients.iter_mut().zip(self.problem.coefficients()) {
+        for (x, c) in point
+            .coefficients
+            .iter_mut()
+            .zip(self.problem.coefficients())
+        {
             *x = x.clamp(c.bounds.0, c.bounds.1);
         }
         for (term, values) in &mut point.terms {

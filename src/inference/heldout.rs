@@ -212,7 +212,11 @@ impl<'a> Unseen<'a> {
                     }
                 }
                 let row = &design.z[k][..self.root.n];
-                of_parameters.push(if known.is_some() { dot(row, parameters) } else { 0.0 });
+                of_parameters.push(if known.is_some() {
+                    dot(row, parameters)
+                } else {
+                    0.0
+                });
             }
             let predicted = problem.predict(&point);
             errors = places

@@ -49,7 +49,9 @@ pub fn profile(
     let (low, high) = setting.problem.terms()[term].bounds[value];
     let best = along.best;
     let side = |sign: f64| -> Vec<(f64, f64)> {
-        let points = STEPS.iter().map(|s| (estimate + sign * s * error).clamp(low, high));
+        let points = STEPS
+            .iter()
+            .map(|s| (estimate + sign * s * error).clamp(low, high));
         let mut points: Vec<f64> = points.collect();
         points.dedup();
         points
@@ -104,7 +106,13 @@ struct Along<'a> {
 }
 
 impl<'a> Along<'a> {
-    fn new(setting: &'a Setting, model: &'a Fitted, term: usize, value: usize, place: usize) -> Self {
+    fn new(
+        setting: &'a Setting,
+        model: &'a Fitted,
+        term: usize,
+        value: usize,
+        place: usize,
+    ) -> Self {
         let mut design = model.design.clone();
         design.x.remove(place);
         let mut along = Self {
@@ -165,7 +173,10 @@ impl<'a> Along<'a> {
             .into_par_iter()
             .map(|k| {
                 let y = draw(self.model, &mut *normal(k));
-                let free = self.model.design.with_response_of(&self.model.gram, &[], &y);
+                let free = self
+                    .model
+                    .design
+                    .with_response_of(&self.model.gram, &[], &y);
                 let best = self.ascend(&free, &self.model.variances);
                 let pinned = self.ascend(&self.respond(&y), &self.model.variances);
                 (2.0 * (best - pinned)).max(0.0)
@@ -174,4 +185,3 @@ impl<'a> Along<'a> {
         (ratios.iter().sum::<f64>() / ratios.len() as f64).max(1.0)
     }
 }
-

@@ -65,7 +65,12 @@ impl<'a> Screen<'a> {
     pub fn new(setting: &'a Setting<'a>, null: &'a Fitted) -> Self {
         // One form of an effect is one too many where another is in the model: what the forms share would be split between them.
         let terms = setting.problem.terms();
-        let kinds: Vec<usize> = null.point.terms.iter().map(|(t, _)| terms[*t].kind).collect();
+        let kinds: Vec<usize> = null
+            .point
+            .terms
+            .iter()
+            .map(|(t, _)| terms[*t].kind)
+            .collect();
         let mut directions = setting.problem.directions(&null.point);
         directions.retain(|d| !kinds.contains(&terms[d.term].kind));
         Self::of(setting, null, directions)
@@ -153,7 +158,9 @@ impl<'a> Screen<'a> {
     fn refined(&self, shown: &Shown, y: Option<&[f64]>, null_value: f64, from: &Variances) -> f64 {
         let gram = self.extended[shown.direction].get_or_init(|| {
             let mut design = self.null.design.clone();
-            design.x.extend(self.directions[shown.direction].columns.iter().cloned());
+            design
+                .x
+                .extend(self.directions[shown.direction].columns.iter().cloned());
             self.setting.sums(&design)
         });
         let value = match y {
@@ -190,7 +197,9 @@ impl<'a> Screen<'a> {
         let design = &self.null.design;
         let gram = design.with_response_of(&self.null.gram, &[], &y);
         let (variances, value) = self.value(&gram, &self.null.variances);
-        let panel = self.panel.with_response_of(&self.null.gram, design, &self.columns, &y);
+        let panel = self
+            .panel
+            .with_response_of(&self.null.gram, design, &self.columns, &y);
         let scores = self.scores(&gram, &panel, &variances);
         let best = scores.iter().take(REFINED).map(|s| {
             let gain = self.refined(s, Some(&y), value, &variances);

@@ -95,7 +95,10 @@ impl Search<'_> {
     pub fn run(&self, null: Fitted, normal: &Normal, known: Option<&[f64]>) -> Found {
         let screen = Screen::new(self.setting, &null);
         let shown = screen.shown(2 * Screen::refined_in_draws());
-        let draws = known.map_or_else(|| screen.draws(self.decision.draws, normal), <[f64]>::to_vec);
+        let draws = known.map_or_else(
+            || screen.draws(self.decision.draws, normal),
+            <[f64]>::to_vec,
+        );
         let mut found = Found {
             critical: critical(&draws, self.decision.level),
             tested: shown
@@ -197,7 +200,8 @@ impl Search<'_> {
             }
             kinds.push(kind);
             let mut from = bare.point.clone();
-            from.terms.push((direction.term, scaled(&direction.start, &s.estimate)));
+            from.terms
+                .push((direction.term, scaled(&direction.start, &s.estimate)));
             starts.push((from, direction.term));
         }
         starts
@@ -221,7 +225,8 @@ impl Search<'_> {
             }
             kinds.push(kind);
             let mut from = model.point.clone();
-            from.terms.push((direction.term, scaled(&direction.start, &s.estimate)));
+            from.terms
+                .push((direction.term, scaled(&direction.start, &s.estimate)));
             let fit = self.setting.fit(&from, &self.starts(model));
             // The linear model promised more: the iteration has gone to another optimum.
             if 2.0 * (fit.log_likelihood - model.log_likelihood) < PROMISED * s.likelihood_ratio {
@@ -237,9 +242,8 @@ impl Search<'_> {
         let problem = self.setting.problem;
         let best = best_fit(fits.iter())?;
         let named = fits.iter().filter(|(_, t)| problem.terms()[*t].named);
-        let alike = |n: &&(Fitted, usize)| {
-            n.0.log_likelihood > best.0.log_likelihood - self.decision.alike
-        };
+        let alike =
+            |n: &&(Fitted, usize)| n.0.log_likelihood > best.0.log_likelihood - self.decision.alike;
         Some(best_fit(named).filter(alike).unwrap_or(best).clone())
     }
 
@@ -301,7 +305,13 @@ impl Search<'_> {
     }
 
     /// Fits of the terms that would explain nearly as much in the place of one, the best form of each kind.
-    fn others(&self, model: &Fitted, without: &Fitted, term: usize, gain: f64) -> Vec<(usize, Fitted)> {
+    fn others(
+        &self,
+        model: &Fitted,
+        without: &Fitted,
+        term: usize,
+        gain: f64,
+    ) -> Vec<(usize, Fitted)> {
         let problem = self.setting.problem;
         let screen = Screen::new(self.setting, without);
         let mut kinds = Vec::new();
@@ -311,7 +321,10 @@ impl Search<'_> {
             let other = &problem.terms()[direction.term];
             let behind = 2.0 * gain - s.likelihood_ratio;
             let same = direction.term == term || model.values(direction.term).is_some();
-            if same || kinds.contains(&other.kind) || behind > 4.0 * self.decision.alike + 0.3 * gain {
+            if same
+                || kinds.contains(&other.kind)
+                || behind > 4.0 * self.decision.alike + 0.3 * gain
+            {
                 continue;
             }
             if fits.len() >= 2 * FITTED {
@@ -331,7 +344,6 @@ impl Search<'_> {
 fn best_fit<'f>(fits: impl Iterator<Item = &'f (Fitted, usize)>) -> Option<&'f (Fitted, usize)> {
     fits.max_by(|a, b| a.0.log_likelihood.total_cmp(&b.0.log_likelihood))
 }
-
 
 /// The start of a term: each amplitude times its estimate, the shape as it is.
 fn scaled(start: &[f64], estimate: &[f64]) -> Vec<f64> {

@@ -146,7 +146,10 @@ mod tests {
         let b = tree.add(a, vec![block(2, 1), block(3, 3)]);
         let c = tree.add(0, vec![block(1, 1)]);
         assert_eq!(tree.path(b), [0, a, b]);
-        assert_eq!((tree.above(b), tree.width(b), tree.path_columns(b)), (3, 4, 7));
+        assert_eq!(
+            (tree.above(b), tree.width(b), tree.path_columns(b)),
+            (3, 4, 7)
+        );
         assert_eq!(tree.path_numbers(b), [0, 1, 2, 3, 4, 5, 6]);
         assert_eq!(tree.path_numbers(c), [0, 1, 7]);
         assert_eq!(tree.columns_of(b, 3), Some((4, 3)));

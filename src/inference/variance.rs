@@ -255,7 +255,9 @@ fn identity(n: usize, gradient: &[f64]) -> Vec<f64> {
 fn ascent(inverse: &[f64], gradient: &[f64], x: &[f64], limits: &[(f64, f64)]) -> Vec<f64> {
     let n = x.len();
     let held: Vec<bool> = (0..n)
-        .map(|k| (x[k] <= limits[k].0 && gradient[k] < 0.0) || (x[k] >= limits[k].1 && gradient[k] > 0.0))
+        .map(|k| {
+            (x[k] <= limits[k].0 && gradient[k] < 0.0) || (x[k] >= limits[k].1 && gradient[k] > 0.0)
+        })
         .collect();
     let mut direction: Vec<f64> = (0..n)
         .map(|i| {

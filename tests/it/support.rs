@@ -83,7 +83,8 @@ impl Bench {
     /// The small campaign with the options [`FAST`]: what takes long in six sessions are resamples and pictures.
     pub fn quick() -> Self {
         let bench = Self::small();
-        let options = "[fit]\nbootstrap_refits = 20\n[diagnose]\ndraws = 39\n[report]\npng_dpi = 20.0\n";
+        let options =
+            "[fit]\nbootstrap_refits = 20\n[diagnose]\ndraws = 39\n[report]\npng_dpi = 20.0\n";
         std::fs::write(bench.root().join(FAST), options).unwrap();
         bench
     }

@@ -7,8 +7,8 @@ use super::problem::{ForceProblem, component};
 use super::unseen::HeldOut;
 use crate::effects;
 use crate::findings::{
-    ActsOn, Alternative, CoefficientChange, EffectFinding, Estimate, Level, Parameter, Residuals, Scatter,
-    Tested, Unexplained,
+    ActsOn, Alternative, CoefficientChange, EffectFinding, Estimate, Level, Parameter, Residuals,
+    Scatter, Tested, Unexplained,
 };
 use crate::inference::fit::{Fitted, Free, Setting};
 use crate::inference::problem::{Point, Problem};
@@ -124,8 +124,7 @@ impl Work<'_> {
             .in_its_place
             .iter()
             .filter(|(t, _)| self.term(*t).id().is_some());
-        let in_its_place: Vec<(String, f64)> =
-            named.map(|(t, d)| (self.name(*t), *d)).collect();
+        let in_its_place: Vec<(String, f64)> = named.map(|(t, d)| (self.name(*t), *d)).collect();
         let mut class = vec![e.id().to_owned()];
         for (id, _) in &in_its_place {
             if !class.contains(id) {
@@ -297,13 +296,55 @@ impl Work<'_> {
         let sessions = groups(&data.sessions, &p.sessions);
         let campaigns = groups(&data.campaigns, &p.campaigns);
         let list = [
-            (component::GAIN, "specimen_variation", Level::Specimen, "1", &specimens),
-            (component::SET_LENGTH, "length_offset", Level::Session, "mm", &sessions),
-            (component::ZERO, "force_zero_offset", Level::Session, "N", &sessions),
-            (component::REST_LENGTH, "rest_length", Level::Specimen, "mm", &specimens),
-            (component::CONTRACTED_LENGTH, "contracted_length", Level::Specimen, "mm", &specimens),
-            (component::CAMPAIGN_GAIN, "force_gain", Level::Campaign, "1", &campaigns),
-            (component::CAMPAIGN_ZERO, "force_zero_offset", Level::Campaign, "N", &campaigns),
+            (
+                component::GAIN,
+                "specimen_variation",
+                Level::Specimen,
+                "1",
+                &specimens,
+            ),
+            (
+                component::SET_LENGTH,
+                "length_offset",
+                Level::Session,
+                "mm",
+                &sessions,
+            ),
+            (
+                component::ZERO,
+                "force_zero_offset",
+                Level::Session,
+                "N",
+                &sessions,
+            ),
+            (
+                component::REST_LENGTH,
+                "rest_length",
+                Level::Specimen,
+                "mm",
+                &specimens,
+            ),
+            (
+                component::CONTRACTED_LENGTH,
+                "contracted_length",
+                Level::Specimen,
+                "mm",
+                &specimens,
+            ),
+            (
+                component::CAMPAIGN_GAIN,
+                "force_gain",
+                Level::Campaign,
+                "1",
+                &campaigns,
+            ),
+            (
+                component::CAMPAIGN_ZERO,
+                "force_zero_offset",
+                Level::Campaign,
+                "N",
+                &campaigns,
+            ),
         ];
         let present = list.into_iter().filter(|(.., groups)| !groups.is_empty());
         present
@@ -455,8 +496,16 @@ impl Work<'_> {
             pairs.map(|(y, p)| y - p).collect()
         };
         Residuals {
-            session: data.session.iter().map(|s| data.sessions[*s].clone()).collect(),
-            specimen: data.specimen.iter().map(|k| data.specimens[*k].clone()).collect(),
+            session: data
+                .session
+                .iter()
+                .map(|s| data.sessions[*s].clone())
+                .collect(),
+            specimen: data
+                .specimen
+                .iter()
+                .map(|k| data.specimens[*k].clone())
+                .collect(),
             before: left(&without),
             after: left(&with),
             conditional: conditional(&self.found.model),
@@ -540,8 +589,16 @@ pub fn alternative(
     if length_law {
         parts.push("length_law".to_owned());
         let c = &problem.base.coefficients[LENGTH_LAW];
-        let place = fit.free.iter().position(|f| *f == Free::Coefficient(LENGTH_LAW));
-        numbers.push(number(&c.name, &c.unit, fit.point.coefficients[LENGTH_LAW], place));
+        let place = fit
+            .free
+            .iter()
+            .position(|f| *f == Free::Coefficient(LENGTH_LAW));
+        numbers.push(number(
+            &c.name,
+            &c.unit,
+            fit.point.coefficients[LENGTH_LAW],
+            place,
+        ));
     }
     if let Some(term) = frame {
         parts.extend(problem.library[term].id().map(str::to_owned));

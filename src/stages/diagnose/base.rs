@@ -139,7 +139,6 @@ impl Base {
     }
 }
 
-
 impl Actuator for Base {
     fn force<R: Real>(&self, coefficients: &[R], pressure: R, length: R, at: &Conditions) -> R {
         match self.equation {

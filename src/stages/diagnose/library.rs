@@ -137,7 +137,12 @@ impl Term {
             what,
             scope,
             acts_on,
-            amplitudes: groups * if matches!(what, What::Column(_)) { 2 } else { 1 },
+            amplitudes: groups
+                * if matches!(what, What::Column(_)) {
+                    2
+                } else {
+                    1
+                },
         }
     }
 

@@ -41,7 +41,11 @@ pub fn limits(setting: &Setting, problem: &ForceProblem, model: &Fitted, critica
     let mut not_measurable = missing(problem.data);
     for (effect, e) in effects::all().iter().enumerate() {
         let of = |term: &Term| matches!(term.what, What::Effect { effect: k, .. } if k == effect);
-        let in_model = model.point.terms.iter().any(|(t, _)| of(&problem.library[*t]));
+        let in_model = model
+            .point
+            .terms
+            .iter()
+            .any(|(t, _)| of(&problem.library[*t]));
         let mine: Vec<_> = shown
             .iter()
             .filter(|s| of(&problem.library[screen.directions[s.direction].term]))
@@ -102,7 +106,10 @@ fn missing(data: &Data) -> Vec<NotMeasurable> {
     let lacks = |e: &&dyn effects::Effect| {
         let needs = e.forms().iter().map(|f| f.needs);
         let mut lacking = needs.map(|n| n.iter().find(|n| data.missing.contains_key(n)));
-        lacking.clone().all(|n| n.is_some()).then(|| lacking.find_map(|n| n.copied()))
+        lacking
+            .clone()
+            .all(|n| n.is_some())
+            .then(|| lacking.find_map(|n| n.copied()))
     };
     effects::all()
         .iter()

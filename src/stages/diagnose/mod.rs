@@ -4,6 +4,7 @@
 //! For each campaign and diameter:
 //!
 //! 1. [`data`]: the readings with everything that is known of each ([`labels`] are words); [`base`]: the law to which effects are added.
+//!    [`recording`]: what looks mistaken is set aside first, and said.
 //! 2. [`library`]: the terms that may be added: forms of effects, and smooth functions of columns.
 //! 3. The null model has the gain of each specimen, the set length and the zero of the force of each session, and a smooth misfit of the law.
 //!    The search tests every term against the maximum over all of them in draws from it ([`crate::inference::search`]).
@@ -32,8 +33,8 @@ use crate::base::session::Role;
 use crate::config::{DiagnoseOptions, FitOptions};
 use crate::effects::{self, Conditions};
 use crate::findings::{
-    CampaignFindings, Design, EffectFinding, Errors, HeldOutBy, Misfit, NextKind, NextMeasurement,
-    NotAssessed, Residuals, Verdict,
+    CampaignFindings, Design, EffectFinding, Errors, HeldOutBy, Level, Misfit, NextKind,
+    NextMeasurement, NotAssessed, RecordingError, Residuals, Verdict,
 };
 use crate::inference::fit::Setting;
 use crate::inference::search::{Decision, Found, Search};
@@ -78,6 +79,7 @@ pub fn diagnose(
         return None;
     }
     let outside = rows.len() - answered.len();
+    let (mistakes, answered) = without_mistakes(group, &base, answered);
     let data = Data::new(&answered)
         .with_placebo(options.seed)
         .thinned(options.most_readings);
@@ -86,7 +88,8 @@ pub fn diagnose(
         .filter(|r| r.role == Some(Role::Holdout))
         .map(|r| r.session.as_str())
         .collect();
-    let findings = unassessed(group, &base, &data, outside, &kept_out);
+    let mut findings = unassessed(group, &base, &data, outside, &kept_out);
+    findings.recording_errors = mistakes;
     let train = data.session.iter();
     let train = train.filter(|s| !kept_out.contains(data.sessions[**s].as_str()));
     let reason = if train.count() < FEWEST_READINGS {
@@ -106,6 +109,33 @@ pub fn diagnose(
         });
     }
     Some(assessed(group, &base, &data, &kept_out, options, findings))
+}
+
+/// What looks mistaken among the sessions that are searched, and the rows without what is set aside for it.
+fn without_mistakes<'a>(
+    group: &Group,
+    base: &Base,
+    rows: Vec<&'a Row>,
+) -> (Vec<RecordingError>, Vec<&'a Row>) {
+    let searched = rows
+        .iter()
+        .copied()
+        .filter(|r| r.role != Some(Role::Holdout));
+    let searched: Vec<&Row> = searched.collect();
+    let specimens: BTreeSet<&str> = searched.iter().map(|r| r.specimen.as_str()).collect();
+    if searched.len() < FEWEST_READINGS || specimens.len() < 2 {
+        return (Vec::new(), rows);
+    }
+    let data = Data::new(&searched);
+    let mistakes = recording::recording_errors(group.diameter_mm, base, &data, settings::LEVEL);
+    let is_aside = |row: &&Row| {
+        mistakes.iter().any(|m| match m.level {
+            Level::Specimen => m.set_aside && m.group == row.specimen,
+            _ => m.set_aside && m.group == row.session,
+        })
+    };
+    let rows = rows.into_iter().filter(|r| !is_aside(r)).collect();
+    (mistakes, rows)
 }
 
 /// The search and everything that is asked of its result.
@@ -177,7 +207,11 @@ fn assessed(
         ..held.after.clone()
     };
     findings.design.held_out_by = held.by;
-    findings.next_measurement = next(&held.budget, variances.components[component::SET_LENGTH], data);
+    findings.next_measurement = next(
+        &held.budget,
+        variances.components[component::SET_LENGTH],
+        data,
+    );
     findings.expected_rmse_heldout = expected(&held.budget);
     findings.inside_50 = held.inside.map(|i| i.0);
     findings.inside_95 = held.inside.map(|i| i.1);
@@ -226,7 +260,12 @@ fn next(
             let precision = what == unseen::SET_LENGTH;
             let (kind, separates, key, value) = if precision {
                 let separates = vec![what.to_owned()];
-                (NextKind::Precision, separates, "sd_mm", settings::CALIPER_MM)
+                (
+                    NextKind::Precision,
+                    separates,
+                    "sd_mm",
+                    settings::CALIPER_MM,
+                )
             } else {
                 let more = data.specimens.len() as f64;
                 (NextKind::Specimens, Vec::new(), "specimens", more)
@@ -278,7 +317,12 @@ fn alternatives(
             from.terms.push((frame, problem.library[frame].start(1.0)));
         }
         let fit = setting.fit(&from, std::slice::from_ref(&found.model.variances));
-        list.push(answer::alternative(&fit, law, yields.then_some(frame), problem));
+        list.push(answer::alternative(
+            &fit,
+            law,
+            yields.then_some(frame),
+            problem,
+        ));
     }
     let first = list.first().map_or(0.0, |a| a.log_likelihood);
     for a in &mut list {

@@ -12,8 +12,8 @@ use super::library::{Term, What};
 use super::settings;
 use crate::effects::{self, Applied, Conditions};
 use crate::inference::fit::Setting;
-use crate::inference::problem::{Coefficient, Component, Direction, Linearised, Point, Problem};
 use crate::inference::problem::Term as EngineTerm;
+use crate::inference::problem::{Coefficient, Component, Direction, Linearised, Point, Problem};
 use crate::inference::tree::{Block, Tree};
 use crate::inference::variance::{Prior, Scale};
 use crate::models::P_620_KPA;
@@ -127,7 +127,11 @@ impl<'a> ForceProblem<'a> {
         for i in 0..data.len() {
             let (k, s) = (data.specimen[i], data.session[i]);
             if specimens[k] == usize::MAX {
-                let above = if pooled { campaigns[data.campaign[i]] } else { 0 };
+                let above = if pooled {
+                    campaigns[data.campaign[i]]
+                } else {
+                    0
+                };
                 let blocks = vec![
                     block(component::GAIN, 1),
                     block(component::REST_LENGTH, 1),
@@ -341,7 +345,9 @@ impl<'a> ForceProblem<'a> {
         let mut row: Vec<f64> = self.common_basis[i].iter().map(|c| c * scale).collect();
         let specimen = self.tree.parent(self.node[i]);
         let of = |node: usize, c: usize| {
-            self.tree.columns_of(node, c).map_or(0.0, |(k, _)| point.random[k])
+            self.tree
+                .columns_of(node, c)
+                .map_or(0.0, |(k, _)| point.random[k])
         };
         // The gain is a product of two: its derivative by each is that by the product times the other.
         let by_gain = force.gradient[GAIN];
@@ -350,7 +356,7 @@ impl<'a> ForceProblem<'a> {
             row.push(by_gain * of_specimen);
             row.push(force.gradient[ZERO]);
         }
-            row.push(by_gain * gain / of_specimen);
+        row.push(by_gain * gain / of_specimen);
         row.extend(by_lengths);
         row.push(force.gradient[LENGTH]);
         row.push(force.gradient[ZERO]);
@@ -379,7 +385,11 @@ fn components(data: &Data, pooled: bool) -> Vec<Component> {
         with_groups(component(prior, usual, false, true, false), groups)
     };
     let pool = |usual: f64| {
-        let prior = if pooled { Prior::Free } else { Prior::Fixed(0.0) };
+        let prior = if pooled {
+            Prior::Free
+        } else {
+            Prior::Fixed(0.0)
+        };
         component(prior, usual, false, true, false)
     };
     vec![
@@ -408,12 +418,17 @@ fn weights(count: usize, length_over_range: f64) -> Vec<f64> {
         libm::exp(-0.5 * w * w)
     };
     // A cosine has half the mean square of a constant.
-    let total: f64 = (0..count).map(|k| density(k) * if k == 0 { 1.0 } else { 0.5 }).sum();
+    let total: f64 = (0..count)
+        .map(|k| density(k) * if k == 0 { 1.0 } else { 0.5 })
+        .sum();
     (0..count).map(|k| (density(k) / total).sqrt()).collect()
 }
 
 fn session_basis(at: &Conditions) -> [f64; SESSION_COSINES] {
-    let w = weights(SESSION_COSINES, settings::PRESSURE_LENGTH_KPA / PRESSURE_RANGE_KPA);
+    let w = weights(
+        SESSION_COSINES,
+        settings::PRESSURE_LENGTH_KPA / PRESSURE_RANGE_KPA,
+    );
     let mut basis = [0.0; SESSION_COSINES];
     for (k, slot) in basis.iter_mut().enumerate() {
         *slot = w[k] * libm::cos(PI * k as f64 * at.pressure_kpa / PRESSURE_RANGE_KPA);
@@ -503,7 +518,10 @@ impl Problem for ForceProblem<'_> {
             }
         }
         whole.par_iter_mut().for_each(|(what, directions)| {
-            let t = self.library.iter().position(|t| t.scope == Scope::All && t.what == *what || same(t, *what));
+            let t = self
+                .library
+                .iter()
+                .position(|t| t.scope == Scope::All && t.what == *what || same(t, *what));
             if let Some(t) = t {
                 *directions = self.whole_directions(point, &base, t);
             }
@@ -528,7 +546,11 @@ use super::library::Scope;
 fn same(term: &Term, what: What) -> bool {
     match (term.what, what) {
         (
-            What::Effect { effect, form, shape },
+            What::Effect {
+                effect,
+                form,
+                shape,
+            },
             What::Effect {
                 effect: e,
                 form: f,
@@ -560,12 +582,18 @@ impl ForceProblem<'_> {
                 columns: columns.collect(),
             }];
         }
-        let near = term.id().and_then(effects::index).map_or(0.0, |e| effects::all()[e].near());
+        let near = term
+            .id()
+            .and_then(effects::index)
+            .map_or(0.0, |e| effects::all()[e].near());
         let small = if near == 0.0 { 1e-4 * high } else { near };
         let mut directions: Vec<Direction> = Vec::new();
         let mut add = |amplitude: f64| {
             let change = self.change(point, base, t, &term.start(amplitude), amplitude);
-            if directions.iter().all(|d| cosine(&d.columns[0], &change) < settings::SAME_DIRECTION) {
+            if directions
+                .iter()
+                .all(|d| cosine(&d.columns[0], &change) < settings::SAME_DIRECTION)
+            {
                 directions.push(Direction {
                     term: t,
                     start: term.start(1.0),
@@ -589,7 +617,11 @@ impl ForceProblem<'_> {
         let mut with = point.clone();
         with.terms.push((t, values.to_vec()));
         let predicted = self.predict(&with);
-        predicted.iter().zip(base).map(|(a, b)| (a - b) / unit).collect()
+        predicted
+            .iter()
+            .zip(base)
+            .map(|(a, b)| (a - b) / unit)
+            .collect()
     }
 
     /// The direction of a term that acts on a part of the sessions, from that on all readings.
@@ -603,7 +635,9 @@ impl ForceProblem<'_> {
         let columns = (0..term.amplitudes).map(|g| {
             let acts = |i: usize| term.acts_on[self.data.session[i]] == Some(g);
             let column = whole.columns[0].iter().enumerate();
-            column.map(|(i, x)| if acts(i) { *x } else { 0.0 }).collect()
+            column
+                .map(|(i, x)| if acts(i) { *x } else { 0.0 })
+                .collect()
         });
         Direction {
             term: t,

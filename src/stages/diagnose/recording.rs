@@ -556,7 +556,7 @@ impl<'a> Seen<'a> {
             quantity: taken.and_then(|t| t.quantity).map(str::to_owned),
             value: taken.and_then(|t| t.value),
             unit: taken.map_or("1", |t| t.unit).to_owned(),
-            p,
+            p: Some(p),
             rms: self.rms(&|_, _| {}),
             rms_corrected: taken.map(corrected),
             set_aside: true,

@@ -95,7 +95,12 @@ pub fn held_out(
             sums.0.add(&before);
             sums.1.add(&after);
         }
-        kinds.push(a.terms.iter().map(|t| setting.problem.terms()[*t].kind).collect());
+        kinds.push(
+            a.terms
+                .iter()
+                .map(|t| setting.problem.terms()[*t].kind)
+                .collect(),
+        );
     }
     let after = &sums.1;
     let count = after.count.max(1) as f64;
@@ -146,9 +151,14 @@ fn folds(setting: &Setting, problem: &ForceProblem) -> (Vec<Fold>, HeldOutBy) {
     }
     if specimens.len() <= MOST_FOLDS {
         let one = |s: (String, usize)| Fold { nodes: vec![s] };
-        return (specimens.into_iter().map(one).collect(), HeldOutBy::Specimen);
+        return (
+            specimens.into_iter().map(one).collect(),
+            HeldOutBy::Specimen,
+        );
     }
-    let mut folds: Vec<Fold> = (0..MOST_FOLDS).map(|_| Fold { nodes: Vec::new() }).collect();
+    let mut folds: Vec<Fold> = (0..MOST_FOLDS)
+        .map(|_| Fold { nodes: Vec::new() })
+        .collect();
     for (k, s) in specimens.into_iter().enumerate() {
         folds[k % MOST_FOLDS].nodes.push(s);
     }
@@ -167,7 +177,10 @@ fn answer(
         .nodes
         .iter()
         .fold(setting.clone(), |s, (_, node)| s.without(*node));
-    let null = rest.fit(&cleared(&found.null, &rest), &[found.null.variances.clone()]);
+    let null = rest.fit(
+        &cleared(&found.null, &rest),
+        &[found.null.variances.clone()],
+    );
     let search = Search {
         setting: &rest,
         decision: Decision {
@@ -218,7 +231,11 @@ fn tally(model: &Unseen, node: usize, problem: &ForceProblem) -> Tally {
     for s in &mut tally.sources {
         *s *= tally.count as f64;
     }
-    tally.calibrated = model.errors_calibrated(node).iter().map(|(_, e)| e * e).sum();
+    tally.calibrated = model
+        .errors_calibrated(node)
+        .iter()
+        .map(|(_, e)| e * e)
+        .sum();
     for k in GIVEN {
         let known = first_readings(&predicted, problem, k);
         let after = model.errors_after(node, &known);
@@ -253,7 +270,8 @@ impl Tally {
         for (a, b) in self.bins.iter_mut().zip(other.bins) {
             *a += b;
         }
-        self.sources.resize(other.sources.len().max(self.sources.len()), 0.0);
+        self.sources
+            .resize(other.sources.len().max(self.sources.len()), 0.0);
         for (a, b) in self.sources.iter_mut().zip(&other.sources) {
             *a += b;
         }
@@ -320,7 +338,13 @@ pub fn black_box(setting: &Setting, problem: &ForceProblem, residual: &[f64]) ->
         return None;
     }
     let tree = problem.tree();
-    let predicted: Vec<f64> = problem.data.force.iter().zip(residual).map(|(y, r)| y - r).collect();
+    let predicted: Vec<f64> = problem
+        .data
+        .force
+        .iter()
+        .zip(residual)
+        .map(|(y, r)| y - r)
+        .collect();
     let features = Features::new(problem.data, &predicted);
     let sums: Vec<Vec<f64>> = folds
         .par_iter()
@@ -334,7 +358,9 @@ pub fn black_box(setting: &Setting, problem: &ForceProblem, residual: &[f64]) ->
             let train: Vec<usize> = (0..residual.len()).filter(takes_part).collect();
             let square = |p: &Vec<f64>| -> f64 {
                 let pairs = held.iter().zip(p);
-                pairs.map(|(i, p)| (residual[*i] - p) * (residual[*i] - p)).sum()
+                pairs
+                    .map(|(i, p)| (residual[*i] - p) * (residual[*i] - p))
+                    .sum()
             };
             let answers = black_box::predict(&features, residual, &train, &held);
             let mut sums: Vec<f64> = answers.iter().map(square).collect();

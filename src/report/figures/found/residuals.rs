@@ -307,7 +307,10 @@ fn caption(shown: &Shown, rows: &[OneResidual]) -> String {
         1 => String::new(),
         n => format!(" One reading in {n} is drawn, the medians are those of all."),
     };
-    let own = if rows.iter().any(|r| r.values == shown.residuals.conditional.as_slice()) {
+    let own = if rows
+        .iter()
+        .any(|r| r.values == shown.residuals.conditional.as_slice())
+    {
         " _Own values_: the predicted gains, lengths and zeros taken into account too, which are in sample."
     } else {
         ""
