@@ -6,8 +6,9 @@ use crate::report::wording::SIGNIFICANT;
 use crate::report::wording::name;
 use crate::report::wording::number::{
     NONE, equals_probability, error_with_unit, gain, gain_or_none, percent, plain, probability,
-    rounded, size,
+    rounded, size, with_unit,
 };
+use crate::stages::torque::diagnose::terms::usual;
 use serde::Serialize;
 
 /// Most tested candidates in print; `tested.csv` has all.
@@ -54,6 +55,7 @@ fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, Stri
     if let Some(log_likelihood) = e.log_likelihood_gain {
         facts.insert(1, ("gain in log-likelihood", gain(log_likelihood)));
     }
+    facts.extend(beyond_usual(found, e));
     if let Some(free) = &e.free_form {
         facts.push(("free form", format!("p {}", equals_probability(free.p))));
     }
@@ -65,6 +67,19 @@ fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, Stri
         ));
     }
     facts
+}
+
+/// Of an effect of a joint that it is larger than such parts were measured to be: something else is probably in it.
+fn beyond_usual(found: &CampaignFindings, e: &EffectFinding) -> Option<(&'static str, String)> {
+    let size = e.parameters.first()?;
+    let (most, unit) = usual(&e.id, &e.form).filter(|_| found.kind == "knee-torque")?;
+    let words = || {
+        format!(
+            "such parts have up to {}",
+            with_unit(&format!("{most}"), unit)
+        )
+    };
+    (size.value.abs() > most).then(|| ("implausibly large", words()))
 }
 
 /// An alias set: its effect, and the likelihood of each other member in its place.

@@ -69,7 +69,7 @@ fn reason(found: &CampaignFindings, one: &NotMeasurable) -> (String, String) {
     match (one.reason, &one.by) {
         (WhyNot::NoColumn, Some(by)) => (
             name::NOT_RECORDED.to_owned(),
-            format!("{effect} ({})", name::column(by)),
+            format!("{} ({})", name::effect(&one.id), name::column(by)),
         ),
         _ => (name::why_not(found, one), effect),
     }

@@ -62,7 +62,8 @@ pub fn effect(id: &str) -> String {
 
 /// What an effect is called, with its form where the effect has several.
 pub fn effect_with_form(id: &str, form: &str) -> String {
-    let one = effects::index(id).is_some_and(|k| effects::all()[k].forms().len() == 1);
+    let only = effects::index(id).map_or(&[][..], |k| effects::all()[k].forms());
+    let one = matches!(only, [one] if one.name == form);
     if one || form.is_empty() || form == effect(id) {
         effect(id)
     } else {

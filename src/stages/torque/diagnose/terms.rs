@@ -69,6 +69,12 @@ const BRACKETS: &str = "bracket stiffness and series model of the measurers, aft
 const LOADED: &str =
     "hang a dead weight in place of the actuator and read the bracket's deflection on a dial gauge";
 
+/// Up to which size parts of an effect of a joint, in one of its forms, were measured or are specified, and its unit.
+pub fn usual(id: &str, form: &str) -> Option<(f64, &'static str)> {
+    let term = ALL.iter().find(|t| t.id == id && t.form == form)?;
+    Some((term.usual, term.unit))
+}
+
 /// Every term, in the order of [`place`].
 pub static ALL: [Term; TERMS] = [
     Term {
