@@ -1,14 +1,16 @@
 //! Mistakes of recording: sessions and specimens whose readings are too improbable under the model fitted without them.
 //!
 //! An effect is a property of a rig or of actuators; a value for one session alone is a mistake or scatter. Before anything is searched,
-//! every session and specimen is left out in turn, and its readings are held against the model of the others. How far off it is, is one
-//! number: the root mean square of its misses in units of noise and misfit, at the set lengths that suit it best, of which each counts in
-//! units of its usual size. A session that is merely set 1 mm off is then about 1 off, one set 10 mm off about 10, and one with swapped
-//! columns more. Rigs scatter more or less than usual, so the yardstick is the median of the other sessions of the same campaign, by a
-//! model without the group.
+//! the sessions that a fit to all puts furthest off, and their specimens, are left out in turn, and their readings are held against the
+//! model of the others. How far off a group is, is one number: the root mean square of its misses in units of noise and misfit, at the set
+//! lengths that suit it best, of which each counts in units of its usual size. A session that is merely set 1 mm off is then about 1 off,
+//! one set 10 mm off about 10, and one with swapped columns more. Rigs scatter more or less than usual, so the yardstick is the median of
+//! the other sessions of the same campaign, by a model without the group.
 //!
 //! The worst group goes first, for it spoils the fits that judge the others. What it is, its own readings say: each usual mistake is taken
-//! back, and the one that leaves least explains it if what is left is usual.
+//! back, and of those that leave no more than is usual the likeliest explains it.
+//!
+//! Lengths are in mm, forces in N, in all that follows.
 
 use super::base::Base;
 use super::data::Data;
@@ -34,8 +36,8 @@ const EXPLAINS: f64 = 2.0;
 /// Units that are taken for one another (lbf, kgf, psi, bar, and powers of ten), as factors; their inverses too.
 const UNITS: [f64; 6] = [4.448, 9.807, 6.895, 10.0, 100.0, 1000.0];
 
-/// The sessions and specimens of a campaign that look mistaken, worst first: those with a family-wise probability below `level`. They are to
-/// be set aside. Only readings of actuators of `group_diameter_mm` are judged.
+/// The sessions and specimens of a campaign that look mistaken, worst first: those with a family-wise probability below `level`. They are
+/// to be set aside. Only readings of actuators of `group_diameter_mm` are judged.
 pub fn recording_errors(
     group_diameter_mm: u32,
     base: &Base,
@@ -48,8 +50,11 @@ pub fn recording_errors(
     let data = data.select(&places);
     let data = data.thinned(READINGS * data.sessions.len());
     let mut left = Left::all(&data);
-    let mut ranked = Ranked::new(base, &data, &left);
     let mut errors = Vec::new();
+    if (left.sessions.len() as f64) * MOST.1 < 1.0 {
+        return errors;
+    }
+    let mut ranked = Ranked::new(base, &data, &left);
     while errors.len() < MOST.0 {
         let judged = Judged::new(base, &data, &left, ranked.shortlist(&left));
         let Some((group, seen, off)) = judged.worst(&left) else {
@@ -242,7 +247,7 @@ impl<'a> Judged<'a> {
             let whole = Group::Specimen(left.specimen_of[s]);
             if let Some(specimen) = self.of(whole)
                 && specimen.sessions.len() > 1
-                && specimen.best().off < specimen.without(s)
+                && specimen.least_off() < specimen.without(s)
             {
                 return Some((whole, specimen, seen.off));
             }
@@ -364,8 +369,8 @@ impl<'a> Seen<'a> {
         libm::hypot(self.noise, misfit * (measured.abs() + self.floor))
     }
 
-    /// The set length that suits a session best, mm, and its mean square of misses then, with the length's own; if the length is `free`, that
-    /// does not count.
+    /// The set length that suits a session best, mm, and its mean square of misses then, with the length's own; if the length is `free`,
+    /// that does not count.
     fn at_best_length(
         &self,
         readings: &[usize],
@@ -422,16 +427,25 @@ impl<'a> Seen<'a> {
         self.off_by(&|_, _| {}, Some(session))
     }
 
-    /// The mistake that, taken back, leaves the likeliest readings.
-    fn best(&self) -> Taken {
-        let all = match self.level {
+    /// The usual mistakes, each taken back.
+    fn mistakes(&self) -> Vec<Taken> {
+        match self.level {
             Level::Specimen => self.specimen_mistakes(),
             _ => self.session_mistakes(),
-        };
-        let best = all
-            .into_iter()
-            .max_by(|a, b| a.likelihood.total_cmp(&b.likelihood));
-        best.expect("there are mistakes of every level")
+        }
+    }
+
+    /// How far off it is with the mistake taken back that leaves least.
+    fn least_off(&self) -> f64 {
+        let all = self.mistakes().into_iter();
+        all.map(|t| t.off).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The likeliest of the mistakes that leave no more than is usual.
+    fn explanation(&self, usual: &Usual) -> Option<Taken> {
+        let all = self.mistakes().into_iter();
+        all.filter(|t| t.off <= EXPLAINS * usual.scale)
+            .max_by(|a, b| a.likelihood.total_cmp(&b.likelihood))
     }
 
     fn specimen_mistakes(&self) -> Vec<Taken> {
@@ -502,7 +516,8 @@ impl<'a> Seen<'a> {
         self.taken(kind, Some(quantity), unit, change, Some(value), off)
     }
 
-    /// A mistake with its likelihood: of the readings as they were recorded, so that a unit that makes all forces small gains nothing by it.
+    /// A mistake with its likelihood: of the readings as they were recorded, so that a unit that makes all forces small gains nothing by
+    /// it.
     fn taken(
         &self,
         kind: ErrorKind,
@@ -544,7 +559,7 @@ impl<'a> Seen<'a> {
             Group::Session(s) => &self.data.sessions[s],
             Group::Specimen(k) => &self.data.specimens[k],
         };
-        let taken = Some(self.best()).filter(|t| t.off <= EXPLAINS * usual.scale);
+        let taken = self.explanation(usual);
         let corrected = |t: Taken| {
             let x = t.value.unwrap_or(-1.0);
             self.rms(&|at, f| (t.change)(at, f, x))
@@ -654,6 +669,21 @@ mod tests {
     #[test]
     fn a_resting_length_is_one_of_the_specimen() {
         assert_pointed_at(Mistake::RestLength, ErrorKind::Length, Some("rest_length"));
+    }
+
+    #[test]
+    fn pounds_are_a_unit_of_the_force() {
+        let mut campaign = simulated(None);
+        // Without contraction the force goes nearly with the pressure: that could as well be in other units.
+        let contracted = campaign.rows.iter().find(|r| r.session.ends_with("c25"));
+        let id = contracted.unwrap().session.clone();
+        for row in campaign.rows.iter_mut().filter(|r| r.session == id) {
+            row.force_n /= UNITS[0];
+        }
+        let errors = found(&campaign);
+        assert_eq!(errors.len(), 1, "{errors:?}");
+        assert_eq!((&errors[0].group, errors[0].kind), (&id, ErrorKind::Unit));
+        assert_eq!(errors[0].value, Some(UNITS[0]));
     }
 
     #[test]
