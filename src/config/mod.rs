@@ -520,7 +520,7 @@ mod tests {
     #[test]
     fn a_wrong_value_says_what_was_expected_without_the_names_of_rust() {
         let said = |text: &str| Config::read("p.toml", text).unwrap_err().to_string();
-        let text = said("[diagnose]\npermutations = -3");
+        let text = said("[diagnose]\ndraws = -3");
         assert!(
             text.contains("found integer `-3`; expected a whole number, zero or more"),
             "{text}"
@@ -541,7 +541,7 @@ mod tests {
             "[compare]\nmodels = [\"hunt\"]",
             "[clean",
             "[diagnose]\nbase_model = \"hunt2071\"",
-            "[diagnose]\npermutations = -3",
+            "[diagnose]\ndraws = -3",
         ] {
             assert!(Config::read("p.toml", text).is_err(), "{text}");
         }

@@ -240,11 +240,21 @@ impl Search<'_> {
     /// The best of some fits, by the last term of each; a term with a name before one without where both are alike.
     fn preferred(&self, fits: &[(Fitted, usize)]) -> Option<(Fitted, usize)> {
         let problem = self.setting.problem;
-        let best = best_fit(fits.iter())?;
-        let named = fits.iter().filter(|(_, t)| problem.terms()[*t].named);
+        let inside = || fits.iter().filter(|(f, t)| self.is_inside(f, *t));
+        let best = best_fit(inside())?;
+        let named = inside().filter(|(_, t)| problem.terms()[*t].named);
         let alike =
             |n: &&(Fitted, usize)| n.0.log_likelihood > best.0.log_likelihood - self.decision.alike;
         Some(best_fit(named).filter(alike).unwrap_or(best).clone())
+    }
+
+    /// Whether the amplitudes of a term lie within their bounds: at the edge of what is possible there is no estimate.
+    fn is_inside(&self, fitted: &Fitted, term: usize) -> bool {
+        let term_of = &self.setting.problem.terms()[term];
+        let values = fitted.values(term).unwrap_or(&[]);
+        let amplitudes = values.iter().take(term_of.amplitudes);
+        let mut inside = amplitudes.zip(&term_of.bounds);
+        inside.all(|(x, (low, high))| x > low && x < high)
     }
 
     /// Variances where a fit starts: those of the model before it, and usual ones.

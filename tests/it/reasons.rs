@@ -100,7 +100,7 @@ fn a_changed_option_is_named_with_both_values() {
     assert_eq!(
         said,
         [
-            "diagnose small 10 mm: option diagnose.permutations 1999 -> 199",
+            "diagnose small 10 mm: option diagnose.draws 199 -> 39",
             "report figures of small 10 mm: waits for diagnose of small 10 mm",
             "report reports: waits for diagnose of small 10 mm",
             "report tables: waits for diagnose of small 10 mm",

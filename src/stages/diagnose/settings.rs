@@ -7,7 +7,7 @@ pub const SESSION_MISFIT: f64 = 0.02;
 /// Length scale of the session's misfit, kPa: shorter is noise, longer is a gain or an offset of the pressure.
 pub const PRESSURE_LENGTH_KPA: f64 = 100.0;
 /// Length scale of the common misfit, in eps* and P*.
-pub const SURFACE_LENGTH: f64 = 0.6;
+pub const SURFACE_LENGTH: f64 = 0.3;
 /// Floor of the misfit's scale, share of the largest force: a law is not infinitely exact where the force is small.
 pub const MISFIT_FLOOR: f64 = 0.05;
 /// Standard deviation of a length that was rounded to 1 mm, mm: 1/sqrt(12).
