@@ -13,8 +13,8 @@
 //!   fit        the new model, equation by equation and jointly,   stages::fit        models, numerics
 //!              with intervals from refits without each specimen
 //!   compare    every model on the same rows                       stages::compare    models
-//!   diagnose   what the residual of the base model depends on,    stages::diagnose   effects, models, numerics
-//!              the effects that explain it, the held-out error
+//!   diagnose   one mixed model: scatter, misfit, the effects     stages::diagnose   inference, effects, models
+//!              that the law lacks, the budget of the error
 //!   torque     torque about a knee: geometry, every model, the    stages::torque     knee, models, numerics
 //!              length of the end fittings, what the rigid leg
 //!              lacks

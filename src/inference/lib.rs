@@ -1,5 +1,23 @@
 #![warn(missing_docs)]
 //! One mixed model, and what is asked of it.
+//!
+//! y_i = h(x_i; theta, phi, b) + m_i + e_i: a forward model with coefficients theta, amplitudes phi of effects, random effects b of groups, a smooth
+//! misfit m and noise e. Linearised about the mode of b, y is Gaussian; every answer is a query of that one model.
+//!
+//! | module | idea |
+//! |---|---|
+//! | [`problem`] | what a problem tells the engine: readings with their groups, forward model with derivatives, components, terms |
+//! | [`tree`], [`gram`], [`system`] | the hierarchy of groups, sums of products, and the factor from which likelihood, gradient, estimates and projections follow |
+//! | [`variance`] | maximum of the likelihood over the standard deviations |
+//! | [`fit`] | the nonlinear model: linearise, estimate, move, again |
+//! | [`statistic`], [`screen`] | what may be added, and how improbable the strongest candidate is: a bootstrap of the maximum |
+//! | [`search`] | forward, deletions, swaps; what does as well in the place of what was found |
+//! | [`profile`] | intervals |
+//! | [`heldout`] | predictive density, budget, and errors after a few readings of groups that took no part |
+//!
+//! Architecture invariant: nothing here knows force or torque, session or actuator, reads or writes, or makes a sentence. Random numbers come from the
+//! caller, one stream a draw, so that the number of threads does not matter.
+
 #[cfg(test)]
 mod dense_tests;
 pub mod fit;
