@@ -1,4 +1,6 @@
 #![warn(missing_docs)]
+// Elimination and substitution are written as in the textbooks, by index.
+#![allow(clippy::needless_range_loop)]
 //! One mixed model, and what is asked of it.
 //!
 //! y_i = h(x_i; theta, phi, b) + m_i + e_i: a forward model with coefficients theta, amplitudes phi of effects, random effects b of groups, a smooth

@@ -123,7 +123,7 @@ impl<'a> Screen<'a> {
             let before: f64 = projected.unprojected[*first..first + k].iter().sum();
             let after: f64 = projected.squares[*first..first + k].iter().sum();
             let share = if before > 0.0 { after / before } else { 0.0 };
-            if !(share > IDENTIFIABLE) {
+            if share.is_nan() || share <= IDENTIFIABLE {
                 continue;
             }
             let mut information = Square::zeros(k);

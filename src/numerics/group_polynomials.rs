@@ -118,7 +118,7 @@ impl Polynomial {
     fn through(coordinates: usize, values: &[&[f64]]) -> Self {
         let outputs = values[0].len();
         let mut found = Self::zero(coordinates, outputs);
-        for m in 0..outputs {
+        for (m, _) in values[0].iter().enumerate() {
             let at = |point: usize| values[point][m];
             found.terms[0][m] = at(0);
             for j in 0..coordinates {
@@ -201,7 +201,7 @@ impl Polynomial {
                 *x -= s;
             }
             let (moved, distance) = (norm(&step), norm(&point[..m]));
-            if !(distance <= FARTHEST) {
+            if distance.is_nan() || distance > FARTHEST {
                 return None;
             }
             if moved <= ROOT_TOLERANCE * distance.max(1e-3) {

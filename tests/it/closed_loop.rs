@@ -38,7 +38,7 @@ fn searched(seed: u64, effects: Vec<Put>) -> (CampaignFindings, Campaign) {
     (search(&made.rows, "new"), made)
 }
 
-fn names<'a>(found: &'a CampaignFindings) -> Vec<&'a str> {
+fn names(found: &CampaignFindings) -> Vec<&str> {
     found.effects.iter().map(|e| e.id.as_str()).collect()
 }
 

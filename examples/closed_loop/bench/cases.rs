@@ -63,7 +63,7 @@ impl Case {
     }
 
     /// A gain or angle of all readings hides in F_620: it has to begin somewhere.
-    const fn from_the_middle(self, scale: Scale) -> Self {
+    const fn acting_from_the_middle(self, scale: Scale) -> Self {
         Self {
             from: 0.5,
             scale,
@@ -122,16 +122,16 @@ const SAME: Scale = Scale::Same;
 /// `force_gain` of all readings hides in F_620, `rest_length_scaling` is part of the law.
 pub const SINGLE: &[Case] = &[
     Case::new("force_zero_offset", "constant", "constant", 40.0),
-    Case::new("force_gain", "constant", "gain", 0.4).from_the_middle(GAIN),
+    Case::new("force_gain", "constant", "gain", 0.4).acting_from_the_middle(GAIN),
     Case::new("force_drift", "linear", "within a log", 2.0),
     Case::new("force_drift", "campaign", "along the campaign", 60.0).scaled(Scale::PerSession),
     Case::new("pressure_zero_offset", "constant", "constant", 45.0),
-    Case::new("pressure_gain", "constant", "gain", 0.3).from_the_middle(GAIN),
+    Case::new("pressure_gain", "constant", "gain", 0.3).acting_from_the_middle(GAIN),
     Case::new("temperature", "linear", "linear", 0.08),
     Case::new("length_offset", "constant", "constant", 8.0),
     Case::new("series_compliance", "linear", "linear", 80.0).positive(),
     Case::new("misalignment", "constant", "constant angle", 40.0)
-        .from_the_middle(SAME)
+        .acting_from_the_middle(SAME)
         .positive(),
     Case::new("bladder_threshold", "sharp", "sharp", 150.0).positive(),
     Case::new("hysteresis", "constant", "constant", 60.0),
@@ -145,15 +145,15 @@ pub const SINGLE: &[Case] = &[
 /// Forms that differ from the library's, to design with.
 const OTHER_FORMS_DESIGN: &[Case] = &[
     Case::new("force_zero_offset", "wandering", "constant", 40.0),
-    Case::new("force_gain", "curved", "gain", 0.4).from_the_middle(GAIN),
+    Case::new("force_gain", "curved", "gain", 0.4).acting_from_the_middle(GAIN),
     Case::new("force_drift", "saturating", "within a log", 4.0),
     Case::new("pressure_zero_offset", "gained", "constant", 45.0),
-    Case::new("pressure_gain", "curved", "gain", 0.3).from_the_middle(GAIN),
+    Case::new("pressure_gain", "curved", "gain", 0.3).acting_from_the_middle(GAIN),
     Case::new("temperature", "quadratic", "linear", 0.08),
     Case::new("length_offset", "growing", "constant", 8.0),
     Case::new("series_compliance", "stiffening", "linear", 160.0).positive(),
     Case::new("misalignment", "turning", "constant angle", 40.0)
-        .from_the_middle(SAME)
+        .acting_from_the_middle(SAME)
         .positive(),
     Case::new("bladder_threshold", "smooth", "sharp", 150.0).positive(),
     Case::new("hysteresis", "play", "constant", 60.0).positive(),
@@ -168,12 +168,12 @@ const OTHER_FORMS_DESIGN: &[Case] = &[
 const OTHER_FORMS_PUBLISHED: &[Case] = &[
     Case::new("force_zero_offset", "wandering", "constant", 40.0).with(&[7.0]),
     Case::new("force_gain", "curved", "gain", 0.4)
-        .from_the_middle(GAIN)
+        .acting_from_the_middle(GAIN)
         .with(&[-0.5]),
     Case::new("force_drift", "saturating", "within a log", 4.0).with(&[18.0]),
     Case::new("pressure_zero_offset", "gained", "constant", 45.0).with(&[-0.5]),
     Case::new("pressure_gain", "curved", "gain", 0.3)
-        .from_the_middle(GAIN)
+        .acting_from_the_middle(GAIN)
         .with(&[-0.5]),
     Case::new("temperature", "quadratic", "linear", 0.08).with(&[20.0, -0.07]),
     Case::new("length_offset", "growing", "constant", 8.0).with(&[1.8]),
@@ -181,7 +181,7 @@ const OTHER_FORMS_PUBLISHED: &[Case] = &[
         .positive()
         .with(&[250.0]),
     Case::new("misalignment", "turning", "constant angle", 40.0)
-        .from_the_middle(SAME)
+        .acting_from_the_middle(SAME)
         .positive()
         .with(&[0.5]),
     Case::new("bladder_threshold", "smooth", "sharp", 150.0)

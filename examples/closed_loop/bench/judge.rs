@@ -126,10 +126,8 @@ fn linear(found: &CampaignFindings, case: &Case, amplitude: f64) -> Option<bool>
 /// Estimated over true standard deviation of set length and gain.
 pub fn scatter_ratios(found: &CampaignFindings, sizes: &Sizes) -> [Option<f64>; 2] {
     let ratio = |id: &str, level: Level, truth: f64| {
-        let scatter = found.scatter.iter();
-        let own = scatter
-            .filter(|s| s.id == id && s.level == level)
-            .next_back()?;
+        let mut scatter = found.scatter.iter();
+        let own = scatter.rfind(|s| s.id == id && s.level == level)?;
         (truth > 0.0).then(|| own.sd / truth)
     };
     [

@@ -135,7 +135,7 @@ impl Plan {
         let pairs = cases::pairs();
         let seeds = NOTHING * self.seeds.max(1);
         // A step that has no divisor in common with the number of pairs visits all of them.
-        let step = (7..).find(|s| pairs.len() % s != 0).unwrap_or(1);
+        let step = (7..).find(|s| !pairs.len().is_multiple_of(*s)).unwrap_or(1);
         let one = |k: u64| Trial {
             cases: pairs[(k as usize * step) % pairs.len()].to_vec(),
             multiple: FOUR,

@@ -345,12 +345,10 @@ fn condition(key: &str, value: f64) -> String {
 
 /// As many digits as it has, at most three.
 fn plain_number(value: f64, unit: &str) -> String {
-    let text = (0..3)
-        .map(|decimals| Rounding::Decimals(decimals))
-        .find(|r| {
-            r.round(value)
-                .is_some_and(|x| x.ascii().parse() == Ok(value))
-        });
+    let text = (0..3).map(Rounding::Decimals).find(|r| {
+        r.round(value)
+            .is_some_and(|x| x.ascii().parse() == Ok(value))
+    });
     with_unit(&rounded(value, text.unwrap_or(Rounding::Digits(3))), unit)
 }
 

@@ -179,7 +179,7 @@ fn answer(
         .fold(setting.clone(), |s, (_, node)| s.without(*node));
     let null = rest.fit(
         &cleared(&found.null, &rest),
-        &[found.null.variances.clone()],
+        std::slice::from_ref(&found.null.variances),
     );
     let search = Search {
         setting: &rest,
