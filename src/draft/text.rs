@@ -38,8 +38,8 @@ id = "specimen-1"            # FILL IN: the physical actuator; the same in all o
 diameter_mm = 10             # FILL IN: uninflated inner diameter: 10, 20 or 40
 rest_length_mm = 200         # FILL IN: resting length, hose clamp to hose clamp
 contracted_length_mm = 165   # FILL IN: free length at 620 kPa without load
-# How well these lengths are known, one standard deviation each: optional. The mixed model of the residual search takes it as the standard
-# deviation of that length; left out, those of resting and contracted length are 0.29 mm (rounded to 1 mm).
+# How well these lengths are known, one standard deviation each: optional. Carried to the tidy data; the
+# residual search does not use it yet, and takes 0.29 mm (rounded to 1 mm) for resting and contracted length.
 # rest_length_sd_mm = 0.5
 # contracted_length_sd_mm = 1
 "#;

@@ -8,8 +8,8 @@
 //! | `muscle_length_sd_mm` | `[joint]` | the column `muscle_length`, measured by hand | 5 mm |
 //! | `moment_arm_sd_mm` | `[joint]` | the column `moment_arm`, measured by hand | 7 mm |
 //!
-//! All are optional. The mixed model of the residual search takes a declared value as the standard deviation of that length; left out, the
-//! set length's is estimated, and the others are those of the table. 0 is refused: no length is measured exactly, and a model that believes
+//! All are optional. They are carried to the rows; the residual search does not use them yet, and takes what the table has for lengths of which
+//! nothing is declared. 0 is refused: no length is measured exactly, and a model that believes
 //! one to be would put its error down to something else.
 
 use crate::base::session::Kind;
