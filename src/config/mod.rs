@@ -264,7 +264,7 @@ impl Default for DiagnoseOptions {
             base_model: "new".to_owned(),
             refit: true,
             most_effects: 4,
-            most_readings: 1500,
+            most_readings: 4000,
             draws: 199,
             smallest_effect_n: 0.5,
             seed: 1,

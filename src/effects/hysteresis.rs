@@ -2,7 +2,7 @@
 //!
 //! Every amplitude is half of the loop, positive where the force is higher while venting, as friction makes it at a held length.
 
-use super::{Conditions, Effect, Form, Link, Need, Parameter, Place};
+use super::{Conditions, Effect, Form, Link, Need, Parameter, Place, within_tension};
 use crate::models::P_620_KPA;
 use crate::numerics::real::Real;
 
@@ -36,7 +36,7 @@ const FORMS: &[Form] = &[
     form(
         "constant",
         Place::Sensor,
-        "F -> F - h s where it pulls (s = +1 filling, -1 venting)",
+        "F -> F - h s, |h s| at most F (s = +1 filling, -1 venting)",
         "h",
         "N",
         300.0,
@@ -60,7 +60,7 @@ const FORMS: &[Form] = &[
     form(
         "proportional to pressure",
         Place::Sensor,
-        "F -> F - h s P/620 kPa where it pulls",
+        "F -> F - h s P/620 kPa, the change at most F",
         "h",
         "N",
         300.0,
@@ -96,14 +96,13 @@ impl Effect for Hysteresis {
 /// The operator.
 pub fn apply<R: Real>(form: usize, [h, _]: [R; 2], at: &Conditions, link: &mut Link<R>) {
     let s = at.direction;
-    let pulls = link.force.value() > 0.0;
     match form {
-        0 if pulls => link.force = (link.force - h * s).positive_part(),
+        0 => link.force = link.force - within_tension(h * s, link.force),
         1 => link.force = link.force - h * s,
         2 => link.force = link.force * (h * -s + 1.0),
-        3 if pulls => {
+        3 => {
             let friction = h * (s * at.pressure_kpa / P_620_KPA);
-            link.force = (link.force - friction).positive_part();
+            link.force = link.force - within_tension(friction, link.force);
         }
         4 => link.pressure = link.pressure - h * s,
         _ => {}

@@ -112,6 +112,18 @@ pub struct Link<R> {
     pub force: R,
 }
 
+/// A change of the force that the tension itself causes, as friction does: no larger than the tension, so that the force is continuous where
+/// the actuator goes slack. A jump there would leave fits without a fixed point.
+fn within_tension<R: Real>(change: R, tension: R) -> R {
+    if tension.value() <= 0.0 {
+        R::constant(0.0)
+    } else if change.value().abs() <= tension.value() {
+        change
+    } else {
+        tension * change.value().signum()
+    }
+}
+
 /// Declares the files and lists their effects, so that both stand in one line an effect.
 macro_rules! effects {
     ($($file:ident :: $effect:ident,)+) => {

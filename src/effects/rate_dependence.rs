@@ -1,6 +1,6 @@
 //! The force follows the rate of the pressure: flow through the inlet, viscosity of the bladder.
 
-use super::{Conditions, Effect, Form, Link, Need, Parameter, Place};
+use super::{Conditions, Effect, Form, Link, Need, Parameter, Place, within_tension};
 use crate::numerics::real::Real;
 
 /// F_meas = F - r dP/dt.
@@ -9,7 +9,7 @@ pub struct RateDependence;
 const FORMS: &[Form] = &[Form {
     name: "linear",
     place: Place::Sensor,
-    equation: "F -> F - r dP/dt where it pulls",
+    equation: "F -> F - r dP/dt, the change at most F",
     amplitude: Parameter {
         name: "r",
         unit: "N s/kPa",
@@ -40,7 +40,5 @@ impl Effect for RateDependence {
 
 /// The operator.
 pub fn apply<R: Real>(_form: usize, [r, _]: [R; 2], at: &Conditions, link: &mut Link<R>) {
-    if link.force.value() > 0.0 {
-        link.force = link.force - r * at.rate_kpa_per_s;
-    }
+    link.force = link.force - within_tension(r * at.rate_kpa_per_s, link.force);
 }

@@ -297,6 +297,8 @@ pub struct Misfit {
     pub common: f64,
     /// Of each session, along the pressure.
     pub session: f64,
+    /// Of each stroke (the filling or the venting of one log), along the pressure; none where the readings show none.
+    pub stroke: Option<f64>,
     /// Ids of effects, or columns, whose place in the answer changes where the prior scales are halved or doubled.
     pub sensitive: Vec<String>,
 }
@@ -401,7 +403,7 @@ pub struct UnitErrors {
 /// One source of the expected squared error on an unseen specimen.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BudgetEntry {
-    /// "set_length", "specimen_gain", "force_zero", "specimen_lengths", "session_misfit", "estimation", "noise", …
+    /// "set_length", "specimen_gain", "force_zero", "specimen_lengths", "session_misfit", "stroke_misfit", "estimation", "noise", …
     pub source: String,
     /// Mean variance, unit squared.
     pub variance: f64,

@@ -14,8 +14,8 @@ use crate::variance::{Effort, Maximiser, Maximum, Prior, Scale};
 const MOST_ITERATIONS: usize = 24;
 /// An outer iteration that moves no estimate by more than this share of its standard error ends the fit.
 const CONVERGED: f64 = 0.05;
-/// The same for the log-likelihood.
-const SETTLED: f64 = 0.02;
+/// The same for the log-likelihood; or the estimates stay twice in a row.
+const SETTLED: f64 = 0.05;
 /// After so many iterations steps are halved: readings that go slack and taut again in turn make the iteration alternate.
 const DAMPED_AFTER: usize = 8;
 /// Shortest part of a step that is tried.
@@ -34,8 +34,8 @@ pub struct Setting<'a> {
     pub start_factor: f64,
     /// Whether every component is held at its usual size.
     pub at_usual: bool,
-    /// Values of terms that are not fitted: place among [`Point::terms`], number of the value.
-    pub pinned: Vec<(usize, usize)>,
+    /// What is not fitted.
+    pub pinned: Vec<Free>,
 }
 
 /// A free variable of the fixed part.
@@ -157,7 +157,7 @@ impl<'a> Setting<'a> {
         for (value, scale) in wide.components.iter_mut().zip(self.scales()) {
             *value = match scale.prior {
                 Prior::Fixed(sd) => sd,
-                Prior::HalfNormal(_) | Prior::Free => value.max(0.5 * scale.usual),
+                _ => value.max(0.5 * scale.usual),
             };
         }
         wide
@@ -171,7 +171,7 @@ impl<'a> Setting<'a> {
         let mut known: Option<Maximum> = None;
         let mut held: Vec<Free> = Vec::new();
         let mut before = f64::NEG_INFINITY;
-        let mut converged = false;
+        let mut stayed = 0;
         let mut iteration = 0;
         loop {
             let linear = self.problem.linearise(&point);
@@ -189,6 +189,7 @@ impl<'a> Setting<'a> {
             let settled = (maximum.log_likelihood - before).abs() < SETTLED;
             before = maximum.log_likelihood;
             iteration += 1;
+            let converged = stayed > 1 || (stayed == 1 && settled);
             if (converged && settled) || iteration >= MOST_ITERATIONS {
                 let at_bound = self.at_bound(&point);
                 let mut last = point.clone();
@@ -202,7 +203,7 @@ impl<'a> Setting<'a> {
                     free,
                     inverse: maximum.inverse,
                     predicted: linear.predicted,
-                    converged: converged && settled,
+                    converged,
                     at_bound,
                 };
             }
@@ -215,7 +216,8 @@ impl<'a> Setting<'a> {
                 &maximum.variances,
                 longest,
             );
-            converged = self.small(&design, &gram, &maximum.variances, &moved.taken);
+            let small = self.small(&design, &gram, &maximum.variances, &moved.taken);
+            stayed = if small { stayed + 1 } else { 0 };
             held.extend(moved.stopped);
             point = moved.point;
             known = Some(maximum);
@@ -255,8 +257,7 @@ impl<'a> Setting<'a> {
         for (t, (_, values)) in point.terms.iter().enumerate() {
             free.extend((0..values.len()).map(|k| Free::Value(t, k)));
         }
-        let pinned = |f: &Free| self.pinned.iter().any(|(t, k)| *f == Free::Value(*t, *k));
-        free.retain(|f| !held.contains(f) && !pinned(f));
+        free.retain(|f| !held.contains(f) && !self.pinned.contains(f));
         free
     }
 
@@ -294,7 +295,7 @@ impl<'a> Setting<'a> {
 
     /// The sums over the active nodes.
     pub fn sums(&self, design: &Design) -> Gram {
-        design.gram().without(|n| !self.active[n])
+        design.gram().without(&design.tree, |n| !self.active[n])
     }
 
     /// For each column of the tree whether the forward model is nonlinear in it.

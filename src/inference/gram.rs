@@ -30,6 +30,19 @@ impl Square {
         self.a[i * self.n + j]
     }
 
+    /// Adds a matrix without its rows and columns `first..first + width`.
+    fn add_without(&mut self, other: &Square, first: usize, width: usize) {
+        for i in 0..self.n {
+            let from = if i < first { i } else { i + width };
+            let line = &other.a[from * other.n..(from + 1) * other.n];
+            let to = &mut self.a[i * self.n..(i + 1) * self.n];
+            let kept = line[..first].iter().chain(&line[first + width..]);
+            for (slot, x) in to.iter_mut().zip(kept) {
+                *slot += x;
+            }
+        }
+    }
+
     /// An entry for writing.
     #[inline]
     pub fn at_mut(&mut self, i: usize, j: usize) -> &mut f64 {
@@ -78,6 +91,19 @@ pub struct Gram {
     pub counts: Vec<usize>,
     /// One entry a node and class with readings, by node.
     pub parts: Vec<Part>,
+    /// For each node and class the sums over the readings of the node and of all below it.
+    totals: Vec<Total>,
+}
+
+/// Where the sums over the readings of a node and all below it are.
+#[derive(Clone, Debug)]
+enum Total {
+    /// There are no readings.
+    None,
+    /// In this part.
+    Part(usize),
+    /// Here: the node's path, the fixed effects, the response.
+    Sum(Square),
 }
 
 impl Design {
@@ -126,11 +152,7 @@ impl Design {
                 products,
             });
         }
-        Gram {
-            fixed: self.x.len(),
-            counts,
-            parts,
-        }
+        Gram::new(&self.tree, self.x.len(), counts, parts)
     }
 
     /// Columns of the path, fixed effects and response of reading `i`.
@@ -145,10 +167,10 @@ impl Design {
 
     /// Sums of some or all of this design's nodes, with further fixed effects behind its own and another response.
     pub fn with_response_of(&self, gram: &Gram, extra: &[Vec<f64>], y: &[f64]) -> Gram {
-        let mut gram = gram.clone();
         let fixed = gram.fixed;
         let members = self.members();
-        for part in &mut gram.parts {
+        let mut parts = gram.parts.clone();
+        for part in &mut parts {
             let path = part.products.n - fixed - 1;
             let mut sums = vec![0.0; part.products.n];
             for &i in readings(&members, part) {
@@ -166,7 +188,7 @@ impl Design {
                 *part.products.at_mut(k, last) = s;
             }
         }
-        gram
+        Gram::new(&self.tree, fixed, gram.counts.clone(), parts)
     }
 }
 
@@ -179,13 +201,64 @@ pub(crate) fn readings<'m>(members: &'m [(usize, usize, Vec<usize>)], part: &Par
 }
 
 impl Gram {
+    fn new(tree: &Tree, fixed: usize, counts: Vec<usize>, parts: Vec<Part>) -> Self {
+        let mut gram = Self {
+            fixed,
+            counts,
+            parts,
+            totals: Vec::new(),
+        };
+        gram.add_up(tree);
+        gram
+    }
+
+    fn add_up(&mut self, tree: &Tree) {
+        let classes = self.counts.len();
+        self.totals = vec![Total::None; tree.len() * classes];
+        for (k, part) in self.parts.iter().enumerate() {
+            self.totals[part.node * classes + part.class] = Total::Part(k);
+        }
+        for node in (1..tree.len()).rev() {
+            let (above, width) = (tree.above(node), tree.width(node));
+            for class in 0..classes {
+                let below =
+                    std::mem::replace(&mut self.totals[node * classes + class], Total::None);
+                let place = tree.parent(node) * classes + class;
+                let mut sum = match std::mem::replace(&mut self.totals[place], Total::None) {
+                    Total::Sum(sum) => sum,
+                    Total::Part(k) => self.parts[k].products.clone(),
+                    Total::None => Square::zeros(above + self.fixed + 1),
+                };
+                let mut any = true;
+                match &below {
+                    Total::Part(k) => sum.add_without(&self.parts[*k].products, above, width),
+                    Total::Sum(of) => sum.add_without(of, above, width),
+                    Total::None => any = sum.a.iter().any(|x| *x != 0.0),
+                }
+                if any {
+                    self.totals[place] = Total::Sum(sum);
+                }
+                self.totals[node * classes + class] = below;
+            }
+        }
+    }
+
+    /// The sums over the readings of a node and all below it, of one class of noise.
+    pub(crate) fn total(&self, node: usize, class: usize) -> Option<&Square> {
+        match &self.totals[node * self.counts.len() + class] {
+            Total::None => None,
+            Total::Part(k) => Some(&self.parts[*k].products),
+            Total::Sum(sum) => Some(sum),
+        }
+    }
+
     /// Readings.
     pub fn count(&self) -> usize {
         self.counts.iter().sum()
     }
 
     /// The sums without the readings of some nodes.
-    pub fn without(&self, left_out: impl Fn(usize) -> bool) -> Gram {
+    pub fn without(&self, tree: &Tree, left_out: impl Fn(usize) -> bool) -> Gram {
         let parts: Vec<Part> = self
             .parts
             .iter()
@@ -196,11 +269,7 @@ impl Gram {
         for part in &parts {
             counts[part.class] += part.count;
         }
-        Gram {
-            fixed: self.fixed,
-            counts,
-            parts,
-        }
+        Gram::new(tree, self.fixed, counts, parts)
     }
 }
 

@@ -169,10 +169,11 @@ impl<'a> Along<'a> {
 
     /// Mean of the likelihood ratio of the true value in draws from the model; at least 1.
     fn stretch(&self, normal: &Normal) -> f64 {
+        let variances = self.model.restricted(self.setting);
         let ratios: Vec<f64> = (0..DRAWS)
             .into_par_iter()
             .map(|k| {
-                let y = draw(self.model, &mut *normal(k));
+                let y = draw(self.model, &variances, &mut *normal(k));
                 let free = self
                     .model
                     .design

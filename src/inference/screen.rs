@@ -58,6 +58,9 @@ pub struct Screen<'a> {
     extended: Vec<OnceLock<Gram>>,
     /// Value of the null's likelihood with the effort of a draw.
     null_value: f64,
+    /// Standard deviations of the null by the restricted likelihood, from which responses are drawn: those of the full one are too small where
+    /// fixed effects take their share, most of all where a component has few columns.
+    restricted: OnceLock<Variances>,
 }
 
 impl<'a> Screen<'a> {
@@ -100,6 +103,7 @@ impl<'a> Screen<'a> {
             first,
             panel,
             null_value: 0.0,
+            restricted: OnceLock::new(),
         };
         screen.null_value = screen.value(&null.gram, &null.variances).1;
         screen
@@ -193,7 +197,10 @@ impl<'a> Screen<'a> {
     }
 
     fn maximum_of_draw(&self, normal: &mut dyn FnMut() -> f64) -> f64 {
-        let y = draw(self.null, normal);
+        let variances = self
+            .restricted
+            .get_or_init(|| self.null.restricted(self.setting));
+        let y = draw(self.null, variances, normal);
         let design = &self.null.design;
         let gram = design.with_response_of(&self.null.gram, &[], &y);
         let (variances, value) = self.value(&gram, &self.null.variances);
@@ -214,12 +221,12 @@ impl<'a> Screen<'a> {
     }
 }
 
-/// A response drawn from a fitted model, its fixed effects taken off.
-pub fn draw(model: &Fitted, normal: &mut dyn FnMut() -> f64) -> Vec<f64> {
+/// A response drawn from a fitted model with these standard deviations, its fixed effects taken off.
+pub fn draw(model: &Fitted, variances: &Variances, normal: &mut dyn FnMut() -> f64) -> Vec<f64> {
     let tree = &model.design.tree;
     let random: Vec<f64> = (0..tree.len())
         .flat_map(|n| tree.components_of(n))
-        .map(|c| model.variances.components[c] * normal())
+        .map(|c| variances.components[c] * normal())
         .collect();
     let paths: Vec<Vec<usize>> = (0..tree.len()).map(|n| tree.path_numbers(n)).collect();
     (0..model.design.len())
@@ -230,7 +237,7 @@ pub fn draw(model: &Fitted, normal: &mut dyn FnMut() -> f64) -> Vec<f64> {
                 .zip(&model.design.z[i])
                 .map(|(c, z)| z * random[*c])
                 .sum();
-            own + model.variances.noise[model.design.class[i]] * normal()
+            own + variances.noise[model.design.class[i]] * normal()
         })
         .collect()
 }

@@ -1,7 +1,7 @@
 //! The search: forward from the null model, one term at a time, each tested against the maximum over all candidates; then deletions and
 //! swaps among terms that show alike.
 
-use crate::fit::{Fitted, Setting};
+use crate::fit::{Fitted, Free, Setting};
 use crate::problem::Point;
 use crate::screen::{Normal, Screen, Shown};
 use crate::statistic::{critical, deviate, upper_tail};
@@ -58,6 +58,8 @@ pub struct Found {
 const CLOSE: (f64, f64) = (0.2, 4.0);
 /// How many of the strongest candidates are fitted in full.
 const FITTED: usize = 3;
+/// A statistic this many times the critical one needs no draws of its own.
+const CLEAR: f64 = 2.0;
 /// A fit that keeps less than this share of what the linear model promised is made again from nothing.
 const PROMISED: f64 = 0.8;
 /// A swap has to gain this much in log-likelihood, else the search would go in circles.
@@ -71,6 +73,8 @@ pub struct Search<'a> {
     pub setting: &'a Setting<'a>,
     /// What decides.
     pub decision: Decision,
+    /// A model of the same problem whose terms are tried from its values, besides those that a screen shows.
+    pub tried: Option<&'a Fitted>,
 }
 
 /// The strongest candidate beside a model, fitted.
@@ -142,16 +146,18 @@ impl Search<'_> {
         let mut draws = found.draws.clone();
         let close = (CLOSE.0 * self.decision.level, CLOSE.1 * self.decision.level);
         let p = upper_tail(&draws, first);
-        if again && !found.accepted.is_empty() && p > close.0 && p < close.1 {
+        let is_close = p > close.0 && p < close.1;
+        // Draws of more groups than there are here have lighter tails: they decide what is clear, no more.
+        let is_doubtful = first >= found.critical && first < CLEAR * found.critical;
+        if (again && !found.accepted.is_empty() && is_close) || (!again && is_doubtful) {
             draws = screen.draws(self.decision.draws, normal);
         }
         let limit = critical(&draws, self.decision.level);
-        let mut fits = if first < limit {
-            Vec::new()
-        } else {
-            self.fits(&screen, &model, &shown)
-        };
-        if self.decision.thorough {
+        let mut fits = self.fits_tried(&model);
+        if first >= limit {
+            fits.extend(self.fits(&screen, &model, &shown));
+        }
+        if self.decision.thorough && (found.accepted.is_empty() || fits.is_empty()) {
             fits.extend(self.fits_afresh(&model));
         }
         let Some((fitted, term)) = self.preferred(&fits) else {
@@ -179,6 +185,27 @@ impl Search<'_> {
         } else {
             Step::Nothing
         }
+    }
+
+    /// Fits of the terms of the model that is tried.
+    fn fits_tried(&self, model: &Fitted) -> Vec<(Fitted, usize)> {
+        let Some(tried) = self.tried else {
+            return Vec::new();
+        };
+        let known = |t: usize| model.point.terms.iter().any(|(k, _)| *k == t);
+        let new = tried.point.terms.iter().filter(|(t, _)| !known(*t));
+        new.map(|(t, values)| {
+            let mut from = model.point.clone();
+            for (k, c) in tried.point.coefficients.iter().enumerate() {
+                if !self.setting.pinned.contains(&Free::Coefficient(k)) {
+                    from.coefficients[k] = *c;
+                }
+            }
+            from.terms.push((*t, values.clone()));
+            let starts = [tried.variances.clone(), model.variances.clone()];
+            (self.setting.fit(&from, &starts), *t)
+        })
+        .collect()
     }
 
     /// Fits of the terms that gain most beside a model whose components have their usual sizes: where a law is far off, scatter and misfit have
@@ -212,18 +239,14 @@ impl Search<'_> {
 
     /// The strongest candidates fitted in full.
     fn fits(&self, screen: &Screen, model: &Fitted, shown: &[Shown]) -> Vec<(Fitted, usize)> {
-        let problem = self.setting.problem;
-        let best = shown.first().map_or(0.0, |s| s.likelihood_ratio);
         let mut fits: Vec<(Fitted, usize)> = Vec::new();
-        let mut kinds: Vec<usize> = Vec::new();
-        for s in shown {
-            let direction = &screen.directions[s.direction];
-            let kind = problem.terms()[direction.term].kind;
-            let forms = kinds.iter().filter(|k| **k == kind).count();
-            if s.likelihood_ratio < 0.5 * best || fits.len() >= 2 * FITTED || forms >= FITTED {
-                continue;
+        let mut gained = 0.0_f64;
+        for s in shown.iter().take(FITTED) {
+            // What promises less than was gained already is left to the swaps.
+            if s.likelihood_ratio < PROMISED * gained {
+                break;
             }
-            kinds.push(kind);
+            let direction = &screen.directions[s.direction];
             let mut from = model.point.clone();
             from.terms
                 .push((direction.term, scaled(&direction.start, &s.estimate)));
@@ -232,6 +255,7 @@ impl Search<'_> {
             if 2.0 * (fit.log_likelihood - model.log_likelihood) < PROMISED * s.likelihood_ratio {
                 fits.push((self.setting.fit_afresh(&from), direction.term));
             }
+            gained = gained.max(2.0 * (fit.log_likelihood - model.log_likelihood));
             fits.push((fit, direction.term));
         }
         fits

@@ -83,36 +83,29 @@ fn scales(tree: &Tree, variances: &Variances, part: &Part, fixed: usize) -> Vec<
 impl<'a> Factor<'a> {
     /// Factors the system.
     pub fn new(tree: &'a Tree, gram: &'a Gram, variances: &'a Variances) -> Self {
-        let tail = gram.fixed + 1;
-        let mut fronts: Vec<Square> = (0..tree.len())
-            .map(|n| Square::zeros(tree.path_columns(n) + tail))
-            .collect();
-        for part in &gram.parts {
-            let s = scales(tree, variances, part, gram.fixed);
-            add_scaled(&mut fronts[part.node], &part.products, &s);
-        }
         let mut log_det = 0.0;
         let mut nodes: Vec<Eliminated> = Vec::with_capacity(tree.len());
+        // What the groups below take off a node's sums, upper triangles.
+        let mut taken: Vec<Option<Square>> = vec![None; tree.len()];
         for node in (0..tree.len()).rev() {
-            let mut front = std::mem::take(&mut fronts[node]);
+            let off = taken[node].take();
+            let own = own_rows(tree, gram, variances, node, off.as_ref());
             let (above, width) = (tree.above(node), tree.width(node));
-            let eliminated = eliminate(&mut front, above, width);
+            let eliminated = eliminate(&own, above, width);
             log_det += (0..width)
                 .map(|k| 2.0 * libm::log(eliminated.lower.at(k, k)))
                 .sum::<f64>();
+            let rest = above + gram.fixed + 1;
+            let here = if node == 0 { 0 } else { tree.parent(node) };
+            let mut parent = taken[here].take().unwrap_or_else(|| Square::zeros(rest));
+            add_without_own(&mut parent, off.as_ref(), above, width);
+            add_products(&mut parent, &eliminated.rest, width);
+            taken[here] = Some(parent);
             nodes.push(eliminated);
-            if node == 0 {
-                fronts[0] = without_own(&front, above, width);
-            } else {
-                let complement = without_own(&front, above, width);
-                let parent = &mut fronts[tree.parent(node)];
-                for (a, b) in parent.a.iter_mut().zip(&complement.a) {
-                    *a += b;
-                }
-            }
         }
         nodes.reverse();
-        let (fixed_lower, fixed_response, quadratic) = finish(&fronts[0], gram.fixed);
+        let left = left_of_fixed(tree, gram, variances, taken[0].as_ref());
+        let (fixed_lower, fixed_response, quadratic) = finish(&left, gram.fixed);
         Self {
             tree,
             gram,
@@ -259,16 +252,18 @@ impl<'a> Factor<'a> {
     /// Derivatives of the log-likelihood by the logarithms of the standard deviations: components, then noise. The same as those of
     /// [`Self::posterior`], without what else it holds.
     pub fn gradient(&self, likelihood: Likelihood) -> (Vec<f64>, Vec<f64>) {
-        if self.variances.noise.len() > 1 {
-            let posterior = self.posterior(likelihood);
-            return (posterior.by_components, posterior.by_noise);
-        }
         let tree = self.tree;
         let fixed = self.fixed();
         let at_root = match likelihood {
             Likelihood::Full => Square::zeros(fixed.len()),
             Likelihood::Restricted => self.fixed_covariance(),
         };
+        // The first class of noise is what is left of all: only the readings of the others are looked at themselves.
+        let mut by_noise: Vec<f64> = self.gram.counts.iter().map(|_| 0.0).collect();
+        let mut others: Vec<Vec<&Part>> = vec![Vec::new(); tree.len()];
+        for part in self.gram.parts.iter().filter(|p| p.class > 0) {
+            others[part.node].push(part);
+        }
         let mut is_parent = vec![false; tree.len()];
         for node in 1..tree.len() {
             is_parent[tree.parent(node)] = true;
@@ -285,8 +280,11 @@ impl<'a> Factor<'a> {
                     known[tree.parent(node)].as_ref()
                 };
                 let (mean, covariance) = above.map_or((&fixed, &at_root), |(m, c)| (m, c));
-                if is_parent[node] {
+                if is_parent[node] || !others[node].is_empty() {
                     let (mean, covariance) = self.descend(node, mean, covariance);
+                    for part in &others[node] {
+                        by_noise[part.class] += self.part_by_noise(part, &mean, &covariance);
+                    }
                     let first = tree.above(node);
                     let own = (first..first + tree.width(node))
                         .map(|k| (mean[k], covariance.at(k, k)))
@@ -312,9 +310,10 @@ impl<'a> Factor<'a> {
             }
         };
         // Expected sum of squares of the noise, by the trace of (covariance times products) = columns - what is left.
-        let noise = self.quadratic - squares + columns as f64 - left + estimated as f64
+        let all = self.quadratic - squares + columns as f64 - left + estimated as f64
             - self.gram.count() as f64;
-        (by_components, vec![noise])
+        by_noise[0] = all - by_noise.iter().sum::<f64>();
+        (by_components, by_noise)
     }
 
     /// Mean and variance of a node's own columns, from those of its parent's path.
@@ -356,28 +355,33 @@ impl<'a> Factor<'a> {
         a
     }
 
-    /// Derivatives by the logarithm of the noise: (expected sum of squares)/s^2 - n, class by class.
+    /// Derivatives by the logarithm of the noise, class by class.
     fn by_noise(&self, means: &[Vec<f64>], covariances: &[Square]) -> Vec<f64> {
-        let mut sums: Vec<f64> = self.gram.counts.iter().map(|n| -(*n as f64)).collect();
+        let mut sums = vec![0.0; self.gram.counts.len()];
         for part in &self.gram.parts {
-            let s = scales(self.tree, self.variances, part, self.gram.fixed);
             let (mean, covariance) = (&means[part.node], &covariances[part.node]);
-            let n = part.products.n;
-            let mut v: Vec<f64> = mean.iter().zip(&s).map(|(m, s)| m * s).collect();
-            v.push(-s[n - 1]);
-            let mut sum = 0.0;
-            for i in 0..n {
-                let row = &part.products.a[i * n..(i + 1) * n];
-                sum += v[i] * dot(row, &v);
-                if i + 1 < n {
-                    let line = &covariance.a[i * (n - 1)..i * (n - 1) + n - 1];
-                    let products = row.iter().zip(line).zip(&s);
-                    sum += s[i] * products.map(|((g, c), s)| g * c * s).sum::<f64>();
-                }
-            }
-            sums[part.class] += sum;
+            sums[part.class] += self.part_by_noise(part, mean, covariance);
         }
         sums
+    }
+
+    /// The share of one part: (expected sum of squares)/s^2 - n.
+    fn part_by_noise(&self, part: &Part, mean: &[f64], covariance: &Square) -> f64 {
+        let s = scales(self.tree, self.variances, part, self.gram.fixed);
+        let n = part.products.n;
+        let mut v: Vec<f64> = mean.iter().zip(&s).map(|(m, s)| m * s).collect();
+        v.push(-s[n - 1]);
+        let mut sum = -(part.count as f64);
+        for i in 0..n {
+            let row = &part.products.a[i * n..(i + 1) * n];
+            sum += v[i] * dot(row, &v);
+            if i + 1 < n {
+                let line = &covariance.a[i * (n - 1)..i * (n - 1) + n - 1];
+                let products = row.iter().zip(line).zip(&s);
+                sum += s[i] * products.map(|((g, c), s)| g * c * s).sum::<f64>();
+            }
+        }
+        sum
     }
 
     fn unscale(&self, node: usize, covariance: &mut Square) {
@@ -612,76 +616,132 @@ impl Panel {
     }
 }
 
-/// Adds S G S to a front.
-fn add_scaled(front: &mut Square, products: &Square, s: &[f64]) {
-    let n = products.n;
-    for i in 0..n {
-        let from = &products.a[i * n..(i + 1) * n];
-        let to = &mut front.a[i * n..(i + 1) * n];
-        for ((slot, g), t) in to.iter_mut().zip(from).zip(s) {
-            *slot += s[i] * g * t;
+/// Rows of a node's own columns in the system: scaled sums less what the groups below take off. Columns of the path, fixed effects, response.
+fn own_rows(
+    tree: &Tree,
+    gram: &Gram,
+    variances: &Variances,
+    node: usize,
+    off: Option<&Square>,
+) -> Square {
+    let (above, width) = (tree.above(node), tree.width(node));
+    let n = above + width + gram.fixed + 1;
+    let mut rows = Square {
+        n,
+        a: vec![0.0; width * n],
+    };
+    for (class, noise) in variances.noise.iter().enumerate() {
+        if let Some(sums) = gram.total(node, class) {
+            let from = &sums.a[above * n..(above + width) * n];
+            add_times(&mut rows.a, 1.0 / (noise * noise), from);
         }
     }
+    let path = tree.path(node);
+    let of = path.iter().flat_map(|n| tree.components_of(*n));
+    let mut scale: Vec<f64> = of.map(|c| variances.components[c]).collect();
+    scale.resize(n, 1.0);
+    for k in 0..width {
+        let row = &mut rows.a[k * n..(k + 1) * n];
+        for (x, s) in row.iter_mut().zip(&scale) {
+            *x *= scale[above + k] * s;
+        }
+        if let Some(off) = off {
+            let (before, behind) = row.split_at_mut(above + k);
+            for (j, x) in before.iter_mut().enumerate() {
+                *x -= off.at(j, above + k);
+            }
+            let line = &off.a[(above + k) * n + above + k..(above + k + 1) * n];
+            for (x, y) in behind.iter_mut().zip(line) {
+                *x -= y;
+            }
+        }
+    }
+    rows
 }
 
-/// Eliminates rows and columns `first..first + width`, to which 1 is added on the diagonal (the prior precision).
-fn eliminate(front: &mut Square, first: usize, width: usize) -> Eliminated {
-    let n = front.n;
-    let rest: Vec<usize> = (0..first).chain(first + width..n).collect();
+/// Eliminates a node's own columns, to which 1 is added on the diagonal (the prior precision).
+fn eliminate(own: &Square, first: usize, width: usize) -> Eliminated {
+    let n = own.n;
+    let stride = n - width;
     let mut lower = Square::zeros(width);
-    let mut b = vec![0.0; width * rest.len()];
+    let mut rest = vec![0.0; width * stride];
     for k in 0..width {
-        let mut pivot = front.at(first + k, first + k) + 1.0;
+        let mut pivot = own.at(k, first + k) + 1.0;
         for l in 0..k {
             pivot -= lower.at(k, l) * lower.at(k, l);
         }
         let root = pivot.max(f64::MIN_POSITIVE).sqrt();
         *lower.at_mut(k, k) = root;
         for m in k + 1..width {
-            let mut x = front.at(first + m, first + k);
+            let mut x = own.at(k, first + m);
             for l in 0..k {
                 x -= lower.at(m, l) * lower.at(k, l);
             }
             *lower.at_mut(m, k) = x / root;
         }
-        let stride = rest.len();
-        let (done, own) = b.split_at_mut(k * stride);
-        let own = &mut own[..stride];
-        for (slot, j) in own.iter_mut().zip(&rest) {
-            *slot = front.at(first + k, *j);
-        }
+        let (done, row) = rest.split_at_mut(k * stride);
+        let row = &mut row[..stride];
+        row[..first].copy_from_slice(&own.a[k * n..k * n + first]);
+        row[first..].copy_from_slice(&own.a[k * n + first + width..(k + 1) * n]);
         for l in 0..k {
-            add_times(own, -lower.at(k, l), &done[l * stride..(l + 1) * stride]);
+            add_times(row, -lower.at(k, l), &done[l * stride..(l + 1) * stride]);
         }
-        for slot in own.iter_mut() {
-            *slot /= root;
-        }
-    }
-    let stride = rest.len();
-    for k in 0..width {
-        let row = &b[k * stride..(k + 1) * stride];
-        for (x, i) in row.iter().zip(&rest) {
-            if *x == 0.0 {
-                continue;
-            }
-            let line = &mut front.a[i * n..(i + 1) * n];
-            for (y, j) in row.iter().zip(&rest) {
-                line[*j] -= x * y;
-            }
+        let inverse = 1.0 / root;
+        for slot in row {
+            *slot *= inverse;
         }
     }
-    Eliminated { lower, rest: b }
+    Eliminated { lower, rest }
 }
 
-fn without_own(front: &Square, first: usize, width: usize) -> Square {
-    let rest: Vec<usize> = (0..first).chain(first + width..front.n).collect();
-    let mut kept = Square::zeros(rest.len());
-    for (i, from) in rest.iter().enumerate() {
-        for (j, column) in rest.iter().enumerate() {
-            *kept.at_mut(i, j) = front.at(*from, *column);
+/// Adds R'R, upper triangle, R of so many rows.
+fn add_products(to: &mut Square, r: &[f64], rows: usize) {
+    let n = to.n;
+    for i in 0..n {
+        let line = &mut to.a[i * n + i..(i + 1) * n];
+        for k in 0..rows {
+            let row = &r[k * n..(k + 1) * n];
+            if row[i] != 0.0 {
+                add_times(line, row[i], &row[i..]);
+            }
         }
     }
-    kept
+}
+
+/// Adds a matrix of which the upper triangle counts, without a node's own rows and columns.
+fn add_without_own(to: &mut Square, from: Option<&Square>, first: usize, width: usize) {
+    let Some(from) = from else { return };
+    for i in 0..to.n {
+        let row = if i < first { i } else { i + width };
+        let line = &from.a[row * from.n..(row + 1) * from.n];
+        let slots = &mut to.a[i * to.n..(i + 1) * to.n];
+        if i < first {
+            add_times(&mut slots[i..first], 1.0, &line[i..first]);
+            add_times(&mut slots[first..], 1.0, &line[first + width..]);
+        } else {
+            add_times(&mut slots[i..], 1.0, &line[row..]);
+        }
+    }
+}
+
+/// The sums of fixed effects and response, less what the random effects take off.
+fn left_of_fixed(tree: &Tree, gram: &Gram, variances: &Variances, off: Option<&Square>) -> Square {
+    let n = gram.fixed + 1;
+    let first = tree.width(0);
+    let mut left = Square::zeros(n);
+    for i in 0..n {
+        for j in i..n {
+            let noise = variances.noise.iter().enumerate();
+            let sum: f64 = noise
+                .filter_map(|(class, s)| Some((gram.total(0, class)?, s)))
+                .map(|(sums, s)| sums.at(first + i, first + j) / (s * s))
+                .sum();
+            let value = sum - off.map_or(0.0, |o| o.at(i, j));
+            *left.at_mut(i, j) = value;
+            *left.at_mut(j, i) = value;
+        }
+    }
+    left
 }
 
 /// Factor of X'V^-1 X, L^-1 X'V^-1 y and y'P y, from what is left at the root.

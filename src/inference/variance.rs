@@ -19,6 +19,13 @@ pub enum Prior {
     HalfNormal(f64),
 }
 
+impl Prior {
+    /// Whether it is a variable of its own.
+    fn is_estimated(self) -> bool {
+        matches!(self, Prior::Free | Prior::HalfNormal(_))
+    }
+}
+
 /// A standard deviation to be estimated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
@@ -110,7 +117,7 @@ impl Maximiser<'_> {
     fn variables(&self, at: &Variances) -> Vec<f64> {
         let values = at.components.iter().chain(&at.noise);
         let free = self.scales().zip(values);
-        free.filter(|(s, _)| !matches!(s.prior, Prior::Fixed(_)))
+        free.filter(|(s, _)| s.prior.is_estimated())
             .map(|(s, v)| libm::log(v.clamp(s.usual * RANGE.0, s.usual * RANGE.1)))
             .collect()
     }
@@ -122,10 +129,8 @@ impl Maximiser<'_> {
             _ => next.next().map_or(s.usual, |v| libm::exp(*v)),
         });
         let components = all.by_ref().take(self.components.len()).collect();
-        Variances {
-            components,
-            noise: all.collect(),
-        }
+        let noise = all.collect();
+        Variances { components, noise }
     }
 
     /// Log-likelihood with priors at some variances.
@@ -154,7 +159,7 @@ impl Maximiser<'_> {
         let values = at.components.iter().chain(&at.noise);
         let all = self.scales().zip(slopes).zip(values);
         let gradient = all
-            .filter(|((s, _), _)| !matches!(s.prior, Prior::Fixed(_)))
+            .filter(|((s, _), _)| s.prior.is_estimated())
             .map(|((s, slope), v)| match s.prior {
                 Prior::HalfNormal(scale) => slope - s.groups as f64 * (v / scale) * (v / scale),
                 _ => *slope,
@@ -165,7 +170,7 @@ impl Maximiser<'_> {
 
     fn limits(&self) -> Vec<(f64, f64)> {
         self.scales()
-            .filter(|s| !matches!(s.prior, Prior::Fixed(_)))
+            .filter(|s| s.prior.is_estimated())
             .map(|s| (libm::log(s.usual * RANGE.0), libm::log(s.usual * RANGE.1)))
             .collect()
     }

@@ -52,7 +52,7 @@ pub(super) fn misfit(found: &CampaignFindings) -> String {
         )
     };
     format!(
-        "Smooth misfit of the law: {}% of the {} common to all {}, {}% of each {} along the pressure. {changes}",
+        "Smooth misfit of the law: {}% of the {} common to all {}, {}% of each {} along the pressure{}. {changes}",
         share(m.common),
         if found.kind == "knee-torque" {
             "torque"
@@ -61,7 +61,13 @@ pub(super) fn misfit(found: &CampaignFindings) -> String {
         },
         nouns.units,
         share(m.session),
-        nouns.setup
+        nouns.setup,
+        m.stroke.map_or_else(String::new, |s| {
+            format!(
+                ", {}% of each stroke (the filling or the venting of one log)",
+                share(s)
+            )
+        })
     )
 }
 

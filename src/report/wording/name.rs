@@ -21,7 +21,7 @@ const CALLED: [(&str, &str); 10] = [
 ];
 
 /// What is called otherwise than by its id, of all random effects and sources of error.
-const SOURCES: [(&str, &str); 16] = [
+const SOURCES: [(&str, &str); 17] = [
     ("set_length", "set lengths"),
     ("specimen_gain", "specimen gain"),
     ("actuator_gain", "actuator gain"),
@@ -31,6 +31,7 @@ const SOURCES: [(&str, &str); 16] = [
     ("specimen_lengths", "free lengths of the specimen"),
     ("mounting", "mounting of the tests"),
     ("session_misfit", "misfit of the session"),
+    ("stroke_misfit", "misfit of the stroke"),
     ("test_misfit", "misfit of the test"),
     ("common_misfit", "common misfit"),
     ("estimation", "estimation"),

@@ -557,10 +557,12 @@ fn columns(data: &Data) -> Vec<(String, Vec<f64>)> {
 }
 
 /// The sizes of the misfit.
-pub fn misfit(variances: &Variances) -> crate::findings::Misfit {
+pub fn misfit(variances: &Variances, problem: &ForceProblem) -> crate::findings::Misfit {
+    let stroke = variances.components[component::STROKE_MISFIT];
     crate::findings::Misfit {
         common: variances.components[component::COMMON_MISFIT],
         session: variances.components[component::SESSION_MISFIT],
+        stroke: problem.has_strokes().then_some(stroke),
         sensitive: Vec::new(),
     }
 }

@@ -139,26 +139,55 @@ impl Base {
     }
 }
 
-impl Actuator for Base {
-    fn force<R: Real>(&self, coefficients: &[R], pressure: R, length: R, at: &Conditions) -> R {
+impl Base {
+    /// The law as a product: what depends on the state, and the size. The law is not cut off where it is negative: `slack` sees to that.
+    fn factors<R: Real>(&self, c: &[R], pressure: R, length: R, at: &Conditions) -> (R, R) {
         match self.equation {
             Equation::New { cap_length_m } => {
                 let rest = at.rest_length_m;
                 let eps_620 = (rest - at.contracted_length_m) / rest;
                 let contraction = (-length + rest) / (rest * eps_620);
-                let c = coefficients;
                 let f620 = new::f620(
                     c[0],
                     R::constant(1.0) / c[1],
                     R::constant(cap_length_m),
                     R::constant(rest),
                 );
-                new::force([c[2], c[3], c[4]], f620, contraction, pressure / P_620_KPA)
+                let surface =
+                    new::surface_signed([c[2], c[3], c[4]], contraction, pressure / P_620_KPA);
+                (surface, f620)
             }
-            Equation::Published(model) => tangent(model, pressure, length, at) * coefficients[0],
+            Equation::Published(model) => (
+                tangent(model, pressure, length, at) / USUAL_F620_N,
+                c[0] * USUAL_F620_N,
+            ),
         }
     }
+
+    /// The law with its corner to slackness rounded over `width`, a share of the force at 620 kPa. The width goes with the size of the law, or the
+    /// shape of the corner would tell a gain of the force from the size.
+    pub fn rounded<R: Real>(
+        &self,
+        coefficients: &[R],
+        pressure: R,
+        length: R,
+        at: &Conditions,
+        width: f64,
+    ) -> R {
+        let (surface, size) = self.factors(coefficients, pressure, length, at);
+        (surface + (surface * surface + width * width).sqrt()) * size * 0.5
+    }
 }
+
+impl Actuator for Base {
+    fn force<R: Real>(&self, coefficients: &[R], pressure: R, length: R, at: &Conditions) -> R {
+        let (surface, size) = self.factors(coefficients, pressure, length, at);
+        surface * size
+    }
+}
+
+/// What the force of a published law is a share of, N.
+const USUAL_F620_N: f64 = 500.0;
 
 /// Steps of the differences by which a published model gets its derivatives: kPa, m.
 const STEPS: (f64, f64) = (1.0, 1e-4);

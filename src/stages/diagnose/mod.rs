@@ -25,6 +25,7 @@ pub mod limits;
 pub mod problem;
 pub mod recording;
 pub mod settings;
+pub mod slack;
 pub mod unseen;
 
 use crate::base::random::Stream;
@@ -36,7 +37,7 @@ use crate::findings::{
     CampaignFindings, Design, EffectFinding, Errors, HeldOutBy, Level, Misfit, NextKind,
     NextMeasurement, NotAssessed, RecordingError, Residuals, Verdict,
 };
-use crate::inference::fit::Setting;
+use crate::inference::fit::{Fitted, Setting};
 use crate::inference::search::{Decision, Found, Search};
 use crate::stages::fit::{Group, is_fitted, is_usable};
 use answer::{Work, rms};
@@ -130,7 +131,9 @@ fn without_mistakes<'a>(
     let mistakes = recording::recording_errors(group.diameter_mm, base, &data, settings::LEVEL);
     let is_aside = |row: &&Row| {
         mistakes.iter().any(|m| match m.level {
-            Level::Specimen => m.set_aside && m.group == row.specimen,
+            Level::Specimen => {
+                m.set_aside && m.group == data::specimen_id(row, data.campaigns.len() > 1)
+            }
             _ => m.set_aside && m.group == row.session,
         })
     };
@@ -148,13 +151,16 @@ fn assessed(
     mut findings: CampaignFindings,
 ) -> Diagnosis {
     let library = library::terms(data);
-    let problem = ForceProblem::new(base, data, &library).with_reference();
-    let mut setting = Setting::new(&problem);
-    for (node, id) in problem.sessions.iter().zip(&data.sessions) {
-        if kept_out.contains(id.as_str()) {
-            setting.active[*node] = false;
-        }
-    }
+    let plain = ForceProblem::new(base, data, &library).with_reference();
+    let plain_null = start(&part_of(&plain, kept_out));
+    let with_strokes = plain.with_strokes();
+    let stroked = with_strokes.as_ref().and_then(|problem| {
+        let null = start(&part_of(problem, kept_out));
+        let gain = null.log_likelihood - plain_null.log_likelihood;
+        (gain > settings::ALIKE).then_some((problem, null))
+    });
+    let (problem, null) = stroked.unwrap_or((&plain, plain_null));
+    let setting = part_of(problem, kept_out);
     let decision = Decision {
         level: settings::LEVEL,
         draws: options.draws,
@@ -166,21 +172,21 @@ fn assessed(
         let mut stream = Stream::new(options.seed, &["draw", &k.to_string()]);
         Box::new(move || stream.normal())
     };
-    let null = setting.fit_afresh(&crate::inference::problem::Problem::start(&problem));
     let search = Search {
         setting: &setting,
         decision,
+        tried: None,
     };
     let found = search.run(null, &normal, None);
     let name = |t: usize| match library[t].what {
         library::What::Column(column) => column.name(data),
         library::What::Effect { effect, .. } => effects::all()[effect].id().to_owned(),
     };
-    let held = unseen::held_out(&setting, &problem, &found, decision, &normal, name);
+    let held = unseen::held_out(&setting, problem, &found, decision, &normal, name);
     let work = Work {
         diameter_mm: group.diameter_mm,
         base,
-        problem: &problem,
+        problem,
         setting: &setting,
         found: &found,
         held: &held,
@@ -189,14 +195,14 @@ fn assessed(
     };
     let residuals = work.residuals();
     let variances = found.model.restricted(&setting);
-    let limits = limits::limits(&setting, &problem, &found.model, found.critical);
+    let limits = limits::limits(&setting, problem, &found.model, found.critical);
     findings.effects = work.effects();
     findings.unexplained = work.unexplained();
     findings.verdict = verdict(&findings.effects, !findings.unexplained.is_empty());
     findings.scatter = work.scatter(&variances);
     findings.misfit = Some(Misfit {
         sensitive: work.sensitive(),
-        ..answer::misfit(&variances)
+        ..answer::misfit(&variances, problem)
     });
     findings.before = Errors {
         rmse_train: rms(&residuals.before),
@@ -222,14 +228,27 @@ fn assessed(
     findings.not_measurable = limits.not_measurable;
     findings.aliases = limits.aliases;
     findings.coefficients = work.coefficients();
-    findings.alternatives = alternatives(&problem, &setting, &found, base);
-    findings.black_box_rmse_heldout = unseen::black_box(&setting, &problem, &residuals.before);
+    findings.alternatives = alternatives(problem, &setting, &found, base);
+    findings.black_box_rmse_heldout = unseen::black_box(&setting, problem, &residuals.before);
     findings.by_unit = held.units;
     findings.budget = held.budget;
     Diagnosis {
         findings,
         residuals,
     }
+}
+
+/// A problem without the sessions that are kept out.
+fn part_of<'a>(problem: &'a ForceProblem, kept_out: &BTreeSet<&str>) -> Setting<'a> {
+    let nodes = problem.sessions.iter().zip(&problem.data.sessions);
+    nodes
+        .filter(|(_, id)| kept_out.contains(id.as_str()))
+        .fold(Setting::new(problem), |part, (node, _)| part.without(*node))
+}
+
+/// The model without any effect.
+fn start(setting: &Setting) -> Fitted {
+    setting.fit_afresh(&setting.problem.start())
 }
 
 fn verdict(effects: &[EffectFinding], unexplained: bool) -> Verdict {

@@ -3,13 +3,17 @@
 //! F_i = sensor(effects; (1 + u_k) (1 + g_c) A(P_i, l_i + d_s; theta)) + z_s + z_c + misfit + noise, where u_k is the gain of the specimen,
 //! d_s the set length and z_s the zero of the force of the session, g_c and z_c gain and zero of the campaign (of a pool only). Resting and
 //! contracted length of a specimen are known to their rounding. The misfit is proportional to the force, with a small floor, and absent
-//! where the actuator is slack: one over (eps*, P*) that all specimens share, one of each session along P, both Gaussian processes in
-//! a cosine basis (Solin and Sarkka, Statistics and Computing 30 (2020) 419).
+//! where the actuator is slack: one over (eps*, P*) that all specimens share, one of each session along P and, where the readings show it, one
+//! of each stroke along P, Gaussian processes in a cosine basis (Solin and Sarkka, Statistics and Computing 30 (2020) 419).
+//!
+//! A stroke is the filling or the venting of one log. On the laboratory's rig readings of one stroke are alike beyond everything else: most of
+//! all those of the first filling after the length was set, which is up to 15 N below the next ones.
 
 use super::base::Base;
 use super::data::Data;
 use super::library::{Term, What};
 use super::settings;
+use super::slack::{self, Side, Sided};
 use crate::effects::{self, Applied, Conditions};
 use crate::inference::fit::Setting;
 use crate::inference::problem::Term as EngineTerm;
@@ -19,6 +23,7 @@ use crate::inference::variance::{Prior, Scale};
 use crate::models::P_620_KPA;
 use crate::numerics::real::{Dual, Real};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 /// The components, by their numbers.
@@ -41,8 +46,10 @@ pub mod component {
     pub const CAMPAIGN_GAIN: usize = 7;
     /// Zero of the force of a campaign of a pool, N.
     pub const CAMPAIGN_ZERO: usize = 8;
+    /// Misfit of a stroke (the filling or the venting of one log) along the pressure, share of the force.
+    pub const STROKE_MISFIT: usize = 9;
     /// How many there are.
-    pub const COUNT: usize = 9;
+    pub const COUNT: usize = 10;
 }
 
 /// Most terms in one model.
@@ -54,11 +61,12 @@ const LENGTH: usize = 6;
 const ZERO: usize = 7;
 const TERMS: usize = 8;
 
-/// Cosines of the misfit along the pressure, and the pressure at which they end, kPa.
+/// Cosines of a session's misfit along the pressure.
 const SESSION_COSINES: usize = 8;
-const PRESSURE_RANGE_KPA: f64 = 700.0;
+/// Cosines of a stroke's misfit along the pressure.
+const STROKE_COSINES: usize = 5;
 /// Cosines of the common misfit along each of eps* and P*.
-const COMMON_COSINES: usize = 3;
+const COMMON_COSINES: usize = 6;
 /// A step of the resting or contracted length by which their sensitivities are taken, m.
 const LENGTH_STEP_M: f64 = 1e-4;
 
@@ -90,8 +98,12 @@ pub struct ForceProblem<'a> {
     coefficients: Vec<Coefficient>,
     terms: Vec<EngineTerm>,
     operators: Operators,
+    /// Side of the corner to slackness of each reading.
+    side: Vec<Side>,
     /// Cosines of the session's misfit, reading by reading.
-    session_basis: Vec<[f64; SESSION_COSINES]>,
+    session_basis: Vec<Vec<f64>>,
+    /// Cosines of the stroke's misfit; none where sessions are of one stroke.
+    stroke_basis: Vec<Vec<f64>>,
     /// Cosines of the common misfit.
     common_basis: Vec<Vec<f64>>,
     /// Floor of the scale of the misfit, N.
@@ -102,10 +114,14 @@ pub struct ForceProblem<'a> {
 }
 
 impl<'a> ForceProblem<'a> {
-    /// The problem of some readings.
+    /// The problem of some readings, the misfit of strokes left out.
     pub fn new(base: &'a Base, data: &'a Data, library: &'a [Term]) -> Self {
+        Self::built(base, data, library, false)
+    }
+
+    fn built(base: &'a Base, data: &'a Data, library: &'a [Term], by_stroke: bool) -> Self {
         let block = |component, columns| Block { component, columns };
-        let common = COMMON_COSINES * COMMON_COSINES - 1;
+        let common = common_pairs().count();
         let mut tree = Tree::new(vec![block(component::COMMON_MISFIT, common)]);
         let pooled = data.campaigns.len() > 1;
         let campaigns: Vec<usize> = if pooled {
@@ -124,6 +140,8 @@ impl<'a> ForceProblem<'a> {
         let mut specimens = vec![usize::MAX; data.specimens.len()];
         let mut sessions = vec![usize::MAX; data.sessions.len()];
         let mut node = Vec::with_capacity(data.len());
+        let strokes = data.strokes();
+        let mut nodes = BTreeMap::new();
         for i in 0..data.len() {
             let (k, s) = (data.specimen[i], data.session[i]);
             if specimens[k] == usize::MAX {
@@ -147,26 +165,39 @@ impl<'a> ForceProblem<'a> {
                 ];
                 sessions[s] = tree.add(specimens[k], blocks);
             }
-            node.push(sessions[s]);
+            if by_stroke {
+                let blocks = || vec![block(component::STROKE_MISFIT, STROKE_COSINES)];
+                let add = || tree.add(sessions[s], blocks());
+                node.push(*nodes.entry(strokes[i]).or_insert_with(add));
+            } else {
+                node.push(sessions[s]);
+            }
         }
         let largest = data.force.iter().copied().fold(0.0, f64::max);
         let columns = data.extras.len();
+        let forces = data.force.iter().zip(&data.conditions);
+        let side: Vec<Side> = forces.map(|(f, at)| slack::side(*f, largest, at)).collect();
         Self {
             base,
             data,
             library,
-            class: vec![0; data.len()],
+            class: side
+                .iter()
+                .map(|s| usize::from(*s == Side::Corner))
+                .collect(),
             tree,
             node,
             specimens,
             sessions,
             campaigns,
-            components: components(data, pooled),
-            noise: vec![Scale {
-                prior: Prior::Free,
-                usual: 0.01 * largest,
-                groups: 1,
-            }],
+            components: components(data, pooled, nodes.len()),
+            noise: [Prior::Free, Prior::Fixed(settings::CORNER_WIDTH * largest)]
+                .map(|prior| Scale {
+                    prior,
+                    usual: 0.01 * largest,
+                    groups: 1,
+                })
+                .to_vec(),
             coefficients: base
                 .coefficients
                 .iter()
@@ -181,7 +212,13 @@ impl<'a> ForceProblem<'a> {
                 length: effects::index("length_offset").unwrap_or(0),
                 zero: effects::index("force_zero_offset").unwrap_or(0),
             },
-            session_basis: data.conditions.iter().map(session_basis).collect(),
+            side,
+            session_basis: along_pressure(data, SESSION_COSINES, settings::PRESSURE_LENGTH_KPA),
+            stroke_basis: if by_stroke {
+                along_pressure(data, STROKE_COSINES, settings::STROKE_LENGTH_KPA)
+            } else {
+                vec![Vec::new(); data.len()]
+            },
             common_basis: data.conditions.iter().map(common_basis).collect(),
             reference: vec![0.0; data.len()],
             floor: settings::MISFIT_FLOOR * largest,
@@ -199,6 +236,15 @@ impl<'a> ForceProblem<'a> {
         self
     }
 
+    /// The same with a misfit of every stroke; none where no session has several strokes, whose own that would be.
+    pub fn with_strokes(&self) -> Option<Self> {
+        let strokes = self.data.strokes().into_iter().max()? + 1;
+        (strokes > self.sessions.len()).then(|| Self {
+            reference: self.reference.clone(),
+            ..Self::built(self.base, self.data, self.library, true)
+        })
+    }
+
     /// The same readings and terms with another form of the base law.
     pub fn with_base<'b>(&self, base: &'b Base) -> ForceProblem<'b>
     where
@@ -206,8 +252,13 @@ impl<'a> ForceProblem<'a> {
     {
         ForceProblem {
             reference: self.reference.clone(),
-            ..ForceProblem::new(base, self.data, self.library)
+            ..ForceProblem::built(base, self.data, self.library, self.has_strokes())
         }
+    }
+
+    /// Whether strokes have a misfit of their own.
+    pub fn has_strokes(&self) -> bool {
+        self.stroke_basis.iter().any(|b| !b.is_empty())
     }
 
     /// The force of reading `i`, misfit left out.
@@ -233,7 +284,12 @@ impl<'a> ForceProblem<'a> {
             }
         }
         list[count] = applied(self.operators.zero, zero);
-        let mut force = effects::force(self.base, coefficients, gain, &list[..=count], at);
+        let list = &list[..=count];
+        let law = Sided {
+            base: self.base,
+            side: self.side[i],
+        };
+        let mut force = effects::force(&law, coefficients, gain, list, at);
         for (t, values) in terms {
             if let What::Column(column) = self.library[*t].what {
                 force = column.apply(force, *values, self.data, i);
@@ -268,7 +324,7 @@ impl<'a> ForceProblem<'a> {
     fn random(&self, point: &Point, i: usize) -> [f64; 3] {
         let b = &point.random;
         let of = |node: usize, c: usize| self.tree.columns_of(node, c).map_or(0.0, |(k, _)| b[k]);
-        let session = self.node[i];
+        let session = self.sessions[self.data.session[i]];
         let specimen = self.tree.parent(session);
         let campaign = self.tree.parent(specimen);
         [
@@ -289,9 +345,12 @@ impl<'a> ForceProblem<'a> {
         self.force(i, at, &point.coefficients, random, &terms[..count])
     }
 
-    /// The scale of the misfit where the actuator pulls with this force, N.
-    fn misfit_scale(&self, force: f64) -> f64 {
-        if force > 0.0 { force + self.floor } else { 0.0 }
+    /// The scale of the misfit of reading `i`, N.
+    fn misfit_scale(&self, i: usize) -> f64 {
+        match self.side[i] {
+            Side::Slack => 0.0,
+            Side::Pulls | Side::Corner => self.reference[i].max(0.0) + self.floor,
+        }
     }
 
     fn derivatives(&self, point: &Point, i: usize) -> (f64, [f64; SLOTS], Vec<f64>) {
@@ -341,9 +400,9 @@ impl<'a> ForceProblem<'a> {
         by_lengths: [f64; 2],
         point: &Point,
     ) -> Vec<f64> {
-        let scale = self.misfit_scale(self.reference[i]);
+        let scale = self.misfit_scale(i);
         let mut row: Vec<f64> = self.common_basis[i].iter().map(|c| c * scale).collect();
-        let specimen = self.tree.parent(self.node[i]);
+        let specimen = self.tree.parent(self.sessions[self.data.session[i]]);
         let of = |node: usize, c: usize| {
             self.tree
                 .columns_of(node, c)
@@ -360,13 +419,14 @@ impl<'a> ForceProblem<'a> {
         row.extend(by_lengths);
         row.push(force.gradient[LENGTH]);
         row.push(force.gradient[ZERO]);
-        row.extend(self.session_basis[i].iter().map(|c| c * scale));
+        let along = self.session_basis[i].iter().chain(&self.stroke_basis[i]);
+        row.extend(along.map(|c| c * scale));
         row
     }
 }
 
 /// The components of a campaign or pool.
-fn components(data: &Data, pooled: bool) -> Vec<Component> {
+fn components(data: &Data, pooled: bool, strokes: usize) -> Vec<Component> {
     let sessions = data.sessions.len();
     let component = |prior, usual, linear, calibrates, misfit| Component {
         scale: Scale {
@@ -402,6 +462,16 @@ fn components(data: &Data, pooled: bool) -> Vec<Component> {
         with_groups(misfit(settings::SESSION_MISFIT), sessions),
         pool(settings::USUAL_GAIN),
         pool(settings::USUAL_ZERO_N),
+        with_groups(
+            component(
+                Prior::HalfNormal(settings::LARGEST_SCATTER * settings::USUAL_STROKE),
+                settings::USUAL_STROKE,
+                true,
+                false,
+                true,
+            ),
+            strokes,
+        ),
     ]
 }
 
@@ -410,46 +480,54 @@ fn with_groups(mut component: Component, groups: usize) -> Component {
     component
 }
 
-/// Weights of the cosines of a Gaussian process with a squared-exponential covariance of unit variance: the roots of its spectral density,
-/// scaled so that the mean variance over the range is 1.
-fn weights(count: usize, length_over_range: f64) -> Vec<f64> {
+/// Standard deviations of the amplitudes of the first cosines of a Gaussian process of unit variance with a squared-exponential covariance:
+/// roots of its spectral density. `length` is the correlation length as a share of the range of the cosines.
+fn weights(count: usize, length: f64) -> Vec<f64> {
     let density = |k: usize| {
-        let w = PI * k as f64 * length_over_range;
-        libm::exp(-0.5 * w * w)
+        let w = PI * k as f64 * length;
+        // A cosine has half the mean square of a constant.
+        let factor = if k == 0 { 1.0 } else { 2.0 };
+        factor * length * (2.0 * PI).sqrt() * libm::exp(-0.5 * w * w)
     };
-    // A cosine has half the mean square of a constant.
-    let total: f64 = (0..count)
-        .map(|k| density(k) * if k == 0 { 1.0 } else { 0.5 })
-        .sum();
-    (0..count).map(|k| (density(k) / total).sqrt()).collect()
+    (0..count).map(|k| density(k).sqrt()).collect()
 }
 
-fn session_basis(at: &Conditions) -> [f64; SESSION_COSINES] {
-    let w = weights(
-        SESSION_COSINES,
-        settings::PRESSURE_LENGTH_KPA / PRESSURE_RANGE_KPA,
-    );
-    let mut basis = [0.0; SESSION_COSINES];
-    for (k, slot) in basis.iter_mut().enumerate() {
-        *slot = w[k] * libm::cos(PI * k as f64 * at.pressure_kpa / PRESSURE_RANGE_KPA);
-    }
-    basis
+/// Cosines over a range that reaches a correlation length further than the readings at either end, because their slope is 0 at its ends
+/// (A. Solin and S. Sarkka, *Stat. Comput.* 30 (2020) 419).
+fn cosines(count: usize, x: f64, length: f64) -> Vec<f64> {
+    let range = 1.0 + 2.0 * length;
+    let place = PI * (x + length) / range;
+    let weights = weights(count, length / range);
+    let terms = weights.iter().enumerate();
+    terms
+        .map(|(k, w)| w * libm::cos(k as f64 * place))
+        .collect()
 }
 
-/// Products of cosines over eps* and P*, without the constant, which is a gain of all readings.
+/// Cosines along the pressure of every reading, of a misfit with a correlation length in kPa.
+fn along_pressure(data: &Data, count: usize, length_kpa: f64) -> Vec<Vec<f64>> {
+    let of = |at: &Conditions| cosines(count, at.pressure_kpa / P_620_KPA, length_kpa / P_620_KPA);
+    data.conditions.iter().map(of).collect()
+}
+
+/// Products of cosines over eps* and P*, without the constant, which is a gain of all readings, and without those that vary faster than the
+/// fastest along one of the two.
 fn common_basis(at: &Conditions) -> Vec<f64> {
-    let w = weights(COMMON_COSINES, settings::SURFACE_LENGTH);
     let eps_620 = (at.rest_length_m - at.contracted_length_m) / at.rest_length_m;
     let contraction = (at.rest_length_m - at.length_m) / at.rest_length_m / eps_620;
-    let pressure = at.pressure_kpa / P_620_KPA;
-    let cosine = |k: usize, x: f64| w[k] * libm::cos(PI * k as f64 * x);
-    let pairs = (0..COMMON_COSINES).flat_map(|j| (0..COMMON_COSINES).map(move |k| (j, k)));
-    // The constant's share of the variance goes to the others.
-    let share = 1.0 / (1.0 - w[0] * w[0] * w[0] * w[0]).sqrt();
-    pairs
-        .skip(1)
-        .map(|(j, k)| share * cosine(j, contraction) * cosine(k, pressure))
+    let length = settings::SURFACE_LENGTH;
+    let [over_contraction, over_pressure] =
+        [contraction, at.pressure_kpa / P_620_KPA].map(|x| cosines(COMMON_COSINES, x, length));
+    common_pairs()
+        .map(|(j, k)| over_contraction[j] * over_pressure[k])
         .collect()
+}
+
+/// Numbers of the cosines of each product of the common misfit.
+fn common_pairs() -> impl Iterator<Item = (usize, usize)> {
+    (0..COMMON_COSINES)
+        .flat_map(|j| (0..COMMON_COSINES - j).map(move |k| (j, k)))
+        .skip(1)
 }
 
 impl Problem for ForceProblem<'_> {
@@ -651,4 +729,27 @@ fn cosine(a: &[f64], b: &[f64]) -> f64 {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
     let norms = (dot(a, a) * dot(b, b)).sqrt();
     if norms > 0.0 { dot(a, b) / norms } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::cosines;
+
+    #[test]
+    fn the_cosines_have_the_covariance_of_the_process_they_stand_for() {
+        let length = 100.0 / 620.0;
+        for (a, b) in [(0.3, 0.3), (0.3, 0.4), (0.5, 0.9), (0.0, 0.1), (1.0, 1.0)] {
+            let [at_a, at_b] = [a, b].map(|x| cosines(10, x, length));
+            let covariance: f64 = at_a.iter().zip(&at_b).map(|(x, y)| x * y).sum();
+            let distance: f64 = (a - b) / length;
+            let expected = libm::exp(-0.5 * distance * distance);
+            // At the ends the mirror image at two correlation lengths adds exp(-2).
+            let from_mirror = |d: f64| libm::exp(-0.5 * (2.0 + d / length) * (2.0 + d / length));
+            let mirrored = from_mirror(a + b) + from_mirror(2.0 - a - b);
+            assert!(
+                (covariance - expected - mirrored).abs() < 1e-3,
+                "{a} {b}: {covariance} {expected}"
+            );
+        }
+    }
 }

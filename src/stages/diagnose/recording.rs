@@ -357,7 +357,9 @@ impl<'a> Seen<'a> {
             let (mut at, mut measured) = (self.data.conditions[*i], self.data.force[*i]);
             change(&mut at, &mut measured);
             at.length_m += 1e-3 * length_mm;
-            let expected = effects::force(self.base, &self.coefficients, factor, &[], &at);
+            let law = effects::force(self.base, &self.coefficients, factor, &[], &at);
+            // Slack below 0, where the law of a fit goes on; not a number stays none.
+            let expected = if law < 0.0 { 0.0 } else { law };
             (measured - expected, self.usual_miss(measured))
         };
         readings.iter().map(one).collect()

@@ -1,10 +1,11 @@
 //! What a model says of specimens that took no part: folds, errors in their three forms, predictive intervals, and the budget.
 
+use super::base;
 use super::black_box::{self, Features};
 use super::problem::{ForceProblem, component};
 use super::settings;
 use crate::findings::{BudgetEntry, Errors, HeldOutBy, UnitErrors};
-use crate::inference::fit::{Fitted, Setting};
+use crate::inference::fit::{Fitted, Free, Setting};
 use crate::inference::heldout::{Predicted, Unseen};
 use crate::inference::problem::{Point, Problem};
 use crate::inference::screen::Normal;
@@ -173,20 +174,25 @@ fn answer(
     normal: &Normal,
     fold: &Fold,
 ) -> FoldAnswer {
-    let rest = fold
+    let mut rest = fold
         .nodes
         .iter()
         .fold(setting.clone(), |s, (_, node)| s.without(*node));
-    let null = rest.fit(
-        &cleared(&found.null, &rest),
-        std::slice::from_ref(&found.null.variances),
-    );
+    let mut from = cleared(&found.null, &rest);
+    let law = problem.base.coefficients.get(base::LENGTH_LAW);
+    if let (true, Some(law)) = (is_of_one_length(&rest, problem), law) {
+        // Specimens of one resting length say nothing about another: the published law does.
+        rest.pinned.push(Free::Coefficient(base::LENGTH_LAW));
+        from.coefficients[base::LENGTH_LAW] = law.start;
+    }
+    let null = rest.fit(&from, std::slice::from_ref(&found.null.variances));
     let search = Search {
         setting: &rest,
         decision: Decision {
             thorough: false,
             ..decision
         },
+        tried: Some(&found.model),
     };
     let inner = search.run(null, normal, Some(&found.draws));
     let models = [&inner.null, &inner.model].map(|m| Unseen::new(&rest, m));
@@ -198,6 +204,16 @@ fn answer(
         units: units.collect(),
         terms: inner.accepted.iter().map(|a| a.term).collect(),
     }
+}
+
+/// Whether all readings that take part are of one resting length.
+fn is_of_one_length(setting: &Setting, problem: &ForceProblem) -> bool {
+    let readings = problem.node().iter().zip(&problem.data.conditions);
+    let mut lengths = readings
+        .filter(|(node, _)| setting.active[**node])
+        .map(|(_, at)| at.rest_length_m);
+    let first = lengths.next();
+    lengths.all(|l| Some(l) == first)
 }
 
 /// Where a fit without some groups starts: their random effects are 0.
@@ -310,6 +326,7 @@ impl Tally {
             component::ZERO | component::CAMPAIGN_ZERO => "force_zero",
             component::REST_LENGTH | component::CONTRACTED_LENGTH => "specimen_lengths",
             component::SESSION_MISFIT => "session_misfit",
+            component::STROKE_MISFIT => "stroke_misfit",
             k if k == last => "noise",
             _ => "estimation",
         };

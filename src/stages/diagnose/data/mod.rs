@@ -9,6 +9,7 @@ pub use placebo::PLACEBO;
 
 use super::labels;
 use crate::base::columns::TEMPERATURE;
+use crate::base::random::Stream;
 use crate::base::row::Row;
 use crate::base::session::Phase;
 use crate::effects::{Conditions, Need};
@@ -60,10 +61,14 @@ impl Data {
         by_time.dedup();
         let sessions: Vec<String> = by_time.iter().map(|(_, id)| (*id).to_owned()).collect();
         let dates: BTreeSet<&str> = by_time.iter().map(|(date, _)| *date).collect();
-        let specimens: BTreeSet<&str> = rows.iter().map(|r| r.specimen.as_str()).collect();
-        let specimens: Vec<String> = specimens.into_iter().map(str::to_owned).collect();
         let campaigns: BTreeSet<&str> = rows.iter().map(|r| r.campaign.as_str()).collect();
         let campaigns: Vec<String> = campaigns.into_iter().map(str::to_owned).collect();
+        let of_specimen: Vec<String> = rows
+            .iter()
+            .map(|r| specimen_id(r, campaigns.len() > 1))
+            .collect();
+        let specimens: BTreeSet<&String> = of_specimen.iter().collect();
+        let specimens: Vec<String> = specimens.into_iter().cloned().collect();
         let place = |list: &[String], id: &str| list.iter().position(|x| x == id).unwrap_or(0);
         let logs: BTreeSet<(usize, &str)> = rows
             .iter()
@@ -77,10 +82,7 @@ impl Data {
         let mut data = Data {
             force: rows.iter().map(|r| r.force_n).collect(),
             session: rows.iter().map(|r| place(&sessions, &r.session)).collect(),
-            specimen: rows
-                .iter()
-                .map(|r| place(&specimens, &r.specimen))
-                .collect(),
+            specimen: of_specimen.iter().map(|s| place(&specimens, s)).collect(),
             campaign: rows
                 .iter()
                 .map(|r| place(&campaigns, &r.campaign))
@@ -151,20 +153,35 @@ impl Data {
         }
     }
 
-    /// At most so many readings: of every session an equal share, evenly spread.
+    /// Number of the stroke of each reading, the filling or the venting of one log.
+    pub fn strokes(&self) -> Vec<usize> {
+        let mut numbers = BTreeMap::new();
+        let keys = self.log.iter().zip(&self.conditions);
+        keys.map(|(log, at)| {
+            let next = numbers.len();
+            *numbers.entry((*log, at.direction < 0.0)).or_insert(next)
+        })
+        .collect()
+    }
+
+    /// At most so many readings: of every session an equal share, one from each of so many stretches of it. Which one is drawn, because evenly
+    /// spaced readings would always be those of the same set points.
     pub fn thinned(&self, most: usize) -> Data {
         let mut of_session: Vec<Vec<usize>> = vec![Vec::new(); self.sessions.len()];
         for (i, s) in self.session.iter().enumerate() {
             of_session[*s].push(i);
         }
         let share = (most / self.sessions.len().max(1)).max(8);
+        let mut stream = Stream::new(0, &["thinned"]);
         let mut places: Vec<usize> = of_session
             .into_iter()
             .flat_map(|list| {
-                let step = (list.len() as f64 / share as f64).max(1.0);
-                let kept = (list.len() as f64 / step).floor() as usize;
-                (0..kept)
-                    .map(move |k| list[(k as f64 * step) as usize])
+                if list.len() <= share {
+                    return list;
+                }
+                let from = |k: usize| k * list.len() / share;
+                (0..share)
+                    .map(|k| list[from(k) + stream.below(from(k + 1) - from(k))])
                     .collect::<Vec<usize>>()
             })
             .collect();
@@ -207,6 +224,15 @@ impl Data {
             .filter(|(_, known)| !known)
             .map(|(need, _)| (need, format!("the campaign lacks {}", need.words())))
             .collect();
+    }
+}
+
+/// Id of the specimen of a row; in a pool with that of its campaign, because two laboratories may name theirs alike.
+pub fn specimen_id(row: &Row, pooled: bool) -> String {
+    if pooled {
+        format!("{} {}", row.campaign, row.specimen)
+    } else {
+        row.specimen.clone()
     }
 }
 

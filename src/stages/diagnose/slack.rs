@@ -1,0 +1,99 @@
+//! Readings of actuators that are slack, and of those that are nearly.
+//!
+//! A law of the force ends in a corner where the actuator goes slack. There a linearised model has no fixed point: on one side a reading pulls
+//! with all its weight, on the other it says nothing, and the likelihood jumps by tens from one iteration to the next. Real actuators go
+//! slack gradually besides. So every reading is on one side of the corner from the start: with a force that is clearly not zero it is on the
+//! law, which is then smooth; with none, where the law says that it is slack by far, the law is 0; in between the corner is rounded, and the
+//! noise is that of the rounding.
+
+use super::base::Base;
+use super::settings;
+use crate::effects::{Actuator, Conditions};
+use crate::models::{ForceModel, P_620_KPA, new};
+use crate::numerics::real::Real;
+
+/// On which side of the corner a reading is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// It pulls (or pushes, which is a mistake): on the law.
+    Pulls,
+    /// Slack: the law is 0.
+    Slack,
+    /// In between.
+    Corner,
+}
+
+/// The side of a reading of `force` N where the largest of the campaign is `largest`.
+pub fn side(force: f64, largest: f64, at: &Conditions) -> Side {
+    if force.abs() >= settings::NEAR_SLACK * largest {
+        Side::Pulls
+    } else if surface(at) < -settings::SURELY_SLACK {
+        Side::Slack
+    } else {
+        Side::Corner
+    }
+}
+
+/// The published law of the diameter, relative to the force at 620 kPa and not cut off where it is negative; of another diameter, that of 10 mm.
+fn surface(at: &Conditions) -> f64 {
+    let known = new::NewPublished.coefficients(at.diameter_mm as u32);
+    let law = if known.is_empty() {
+        &new::PUBLISHED_10[..]
+    } else {
+        known
+    };
+    let value = |symbol: &str| {
+        law.iter()
+            .find(|c| c.symbol == symbol)
+            .map_or(0.0, |c| c.value)
+    };
+    let eps_620 = (at.rest_length_m - at.contracted_length_m) / at.rest_length_m;
+    let contraction = (at.rest_length_m - at.length_m) / (at.rest_length_m * eps_620);
+    let c = [value("c0"), value("c1"), value("c2")];
+    new::surface_signed(c, contraction, at.pressure_kpa / P_620_KPA)
+}
+
+/// The base law on one side of the corner.
+pub struct Sided<'a> {
+    /// The law.
+    pub base: &'a Base,
+    /// The side.
+    pub side: Side,
+}
+
+impl Actuator for Sided<'_> {
+    fn force<R: Real>(&self, coefficients: &[R], pressure: R, length: R, at: &Conditions) -> R {
+        match self.side {
+            Side::Pulls => self.base.force(coefficients, pressure, length, at),
+            Side::Slack => R::constant(0.0),
+            Side::Corner => {
+                let width = settings::CORNER_WIDTH;
+                self.base.rounded(coefficients, pressure, length, at, width)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sides_of_the_corner() {
+        let at = |length_m: f64, kpa: f64| Conditions::at(0.3, 0.25, length_m, kpa);
+        // The law of 20 mm pulls there.
+        let mut thick = at(0.275, 200.0);
+        assert_eq!(side(20.0, 1300.0, &thick), Side::Slack);
+        thick.diameter_mm = 20.0;
+        assert_eq!(side(20.0, 1300.0, &thick), Side::Corner);
+        // Clearly a force, of either sign, wherever the law is.
+        assert_eq!(side(20.0, 450.0, &at(0.25, 0.0)), Side::Pulls);
+        assert_eq!(side(-20.0, 450.0, &at(0.25, 0.0)), Side::Pulls);
+        // None, at full contraction and without pressure: slack by far.
+        assert_eq!(side(1.0, 450.0, &at(0.25, 0.0)), Side::Slack);
+        // None, at the resting length, where a millimetre decides.
+        assert_eq!(side(1.0, 450.0, &at(0.3, 0.0)), Side::Corner);
+        assert_eq!(side(13.4, 450.0, &at(0.3, 0.0)), Side::Corner);
+        assert_eq!(side(13.6, 450.0, &at(0.3, 0.0)), Side::Pulls);
+    }
+}
