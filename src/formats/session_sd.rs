@@ -8,9 +8,8 @@
 //! | `muscle_length_sd_mm` | `[joint]` | the column `muscle_length`, measured by hand | 5 mm |
 //! | `moment_arm_sd_mm` | `[joint]` | the column `moment_arm`, measured by hand | 7 mm |
 //!
-//! All are optional. They are carried to the rows; the residual search does not use them yet, and takes what the table has for lengths of which
-//! nothing is declared. 0 is refused: no length is measured exactly, and a model that believes
-//! one to be would put its error down to something else.
+//! All are optional. They are carried to the rows, and the residual search takes them for the standard deviations of the random effects. 0 is
+//! refused: no length is measured exactly, and a model that believes one to be would put its error down to something else.
 
 use crate::base::session::Kind;
 use crate::base::toml_reader::{Entry, Section};

@@ -19,10 +19,13 @@ use crate::inference::statistic::{deviate, upper_tail};
 use crate::inference::system::{Factor, Likelihood, Variances};
 use crate::inference::variance::{Effort, Prior};
 use crate::models::{ForceModel, new};
+use crate::numerics::statistics::median;
 use std::collections::BTreeMap;
 
 /// Half of the 95% point of chi-squared with one degree: by so much the log-likelihood falls at the ends of an interval.
 const CUT: f64 = 1.920_729_410_347_062;
+/// Multiples of a declared standard deviation that are tried in its place.
+const DECLARED_TIMES: [f64; 6] = [1.5, 2.0, 3.0, 5.0, 10.0, 20.0];
 
 /// Two-sided 95% point of the normal distribution.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -311,6 +314,13 @@ impl Work<'_> {
                 &sessions,
             ),
             (
+                component::DECLARED_LENGTH,
+                "length_offset",
+                Level::Session,
+                "mm",
+                &sessions,
+            ),
+            (
                 component::ZERO,
                 "force_zero_offset",
                 Level::Session,
@@ -346,49 +356,80 @@ impl Work<'_> {
                 &campaigns,
             ),
         ];
-        let present = list.into_iter().filter(|(.., groups)| !groups.is_empty());
-        present
-            .map(|(c, id, level, unit, groups)| {
+        list.into_iter()
+            .filter_map(|(c, id, level, unit, groups)| {
                 self.one_scatter(variances, c, (id, level, unit), groups)
             })
             .collect()
     }
 
+    /// The scatter of a component; none where no group has it.
     fn one_scatter(
         &self,
         variances: &Variances,
         c: usize,
         (id, level, unit): (&str, Level, &str),
         groups: &[(String, usize)],
-    ) -> Scatter {
-        let declared = match self.problem.components()[c].scale.prior {
-            Prior::Fixed(sd) => Some(sd),
-            _ => None,
-        };
+    ) -> Option<Scatter> {
         let tree = self.problem.tree();
-        let value = |node: usize| {
-            let (k, _) = tree.columns_of(node, c)?;
-            Some(self.found.model.point.random[k])
+        let mut values = BTreeMap::new();
+        let mut units = Vec::new();
+        for (place, (name, node)) in groups.iter().enumerate() {
+            if *node < tree.len()
+                && let Some((k, _)) = tree.columns_of(*node, c)
+            {
+                let unit = self.unit_of(c, place);
+                units.push(unit);
+                values.insert(name.clone(), unit * self.found.model.point.random[k]);
+            }
+        }
+        if units.is_empty() {
+            return None;
+        }
+        let unit_sd = median(&units);
+        let is_declared = matches!(self.problem.components()[c].scale.prior, Prior::Fixed(_));
+        let sd = unit_sd * variances.components[c];
+        let (ci_low, ci_high) = if is_declared {
+            (None, None)
+        } else {
+            self.interval(variances, c)
         };
-        let values = groups.iter().filter(|(_, node)| *node < tree.len());
-        let (ci_low, ci_high) = match declared {
-            Some(_) => (None, None),
-            None => self.interval(variances, c),
-        };
-        Scatter {
+        Some(Scatter {
             id: id.to_owned(),
             level,
-            sd: variances.components[c],
+            sd,
             ci_low,
             ci_high,
             unit: unit.to_owned(),
-            declared,
-            declared_contradicted: false,
-            log_likelihood_gain: declared.is_none().then(|| self.gain_of(c)),
-            values: values
-                .filter_map(|(name, node)| Some((name.clone(), value(*node)?)))
-                .collect(),
+            declared: is_declared.then_some(sd),
+            declared_contradicted: is_declared && self.is_contradicted(variances, c),
+            log_likelihood_gain: (!is_declared).then(|| self.gain_of(c)),
+            values,
+        })
+    }
+
+    /// What a component of one group is in units of.
+    fn unit_of(&self, c: usize, place: usize) -> f64 {
+        match c {
+            component::REST_LENGTH => self.problem.specimen_lengths_sd_mm(place)[0],
+            component::CONTRACTED_LENGTH => self.problem.specimen_lengths_sd_mm(place)[1],
+            component::DECLARED_LENGTH => self.data().set_length_sd_mm[place],
+            _ => 1.0,
         }
+    }
+
+    /// Whether a standard deviation that was declared is too small: the restricted likelihood rises by [`CUT`] for a larger one.
+    fn is_contradicted(&self, variances: &Variances, c: usize) -> bool {
+        let scales = self.setting.scales();
+        let maximiser = self.setting.maximiser(&scales, Likelihood::Restricted);
+        let gram = &self.found.model.gram;
+        let at = |factor: f64| {
+            let mut v = variances.clone();
+            v.components[c] *= factor;
+            maximiser.value(gram, &v)
+        };
+        let declared = at(1.0);
+        DECLARED_TIMES.iter().any(|f| at(*f) > declared + CUT)
     }
 
     /// Where the restricted likelihood has fallen by [`CUT`] on either side of an estimate, the other variances as they are.

@@ -39,6 +39,7 @@ use crate::findings::{
 };
 use crate::inference::fit::{Fitted, Setting};
 use crate::inference::search::{Decision, Found, Search};
+use crate::inference::system::Variances;
 use crate::stages::fit::{Group, is_fitted, is_usable};
 use answer::{Work, rms};
 use base::Base;
@@ -213,11 +214,7 @@ fn assessed(
         ..held.after.clone()
     };
     findings.design.held_out_by = held.by;
-    findings.next_measurement = next(
-        &held.budget,
-        variances.components[component::SET_LENGTH],
-        data,
-    );
+    findings.next_measurement = next(&held.budget, set_length_sd_mm(problem, &variances), data);
     findings.expected_rmse_heldout = expected(&held.budget);
     findings.inside_50 = held.inside.map(|i| i.0);
     findings.inside_95 = held.inside.map(|i| i.1);
@@ -249,6 +246,14 @@ fn part_of<'a>(problem: &'a ForceProblem, kept_out: &BTreeSet<&str>) -> Setting<
 /// The model without any effect.
 fn start(setting: &Setting) -> Fitted {
     setting.fit_afresh(&setting.problem.start())
+}
+
+/// Root mean square of the standard deviations of the set lengths, declared or estimated, mm.
+fn set_length_sd_mm(problem: &ForceProblem, variances: &Variances) -> f64 {
+    let estimated = variances.components[component::SET_LENGTH];
+    let declared = problem.data.set_length_sd_mm.iter();
+    let all = declared.map(|sd| if sd.is_finite() { *sd } else { estimated });
+    rms(&all.collect::<Vec<f64>>())
 }
 
 fn verdict(effects: &[EffectFinding], unexplained: bool) -> Verdict {
@@ -434,4 +439,40 @@ fn base_answers(base: &Base, row: &Row) -> bool {
     );
     at.diameter_mm = row.diameter_mm;
     effects::force(base, &base.starts(), 1.0, &[], &at).is_finite()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulate::rig_like;
+
+    /// The scatter of set lengths of a campaign of which these standard deviations are declared, mm.
+    fn scatter_of(declared_mm: f64) -> crate::findings::Scatter {
+        let settings = rig_like::Settings {
+            specimens: Some(4),
+            ..rig_like::Settings::default()
+        };
+        let mut rows = rig_like::campaign(1, &settings).rows;
+        for row in &mut rows {
+            row.length_sd_m = 1e-3 * declared_mm;
+        }
+        let group = rig_like::group();
+        let options = DiagnoseOptions::default();
+        let found = diagnose(&group, &rows, &FitOptions::default(), &options).unwrap();
+        let scatter = found.findings.scatter.into_iter();
+        let mut of_lengths = scatter.filter(|s| s.id == "length_offset");
+        let one = of_lengths.next().unwrap();
+        assert!(of_lengths.next().is_none());
+        one
+    }
+
+    #[test]
+    fn a_declared_set_length_is_taken_and_contradicted_where_it_is_too_small() {
+        // The sessions were set to 0.8 mm.
+        let right = scatter_of(0.8);
+        assert_eq!(right.declared, Some(0.8));
+        assert!(!right.declared_contradicted);
+        assert_eq!(right.values.len(), 16);
+        assert!(scatter_of(0.1).declared_contradicted);
+    }
 }

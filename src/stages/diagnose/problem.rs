@@ -2,7 +2,8 @@
 //!
 //! F_i = sensor(effects; (1 + u_k) (1 + g_c) A(P_i, l_i + d_s; theta)) + z_s + z_c + misfit + noise, where u_k is the gain of the specimen,
 //! d_s the set length and z_s the zero of the force of the session, g_c and z_c gain and zero of the campaign (of a pool only). Resting and
-//! contracted length of a specimen are known to their rounding. The misfit is proportional to the force, with a small floor, and absent
+//! contracted length of a specimen are known as well as declared, or else to their rounding; where the standard deviation of a session's set
+//! length is declared, it is not estimated. The misfit is proportional to the force, with a small floor, and absent
 //! where the actuator is slack: one over (eps*, P*) that all specimens share, one of each session along P and, where the readings show it, one
 //! of each stroke along P, Gaussian processes in a cosine basis (Solin and Sarkka, Statistics and Computing 30 (2020) 419).
 //!
@@ -34,9 +35,9 @@ pub mod component {
     pub const SET_LENGTH: usize = 1;
     /// Zero of the force of a session, N.
     pub const ZERO: usize = 2;
-    /// Resting length of a specimen, mm.
+    /// Resting length of a specimen, in units of its declared standard deviation, or of that of rounding to 1 mm.
     pub const REST_LENGTH: usize = 3;
-    /// Contracted length of a specimen, mm.
+    /// The same of its contracted length.
     pub const CONTRACTED_LENGTH: usize = 4;
     /// Misfit that all specimens share, share of the force.
     pub const COMMON_MISFIT: usize = 5;
@@ -48,8 +49,10 @@ pub mod component {
     pub const CAMPAIGN_ZERO: usize = 8;
     /// Misfit of a stroke (the filling or the venting of one log) along the pressure, share of the force.
     pub const STROKE_MISFIT: usize = 9;
+    /// Set length of a session for which its standard deviation is declared, in units of that.
+    pub const DECLARED_LENGTH: usize = 10;
     /// How many there are.
-    pub const COUNT: usize = 10;
+    pub const COUNT: usize = 11;
 }
 
 /// Most terms in one model.
@@ -158,8 +161,13 @@ impl<'a> ForceProblem<'a> {
                 specimens[k] = tree.add(above, blocks);
             }
             if sessions[s] == usize::MAX {
+                let length = if data.set_length_sd_mm[s].is_finite() {
+                    component::DECLARED_LENGTH
+                } else {
+                    component::SET_LENGTH
+                };
                 let blocks = vec![
-                    block(component::SET_LENGTH, 1),
+                    block(length, 1),
                     block(component::ZERO, 1),
                     block(component::SESSION_MISFIT, SESSION_COSINES),
                 ];
@@ -329,9 +337,28 @@ impl<'a> ForceProblem<'a> {
         let campaign = self.tree.parent(specimen);
         [
             (1.0 + of(specimen, component::GAIN)) * (1.0 + of(campaign, component::CAMPAIGN_GAIN)),
-            of(session, component::SET_LENGTH),
+            of(session, component::SET_LENGTH)
+                + self.set_length_unit(i) * of(session, component::DECLARED_LENGTH),
             of(session, component::ZERO) + of(campaign, component::CAMPAIGN_ZERO),
         ]
+    }
+
+    /// What the random set length of reading `i` is in units of, mm.
+    fn set_length_unit(&self, i: usize) -> f64 {
+        let declared = self.data.set_length_sd_mm[self.data.session[i]];
+        if declared.is_finite() { declared } else { 1.0 }
+    }
+
+    /// Standard deviations of resting and contracted length of a specimen, mm.
+    pub fn specimen_lengths_sd_mm(&self, specimen: usize) -> [f64; 2] {
+        let or_rounded = |sd: f64| {
+            if sd.is_finite() {
+                sd
+            } else {
+                settings::ROUNDING_SD_MM
+            }
+        };
+        self.data.specimen_lengths_sd_mm[specimen].map(or_rounded)
     }
 
     fn value(&self, point: &Point, i: usize, at: &Conditions) -> f64 {
@@ -416,8 +443,9 @@ impl<'a> ForceProblem<'a> {
             row.push(force.gradient[ZERO]);
         }
         row.push(by_gain * gain / of_specimen);
-        row.extend(by_lengths);
-        row.push(force.gradient[LENGTH]);
+        let sd = self.specimen_lengths_sd_mm(self.data.specimen[i]);
+        row.extend(by_lengths.iter().zip(sd).map(|(slope, sd)| slope * sd));
+        row.push(force.gradient[LENGTH] * self.set_length_unit(i));
         row.push(force.gradient[ZERO]);
         let along = self.session_basis[i].iter().chain(&self.stroke_basis[i]);
         row.extend(along.map(|c| c * scale));
@@ -439,7 +467,6 @@ fn components(data: &Data, pooled: bool, strokes: usize) -> Vec<Component> {
         misfit,
     };
     let misfit = |scale: f64| component(Prior::HalfNormal(scale), scale, true, false, true);
-    let rounding = settings::ROUNDING_SD_MM;
     let scatter = |usual: f64, groups: usize| {
         let prior = Prior::HalfNormal(settings::LARGEST_SCATTER * usual);
         with_groups(component(prior, usual, false, true, false), groups)
@@ -456,8 +483,8 @@ fn components(data: &Data, pooled: bool, strokes: usize) -> Vec<Component> {
         scatter(settings::USUAL_GAIN, data.specimens.len()),
         scatter(settings::USUAL_SET_LENGTH_MM, sessions),
         scatter(settings::USUAL_ZERO_N, sessions),
-        component(Prior::Fixed(rounding), rounding, true, true, false),
-        component(Prior::Fixed(rounding), rounding, true, true, false),
+        component(Prior::Fixed(1.0), 1.0, true, true, false),
+        component(Prior::Fixed(1.0), 1.0, true, true, false),
         with_groups(misfit(settings::COMMON_MISFIT), data.specimens.len()),
         with_groups(misfit(settings::SESSION_MISFIT), sessions),
         pool(settings::USUAL_GAIN),
@@ -472,6 +499,7 @@ fn components(data: &Data, pooled: bool, strokes: usize) -> Vec<Component> {
             ),
             strokes,
         ),
+        component(Prior::Fixed(1.0), 1.0, false, true, false),
     ]
 }
 

@@ -322,7 +322,7 @@ impl Tally {
         let last = self.sources.len() - 1;
         let name = |k: usize| match k {
             component::GAIN | component::CAMPAIGN_GAIN => "specimen_gain",
-            component::SET_LENGTH => SET_LENGTH,
+            component::SET_LENGTH | component::DECLARED_LENGTH => SET_LENGTH,
             component::ZERO | component::CAMPAIGN_ZERO => "force_zero",
             component::REST_LENGTH | component::CONTRACTED_LENGTH => "specimen_lengths",
             component::SESSION_MISFIT => "session_misfit",

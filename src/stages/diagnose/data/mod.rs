@@ -48,6 +48,10 @@ pub struct Data {
     pub notes: Vec<String>,
     /// What each session's zero log shows of the pressure, kPa; not a number where there is none.
     pub zero_pressure_kpa: Vec<f64>,
+    /// Declared standard deviation of each session's set length, mm; not a number where none is declared.
+    pub set_length_sd_mm: Vec<f64>,
+    /// The same of each specimen's resting and contracted length.
+    pub specimen_lengths_sd_mm: Vec<[f64; 2]>,
 }
 
 impl Data {
@@ -101,6 +105,13 @@ impl Data {
         data.extras = extras::extras(rows, &data);
         data.extras.extend(extras::zero_unknown(rows, &data));
         data.zero_pressure_kpa = zero_pressures(rows, &data);
+        data.set_length_sd_mm = vec![f64::NAN; data.sessions.len()];
+        data.specimen_lengths_sd_mm = vec![[f64::NAN; 2]; data.specimens.len()];
+        for (i, r) in rows.iter().enumerate() {
+            data.set_length_sd_mm[data.session[i]] = 1e3 * r.length_sd_m;
+            data.specimen_lengths_sd_mm[data.specimen[i]] =
+                [r.rest_length_sd_m, r.contracted_length_sd_m].map(|sd| 1e3 * sd);
+        }
         data.note_what_is_missing(dates.len() > 1);
         let (labels, notes) = labels::labels(rows, &data);
         data.extras.extend(labels);
@@ -150,6 +161,8 @@ impl Data {
             missing: self.missing.clone(),
             notes: self.notes.clone(),
             zero_pressure_kpa: self.zero_pressure_kpa.clone(),
+            set_length_sd_mm: self.set_length_sd_mm.clone(),
+            specimen_lengths_sd_mm: self.specimen_lengths_sd_mm.clone(),
         }
     }
 
