@@ -35,5 +35,6 @@ pub const SMALLEST_NM: f64 = 0.05;
 pub const FEWEST_READINGS: usize = 8;
 /// Fewest readings after the joint turned either way, for friction to be asked for.
 pub const FEWEST_EACH_WAY: usize = 3;
-/// Share of the largest torque below which a reading may be of an actuator that is slack, where the rigid leg would not pull.
+/// Share of the largest torque below which a reading may be of an actuator that is slack, where the rigid leg would not pull; and the noise of a
+/// reading that may or may not be, which says no more than that.
 pub const NEAR_SLACK: f64 = 0.1;
