@@ -18,6 +18,18 @@ use bench::{digest, table};
 use pipeline::simulate::rig_like::Family;
 use std::path::Path;
 
+const USAGE: &str = "Simulates campaigns, asks the loop what is in them, and prints the table of docs/closed-loop.md.
+
+Usage: closed_loop [--published] [--short] [--seeds N] [--only WORDS] [--log FILE] [--digest]
+
+  --published    seeds and generator of the table, not those of the design
+  --short        a few seeds of every case: minutes instead of hours
+  --seeds N      seeds a case (20)
+  --only WORDS   cases whose names hold these words
+  --log FILE     keep every answer there, and go on from it where it was interrupted
+  --digest       only the digest of the answers to twelve fixed campaigns
+";
+
 fn main() -> std::io::Result<()> {
     let arguments: Vec<String> = std::env::args().collect();
     let given = |name: &str| arguments.iter().any(|a| a == name);
@@ -25,6 +37,10 @@ fn main() -> std::io::Result<()> {
         let place = arguments.iter().position(|a| a == name)?;
         arguments.get(place + 1)
     };
+    if given("--help") {
+        print!("{USAGE}");
+        return Ok(());
+    }
     let answers = digest::answers();
     if given("--digest") {
         println!("{}", digest::line(&answers));

@@ -121,6 +121,10 @@ pub enum HeldOutBy {
     SpecimenGroups,
     /// Each actuator of a joint in turn.
     Actuator,
+    /// Each test of a joint in turn: there is one actuator only.
+    Test,
+    /// Each stretch of the angle in turn: there is one actuator only, with few tests.
+    Stretch,
     /// Nothing: there is one specimen only.
     None,
 }

@@ -134,13 +134,7 @@ impl<'a> Unseen<'a> {
 
     /// The prediction of all readings below a node that took no part.
     pub fn predict(&self, node: usize) -> Predicted {
-        self.predict_where(node, |_| true)
-    }
-
-    /// The prediction of some of the readings below a node that took no part: those of one quantity, where a problem has several.
-    pub fn predict_where(&self, node: usize, keep: impl Fn(usize) -> bool) -> Predicted {
-        let mut places = self.below(node);
-        places.retain(|i| keep(*i));
+        let places = self.below(node);
         let errors: Vec<f64> = places.iter().map(|&i| self.error(i)).collect();
         let design = self.design(&places, &errors, &self.model.design.z);
         let variances = self.with_parameters();

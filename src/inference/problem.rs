@@ -104,13 +104,6 @@ pub trait Problem: Sync {
     /// How the terms that are not in the model would show at a point.
     fn directions(&self, point: &Point) -> Vec<Direction>;
 
-    /// How one term that is not in the model would show at a point: a problem may know a shorter way than to ask for all.
-    fn directions_of(&self, point: &Point, term: usize) -> Vec<Direction> {
-        let mut all = self.directions(point);
-        all.retain(|d| d.term == term);
-        all
-    }
-
     /// The coefficients where fits start, no terms, random effects 0.
     fn start(&self) -> Point {
         Point {

@@ -111,8 +111,9 @@ fn campaign_step(
         let description = Digest::of(&to_json(session)?);
         inputs.insert(format!("{} session.toml", result.id), description);
     }
+    let confidence = config.fit.confidence;
     let mut options = flatten("torque", &config.torque)?;
-    options.extend(flatten("diagnose", &config.diagnose)?);
+    options.insert("fit.confidence".to_owned(), confidence.to_string());
     engine.step(TORQUE, campaign, options, inputs, || {
         let measured: Vec<Measured> = members
             .iter()
@@ -123,7 +124,7 @@ fn campaign_step(
                 })
             })
             .collect::<Result<_>>()?;
-        let found = torque::torque(campaign, &measured, &config.torque, &config.diagnose);
+        let found = torque::torque(campaign, &measured, &config.torque, confidence);
         Ok(Outputs::from([(TORQUE_JSON.to_owned(), to_json(&found)?)]))
     })
 }

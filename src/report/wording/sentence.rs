@@ -237,6 +237,15 @@ fn worth(found: &CampaignFindings) -> Option<String> {
     (worth > 0.0).then(|| format!("{} {words}", measurement(best, &nouns(found))))
 }
 
+/// What is not said of a joint, because the mixed model is not fitted to torque; none where it was fitted.
+pub fn not_fitted(found: &CampaignFindings) -> Option<&'static str> {
+    let fitted = found.misfit.is_some() || !found.budget.is_empty() || !found.scatter.is_empty();
+    let absent = !fitted && found.verdict != Verdict::NotAssessed;
+    absent.then_some(
+        "The mixed model is not yet fitted to torque: budget, scatter and predictive intervals are not computed.",
+    )
+}
+
 /// `three readings of each session of a new specimen bring the error to 5.1 N`.
 fn few_readings(found: &CampaignFindings) -> Option<String> {
     let nouns = nouns(found);

@@ -522,7 +522,7 @@ fn weights(count: usize, length: f64) -> Vec<f64> {
 
 /// Cosines over a range that reaches a correlation length further than the readings at either end, because their slope is 0 at its ends
 /// (A. Solin and S. Sarkka, *Stat. Comput.* 30 (2020) 419).
-pub fn cosines(count: usize, x: f64, length: f64) -> Vec<f64> {
+fn cosines(count: usize, x: f64, length: f64) -> Vec<f64> {
     let range = 1.0 + 2.0 * length;
     let place = PI * (x + length) / range;
     let weights = weights(count, length / range);
@@ -753,8 +753,7 @@ impl ForceProblem<'_> {
     }
 }
 
-/// Cosine of the angle between two columns; 1 where one of them is nothing.
-pub fn cosine(a: &[f64], b: &[f64]) -> f64 {
+fn cosine(a: &[f64], b: &[f64]) -> f64 {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
     let norms = (dot(a, a) * dot(b, b)).sqrt();
     if norms > 0.0 { dot(a, b) / norms } else { 1.0 }

@@ -11,7 +11,9 @@
 //! | [`errors`] | errors of a test and model; how far measured eps* and arm are from the expected ones |
 //! | [`curve`] | what is expected over the range of the joint |
 //! | [`doubt`] | which tests their owner doubts |
-//! | [`diagnose`] | what the rigid leg lacks: the effects of the joint, and the length of the end fittings |
+//! | [`observation`] | what is not left out, with its leg and a prediction that carries derivatives, for fits |
+//! | [`fitting`] | the length of the end fittings as the torque itself has it, held out by actuator |
+//! | [`diagnose`] | what the rigid leg lacks: the effects of the joint |
 //! | [`tidy`] | all readings as one table |
 //! | [`reference`] | what needs no session: both methods for the arm, the linkage, the human muscles beside OpenSim, stress, design |
 //!
@@ -23,19 +25,21 @@ pub mod curve;
 pub mod diagnose;
 pub mod doubt;
 pub mod errors;
+pub mod fitting;
+pub mod observation;
 pub mod point;
 pub mod reference;
 pub mod tidy;
 
 use crate::base::row::Row;
 use crate::base::session::{Role, Session};
-use crate::config::{DiagnoseOptions, TorqueOptions};
+use crate::config::TorqueOptions;
 use crate::models::{ForceModel, published};
 use build::Build;
 use curve::Curve;
 use diagnose::JointDiagnosis;
-use diagnose::fittings::{self, FittingFit};
 use errors::{Errors, Hand};
+use fitting::FittingFit;
 use point::Point;
 use reference::arms::{Arms, of_leg};
 use serde::{Deserialize, Serialize};
@@ -169,7 +173,7 @@ pub fn torque(
     campaign: &str,
     measured: &[Measured],
     options: &TorqueOptions,
-    search: &DiagnoseOptions,
+    confidence: f64,
 ) -> CampaignTorque {
     let models = published();
     let mut found: Vec<(Build, Configuration)> = Vec::new();
@@ -201,13 +205,13 @@ pub fn torque(
             .then(b.rest_length_m.total_cmp(&a.rest_length_m))
             .then(a.id.cmp(&b.id))
     });
-    let fits = fittings::fits(&found, search.seed);
+    let fits = fitting::fits(&found, confidence);
     for (build, configuration) in &mut found {
-        let fitted = fittings::chosen(&fits, configuration);
+        let fitted = fitting::chosen(&fits, configuration);
         configuration.curve = curve::curve(build, configuration, fitted);
     }
     let simulated = measured.iter().any(|m| m.session.is_simulated());
-    let diagnoses = diagnose::diagnose(campaign, simulated, &found, search);
+    let diagnoses = diagnose::diagnose(campaign, simulated, &found, confidence);
     CampaignTorque {
         campaign: campaign.to_owned(),
         simulated,
