@@ -20,12 +20,13 @@ use std::path::Path;
 
 const USAGE: &str = "Simulates campaigns, asks the loop what is in them, and prints the table of docs/closed-loop.md.
 
-Usage: closed_loop [--published] [--short] [--seeds N] [--only WORDS] [--log FILE] [--digest]
+Usage: closed_loop [--published] [--short] [--seeds N] [--only WORDS] [--list] [--log FILE] [--digest]
 
   --published    seeds and generator of the table, not those of the design
   --short        a few seeds of every case: minutes instead of hours
   --seeds N      seeds a case (20)
   --only WORDS   cases whose names hold these words
+  --list         every campaign on a line of its own, as it is done
   --log FILE     keep every answer there, and go on from it where it was interrupted
   --digest       only the digest of the answers to twelve fixed campaigns
 ";

@@ -8,8 +8,9 @@
 //! | `muscle_length_sd_mm` | `[joint]` | the column `muscle_length`, measured by hand | 5 mm |
 //! | `moment_arm_sd_mm` | `[joint]` | the column `moment_arm`, measured by hand | 7 mm |
 //!
-//! All are optional. They are carried to the rows, and the residual search takes them for the standard deviations of the random effects. 0 is
-//! refused: no length is measured exactly, and a model that believes one to be would put its error down to something else.
+//! All are optional. They are carried to the rows, and the residual search of forces takes them for the standard deviations of the random
+//! effects; that of torques does not use the last two yet. 0 is refused: no length is measured exactly, and a model that believes one to be
+//! would put its error down to something else.
 
 use crate::base::session::Kind;
 use crate::base::toml_reader::{Entry, Section};

@@ -475,4 +475,18 @@ mod tests {
         assert_eq!(right.values.len(), 16);
         assert!(scatter_of(0.1).declared_contradicted);
     }
+
+    #[test]
+    fn a_session_that_declares_nothing_takes_back_nothing_of_its_specimen() {
+        let mut rows = rig_like::campaign(1, &rig_like::Settings::default()).rows;
+        let first = rows[0].clone();
+        let declaring = rows.iter_mut().filter(|r| r.session == first.session);
+        declaring.for_each(|r| r.rest_length_sd_m = 1e-4);
+        let rows: Vec<&Row> = rows.iter().collect();
+        let data = Data::new(&rows);
+        let place = data.specimens.iter().position(|s| *s == first.specimen);
+        let [rest, contracted] = data.specimen_lengths_sd_mm[place.unwrap()];
+        assert!((rest - 0.1).abs() < 1e-12);
+        assert!(contracted.is_nan());
+    }
 }

@@ -108,9 +108,12 @@ impl Data {
         data.set_length_sd_mm = vec![f64::NAN; data.sessions.len()];
         data.specimen_lengths_sd_mm = vec![[f64::NAN; 2]; data.specimens.len()];
         for (i, r) in rows.iter().enumerate() {
-            data.set_length_sd_mm[data.session[i]] = 1e3 * r.length_sd_m;
-            data.specimen_lengths_sd_mm[data.specimen[i]] =
-                [r.rest_length_sd_m, r.contracted_length_sd_m].map(|sd| 1e3 * sd);
+            // The smallest that any session declares; a session that declares none (not a number) takes nothing back.
+            let of_session = &mut data.set_length_sd_mm[data.session[i]];
+            *of_session = of_session.min(1e3 * r.length_sd_m);
+            let [rest, contracted] = &mut data.specimen_lengths_sd_mm[data.specimen[i]];
+            *rest = rest.min(1e3 * r.rest_length_sd_m);
+            *contracted = contracted.min(1e3 * r.contracted_length_sd_m);
         }
         data.note_what_is_missing(dates.len() > 1);
         let (labels, notes) = labels::labels(rows, &data);
