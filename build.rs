@@ -34,11 +34,15 @@ const STAGES: &[(&str, &[&str])] = &[
         "TORQUE",
         &[
             "base",
+            "effects",
+            "findings",
+            "inference",
             "knee",
             "models",
             "numerics",
+            "stages/diagnose",
+            "stages/fit",
             "stages/torque",
-            "findings",
         ],
     ),
     (

@@ -52,7 +52,7 @@ fn plan(args: &Places) -> Result<Plan> {
             "there are no usable sessions to plan for; --raw DIR says where they are, and `pipeline run` what is wrong with them".to_owned(),
         ));
     }
-    let jobs = jobs::all(&discovery, &options.fit);
+    let jobs = jobs::all(&discovery, &options);
     let places = export::Places {
         raw: args.raw.clone(),
         derived: args.derived.clone(),

@@ -82,6 +82,7 @@ impl Config {
             ),
             ("diagnose.most_readings", d.most_readings, 100, 100_000),
             ("diagnose.draws", d.draws, 19, 100_000),
+            ("diagnose.pooled_specimens", d.pooled_specimens, 0, 100),
         ];
         for (key, x, low, high) in counts {
             if !(low..=high).contains(&x) {

@@ -253,6 +253,9 @@ pub struct DiagnoseOptions {
     /// Smallest effect of interest, N (root mean square over the readings that it acts on): a smaller one is listed as negligible and
     /// changes no verdict.
     pub smallest_effect_n: f64,
+    /// All campaigns of one diameter are searched together as well, with a gain, a zero and a noise of each campaign, where they have at most so
+    /// many specimens; 0 for never.
+    pub pooled_specimens: usize,
     /// Seed of draws and of the shuffled column.
     pub seed: u64,
 }
@@ -267,6 +270,7 @@ impl Default for DiagnoseOptions {
             most_readings: 4000,
             draws: 199,
             smallest_effect_n: 0.5,
+            pooled_specimens: 12,
             seed: 1,
         }
     }

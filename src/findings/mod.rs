@@ -121,10 +121,6 @@ pub enum HeldOutBy {
     SpecimenGroups,
     /// Each actuator of a joint in turn.
     Actuator,
-    /// Each test of a joint in turn: there is one actuator only.
-    Test,
-    /// Each stretch of the angle in turn: there is one actuator only, with few tests.
-    Stretch,
     /// Nothing: there is one specimen only.
     None,
 }
@@ -403,7 +399,7 @@ pub struct UnitErrors {
 /// One source of the expected squared error on an unseen specimen.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BudgetEntry {
-    /// "set_length", "specimen_gain", "force_zero", "specimen_lengths", "session_misfit", "stroke_misfit", "estimation", "noise", …
+    /// "set_length", "specimen_gain", "force_zero", "specimen_lengths", "common_misfit", "session_misfit", "stroke_misfit", "estimation", "noise", …
     pub source: String,
     /// Mean variance, unit squared.
     pub variance: f64,

@@ -5,11 +5,11 @@
 //! | `rest_length_sd_mm` | `[specimen]` | `rest_length_mm` | 0.29 mm: rounded to 1 mm |
 //! | `contracted_length_sd_mm` | `[specimen]` | `contracted_length_mm` | 0.29 mm: rounded to 1 mm |
 //! | `length_sd_mm` | `[setup]` | the length that was held, as `length_mm` or in a column | estimated from the readings |
-//! | `muscle_length_sd_mm` | `[joint]` | the column `muscle_length`, measured by hand | 5 mm |
-//! | `moment_arm_sd_mm` | `[joint]` | the column `moment_arm`, measured by hand | 7 mm |
+//! | `muscle_length_sd_mm` | `[joint]` | the column `muscle_length`, measured by hand | estimated; 5 mm where there are few |
+//! | `moment_arm_sd_mm` | `[joint]` | the column `moment_arm`, measured by hand | estimated; 7 mm where there are few |
 //!
-//! All are optional. They are carried to the rows, and the residual search of forces takes them for the standard deviations of the random
-//! effects; that of torques does not use the last two yet. 0 is refused: no length is measured exactly, and a model that believes one to be
+//! All are optional. They are carried to the rows, and the residual search takes them for the standard deviations of the random effects, and of the
+//! noise of what was measured by hand. 0 is refused: no length is measured exactly, and a model that believes one to be
 //! would put its error down to something else.
 
 use crate::base::session::Kind;

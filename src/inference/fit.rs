@@ -7,8 +7,10 @@
 
 use crate::gram::{Design, Gram, Square};
 use crate::problem::{Component, Linearised, Point, Problem};
-use crate::system::{Factor, Likelihood, Posterior, Variances};
+use crate::system::{Factor, Likelihood, Posterior, Variances, dot};
 use crate::variance::{Effort, Maximiser, Maximum, Prior, Scale};
+use pipeline_numerics::cholesky::Cholesky;
+use pipeline_numerics::matrix::Matrix;
 
 /// Most outer iterations.
 const MOST_ITERATIONS: usize = 24;
@@ -108,7 +110,9 @@ impl<'a> Setting<'a> {
                     Prior::Fixed(0.0)
                 };
             }
-            if let (true, Prior::Free | Prior::HalfNormal(_)) = (self.at_usual, scale.prior) {
+            if let (true, Prior::Free | Prior::HalfNormal(_) | Prior::Away(_)) =
+                (self.at_usual, scale.prior)
+            {
                 scale.prior = Prior::Fixed(scale.usual);
             }
             scale
@@ -152,7 +156,7 @@ impl<'a> Setting<'a> {
     }
 
     /// Variances from which a fit with this setting starts: none so small that it cannot grow again.
-    fn widened(&self, from: &Variances) -> Variances {
+    pub fn widened(&self, from: &Variances) -> Variances {
         let mut wide = from.clone();
         for (value, scale) in wide.components.iter_mut().zip(self.scales()) {
             *value = match scale.prior {
@@ -192,12 +196,15 @@ impl<'a> Setting<'a> {
             let converged = stayed > 1 || (stayed == 1 && settled);
             if (converged && settled) || iteration >= MOST_ITERATIONS {
                 let at_bound = self.at_bound(&point);
+                let covariance =
+                    Factor::new(&design.tree, &gram, &maximum.variances).fixed_covariance();
                 let mut last = point.clone();
                 last.random = posterior.random;
                 return Fitted {
                     point: last,
+                    log_likelihood: maximum.log_likelihood
+                        - short_of(&covariance, &posterior.fixed),
                     variances: maximum.variances,
-                    log_likelihood: maximum.log_likelihood,
                     design,
                     gram,
                     free,
@@ -216,7 +223,7 @@ impl<'a> Setting<'a> {
                 &maximum.variances,
                 longest,
             );
-            let small = self.small(&design, &gram, &maximum.variances, &moved.taken);
+            let small = self.small(&design, &gram, &maximum.variances, &posterior.fixed);
             stayed = if small { stayed + 1 } else { 0 };
             held.extend(moved.stopped);
             point = moved.point;
@@ -348,21 +355,24 @@ impl<'a> Setting<'a> {
         variances: &Variances,
         longest: f64,
     ) -> Moved {
-        // Where it starts, the random effects are those that go with the new variances: otherwise their penalty alone would decide.
-        let mut start = point.clone();
-        start.random = posterior.random.clone();
-        let here = self
-            .objective(point, linear, variances)
-            .min(self.objective(&start, linear, variances));
+        // New variances may punish the old random effects so much that any step would do, or favour the new ones so much that none that keeps
+        // part of the old ones does: the step starts from the better of both. The estimates are the minimum of a convex function, downhill
+        // from either.
+        let mut renewed = point.clone();
+        renewed.random.clone_from(&posterior.random);
+        let [old, new] = [point, &renewed].map(|p| self.objective(p, linear, variances));
+        let (from, here) = if new < old {
+            (&renewed, new)
+        } else {
+            (point, old)
+        };
         let mut length = longest;
         loop {
-            let (next, stopped) = self.moved(point, free, posterior, length);
+            let (next, stopped) = self.moved(from, free, posterior, length);
             let value = self.objective(&next, linear, variances);
             if (value.is_finite() && value <= here * (1.0 + 1e-9)) || length <= SHORTEST {
-                let taken = posterior.fixed.iter().map(|d| d * length).collect();
                 return Moved {
                     point: next,
-                    taken,
                     stopped,
                 };
             }
@@ -404,11 +414,11 @@ impl<'a> Setting<'a> {
         (next, stopped)
     }
 
-    /// Whether a step is small against the standard errors.
-    fn small(&self, design: &Design, gram: &Gram, variances: &Variances, taken: &[f64]) -> bool {
+    /// Whether a step is small against the standard errors; the whole step to the estimates, however much of it is taken.
+    fn small(&self, design: &Design, gram: &Gram, variances: &Variances, step: &[f64]) -> bool {
         let covariance = Factor::new(&design.tree, gram, variances).fixed_covariance();
         let is_small = |(k, d): (usize, &f64)| d.abs() <= CONVERGED * covariance.at(k, k).sqrt();
-        taken.iter().enumerate().all(is_small)
+        step.iter().enumerate().all(is_small)
     }
 
     fn at_bound(&self, point: &Point) -> Vec<bool> {
@@ -422,8 +432,22 @@ impl<'a> Setting<'a> {
 
 struct Moved {
     point: Point,
-    taken: Vec<f64>,
     stopped: Vec<Free>,
+}
+
+/// By how much the log-likelihood at a point is below that of its linear model, whose estimates are `step` away: nothing at a fixed point.
+fn short_of(covariance: &Square, step: &[f64]) -> f64 {
+    let n = step.len();
+    if n == 0 {
+        return 0.0;
+    }
+    let mut matrix = Matrix::zeros(n, n);
+    for j in 0..n {
+        for (i, x) in matrix.column_mut(j).iter_mut().enumerate() {
+            *x = covariance.at(i, j);
+        }
+    }
+    0.5 * dot(step, &Cholesky::new(&matrix).solve(step))
 }
 
 fn column<'l>(point: &Point, linear: &'l Linearised, free: Free) -> &'l [f64] {
@@ -454,11 +478,36 @@ impl Fitted {
         found.map(|(_, values)| values.as_slice())
     }
 
+    /// Where a fit without some groups starts: their random effects are 0.
+    pub fn cleared(&self, setting: &Setting) -> Point {
+        let tree = setting.problem.tree();
+        let mut point = self.point.clone();
+        for node in (0..tree.len()).filter(|n| !setting.active[*n]) {
+            let first = tree.first_column(node);
+            point.random[first..first + tree.width(node)].fill(0.0);
+        }
+        point
+    }
+
     /// Variances by the restricted likelihood, from those of the full one.
     pub fn restricted(&self, setting: &Setting) -> Variances {
-        let scales = setting.scales();
+        self.estimated(setting, &setting.scales())
+    }
+
+    /// The same for draws and predictions: how groups of their own differ is never estimated as nothing ([`Prior::Away`]).
+    pub fn predictive(&self, setting: &Setting) -> Variances {
+        let mut scales = setting.scales();
+        for (scale, component) in scales.iter_mut().zip(setting.problem.components()) {
+            if let (true, Prior::HalfNormal(s)) = (component.calibrates, scale.prior) {
+                scale.prior = Prior::Away(s);
+            }
+        }
+        self.estimated(setting, &scales)
+    }
+
+    fn estimated(&self, setting: &Setting, scales: &[Scale]) -> Variances {
         setting
-            .maximiser(&scales, Likelihood::Restricted)
+            .maximiser(scales, Likelihood::Restricted)
             .maximise(&self.gram, &self.variances, Effort::FULL)
             .variances
     }

@@ -41,7 +41,7 @@ pub struct Predicted {
 impl<'a> Unseen<'a> {
     /// The predictions of a model.
     pub fn new(setting: &'a Setting<'a>, model: &'a Fitted) -> Self {
-        let variances = model.restricted(setting);
+        let variances = model.predictive(setting);
         let posterior = Factor::new(&model.design.tree, &model.gram, &variances)
             .posterior(Likelihood::Restricted);
         let width = model.design.tree.width(0);
@@ -134,7 +134,13 @@ impl<'a> Unseen<'a> {
 
     /// The prediction of all readings below a node that took no part.
     pub fn predict(&self, node: usize) -> Predicted {
-        let places = self.below(node);
+        self.predict_where(node, |_| true)
+    }
+
+    /// The prediction of some of the readings below a node that took no part: those of one quantity, where a problem has several.
+    pub fn predict_where(&self, node: usize, keep: impl Fn(usize) -> bool) -> Predicted {
+        let mut places = self.below(node);
+        places.retain(|i| keep(*i));
         let errors: Vec<f64> = places.iter().map(|&i| self.error(i)).collect();
         let design = self.design(&places, &errors, &self.model.design.z);
         let variances = self.with_parameters();

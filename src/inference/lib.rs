@@ -15,6 +15,7 @@
 //! | [`statistic`], [`screen`] | what may be added, and how improbable the strongest candidate is: a bootstrap of the maximum |
 //! | [`search`] | forward, deletions, swaps; what does as well in the place of what was found |
 //! | [`profile`] | intervals |
+//! | [`query`] | of a fitted model: what a component gains and its interval, estimates by group, what rests on the misfit's prior |
 //! | [`heldout`] | predictive density, budget, and errors after a few readings of groups that took no part |
 //!
 //! Architecture invariant: nothing here knows force or torque, session or actuator, reads or writes, or makes a sentence. Random numbers come from the
@@ -27,6 +28,7 @@ pub mod gram;
 pub mod heldout;
 pub mod problem;
 pub mod profile;
+pub mod query;
 pub mod screen;
 pub mod search;
 pub mod statistic;

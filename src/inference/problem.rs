@@ -42,6 +42,9 @@ pub struct Term {
     pub bounds: Vec<(f64, f64)>,
     /// How many of the values are amplitudes.
     pub amplitudes: usize,
+    /// Up to which size its amplitudes are usual; infinite where nobody knows. Of models that explain alike the one with the more usual sizes is
+    /// chosen; no test depends on it.
+    pub usual: f64,
 }
 
 /// A way in which a term shows: the change of the predictions for unit amplitude.
@@ -103,6 +106,13 @@ pub trait Problem: Sync {
     fn linearise(&self, point: &Point) -> Linearised;
     /// How the terms that are not in the model would show at a point.
     fn directions(&self, point: &Point) -> Vec<Direction>;
+
+    /// How one term that is not in the model would show at a point: a problem may know a shorter way than to ask for all.
+    fn directions_of(&self, point: &Point, term: usize) -> Vec<Direction> {
+        let mut all = self.directions(point);
+        all.retain(|d| d.term == term);
+        all
+    }
 
     /// The coefficients where fits start, no terms, random effects 0.
     fn start(&self) -> Point {

@@ -7,7 +7,7 @@
 use crate::fit::{Fitted, Setting};
 use crate::gram::Gram;
 use crate::screen::{Normal, draw};
-use crate::system::{Likelihood, Variances};
+use crate::system::Likelihood;
 use crate::variance::Effort;
 use rayon::prelude::*;
 
@@ -124,20 +124,27 @@ impl<'a> Along<'a> {
             pinned: setting.sums(&design),
             best: 0.0,
         };
-        along.best = along.ascend(&model.gram, &model.variances);
+        along.best = along.ascend(&model.gram);
         along
     }
 
-    fn ascend(&self, gram: &Gram, from: &Variances) -> f64 {
+    /// The likelihood with the variances estimated again: from those of the model, and from wider ones, because a component that has faded to
+    /// nothing does not grow by itself where the value moves away from its estimate.
+    fn ascend(&self, gram: &Gram) -> f64 {
         let scales = self.setting.scales();
         let maximiser = self.setting.maximiser(&scales, Likelihood::Full);
         let effort = Effort {
             evaluations: 10,
             tolerance: 1e-3,
         };
-        maximiser
-            .maximise_with(gram, from, effort, Some(&self.model.inverse))
-            .log_likelihood
+        let own = &self.model.variances;
+        let near = maximiser.maximise_with(gram, own, effort, Some(&self.model.inverse));
+        let wide = self.setting.widened(own);
+        if wide == *own {
+            return near.log_likelihood;
+        }
+        let far = maximiser.maximise(gram, &wide, effort);
+        near.log_likelihood.max(far.log_likelihood)
     }
 
     /// The likelihood with the value held.
@@ -158,7 +165,7 @@ impl<'a> Along<'a> {
             .zip(there.iter().zip(&here))
             .map(|(y, (a, b))| y - (a - b))
             .collect();
-        self.ascend(&self.respond(&y), &self.model.variances)
+        self.ascend(&self.respond(&y))
     }
 
     fn respond(&self, y: &[f64]) -> Gram {
@@ -169,7 +176,7 @@ impl<'a> Along<'a> {
 
     /// Mean of the likelihood ratio of the true value in draws from the model; at least 1.
     fn stretch(&self, normal: &Normal) -> f64 {
-        let variances = self.model.restricted(self.setting);
+        let variances = self.model.predictive(self.setting);
         let ratios: Vec<f64> = (0..DRAWS)
             .into_par_iter()
             .map(|k| {
@@ -178,8 +185,8 @@ impl<'a> Along<'a> {
                     .model
                     .design
                     .with_response_of(&self.model.gram, &[], &y);
-                let best = self.ascend(&free, &self.model.variances);
-                let pinned = self.ascend(&self.respond(&y), &self.model.variances);
+                let best = self.ascend(&free);
+                let pinned = self.ascend(&self.respond(&y));
                 (2.0 * (best - pinned)).max(0.0)
             })
             .collect();

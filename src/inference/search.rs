@@ -66,6 +66,8 @@ const PROMISED: f64 = 0.8;
 const WORTH_A_SWAP: f64 = 0.1;
 /// How often a better optimum of the model without a further term is taken up.
 const MOST_BETTER: usize = 3;
+/// Most choices of forms that are built anew.
+const MOST_CHOICES: usize = 8;
 
 /// A problem's search.
 pub struct Search<'a> {
@@ -84,6 +86,27 @@ struct Next {
     p: f64,
 }
 
+/// When a candidate is tested against draws from its own model as well as against those from the null.
+#[derive(Clone, Copy)]
+enum Drawn {
+    /// Where the draws that were given, of another model of this kind, do not decide by far.
+    IfDoubtful,
+    /// Where that could change the answer in a design with many groups.
+    IfClose,
+    /// Wherever the null's draws do not make it improbable enough by far.
+    Always,
+}
+
+/// How terms come in.
+#[derive(Clone, Copy)]
+struct Way {
+    drawn: Drawn,
+    /// Whether only terms with names do.
+    named_only: bool,
+    /// What each amplitude beyond the first has to gain for a term to be preferred to one without it.
+    of_amplitude: f64,
+}
+
 /// What a step of the search came to.
 enum Step {
     /// A term came in.
@@ -97,13 +120,80 @@ enum Step {
 impl Search<'_> {
     /// Searches from a fitted null. `known` are draws of the same design, which stand for draws from this null.
     pub fn run(&self, null: Fitted, normal: &Normal, known: Option<&[f64]>) -> Found {
+        let mut found = self.begun(null, normal, known);
+        let way = Way {
+            drawn: known.map_or(Drawn::IfClose, |_| Drawn::IfDoubtful),
+            named_only: false,
+            of_amplitude: 0.0,
+        };
+        self.forward(&mut found, normal, way, self.decision.most_terms);
+        self.tidy(&mut found, way);
+        found
+    }
+
+    /// The same, with exchanges after every step: the model is built anew with every choice of forms, because the first form to come in may lead
+    /// the others to another optimum. Where a term without a name came in, the terms with names
+    /// are also tried by themselves first: a flexible curve beside half of what is there must not stand for the other half. Further terms are
+    /// tested against draws from the model itself: with a handful of groups, what is between groups in the null model makes its draws wilder
+    /// than those of a model that explains it. A term with several amplitudes has to be worth each of them. For problems whose fits are cheap.
+    pub fn run_exchanging(&self, null: Fitted, normal: &Normal, known: Option<&[f64]>) -> Found {
+        let begun = self.begun(null, normal, known);
+        let way = |named_only| Way {
+            drawn: known.map_or(Drawn::Always, |_| Drawn::IfDoubtful),
+            named_only,
+            of_amplitude: self.decision.alike,
+        };
+        let mut found = self.grown(begun.clone(), normal, way(false));
+        let is_named = |a: &Accepted| self.setting.problem.terms()[a.term].named;
+        if !found.accepted.iter().all(is_named) {
+            let named = self.grown(begun, normal, way(true));
+            let named = self.grown(named, normal, way(false));
+            if named.model.log_likelihood > found.model.log_likelihood - self.decision.alike {
+                found = named;
+            }
+        }
+        self.tidy(&mut found, way(false));
+        found
+    }
+
+    /// Terms come in one by one, with exchanges after each.
+    fn grown(&self, mut found: Found, normal: &Normal, way: Way) -> Found {
+        loop {
+            let before = found.accepted.len();
+            self.forward(
+                &mut found,
+                normal,
+                way,
+                (before + 1).min(self.decision.most_terms),
+            );
+            if found.accepted.len() == before {
+                return found;
+            }
+            self.exchange(&mut found);
+        }
+    }
+
+    /// The candidates beside a model.
+    fn screen<'s>(&self, setting: &'s Setting<'s>, model: &'s Fitted, way: Way) -> Screen<'s> {
+        let mut screen = Screen::new(setting, model);
+        if way.named_only {
+            let terms = setting.problem.terms();
+            let mut directions = std::mem::take(&mut screen.directions);
+            directions.retain(|d| terms[d.term].named);
+            screen = Screen::of(setting, model, directions);
+        }
+        screen
+    }
+
+    /// The null with its candidates and draws.
+    fn begun(&self, null: Fitted, normal: &Normal, known: Option<&[f64]>) -> Found {
         let screen = Screen::new(self.setting, &null);
         let shown = screen.shown(2 * Screen::refined_in_draws());
         let draws = known.map_or_else(
             || screen.draws(self.decision.draws, normal),
             <[f64]>::to_vec,
         );
-        let mut found = Found {
+        Found {
             critical: critical(&draws, self.decision.level),
             tested: shown
                 .iter()
@@ -113,11 +203,92 @@ impl Search<'_> {
             null: null.clone(),
             accepted: Vec::new(),
             draws,
+        }
+    }
+
+    /// Builds the model anew with every choice of forms of what was found, and takes the best, if it gains.
+    fn exchange(&self, found: &mut Found) {
+        let problem = self.setting.problem;
+        let mut best: Option<(Vec<usize>, Fitted)> = None;
+        for choice in self.choices(found) {
+            let Some(fit) = self.rebuilt(&choice) else {
+                continue;
+            };
+            let least = best
+                .as_ref()
+                .map_or(self.weighed(&found.model) + WORTH_A_SWAP, |(_, best)| {
+                    self.weighed(best)
+                });
+            let inside = fit
+                .point
+                .terms
+                .iter()
+                .all(|(t, _)| self.is_inside(&fit, *t));
+            if inside && self.weighed(&fit) > least {
+                best = Some((choice, fit));
+            }
+        }
+        let Some((choice, fit)) = best else {
+            return;
         };
-        drop(screen);
+        for accepted in &mut found.accepted {
+            let kind = problem.terms()[accepted.term].kind;
+            let chosen = choice.iter().find(|t| problem.terms()[**t].kind == kind);
+            accepted.term = chosen.copied().unwrap_or(accepted.term);
+        }
+        found.model = fit;
+    }
+
+    /// Every choice of one form for each kind that was found, in the order in which the kinds came in.
+    fn choices(&self, found: &Found) -> Vec<Vec<usize>> {
+        let terms = self.setting.problem.terms();
+        let mut choices: Vec<Vec<usize>> = vec![Vec::new()];
+        for accepted in &found.accepted {
+            let kind = terms[accepted.term].kind;
+            let forms: Vec<usize> = (0..terms.len())
+                .filter(|t| terms[*t].kind == kind)
+                .collect();
+            // Of what has no name, or would be one too many, the form that came in.
+            let is_named = terms[accepted.term].named;
+            let forms = if !is_named || choices.len() * forms.len() > MOST_CHOICES {
+                vec![accepted.term]
+            } else {
+                forms
+            };
+            let with = |c: &Vec<usize>| -> Vec<Vec<usize>> {
+                let added = forms
+                    .iter()
+                    .map(|f| c.iter().copied().chain([*f]).collect());
+                added.collect()
+            };
+            choices = choices.iter().flat_map(with).collect();
+        }
+        choices
+    }
+
+    /// A model of some terms that come in one after the other, each from what its direction shows; none where one of them shows nothing.
+    fn rebuilt(&self, terms: &[usize]) -> Option<Fitted> {
+        let usual = self.setting.usual();
+        let mut model = usual.fit(&self.setting.problem.start(), &usual.fresh()[..1]);
+        for term in terms {
+            let directions = self.setting.problem.directions_of(&model.point, *term);
+            let screen = Screen::of(self.setting, &model, directions);
+            let shown = screen.shown(0).into_iter().next()?;
+            let direction = &screen.directions[shown.direction];
+            let mut from = model.point.clone();
+            from.terms
+                .push((*term, scaled(&direction.start, &shown.estimate)));
+            drop(screen);
+            model = self.setting.fit_afresh(&from);
+        }
+        Some(model)
+    }
+
+    /// Terms come in until none is improbable enough, or there are so many.
+    fn forward(&self, found: &mut Found, normal: &Normal, way: Way, most: usize) {
         let mut better = 0;
-        while found.accepted.len() < self.decision.most_terms {
-            let next = match self.next(&mut found, normal, known.is_none()) {
+        while found.accepted.len() < most {
+            let next = match self.next(found, normal, way) {
                 Step::Accepted(next) => *next,
                 Step::BetterBase if better < MOST_BETTER => {
                     better += 1;
@@ -133,23 +304,25 @@ impl Search<'_> {
             });
             found.model = next.fitted;
         }
-        self.tidy(&mut found);
-        found
     }
 
     /// The candidate that comes in next, or none. A model to which a better null belongs replaces it.
-    fn next(&self, found: &mut Found, normal: &Normal, again: bool) -> Step {
+    fn next(&self, found: &mut Found, normal: &Normal, way: Way) -> Step {
         let model = found.model.clone();
-        let screen = Screen::new(self.setting, &model);
+        let screen = self.screen(self.setting, &model, way);
         let shown = screen.shown(2 * Screen::refined_in_draws());
         let first = shown.first().map_or(f64::NEG_INFINITY, Shown::deviate);
         let mut draws = found.draws.clone();
         let close = (CLOSE.0 * self.decision.level, CLOSE.1 * self.decision.level);
         let p = upper_tail(&draws, first);
-        let is_close = p > close.0 && p < close.1;
-        // Draws of more groups than there are here have lighter tails: they decide what is clear, no more.
-        let is_doubtful = first >= found.critical && first < CLEAR * found.critical;
-        if (again && !found.accepted.is_empty() && is_close) || (!again && is_doubtful) {
+        let is_first = found.accepted.is_empty();
+        let redrawn = match way.drawn {
+            // Draws of more groups than there are here have lighter tails: they decide what is clear, no more.
+            Drawn::IfDoubtful => first >= found.critical && first < CLEAR * found.critical,
+            Drawn::IfClose => !is_first && p > close.0 && p < close.1,
+            Drawn::Always => !is_first && p > close.0,
+        };
+        if redrawn {
             draws = screen.draws(self.decision.draws, normal);
         }
         let limit = critical(&draws, self.decision.level);
@@ -158,9 +331,9 @@ impl Search<'_> {
             fits.extend(self.fits(&screen, &model, &shown));
         }
         if self.decision.thorough && (found.accepted.is_empty() || fits.is_empty()) {
-            fits.extend(self.fits_afresh(&model));
+            fits.extend(self.fits_afresh(&model, way));
         }
-        let Some((fitted, term)) = self.preferred(&fits) else {
+        let Some((fitted, term)) = self.preferred(&fits, way) else {
             return Step::Nothing;
         };
         let without = self.altered(&fitted, term, None);
@@ -210,12 +383,12 @@ impl Search<'_> {
 
     /// Fits of the terms that gain most beside a model whose components have their usual sizes: where a law is far off, scatter and misfit have
     /// taken the place of what it lacks, and the directions there no longer show it.
-    fn fits_afresh(&self, model: &Fitted) -> Vec<(Fitted, usize)> {
+    fn fits_afresh(&self, model: &Fitted, way: Way) -> Vec<(Fitted, usize)> {
         let usual = self.setting.usual();
         let mut from = self.setting.problem.start();
         from.terms.clone_from(&model.point.terms);
         let bare = usual.fit(&from, &usual.fresh()[..1]);
-        let screen = Screen::new(&usual, &bare);
+        let screen = self.screen(&usual, &bare, way);
         let shown = screen.shown(2 * FITTED);
         let mut kinds = Vec::new();
         let mut starts = Vec::new();
@@ -261,15 +434,35 @@ impl Search<'_> {
         fits
     }
 
+    /// The log-likelihood of a fit, less what the amplitudes of a term have to be worth and what unusual sizes cost.
+    fn worth(&self, fitted: &Fitted, term: usize, way: Way) -> f64 {
+        let more = self.setting.problem.terms()[term]
+            .amplitudes
+            .saturating_sub(1);
+        self.weighed(fitted) - way.of_amplitude * more as f64
+    }
+
+    /// The log-likelihood of a fit with the prior of the sizes of its terms: normal, with the usual size as standard deviation.
+    fn weighed(&self, fitted: &Fitted) -> f64 {
+        let terms = self.setting.problem.terms();
+        let cost = |(term, values): &(usize, Vec<f64>)| -> f64 {
+            let own = &terms[*term];
+            let amplitudes = values.iter().take(own.amplitudes);
+            amplitudes.map(|a| 0.5 * (a / own.usual).powi(2)).sum()
+        };
+        fitted.log_likelihood - fitted.point.terms.iter().map(cost).sum::<f64>()
+    }
+
     /// The best of some fits, by the last term of each; a term with a name before one without where both are alike.
-    fn preferred(&self, fits: &[(Fitted, usize)]) -> Option<(Fitted, usize)> {
+    fn preferred(&self, fits: &[(Fitted, usize)], way: Way) -> Option<(Fitted, usize)> {
         let problem = self.setting.problem;
+        let worth = |(f, t): &(Fitted, usize)| self.worth(f, *t, way);
         let inside = || fits.iter().filter(|(f, t)| self.is_inside(f, *t));
-        let best = best_fit(inside())?;
+        let best_of = |a: &&(Fitted, usize), b: &&(Fitted, usize)| worth(a).total_cmp(&worth(b));
+        let best = inside().max_by(best_of)?;
         let named = inside().filter(|(_, t)| problem.terms()[*t].named);
-        let alike =
-            |n: &&(Fitted, usize)| n.0.log_likelihood > best.0.log_likelihood - self.decision.alike;
-        Some(best_fit(named).filter(alike).unwrap_or(best).clone())
+        let alike = |n: &&(Fitted, usize)| worth(n) > worth(best) - self.decision.alike;
+        Some(named.max_by(best_of).filter(alike).unwrap_or(best).clone())
     }
 
     /// Whether the amplitudes of a term lie within their bounds: at the edge of what is possible there is no estimate.
@@ -297,7 +490,7 @@ impl Search<'_> {
     }
 
     /// Deletions and swaps, and the alternatives to every term.
-    fn tidy(&self, found: &mut Found) {
+    fn tidy(&self, found: &mut Found, way: Way) {
         let mut place = 0;
         let mut swaps = found.accepted.len();
         while place < found.accepted.len() {
@@ -317,11 +510,13 @@ impl Search<'_> {
             } else {
                 Vec::new()
             };
+            let own = self.worth(&found.model, term, way);
             let better = others
                 .iter()
-                .filter(|(_, f)| f.log_likelihood > found.model.log_likelihood + WORTH_A_SWAP)
-                .max_by(|a, b| a.1.log_likelihood.total_cmp(&b.1.log_likelihood));
-            if let (Some((other, fit)), true) = (better, swaps > 0) {
+                .map(|(t, f)| (self.worth(f, *t, way), t, f))
+                .filter(|(worth, ..)| *worth > own + WORTH_A_SWAP)
+                .max_by(|a, b| a.0.total_cmp(&b.0));
+            if let (Some((_, other, fit)), true) = (better, swaps > 0) {
                 swaps -= 1;
                 found.accepted[place].term = *other;
                 found.model = fit.clone();
@@ -373,10 +568,6 @@ impl Search<'_> {
         }
         fits
     }
-}
-
-fn best_fit<'f>(fits: impl Iterator<Item = &'f (Fitted, usize)>) -> Option<&'f (Fitted, usize)> {
-    fits.max_by(|a, b| a.0.log_likelihood.total_cmp(&b.0.log_likelihood))
 }
 
 /// The start of a term: each amplitude times its estimate, the shape as it is.

@@ -9,6 +9,8 @@
 //!
 //! What is loose (knots, bolts in their holes, a tendon that straightens) gives way at once and then no more: besides F/k it takes s F/(F + 100 N).
 //!
+//! Attachments may also be elsewhere than drawn, whatever pulls ([`Series::shifted`]).
+//!
 //! Compliances (m/N) stand for stiffnesses throughout: a rigid part has none, and fits start there. Every one of them may carry derivatives
 //! `R`, and the balance passes them on (theorem of implicit functions, as in [`crate::effects`]).
 
@@ -46,6 +48,8 @@ pub struct Series<R> {
     pub origin: Option<Bracket<R>>,
     /// The bracket at the insertion, if it yields.
     pub insertion: Option<Bracket<R>>,
+    /// By how much origin (in the femur's frame) and insertion (in the tibia's) are elsewhere than drawn before anything pulls, m.
+    pub shifted: [Point<R>; 2],
 }
 
 /// Force that takes up half of what is loose, N.
@@ -58,7 +62,9 @@ impl<R: Real> Series<R> {
         if self.loose.is_constant() && self.loose.value() == 0.0 {
             return stretched;
         }
-        stretched + self.loose * (force / (force + HALF_TAKEN_UP_N))
+        // Odd in the force: a law of force that is not cut off where it is negative may push.
+        let size = if force.value() < 0.0 { -force } else { force };
+        stretched + self.loose * (force / (size + HALF_TAKEN_UP_N))
     }
 
     /// Nothing yields.
@@ -68,7 +74,14 @@ impl<R: Real> Series<R> {
             loose: R::constant(0.0),
             origin: None,
             insertion: None,
+            shifted: [[R::constant(0.0); 3]; 2],
         }
+    }
+
+    /// The ends as they are before anything pulls.
+    fn ends(&self) -> Yield<R> {
+        let [origin, insertion] = self.shifted;
+        Yield { origin, insertion }
     }
 }
 
@@ -168,7 +181,7 @@ impl Leg<'_> {
         let yielding = self.yielding(&plain, angle)?;
         let pulled = |force: f64| -> Result<Dual<1>, Beyond> {
             let force = Dual::<1>::variable(force, 0);
-            let (path, _) = self.loaded(&yielding, force, angle)?;
+            let (path, _) = self.loaded(&plain, &yielding, force, angle)?;
             Ok(plain_pull(path - plain.stretch(force)))
         };
         let Some((force, slope)) = solve(pulled)? else {
@@ -176,10 +189,10 @@ impl Leg<'_> {
         };
         let yielding = self.yielding(series, angle)?;
         let held = R::constant(force);
-        let (path, _) = self.loaded(&yielding, held, angle)?;
+        let (path, _) = self.loaded(series, &yielding, held, angle)?;
         let at_held = pull(path - series.stretch(held));
         let force = at_held.chain(force, 1.0 / slope);
-        let (path_length, arm) = self.loaded(&yielding, force, angle)?;
+        let (path_length, arm) = self.loaded(series, &yielding, force, angle)?;
         Ok(Some(Balance {
             force,
             path_length,
@@ -189,7 +202,7 @@ impl Leg<'_> {
         }))
     }
 
-    /// [`Leg::balanced`] where no attachment yields: the path stays where it is.
+    /// [`Leg::balanced`] where no attachment yields to the force: the path stays where it is.
     fn balanced_along<R: Real>(
         &self,
         series: &Series<R>,
@@ -197,21 +210,21 @@ impl Leg<'_> {
         plain_pull: impl Fn(Dual<1>) -> Dual<1>,
         pull: impl Fn(R) -> R,
     ) -> Result<Option<Balance<R>>, Beyond> {
-        let path = self.path(angle, Yield::<f64>::none())?;
+        let path = self.path(angle, series.ends())?;
         let (length, arm) = (path.length(), path.arm());
         let plain = series.map(R::value).map(Dual::<1>::constant);
         let nothing = |r: R| r.is_constant() && r.value() == 0.0;
         let force = if nothing(series.axial) && nothing(series.loose) {
-            pull(R::constant(length))
+            pull(length)
         } else {
             let stretched = |force: f64| {
                 let force = Dual::<1>::variable(force, 0);
-                Ok(plain_pull(-plain.stretch(force) + length))
+                Ok(plain_pull(-plain.stretch(force) + length.value()))
             };
             let Some((force, slope)) = solve(stretched)? else {
                 return Ok(None);
             };
-            let at_held = pull(-series.stretch(R::constant(force)) + length);
+            let at_held = pull(length - series.stretch(R::constant(force)));
             at_held.chain(force, 1.0 / slope)
         };
         if !force.value().is_finite() {
@@ -219,16 +232,16 @@ impl Leg<'_> {
         }
         Ok(Some(Balance {
             force,
-            path_length: R::constant(length),
-            actuator_length: -series.stretch(force) + length,
-            arm: R::constant(arm),
+            path_length: length,
+            actuator_length: length - series.stretch(force),
+            arm,
             torque: force * arm,
         }))
     }
 
     /// By how much each end gives way per newton, m/N.
     fn yielding<R: Real>(&self, series: &Series<R>, angle: f64) -> Result<Yield<R>, Beyond> {
-        let path = self.path(angle, Yield::<f64>::none())?;
+        let path = self.path(angle, series.map(R::value).ends())?;
         let pose = self.joint.pose(angle)?;
         let active = self.route.active(angle)?;
         let [x, y, z] = path.pull_on_insertion();
@@ -249,13 +262,16 @@ impl Leg<'_> {
     /// Length and arm of the path under a force in N.
     fn loaded<R: Real>(
         &self,
+        series: &Series<R>,
         per_newton: &Yield<R>,
         force: R,
         angle: f64,
     ) -> Result<(R, R), Beyond> {
+        let ends = series.ends();
+        let moved = |from: Point<R>, by: Point<R>| std::array::from_fn(|k| from[k] + by[k] * force);
         let moved = Yield {
-            origin: per_newton.origin.map(|d| d * force),
-            insertion: per_newton.insertion.map(|d| d * force),
+            origin: moved(ends.origin, per_newton.origin),
+            insertion: moved(ends.insertion, per_newton.insertion),
         };
         let path = self.path(angle, moved)?;
         Ok((path.length(), path.arm()))
@@ -275,6 +291,7 @@ impl<R: Real> Series<R> {
             loose: f(self.loose),
             origin: bracket(&self.origin),
             insertion: bracket(&self.insertion),
+            shifted: self.shifted.map(|end| end.map(&f)),
         }
     }
 }
@@ -315,7 +332,7 @@ impl<R: Real> Bracket<R> {
 /// within a bracket.
 fn solve(pulled: impl Fn(f64) -> Result<Dual<1>, Beyond>) -> Result<Option<(f64, f64)>, Beyond> {
     let stiff = pulled(0.0)?.value;
-    let (mut low, mut high, mut force) = (0.0, stiff, stiff);
+    let (mut low, mut high, mut force) = (stiff.min(0.0), stiff.max(0.0), stiff);
     let mut slope = 1.0;
     for _ in 0..MOST_STEPS {
         let at = pulled(force)?;

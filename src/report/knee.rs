@@ -12,8 +12,8 @@ use crate::report::tables::knee as tables;
 use crate::report::typeset::{Document, Pdf};
 use crate::report::wording::name;
 use crate::report::wording::sentence::sentences;
+use crate::stages::torque::diagnose::fittings::{FittingFit, LAWS, Origin};
 use crate::stages::torque::errors::Size;
-use crate::stages::torque::fitting::{FittingFit, LAWS, Origin};
 use crate::stages::torque::{CampaignTorque, Configuration, Test};
 use serde::Serialize;
 

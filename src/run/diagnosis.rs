@@ -6,13 +6,15 @@ use crate::base::json;
 use crate::base::row::Row;
 use crate::cache::Digest;
 use crate::cache::store::Outputs;
-use crate::config::{Config, flatten};
+use crate::config::{Config, DiagnoseOptions, flatten};
 use crate::findings::{CampaignFindings, Residuals};
+use crate::formats::discover::Discovery;
 use crate::run::engine::{self, Engine};
+use crate::run::groups;
 use crate::run::step::{Stage, Step};
 use crate::stages::diagnose::{self, Diagnosis};
 use crate::stages::fit::Group;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The stage.
 pub const DIAGNOSE: Stage = Stage {
@@ -28,9 +30,14 @@ const RESIDUALS: &str = "residuals.parquet";
 /// One row a reading: the columns that were tested.
 const TESTED: &str = "tested.parquet";
 
-/// Whether a group is asked at all: readings of several campaigns differ by more than an effect.
-pub fn is_asked(group: &Group) -> bool {
-    group.members.len() == 1
+/// Whether a group is asked at all: a pool of many specimens is not, because its parts say as much in a fraction of the time.
+pub fn is_asked(group: &Group, discovery: &Discovery, options: &DiagnoseOptions) -> bool {
+    let own = discovery.sessions.iter().map(|l| &l.session);
+    let own = own.filter(|s| groups::belongs(group, s));
+    let specimens: BTreeSet<(&str, &str)> = own
+        .map(|s| (s.campaign.as_str(), s.specimen.id.as_str()))
+        .collect();
+    group.members.len() == 1 || specimens.len() <= options.pooled_specimens
 }
 
 /// Brings the diagnosis of one group up to date; `inputs` are its rows.

@@ -43,7 +43,7 @@ pub struct GroupResult {
     pub fit: Step,
     /// Compare.
     pub compare: Step,
-    /// Diagnose; none for a group of several campaigns.
+    /// Diagnose; none for a pool of many specimens.
     pub diagnose: Option<Step>,
 }
 
@@ -79,11 +79,19 @@ pub fn process(
 ) -> Result<GroupResult> {
     let members = members(group, discovery, sessions);
     let unit = unit(group);
+    let is_asked = diagnosis::is_asked(group, discovery, &config.diagnose);
     let mut inputs = BTreeMap::from([("group".to_owned(), Digest::of(&json(group)?))]);
     for member in &members {
         match member.normalize.entry().and_then(|e| e.outputs.get(ROWS)) {
             Some(object) => inputs.insert(member.id.clone(), object.digest.clone()),
-            None => return all_wait(engine, group, &format!("normalize of {}", member.id)),
+            None => {
+                return all_wait(
+                    engine,
+                    group,
+                    is_asked,
+                    &format!("normalize of {}", member.id),
+                );
+            }
         };
     }
     let fit = engine.step(
@@ -97,7 +105,7 @@ pub fn process(
         },
     )?;
     let compare = compare_step(engine, &unit, &fit, inputs.clone(), &members, config)?;
-    let diagnose = diagnosis::is_asked(group).then(|| {
+    let diagnose = is_asked.then(|| {
         let rows = || rows(engine, &members);
         diagnosis::step(engine, group, &unit, inputs, rows, config)
     });
@@ -115,9 +123,9 @@ pub fn unit(group: &Group) -> String {
 }
 
 /// A dry run in which a session of the group is still to be read.
-fn all_wait(engine: &Engine, group: &Group, on: &str) -> Result<GroupResult> {
+fn all_wait(engine: &Engine, group: &Group, is_asked: bool, on: &str) -> Result<GroupResult> {
     let unit = unit(group);
-    let diagnose = diagnosis::is_asked(group).then_some(diagnosis::DIAGNOSE);
+    let diagnose = is_asked.then_some(diagnosis::DIAGNOSE);
     Ok(GroupResult {
         group: group.clone(),
         fit: engine.waits(FIT, &unit, on)?,

@@ -5,7 +5,7 @@
 
 use crate::base::diagnostics::nearest;
 use crate::base::error::{Error, Result};
-use crate::config::FitOptions;
+use crate::config::Config;
 use crate::formats::discover::Discovery;
 use crate::run::engine::name_of;
 use crate::run::{diagnosis, groups, torque};
@@ -62,7 +62,7 @@ impl Job {
 }
 
 /// All jobs, by stage.
-pub fn all(discovery: &Discovery, options: &FitOptions) -> Vec<Job> {
+pub fn all(discovery: &Discovery, config: &Config) -> Vec<Job> {
     let job = |stage, unit: String, sessions: &[usize], before| Job {
         stage,
         unit,
@@ -73,12 +73,12 @@ pub fn all(discovery: &Discovery, options: &FitOptions) -> Vec<Job> {
     let mut jobs: Vec<Job> = sessions
         .map(|(k, l)| job(ROWS, l.session.id.clone(), &[k], &OF_SESSIONS[..2]))
         .collect();
-    for group in groups::of(discovery, options) {
+    for group in groups::of(discovery, &config.fit) {
         let members = places(discovery, |s| groups::belongs(&group, s));
         let unit = groups::unit(&group);
         jobs.push(job("fit", unit.clone(), &members, &[]));
         jobs.push(job("compare", unit.clone(), &members, &["fit"]));
-        if diagnosis::is_asked(&group) {
+        if diagnosis::is_asked(&group, discovery, &config.diagnose) {
             jobs.push(job("diagnose", unit, &members, &[]));
         }
     }
@@ -114,8 +114,8 @@ fn places(
 ///
 /// # Errors
 /// There is none.
-pub fn named(name: &str, discovery: &Discovery, options: &FitOptions) -> Result<Job> {
-    let jobs = all(discovery, options);
+pub fn named(name: &str, discovery: &Discovery, config: &Config) -> Result<Job> {
+    let jobs = all(discovery, config);
     let names: Vec<String> = jobs.iter().map(ToString::to_string).collect();
     let hint = match nearest(name, names.iter().map(String::as_str)) {
         Some(near) => format!("did you mean \"{near}\"?"),

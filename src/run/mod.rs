@@ -149,7 +149,7 @@ pub fn run(options: &RunOptions, progress: &dyn Progress) -> Result<Outcome> {
     }
     let mut asked = None;
     if let Some(name) = &options.only {
-        let job = jobs::named(name, &discovery, &options.config.fit)?;
+        let job = jobs::named(name, &discovery, &options.config)?;
         asked = Some(job.steps(&discovery));
         discovery = job.narrowed(&discovery);
     }

@@ -114,6 +114,7 @@ fn campaign_step(
     let confidence = config.fit.confidence;
     let mut options = flatten("torque", &config.torque)?;
     options.insert("fit.confidence".to_owned(), confidence.to_string());
+    options.extend(flatten("diagnose", &config.diagnose)?);
     engine.step(TORQUE, campaign, options, inputs, || {
         let measured: Vec<Measured> = members
             .iter()
@@ -124,7 +125,13 @@ fn campaign_step(
                 })
             })
             .collect::<Result<_>>()?;
-        let found = torque::torque(campaign, &measured, &config.torque, confidence);
+        let found = torque::torque(
+            campaign,
+            &measured,
+            &config.torque,
+            &config.diagnose,
+            confidence,
+        );
         Ok(Outputs::from([(TORQUE_JSON.to_owned(), to_json(&found)?)]))
     })
 }

@@ -443,6 +443,7 @@ fn brackets<R: Real>(c: [R; 4]) -> Series<R> {
             foot: [-0.0275, -0.10781, -0.00054],
             compliance: [along, across, out],
         }),
+        shifted: [[R::constant(0.0); 3]; 2],
     }
 }
 

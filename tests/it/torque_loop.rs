@@ -204,7 +204,8 @@ fn one_effect_that_nobody_declares_is_found_with_its_size() {
                 ..none
             },
         ),
-        ("kinks", Missing { kinks: 0.4, ..none }),
+        // Beyond what such a campaign can show: a common misfit of the law of 5% takes part of half as much.
+        ("kinks", Missing { kinks: 0.7, ..none }),
     ] {
         write(&bench, campaign, &missing);
     }
@@ -263,16 +264,31 @@ fn a_zero_of_the_torque_is_named_only_if_slack_actuators_show_it() {
         further_deg: 12.0,
         ..Missing::default()
     };
-    write(&bench, "everywhere", &everywhere);
+    let again = [
+        "everywhere",
+        "everywhere-2",
+        "everywhere-3",
+        "everywhere-4",
+        "everywhere-5",
+    ];
+    for campaign in again {
+        write(&bench, campaign, &everywhere);
+    }
     let where_it_pulls = Missing {
         zero_at_slack: false,
         ..everywhere
     };
     write(&bench, "where-it-pulls", &where_it_pulls);
     let all = found(&bench);
-    let (id, value, [low, high]) = first(&all, "everywhere", 1);
-    assert_eq!(id, "force_zero_offset");
-    assert!(low < -1.2 && -1.2 < high, "{value} [{low}, {high}]");
+    let mut inside = 0;
+    for campaign in again {
+        let (id, value, [low, high]) = first(&all, campaign, 1);
+        assert_eq!(id, "force_zero_offset", "{campaign}");
+        assert!((value + 1.2).abs() < 0.2, "{campaign} {value}");
+        inside += usize::from(low < -1.2 && -1.2 < high);
+    }
+    // Of five intervals of 95% two miss in 2 of 100 cases.
+    assert!(inside >= 4, "{inside} of 5 intervals hold -1.2");
     let other = all.iter().find(|c| c["campaign"] == "where-it-pulls");
     let effects = other.unwrap()["effects"].as_array().unwrap();
     let zero = effects.iter().any(|e| e["id"] == "force_zero_offset");
@@ -377,7 +393,8 @@ fn the_owners_held_out_tests_are_the_judge_and_an_odd_test_is_pointed_at() {
         assert!((said - squares(column)).abs() < 1e-9, "{when} {said}");
     }
     assert_eq!(row("held-b0")["takes_part"], "false");
-    assert_ne!(of("odd")["verdict"], "none", "{}", of("odd"));
+    // The mistake is pointed at, and no effect is invented beside it.
+    assert_eq!(of("odd")["verdict"], "none", "{}", of("odd"));
     let errors = of("odd")["recording_errors"].as_array().unwrap();
     assert!(
         errors.iter().any(|e| e["group"] == "odd-b1"),
@@ -392,52 +409,43 @@ fn the_owners_held_out_tests_are_the_judge_and_an_odd_test_is_pointed_at() {
     let mm = error["value"].as_f64().unwrap();
     assert!((-38.0..-32.0).contains(&mm), "{error}");
     for campaign in ["held", "odd"] {
-        has_nothing_of_a_mixed_model(of(campaign));
+        has_all_of_a_mixed_model(of(campaign));
     }
 }
 
-/// No mixed model is fitted to torque: what would come of one is absent, and no number stands in its place.
-fn has_nothing_of_a_mixed_model(found: &Value) {
-    for list in [
-        "scatter",
-        "budget",
-        "pit",
-        "tested",
-        "alternatives",
-        "coefficients",
-    ] {
-        assert_eq!(found[list], json!([]), "{list}");
+/// What comes of the mixed model is there, and agrees with itself.
+fn has_all_of_a_mixed_model(found: &Value) {
+    for list in ["scatter", "budget", "pit", "tested"] {
+        assert!(!found[list].as_array().unwrap().is_empty(), "{list}");
     }
-    for number in [
-        "misfit",
-        "expected_rmse_heldout",
-        "inside_50",
-        "inside_95",
-        "noise",
-    ] {
-        assert_eq!(found[number], Value::Null, "{number}");
-    }
-    let errors = |of: &Value| {
-        for when in ["before", "after"] {
-            assert!(of[when]["rmse_heldout"].is_f64(), "{of}");
-            assert!(of[when]["max_abs_error_heldout"].is_f64(), "{of}");
-            assert_eq!(of[when]["rmse_heldout_calibrated"], Value::Null);
-            assert_eq!(of[when]["log_density_heldout"], Value::Null);
-            assert_eq!(of[when]["rmse_heldout_after"], json!({}));
+    let number =
+        |of: &Value, name: &str| of[name].as_f64().unwrap_or_else(|| panic!("{name} {of}"));
+    let budget = found["budget"].as_array().unwrap();
+    let sum: f64 = budget.iter().map(|b| number(b, "variance")).sum();
+    let expected = number(found, "expected_rmse_heldout");
+    assert!((expected * expected - sum).abs() < 1e-9 * sum, "{found}");
+    let pit = found["pit"].as_array().unwrap();
+    let shares: f64 = pit.iter().filter_map(Value::as_f64).sum();
+    assert!((shares - 1.0).abs() < 1e-9, "{pit:?}");
+    assert!(number(found, "inside_50") <= number(found, "inside_95"));
+    assert!(number(found, "noise") > 0.0 && number(&found["misfit"], "common") >= 0.0);
+    for when in ["before", "after"] {
+        for error in [
+            "rmse_heldout",
+            "max_abs_error_heldout",
+            "rmse_heldout_calibrated",
+            "log_density_heldout",
+        ] {
+            number(&found[when], error);
         }
-    };
-    errors(found);
-    for unit in found["by_unit"].as_array().unwrap() {
-        errors(unit);
-        assert_eq!(unit["realised_over_expected"], Value::Null);
-        assert_eq!(unit["inside_95"], Value::Null);
+        assert!(found[when]["rmse_heldout_after"]["3"].is_f64(), "{found}");
     }
     for effect in found["effects"].as_array().unwrap() {
-        assert_eq!(effect["log_likelihood_gain"], Value::Null);
-        assert!(effect["rms"].as_f64().unwrap() > 0.0, "{effect}");
-        for list in ["profile", "in_its_place"] {
-            assert_eq!(effect[list], json!([]), "{list}");
-        }
-        assert_eq!(effect["by_specimen"], json!({}));
+        assert!(number(effect, "log_likelihood_gain") > 0.0 && number(effect, "rms") > 0.0);
+        assert!(effect["profile"].as_array().unwrap().len() > 8, "{effect}");
+        assert!(
+            !effect["by_specimen"].as_object().unwrap().is_empty(),
+            "{effect}"
+        );
     }
 }

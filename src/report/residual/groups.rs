@@ -6,7 +6,7 @@ use crate::report::wording::name::{self, listed};
 use crate::report::wording::number::{
     NONE, error, error_or_none, gain_or_none, plain, probability, rounded, unit, with_interval,
 };
-use crate::report::wording::sentence::{not_fitted, recorded_size};
+use crate::report::wording::sentence::recorded_size;
 
 /// What, of each, how many, standard deviation with interval, declared, gain.
 pub(super) fn scatter(s: &Scatter) -> [String; 6] {
@@ -35,10 +35,10 @@ pub(super) fn scatter(s: &Scatter) -> [String; 6] {
     ]
 }
 
-/// The misfit of the law in a sentence; where no mixed model was fitted, that; empty where nothing was assessed.
+/// The misfit of the law in a sentence; empty where nothing was assessed.
 pub(super) fn misfit(found: &CampaignFindings) -> String {
     let Some(m) = &found.misfit else {
-        return not_fitted(found).unwrap_or_default().to_owned();
+        return String::new();
     };
     let nouns = name::nouns(found);
     let share = |x: f64| rounded(100.0 * x, Rounding::Digits(2));
@@ -51,14 +51,14 @@ pub(super) fn misfit(found: &CampaignFindings) -> String {
             listed(&sensitive)
         )
     };
+    let (quantity, along) = if found.kind == "knee-torque" {
+        ("torque", "angle")
+    } else {
+        ("force", "pressure")
+    };
     format!(
-        "Smooth misfit of the law: {}% of the {} common to all {}, {}% of each {} along the pressure{}. {changes}",
+        "Smooth misfit of the law: {}% of the {quantity} common to all {}, {}% of each {} along the {along}{}. {changes}",
         share(m.common),
-        if found.kind == "knee-torque" {
-            "torque"
-        } else {
-            "force"
-        },
         nouns.units,
         share(m.session),
         nouns.setup,

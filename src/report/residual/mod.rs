@@ -24,7 +24,6 @@ use crate::report::input::ReportInput;
 use crate::report::typeset::{Document, Pdf};
 use crate::report::wording::name;
 use crate::report::wording::number::unit;
-use crate::report::wording::sentence::not_fitted;
 use serde::Serialize;
 
 const TEMPLATE: &str = include_str!("../templates/residual.typ");
@@ -59,8 +58,6 @@ struct Data {
     errors: Vec<front::ErrorRow>,
     /// Whether any of these knows another error than that on unseen units.
     forms: bool,
-    /// What the mixed model does not say of joints; empty where there is none.
-    not_fitted: &'static str,
     /// Those without a section: name, answer.
     others: Vec<[String; 2]>,
     budget: Option<Picture>,
@@ -91,8 +88,6 @@ struct Campaign {
     unexplained: Vec<[String; 4]>,
     scatter: Vec<[String; 6]>,
     misfit: String,
-    /// Whether a mixed model was fitted: without one there are no likelihoods.
-    mixed: bool,
     recording_errors: Vec<[String; 6]>,
     recording_errors_left_out: usize,
     units: Vec<[String; 8]>,
@@ -183,9 +178,6 @@ pub fn residual_pdf(
             .flat_map(|(found, _)| front::errors(found))
             .collect(),
         forms: with_section().any(|(found, _)| front::has_forms(found)),
-        not_fitted: with_section()
-            .find_map(|(found, _)| not_fitted(found))
-            .unwrap_or_default(),
         others: without
             .take(MOST_ROWS_ON_PAGES)
             .map(|e| front::in_short(e.found))
@@ -243,7 +235,6 @@ fn campaign(place: usize, found: &CampaignFindings, figures: &[(Kind, Drawn)]) -
         unexplained: found.unexplained.iter().map(effects::unexplained).collect(),
         scatter: found.scatter.iter().map(groups::scatter).collect(),
         misfit: groups::misfit(found),
-        mixed: not_fitted(found).is_none(),
         recording_errors: found
             .recording_errors
             .iter()

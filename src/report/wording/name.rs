@@ -117,6 +117,8 @@ pub fn scatter(id: &str, level: Level) -> String {
         ("specimen_variation" | "force_gain", Level::Actuator) => "actuator gain",
         ("specimen_variation" | "force_gain", Level::Campaign) => "campaign gain",
         ("force_zero_offset", _) => "zero of the force",
+        ("hand_length_bias", _) => "bias of the length by hand",
+        ("hand_arm_bias", _) => "bias of the arm by hand",
         ("rest_length" | "rest_length_offset", _) => "resting length",
         ("contracted_length" | "contracted_length_offset", _) => "contracted length",
         _ => return effect(id),
@@ -222,8 +224,6 @@ pub fn held_out(found: &CampaignFindings) -> String {
     match found.design.held_out_by {
         HeldOutBy::Holdout => format!("the {} held out by their owner", nouns.setups),
         HeldOutBy::None => "nothing unseen".to_owned(),
-        HeldOutBy::Test => format!("unseen {}", nouns.setups),
-        HeldOutBy::Stretch => "unseen stretches of the angle".to_owned(),
         HeldOutBy::Specimen | HeldOutBy::SpecimenGroups | HeldOutBy::Actuator => {
             format!("unseen {}", nouns.units)
         }
@@ -232,11 +232,7 @@ pub fn held_out(found: &CampaignFindings) -> String {
 
 /// One of what is held out in turn.
 pub fn held_out_unit(found: &CampaignFindings) -> &'static str {
-    match found.design.held_out_by {
-        HeldOutBy::Test => nouns(found).setup,
-        HeldOutBy::Stretch => "stretch of the angle",
-        _ => nouns(found).unit,
-    }
+    nouns(found).unit
 }
 
 /// How the held-out errors were made.
@@ -252,11 +248,6 @@ pub fn held_out_by(found: &CampaignFindings) -> String {
             "groups of specimens in turn, the whole search made without them".to_owned()
         }
         HeldOutBy::Actuator => "each actuator in turn, the whole search made without it".to_owned(),
-        HeldOutBy::Test | HeldOutBy::Stretch => format!(
-            "each {} in turn, the whole search made without it; there is one {} only",
-            held_out_unit(found),
-            nouns.unit
-        ),
         HeldOutBy::None => format!("none: there is one {} only", nouns.unit),
     }
 }

@@ -154,6 +154,20 @@ pub fn amount(p: &Parameter) -> String {
     with_unit(&value, &p.unit)
 }
 
+/// The amplitudes of an effect without their intervals: `60 kPa`, or, of a shift along two axes, `(-15.5, -8.2) mm`. What has another unit is a
+/// shape; of many values, one a level, the first stands for all.
+pub fn amounts(parameters: &[Parameter]) -> Option<String> {
+    let first = parameters.first()?;
+    let alike = parameters.iter().filter(|p| p.unit == first.unit);
+    let values: Vec<String> = alike
+        .map(|p| with_interval(p.value, p.ci_low, p.ci_high).0)
+        .collect();
+    Some(match values.len() {
+        2 => with_unit(&format!("({})", values.join(", ")), &first.unit),
+        _ => amount(first),
+    })
+}
+
 /// A parameter with its interval and unit: `P_th = 60 [57, 63] kPa`.
 pub fn size(p: &Parameter) -> String {
     let (value, interval) = with_interval(p.value, p.ci_low, p.ci_high);

@@ -2,7 +2,7 @@
 
 use super::name::{self, Nouns, capitalised, listed, nouns};
 use super::number::{
-    amount, count, equals_probability, error, error_with_unit, percent, plain, rounded, with_unit,
+    amounts, count, equals_probability, error, error_with_unit, percent, plain, rounded, with_unit,
 };
 use crate::findings::{
     BudgetEntry, CampaignFindings, EffectFinding, NextKind, NextMeasurement, RecordingError,
@@ -15,6 +15,8 @@ const NAMED_SHARE: f64 = 0.02;
 /// Sources that the answer on a page and on the terminal names, beside noise; the table has all.
 const SOURCES_IN_FULL: usize = 3;
 const SOURCES_IN_SHORT: usize = 2;
+/// A measurement that lowers the expected error by less than this share of it is not worth a sentence; the table has it.
+const WORTH_SAYING: f64 = 0.02;
 /// Most members of an alias set, and most recording errors, that a sentence names.
 const MOST_NAMED: usize = 3;
 /// The readings of each set-up of which the answer speaks; beside it the table has the others.
@@ -76,10 +78,7 @@ fn answer(found: &CampaignFindings) -> String {
 
 /// `threshold pressure of the bladder 60 kPa (indistinguishable from zero of the pressure sensor)`.
 fn effect_with_size(effect: &EffectFinding) -> String {
-    let size = effect
-        .parameters
-        .first()
-        .map_or_else(String::new, |p| format!(" {}", amount(p)));
+    let size = amounts(&effect.parameters).map_or_else(String::new, |amount| format!(" {amount}"));
     let others: Vec<String> = alias_set(effect);
     let alike = match others.len() {
         0 => String::new(),
@@ -234,16 +233,8 @@ fn worth(found: &CampaignFindings) -> Option<String> {
         .filter_map(|n| Some((n, n.worth?)));
     let (best, worth) = in_units.max_by(|a, b| a.1.total_cmp(&b.1))?;
     let words = worth_words(best)?;
-    (worth > 0.0).then(|| format!("{} {words}", measurement(best, &nouns(found))))
-}
-
-/// What is not said of a joint, because the mixed model is not fitted to torque; none where it was fitted.
-pub fn not_fitted(found: &CampaignFindings) -> Option<&'static str> {
-    let fitted = found.misfit.is_some() || !found.budget.is_empty() || !found.scatter.is_empty();
-    let absent = !fitted && found.verdict != Verdict::NotAssessed;
-    absent.then_some(
-        "The mixed model is not yet fitted to torque: budget, scatter and predictive intervals are not computed.",
-    )
+    let error = found.expected_rmse_heldout.unwrap_or(0.0);
+    (worth > WORTH_SAYING * error).then(|| format!("{} {words}", measurement(best, &nouns(found))))
 }
 
 /// `three readings of each session of a new specimen bring the error to 5.1 N`.

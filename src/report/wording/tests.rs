@@ -2,7 +2,7 @@
 
 use super::name::{self, listed};
 use super::number::{amount, cells, equals_probability, error, percent, size};
-use super::sentence::{clauses, measurement, not_fitted, sentences, told, worth_words};
+use super::sentence::{clauses, measurement, sentences, told, worth_words};
 use crate::findings::{
     CampaignFindings, Findings, NextKind, NextMeasurement, NotAssessed, Parameter, Verdict,
 };
@@ -93,9 +93,8 @@ fn a_joint_is_told_of_in_actuators_and_newton_metres() {
 }
 
 #[test]
-fn a_joint_without_a_mixed_model_says_so_and_nothing_about_what_was_not_computed() {
+fn a_joint_of_which_little_was_computed_has_nothing_said_about_the_rest() {
     let mut joint = example();
-    assert_eq!(not_fitted(&joint), None);
     joint.kind = "knee-torque".into();
     joint.unit = "N.m".into();
     (joint.misfit, joint.expected_rmse_heldout) = (None, None);
@@ -103,8 +102,6 @@ fn a_joint_without_a_mixed_model_says_so_and_nothing_about_what_was_not_computed
     joint.budget.clear();
     joint.next_measurement.clear();
     joint.after.rmse_heldout_after.clear();
-    let words = "The mixed model is not yet fitted to torque: budget, scatter and predictive intervals are not computed.";
-    assert_eq!(not_fitted(&joint), Some(words));
     let c = clauses(&joint);
     assert_eq!(
         (c.budget, c.budget_in_short, c.worth, c.readings),
@@ -121,8 +118,6 @@ fn a_joint_without_a_mixed_model_says_so_and_nothing_about_what_was_not_computed
     assert!(
         measurement(&half, &name::nouns(&joint)).starts_with("readings at 50% of the pressure")
     );
-    joint.verdict = Verdict::NotAssessed;
-    assert_eq!(not_fitted(&joint), None);
 }
 
 #[test]

@@ -13,19 +13,15 @@ use crate::findings::{
 use crate::inference::fit::{Fitted, Free, Setting};
 use crate::inference::problem::{Point, Problem};
 use crate::inference::profile::profile;
+use crate::inference::query;
 use crate::inference::screen::Normal;
 use crate::inference::search::{Accepted, Found};
-use crate::inference::statistic::{deviate, upper_tail};
-use crate::inference::system::{Factor, Likelihood, Variances};
-use crate::inference::variance::{Effort, Prior};
+use crate::inference::statistic::upper_tail;
+use crate::inference::system::Variances;
+use crate::inference::variance::Prior;
 use crate::models::{ForceModel, new};
 use crate::numerics::statistics::median;
 use std::collections::BTreeMap;
-
-/// Half of the 95% point of chi-squared with one degree: by so much the log-likelihood falls at the ends of an interval.
-const CUT: f64 = 1.920_729_410_347_062;
-/// Multiples of a declared standard deviation that are tried in its place.
-const DECLARED_TIMES: [f64; 6] = [1.5, 2.0, 3.0, 5.0, 10.0, 20.0];
 
 /// Two-sided 95% point of the normal distribution.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -202,35 +198,19 @@ impl Work<'_> {
 
     /// Each specimen's own estimate of the first amplitude, all else and the variances as found.
     fn by_specimen(&self, term: usize) -> BTreeMap<String, Estimate> {
-        let model = &self.found.model;
-        let (Some(place), Some(values)) = (model.place(term, 0), model.values(term)) else {
-            return BTreeMap::new();
-        };
-        let mut design = model.design.clone();
-        let column = design.x.remove(place);
-        let others = design.x.len();
         let data = self.data();
-        let mut names = Vec::new();
-        for (k, name) in data.specimens.iter().enumerate() {
-            let of = column.iter().zip(&data.specimen);
-            let masked: Vec<f64> = of.map(|(x, s)| if *s == k { *x } else { 0.0 }).collect();
-            if masked.iter().any(|x| *x != 0.0) {
-                design.x.push(masked);
-                names.push(name.clone());
-            }
-        }
-        let gram = self.setting.sums(&design);
-        let factor = Factor::new(&design.tree, &gram, &model.variances);
-        let (fixed, covariance) = (factor.fixed(), factor.fixed_covariance());
+        let all = query::by_group(self.setting, &self.found.model, term, 0, &data.specimen);
         let absent = self.term(term).form().map_or(0.0, |f| f.amplitude.absent);
-        let estimate = |k: usize| Estimate {
-            value: absent + values[0] + fixed[others + k],
-            standard_error: covariance.at(others + k, others + k).max(0.0).sqrt(),
-        };
-        let named = names.into_iter().enumerate();
+        let named = data.specimens.iter().zip(all);
         named
-            .map(|(k, name)| (name, estimate(k)))
-            .filter(|(_, e)| e.standard_error > 0.0 && e.standard_error.is_finite())
+            .filter_map(|(name, e)| {
+                let e = e?;
+                let estimate = Estimate {
+                    value: absent + e.value,
+                    standard_error: e.standard_error,
+                };
+                Some((name.clone(), estimate))
+            })
             .collect()
     }
 
@@ -392,7 +372,8 @@ impl Work<'_> {
         let (ci_low, ci_high) = if is_declared {
             (None, None)
         } else {
-            self.interval(variances, c)
+            let (low, high) = query::interval(self.setting, &self.found.model, variances, c);
+            (Some(low), high)
         };
         Some(Scatter {
             id: id.to_owned(),
@@ -402,8 +383,10 @@ impl Work<'_> {
             ci_high,
             unit: unit.to_owned(),
             declared: is_declared.then_some(sd),
-            declared_contradicted: is_declared && self.is_contradicted(variances, c),
-            log_likelihood_gain: (!is_declared).then(|| self.gain_of(c)),
+            declared_contradicted: is_declared
+                && query::is_too_small(self.setting, &self.found.model, variances, c),
+            log_likelihood_gain: (!is_declared)
+                .then(|| query::gain_of(self.setting, &self.found.model, c)),
             values,
         })
     }
@@ -418,80 +401,13 @@ impl Work<'_> {
         }
     }
 
-    /// Whether a standard deviation that was declared is too small: the restricted likelihood rises by [`CUT`] for a larger one.
-    fn is_contradicted(&self, variances: &Variances, c: usize) -> bool {
-        let scales = self.setting.scales();
-        let maximiser = self.setting.maximiser(&scales, Likelihood::Restricted);
-        let gram = &self.found.model.gram;
-        let at = |factor: f64| {
-            let mut v = variances.clone();
-            v.components[c] *= factor;
-            maximiser.value(gram, &v)
-        };
-        let declared = at(1.0);
-        DECLARED_TIMES.iter().any(|f| at(*f) > declared + CUT)
-    }
-
-    /// Where the restricted likelihood has fallen by [`CUT`] on either side of an estimate, the other variances as they are.
-    fn interval(&self, variances: &Variances, c: usize) -> (Option<f64>, Option<f64>) {
-        let scales = self.setting.scales();
-        let maximiser = self.setting.maximiser(&scales, Likelihood::Restricted);
-        let gram = &self.found.model.gram;
-        let at = |sd: f64| {
-            let mut v = variances.clone();
-            v.components[c] = sd;
-            maximiser.value(gram, &v)
-        };
-        let sd = variances.components[c];
-        let usual = scales[c].usual;
-        let best = at(sd);
-        let mut high = sd.max(1e-3 * usual);
-        while at(high) > best - CUT && high < 100.0 * usual {
-            high *= 1.05;
-        }
-        let mut low = sd;
-        while low > 1e-3 * usual && at(low) > best - CUT {
-            low /= 1.05;
-        }
-        let low = if low > 1e-3 * usual { low } else { 0.0 };
-        (Some(low), (high < 100.0 * usual).then_some(high))
-    }
-
-    /// Gain in log-likelihood over a model without a component.
-    fn gain_of(&self, c: usize) -> f64 {
-        let mut scales = self.setting.scales();
-        let with = self.setting.maximiser(&scales, Likelihood::Full);
-        let gram = &self.found.model.gram;
-        let best = with
-            .maximise(gram, &self.found.model.variances, Effort::STEP)
-            .log_likelihood;
-        scales[c].prior = Prior::Fixed(0.0);
-        let mut from = self.found.model.variances.clone();
-        from.components[c] = 0.0;
-        let without = self.setting.maximiser(&scales, Likelihood::Full);
-        (best - without.maximise(gram, &from, Effort::FULL).log_likelihood).max(0.0)
-    }
-
     /// Names of effects and columns whose place in the answer changes with the prior of the misfit.
     pub fn sensitive(&self) -> Vec<String> {
-        let mut sensitive = Vec::new();
-        for factor in [0.5, 2.0] {
-            let other = Setting {
-                misfit_factor: factor,
-                ..self.setting.clone()
-            };
-            let starts = [self.found.model.variances.clone()];
-            let model = other.fit(&self.found.model.point, &starts);
-            for a in &self.found.accepted {
-                let mut from = model.point.clone();
-                from.terms.retain(|(t, _)| *t != a.term);
-                let without = other.fit(&from, &starts);
-                let ratio = 2.0 * (model.log_likelihood - without.log_likelihood);
-                let name = self.name(a.term);
-                let lost = deviate(ratio, self.term(a.term).amplitudes) < self.found.critical;
-                if lost && !sensitive.contains(&name) {
-                    sensitive.push(name);
-                }
+        let mut sensitive: Vec<String> = Vec::new();
+        for term in query::sensitive(self.setting, self.found) {
+            let name = self.name(term);
+            if !sensitive.contains(&name) {
+                sensitive.push(name);
             }
         }
         sensitive
@@ -549,24 +465,11 @@ impl Work<'_> {
                 .collect(),
             before: left(&without),
             after: left(&with),
-            conditional: conditional(&self.found.model),
+            conditional: query::conditional(&self.found.model),
             predicted: without,
             columns: columns(data),
         }
     }
-}
-
-/// Measured less predicted with the predicted random effects.
-fn conditional(model: &Fitted) -> Vec<f64> {
-    let tree = &model.design.tree;
-    let paths: Vec<Vec<usize>> = (0..tree.len()).map(|n| tree.path_numbers(n)).collect();
-    let rows = model.design.z.iter().zip(&model.design.node);
-    rows.zip(&model.design.y)
-        .map(|((z, node), y)| {
-            let own = paths[*node].iter().zip(z);
-            y - own.map(|(c, z)| z * model.point.random[*c]).sum::<f64>()
-        })
-        .collect()
 }
 
 /// The columns that were looked at, one value a reading.

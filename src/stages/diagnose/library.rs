@@ -199,6 +199,7 @@ impl Term {
             named: self.id().is_some(),
             bounds,
             amplitudes: self.amplitudes,
+            usual: f64::INFINITY,
         }
     }
 

@@ -26,6 +26,7 @@ pub mod problem;
 pub mod recording;
 pub mod settings;
 pub mod slack;
+pub mod tally;
 pub mod unseen;
 
 use crate::base::random::Stream;
@@ -219,7 +220,7 @@ fn assessed(
     findings.inside_50 = held.inside.map(|i| i.0);
     findings.inside_95 = held.inside.map(|i| i.1);
     findings.pit.clone_from(&held.pit);
-    findings.noise = Some(variances.noise[0]);
+    findings.noise = Some(problem.noise_of(&variances));
     findings.tested = work.tested();
     findings.detection_limits = limits.smallest;
     findings.not_measurable = limits.not_measurable;

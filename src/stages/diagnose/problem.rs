@@ -19,6 +19,7 @@ use crate::effects::{self, Applied, Conditions};
 use crate::inference::fit::Setting;
 use crate::inference::problem::Term as EngineTerm;
 use crate::inference::problem::{Coefficient, Component, Direction, Linearised, Point, Problem};
+use crate::inference::system::Variances;
 use crate::inference::tree::{Block, Tree};
 use crate::inference::variance::{Prior, Scale};
 use crate::models::P_620_KPA;
@@ -185,27 +186,32 @@ impl<'a> ForceProblem<'a> {
         let columns = data.extras.len();
         let forces = data.force.iter().zip(&data.conditions);
         let side: Vec<Side> = forces.map(|(f, at)| slack::side(*f, largest, at)).collect();
+        let corner = data.campaigns.len();
+        let class_of = |(side, campaign): (&Side, &usize)| match side {
+            Side::Corner => corner,
+            _ => *campaign,
+        };
+        let class = side.iter().zip(&data.campaign).map(class_of).collect();
         Self {
             base,
             data,
             library,
-            class: side
-                .iter()
-                .map(|s| usize::from(*s == Side::Corner))
-                .collect(),
+            class,
             tree,
             node,
             specimens,
             sessions,
             campaigns,
             components: components(data, pooled, nodes.len()),
-            noise: [Prior::Free, Prior::Fixed(settings::CORNER_WIDTH * largest)]
+            noise: vec![Prior::Free; corner]
+                .into_iter()
+                .chain([Prior::Fixed(settings::CORNER_WIDTH * largest)])
                 .map(|prior| Scale {
                     prior,
                     usual: 0.01 * largest,
                     groups: 1,
                 })
-                .to_vec(),
+                .collect(),
             coefficients: base
                 .coefficients
                 .iter()
@@ -262,6 +268,16 @@ impl<'a> ForceProblem<'a> {
             reference: self.reference.clone(),
             ..ForceProblem::built(base, self.data, self.library, self.has_strokes())
         }
+    }
+
+    /// Root mean square of the noise of the readings that are not in the corner to slackness: every campaign has its own.
+    pub fn noise_of(&self, variances: &Variances) -> f64 {
+        let own = self
+            .class
+            .iter()
+            .filter(|c| **c < self.data.campaigns.len());
+        let squares: Vec<f64> = own.map(|c| variances.noise[*c].powi(2)).collect();
+        (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
     }
 
     /// Whether strokes have a misfit of their own.
@@ -376,7 +392,9 @@ impl<'a> ForceProblem<'a> {
     fn misfit_scale(&self, i: usize) -> f64 {
         match self.side[i] {
             Side::Slack => 0.0,
-            Side::Pulls | Side::Corner => self.reference[i].max(0.0) + self.floor,
+            Side::Pulls | Side::Corner | Side::AsPublished => {
+                self.reference[i].max(0.0) + self.floor
+            }
         }
     }
 
@@ -522,7 +540,7 @@ fn weights(count: usize, length: f64) -> Vec<f64> {
 
 /// Cosines over a range that reaches a correlation length further than the readings at either end, because their slope is 0 at its ends
 /// (A. Solin and S. Sarkka, *Stat. Comput.* 30 (2020) 419).
-fn cosines(count: usize, x: f64, length: f64) -> Vec<f64> {
+pub fn cosines(count: usize, x: f64, length: f64) -> Vec<f64> {
     let range = 1.0 + 2.0 * length;
     let place = PI * (x + length) / range;
     let weights = weights(count, length / range);
@@ -753,7 +771,8 @@ impl ForceProblem<'_> {
     }
 }
 
-fn cosine(a: &[f64], b: &[f64]) -> f64 {
+/// Cosine of the angle between two columns; 1 where one of them is nothing.
+pub fn cosine(a: &[f64], b: &[f64]) -> f64 {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
     let norms = (dot(a, a) * dot(b, b)).sqrt();
     if norms > 0.0 { dot(a, b) / norms } else { 1.0 }

@@ -311,6 +311,10 @@ impl<'a> Seen<'a> {
             Group::Session(s) => (Level::Session, problem.sessions[s]),
             Group::Specimen(k) => (Level::Specimen, problem.specimens[k]),
         };
+        let of_group = sessions.first();
+        let campaign = of_group
+            .and_then(|s| data.session.iter().position(|k| k == s))
+            .map_or(0, |i| data.campaign[i]);
         let tree = problem.tree();
         let gain = |node: usize, c: usize| {
             let column = tree.columns_of(node, c);
@@ -333,7 +337,7 @@ impl<'a> Seen<'a> {
             factor,
             usual_gain: usual(component::GAIN),
             usual_length_mm: usual(component::SET_LENGTH),
-            noise: fit.variances.noise[0],
+            noise: fit.variances.noise[campaign],
             floor: settings::MISFIT_FLOOR
                 * others
                     .filter(|(_, n)| setting.active[**n])

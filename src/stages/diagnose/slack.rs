@@ -21,6 +21,8 @@ pub enum Side {
     Slack,
     /// In between.
     Corner,
+    /// On whichever side the law says, as the papers have it: with a corner, for plain least squares.
+    AsPublished,
 }
 
 /// The side of a reading of `force` N where the largest of the campaign is `largest`.
@@ -66,6 +68,10 @@ impl Actuator for Sided<'_> {
         match self.side {
             Side::Pulls => self.base.force(coefficients, pressure, length, at),
             Side::Slack => R::constant(0.0),
+            Side::AsPublished => self
+                .base
+                .force(coefficients, pressure, length, at)
+                .positive_part(),
             Side::Corner => {
                 let width = settings::CORNER_WIDTH;
                 self.base.rounded(coefficients, pressure, length, at, width)

@@ -4,45 +4,22 @@ use super::base;
 use super::black_box::{self, Features};
 use super::problem::{ForceProblem, component};
 use super::settings;
+use super::tally::{Scored, Tally};
 use crate::findings::{BudgetEntry, Errors, HeldOutBy, UnitErrors};
-use crate::inference::fit::{Fitted, Free, Setting};
-use crate::inference::heldout::{Predicted, Unseen};
-use crate::inference::problem::{Point, Problem};
+use crate::inference::fit::{Free, Setting};
+use crate::inference::heldout::Unseen;
+use crate::inference::problem::Problem;
 use crate::inference::screen::Normal;
 use crate::inference::search::{Decision, Found, Search};
-use crate::numerics::distributions::normal_cdf;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 
 /// The source of the budget that a better length gauge lowers.
 pub const SET_LENGTH: &str = "set_length";
 /// Most folds: with more specimens, groups of them are held out together.
 const MOST_FOLDS: usize = 8;
-/// How many readings of each session are given, where a few are.
-const GIVEN: [usize; 4] = [1, 2, 3, 5];
-/// Two-sided 50 and 95% points of the normal distribution.
-const QUANTILES: (f64, f64) = (0.674_489_750_196_082, 1.959_963_984_540_054);
-/// Bins of the probability integral transform.
-const BINS: usize = 10;
-
 /// Nodes that are held out together.
 struct Fold {
     nodes: Vec<(String, usize)>,
-}
-
-/// Errors of one model on readings that took no part.
-#[derive(Default)]
-struct Tally {
-    squares: f64,
-    calibrated: f64,
-    count: usize,
-    largest: f64,
-    log_density: f64,
-    after: BTreeMap<usize, (f64, usize)>,
-    expected: f64,
-    inside: (usize, usize),
-    bins: [usize; BINS],
-    sources: Vec<f64>,
 }
 
 /// Everything that is known of unseen specimens.
@@ -104,20 +81,14 @@ pub fn held_out(
         );
     }
     let after = &sums.1;
-    let count = after.count.max(1) as f64;
     HeldOut {
         by,
         before: sums.0.errors(),
         after: after.errors(),
         units,
-        budget: after.budget(),
-        inside: (after.count > 0)
-            .then(|| (after.inside.0 as f64 / count, after.inside.1 as f64 / count)),
-        pit: if after.count > 0 {
-            after.bins.iter().map(|b| *b as f64 / count).collect()
-        } else {
-            Vec::new()
-        },
+        budget: after.budget("N", source),
+        inside: after.shares_inside(),
+        pit: after.pit(),
         kinds,
     }
 }
@@ -178,7 +149,7 @@ fn answer(
         .nodes
         .iter()
         .fold(setting.clone(), |s, (_, node)| s.without(*node));
-    let mut from = cleared(&found.null, &rest);
+    let mut from = found.null.cleared(&rest);
     let law = problem.base.coefficients.get(base::LENGTH_LAW);
     if let (true, Some(law)) = (is_of_one_length(&rest, problem), law) {
         // Specimens of one resting length say nothing about another: the published law does.
@@ -216,135 +187,25 @@ fn is_of_one_length(setting: &Setting, problem: &ForceProblem) -> bool {
     lengths.all(|l| Some(l) == first)
 }
 
-/// Where a fit without some groups starts: their random effects are 0.
-fn cleared(model: &Fitted, setting: &Setting) -> Point {
-    let tree = setting.problem.tree();
-    let mut point = model.point.clone();
-    for node in (0..tree.len()).filter(|n| !setting.active[*n]) {
-        let first = tree.first_column(node);
-        point.random[first..first + tree.width(node)].fill(0.0);
-    }
-    point
-}
-
 fn tally(model: &Unseen, node: usize, problem: &ForceProblem) -> Tally {
-    let predicted = model.predict(node);
-    let mut tally = Tally {
-        count: predicted.errors.len(),
-        log_density: predicted.log_density,
-        sources: predicted.sources.clone(),
-        ..Tally::default()
+    let scored = Scored {
+        takes: &|_| true,
+        setup: &|i| problem.data.session[i],
+        alone: None,
     };
-    for (e, sd) in predicted.errors.iter().zip(&predicted.sd) {
-        tally.squares += e * e;
-        tally.expected += sd * sd;
-        tally.largest = tally.largest.max(e.abs());
-        tally.inside.0 += usize::from(e.abs() <= QUANTILES.0 * sd);
-        tally.inside.1 += usize::from(e.abs() <= QUANTILES.1 * sd);
-        let bin = (normal_cdf(e / sd) * BINS as f64) as usize;
-        tally.bins[bin.min(BINS - 1)] += 1;
-    }
-    for s in &mut tally.sources {
-        *s *= tally.count as f64;
-    }
-    tally.calibrated = model
-        .errors_calibrated(node)
-        .iter()
-        .map(|(_, e)| e * e)
-        .sum();
-    for k in GIVEN {
-        let known = first_readings(&predicted, problem, k);
-        let after = model.errors_after(node, &known);
-        let scored = after.iter().filter(|(i, _)| !known.contains(i));
-        let squares: Vec<f64> = scored.map(|(_, e)| e * e).collect();
-        tally.after.insert(k, (squares.iter().sum(), squares.len()));
-    }
-    tally
+    Tally::new(model, node, &scored)
 }
 
-/// The first readings of each session in time.
-fn first_readings(predicted: &Predicted, problem: &ForceProblem, count: usize) -> Vec<usize> {
-    let mut given: BTreeMap<usize, usize> = BTreeMap::new();
-    let is_given = |i: &&usize| {
-        let n = given.entry(problem.data.session[**i]).or_default();
-        *n += 1;
-        *n <= count
-    };
-    predicted.places.iter().filter(is_given).copied().collect()
-}
-
-impl Tally {
-    fn add(&mut self, other: &Tally) {
-        self.squares += other.squares;
-        self.calibrated += other.calibrated;
-        self.count += other.count;
-        self.largest = self.largest.max(other.largest);
-        self.log_density += other.log_density;
-        self.expected += other.expected;
-        self.inside.0 += other.inside.0;
-        self.inside.1 += other.inside.1;
-        for (a, b) in self.bins.iter_mut().zip(other.bins) {
-            *a += b;
-        }
-        self.sources
-            .resize(other.sources.len().max(self.sources.len()), 0.0);
-        for (a, b) in self.sources.iter_mut().zip(&other.sources) {
-            *a += b;
-        }
-        for (k, (squares, n)) in &other.after {
-            let sum = self.after.entry(*k).or_default();
-            sum.0 += squares;
-            sum.1 += n;
-        }
-    }
-
-    fn errors(&self) -> Errors {
-        let n = self.count as f64;
-        let mean = |sum: f64| (self.count > 0).then(|| (sum / n).sqrt());
-        let after = self.after.iter().filter(|(_, (_, n))| *n > 0);
-        Errors {
-            rmse_train: 0.0,
-            rmse_heldout: mean(self.squares),
-            max_abs_error_heldout: (self.count > 0).then_some(self.largest),
-            rmse_heldout_calibrated: mean(self.calibrated),
-            rmse_heldout_after: after
-                .map(|(k, (squares, n))| (k.to_string(), (squares / *n as f64).sqrt()))
-                .collect(),
-            log_density_heldout: (self.count > 0).then(|| self.log_density / n),
-        }
-    }
-
-    /// The expected squared error by source, largest first.
-    fn budget(&self) -> Vec<BudgetEntry> {
-        if self.count == 0 {
-            return Vec::new();
-        }
-        let last = self.sources.len() - 1;
-        let name = |k: usize| match k {
-            component::GAIN | component::CAMPAIGN_GAIN => "specimen_gain",
-            component::SET_LENGTH | component::DECLARED_LENGTH => SET_LENGTH,
-            component::ZERO | component::CAMPAIGN_ZERO => "force_zero",
-            component::REST_LENGTH | component::CONTRACTED_LENGTH => "specimen_lengths",
-            component::SESSION_MISFIT => "session_misfit",
-            component::STROKE_MISFIT => "stroke_misfit",
-            k if k == last => "noise",
-            _ => "estimation",
-        };
-        let mut sums: BTreeMap<&str, f64> = BTreeMap::new();
-        for (k, variance) in self.sources.iter().enumerate() {
-            *sums.entry(name(k)).or_default() += variance / self.count as f64;
-        }
-        let mut budget: Vec<BudgetEntry> = sums
-            .into_iter()
-            .map(|(source, variance)| BudgetEntry {
-                source: source.to_owned(),
-                variance,
-                rmse: variance.sqrt(),
-                unit: "N".to_owned(),
-            })
-            .collect();
-        budget.sort_by(|a, b| b.variance.total_cmp(&a.variance));
-        budget
+/// The source of a component, as the budget names it.
+fn source(component: usize) -> Option<&'static str> {
+    match component {
+        component::GAIN | component::CAMPAIGN_GAIN => Some("specimen_gain"),
+        component::SET_LENGTH | component::DECLARED_LENGTH => Some(SET_LENGTH),
+        component::ZERO | component::CAMPAIGN_ZERO => Some("force_zero"),
+        component::REST_LENGTH | component::CONTRACTED_LENGTH => Some("specimen_lengths"),
+        component::SESSION_MISFIT => Some("session_misfit"),
+        component::STROKE_MISFIT => Some("stroke_misfit"),
+        _ => None,
     }
 }
 

@@ -4,7 +4,7 @@ use crate::models::{ForceModel, published};
 use crate::numerics::statistics::mean;
 use crate::stages::torque::Configuration;
 use crate::stages::torque::build::Build;
-use crate::stages::torque::fitting::LAWS;
+use crate::stages::torque::diagnose::fittings::LAWS;
 use crate::stages::torque::point::Expected;
 use serde::{Deserialize, Serialize};
 

@@ -11,9 +11,7 @@
 //! | [`errors`] | errors of a test and model; how far measured eps* and arm are from the expected ones |
 //! | [`curve`] | what is expected over the range of the joint |
 //! | [`doubt`] | which tests their owner doubts |
-//! | [`observation`] | what is not left out, with its leg and a prediction that carries derivatives, for fits |
-//! | [`fitting`] | the length of the end fittings as the torque itself has it, held out by actuator |
-//! | [`diagnose`] | what the rigid leg lacks: the effects of the joint |
+//! | [`diagnose`] | what the rigid leg lacks: the effects of the joint, and the length of the end fittings |
 //! | [`tidy`] | all readings as one table |
 //! | [`reference`] | what needs no session: both methods for the arm, the linkage, the human muscles beside OpenSim, stress, design |
 //!
@@ -25,21 +23,19 @@ pub mod curve;
 pub mod diagnose;
 pub mod doubt;
 pub mod errors;
-pub mod fitting;
-pub mod observation;
 pub mod point;
 pub mod reference;
 pub mod tidy;
 
 use crate::base::row::Row;
 use crate::base::session::{Role, Session};
-use crate::config::TorqueOptions;
+use crate::config::{DiagnoseOptions, TorqueOptions};
 use crate::models::{ForceModel, published};
 use build::Build;
 use curve::Curve;
 use diagnose::JointDiagnosis;
+use diagnose::fittings::{self, FittingFit};
 use errors::{Errors, Hand};
-use fitting::FittingFit;
 use point::Point;
 use reference::arms::{Arms, of_leg};
 use serde::{Deserialize, Serialize};
@@ -173,6 +169,7 @@ pub fn torque(
     campaign: &str,
     measured: &[Measured],
     options: &TorqueOptions,
+    search: &DiagnoseOptions,
     confidence: f64,
 ) -> CampaignTorque {
     let models = published();
@@ -205,13 +202,13 @@ pub fn torque(
             .then(b.rest_length_m.total_cmp(&a.rest_length_m))
             .then(a.id.cmp(&b.id))
     });
-    let fits = fitting::fits(&found, confidence);
+    let fits = fittings::fits(&found, confidence);
     for (build, configuration) in &mut found {
-        let fitted = fitting::chosen(&fits, configuration);
+        let fitted = fittings::chosen(&fits, configuration);
         configuration.curve = curve::curve(build, configuration, fitted);
     }
     let simulated = measured.iter().any(|m| m.session.is_simulated());
-    let diagnoses = diagnose::diagnose(campaign, simulated, &found, confidence);
+    let diagnoses = diagnose::diagnose(campaign, simulated, &found, search);
     CampaignTorque {
         campaign: campaign.to_owned(),
         simulated,

@@ -34,8 +34,13 @@ const SOURCES: [(&[&str], &str, Ink); 7] = [
     (&["force_zero", "torque_zero"], "zero", Ink::Purple),
     (&["specimen_lengths"], "free lengths", Ink::Sky),
     (
-        &["session_misfit", "stroke_misfit", "test_misfit"],
-        "misfit of the session, stroke, test",
+        &[
+            "common_misfit",
+            "session_misfit",
+            "stroke_misfit",
+            "test_misfit",
+        ],
+        "misfit of law, session, stroke, test",
         Ink::Green,
     ),
     (&["estimation"], "estimation", Ink::Vermilion),

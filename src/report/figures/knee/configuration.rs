@@ -7,7 +7,7 @@ use crate::report::figures::formatting::plain;
 use crate::report::plot::{
     Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Mark, Panel, Series, Shape, Stroke,
 };
-use crate::stages::torque::fitting::LAWS;
+use crate::stages::torque::diagnose::fittings::LAWS;
 use crate::stages::torque::point::Point;
 use crate::stages::torque::{CampaignTorque, Configuration, Test};
 

@@ -3,7 +3,7 @@
 use super::{law_words, mm};
 use crate::report::input::ReportInput;
 use crate::report::table::{Audience, Cell, Column, Rounding, Table};
-use crate::stages::torque::fitting::LAWS;
+use crate::stages::torque::diagnose::fittings::LAWS;
 
 /// The table.
 pub fn table(input: &ReportInput) -> Table {

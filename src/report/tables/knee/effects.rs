@@ -64,7 +64,7 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
     .span("Largest error", "rigid_max_nm", "held_out_max_nm")
     .span("Its own", "own_offset_mm", "own_rmse_nm")
     .note(
-        "Held out: effects and sizes found without the actuator (with one actuator, without the test or the stretch of angles). Its own: by how much the length of the test differs from what was fitted \
+        "Held out: effects and sizes found without the actuator (none with one actuator). Its own: by how much the length of the test differs from what was fitted \
          to all, and the error with that, which no value for all tests can do better than. FVU: share of the variance that is not explained. Tests without a yes take part in no fit.",
     );
     for campaign in campaigns {

@@ -4,8 +4,8 @@ use super::{decimals, law_words, mm, named};
 use crate::report::input::ReportInput;
 use crate::report::table::{Audience, Cell, Column, Table};
 use crate::stages::torque::CampaignTorque;
+use crate::stages::torque::diagnose::fittings::{FittingFit, Origin};
 use crate::stages::torque::errors::Size;
-use crate::stages::torque::fitting::{FittingFit, Origin};
 
 /// All campaigns.
 pub fn table(input: &ReportInput) -> Table {
@@ -55,7 +55,7 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
     )
     .span("Fitted", "n_fitted", "rmse_fitted_nm")
     .span("Held out", "n_held_out", "rmse_held_out_nm")
-    .note("Held out are other actuators, other tendons and other knees of the same diameter and muscle. As stated and knee paper: nothing was fitted here; the paper fitted its length to tests of a 48.5 cm flexor, which may be among these. Excluded tests take no part. Intervals by the jackknife over tests (fitted to one actuator) or over actuators; with fewer than three of them linearised, which is too narrow.");
+    .note("Held out are other actuators, other tendons and other knees of the same diameter and muscle. As stated and knee paper: nothing was fitted here; the paper fitted its length to tests of a 48.5 cm flexor, which may be among these. Excluded tests take no part. Fitted with the mixed model of the joint: mountings of tests, strengths of actuators and the misfit of the law are random; the interval is that of the profile of the likelihood.");
     for campaign in campaigns {
         let mut last = None;
         for fit in &campaign.fits {

@@ -3,8 +3,8 @@
 use super::{decimals, law_words, named};
 use crate::report::input::ReportInput;
 use crate::report::table::{Audience, Cell, Column, Table};
+use crate::stages::torque::diagnose::fittings::LAWS;
 use crate::stages::torque::errors::{Basis, Size};
-use crate::stages::torque::fitting::LAWS;
 use crate::stages::torque::{CampaignTorque, Test};
 
 /// All campaigns.

@@ -1,4 +1,5 @@
-//! The loop on torque: what a rigid leg lacks, found from the torques, with the guards of the isometric search.
+//! The loop on torque: what a rigid leg lacks, as the second problem of the one engine ([`crate::inference`]); that of force is the first
+//! ([`crate::stages::diagnose`]).
 //!
 //! One joint at a time: the sessions of one diameter whose actuators run along one route over one knee, because route, fittings and brackets are theirs.
 //! The law of force is the published one and is not refitted: a knee has too few pressures and lengths to determine it.
@@ -6,74 +7,75 @@
 //! | file | idea |
 //! |---|---|
 //! | [`terms`] | the effects, with unit, bounds and source |
-//! | [`operator`] | the torque with effects, force in balance at every angle, with derivatives |
-//! | [`nuisance`] | what is a test's or an actuator's own and no effect: how it was mounted, how strong it is |
-//! | [`refit`] | least squares of any set of effects on any part of the readings |
-//! | [`search`] | every set of one or two, by BIC with the effective number of readings |
-//! | [`judge`] | what of it stands: intervals, held-out actuators, chosen again without any one test |
-//! | [`traces`] | which effects the design can tell apart, and the smallest sizes that it can show |
-//! | [`questions`] | whether what is left depends on any column |
-//! | [`black_box`] | what a smooth curve over a column would explain |
+//! | [`operator`] | torque, length and arm with effects, force in balance at every angle, with derivatives |
+//! | [`data`] | the readings of a joint, with everything that is known of each |
+//! | [`library`] | the terms that may be added: forms of effects, and smooth functions of columns |
+//! | [`problem`] | the joint as the engine sees it: groups, nuisance components, readings of torque, length and arm |
+//! | [`settings`] | the numbers on which decisions rest |
+//! | [`recording`] | mistakes of recording: torques of the other sign, tests that the others make too improbable |
+//! | [`unseen`] | the same search without each actuator; errors, predictive intervals, the budget of the expected error |
+//! | [`limits`] | what could have been seen, and what leaves the same trace |
+//! | [`fittings`] | the length of the end fittings, a query of the same model |
+//! | [`answer`] | the [`crate::findings`], as values |
 //! | [`tests`] | errors of every test: rigid, fitted, held out, and with sizes from the largest configuration alone |
 //! | [`measurers`] | beside what was reached by hand |
 //! | [`curves`] | torque over the angle before and after, for figures |
-//! | `odd` | mistakes of recording: tests that are far off by themselves, torques of the other sign |
-//! | [`answer`] | the findings: what this search computes of [`crate::findings`], and nothing else |
+//!
+//! With one actuator or two, effects have estimates like any other; what is said of unseen actuators needs two.
 
 pub mod answer;
-pub mod black_box;
 pub mod curves;
-pub mod judge;
+pub mod data;
+pub mod fittings;
+pub mod library;
+pub mod limits;
 pub mod measurers;
-pub mod nuisance;
-mod odd;
 pub mod operator;
-pub mod questions;
-pub mod refit;
-pub mod search;
+pub mod problem;
+pub mod recording;
+pub mod settings;
 pub mod terms;
 pub mod tests;
-pub mod traces;
+pub mod unseen;
 
 use crate::base::random::Stream;
 use crate::base::session::Role;
-use crate::findings::{CampaignFindings, Residuals};
-use crate::models::{ForceModel, published};
+use crate::config::{DiagnoseOptions, FitOptions};
+use crate::findings::{
+    CampaignFindings, Design, EffectFinding, Errors, HeldOutBy, NotAssessed, RecordingError,
+    Residuals, Verdict,
+};
+use crate::inference::fit::Setting;
+use crate::inference::problem::Problem;
+use crate::inference::search::{Decision, Found, Search};
+use crate::models::published;
+use crate::stages::diagnose::base::Base;
+use crate::stages::diagnose::settings as shared;
+use crate::stages::diagnose::slack::Side;
 use crate::stages::torque::Configuration;
 use crate::stages::torque::build::Build;
-use crate::stages::torque::point::Point;
+use answer::{Work, rms};
 use curves::BeforeAfter;
-use judge::{Accepted, Task};
+use data::{Data, Reading, senses};
 use measurers::ByHand;
-use nuisance::Spreads;
 use operator::{At, Joint};
+use problem::{MOST_TERMS, TorqueProblem};
 use rayon::prelude::*;
-use refit::{Reading, Sizes, is_answered};
-use search::{Known, Sample};
 use serde::{Deserialize, Serialize};
-use std::cmp::Ordering;
-use std::collections::{BTreeMap, BTreeSet};
-use terms::{MOST, TERMS, place};
-use tests::TestErrors;
+use std::collections::BTreeSet;
+use terms::SIZES;
+use tests::{Predictors, TestErrors};
+use unseen::HeldOut;
 
-/// Fewest readings that are searched.
-const FEWEST_READINGS: usize = 8;
-/// Fewest readings for each term of the set that tells how much tests differ.
-const READINGS_A_TERM: usize = 10;
-/// Sets, best first, among which one is chosen again without a test: what is far behind with all tests is not first without one.
-const SEARCHED_AGAIN: usize = 20;
-/// Fewest readings after the joint turned either way, for friction to be asked for.
-const FEWEST_EACH_WAY: usize = 3;
-/// Stretches of the angle in a test, fewer where each would have less than two readings: units of resampling, because what a law of force lacks
-/// at an angle is in all readings near to it.
-const STRETCHES: usize = 5;
+/// Most tests that are set aside.
+const MOST_ASIDE: usize = 2;
 
 /// What was found of one joint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JointDiagnosis {
     /// The findings.
     pub findings: CampaignFindings,
-    /// One entry a reading of the search; empty where a figure of it means nothing.
+    /// One entry a torque of the search.
     #[serde(default)]
     pub residuals: Residuals,
     /// Errors by test.
@@ -85,11 +87,11 @@ pub struct JointDiagnosis {
 }
 
 /// Everything of one joint, ready to be searched.
-pub(crate) struct Group<'a> {
+pub struct Group<'a> {
     /// Configurations with their builds.
     pub members: Vec<&'a (Build, Configuration)>,
     /// The law of force.
-    pub law: &'static dyn ForceModel,
+    pub law: &'a Base,
     /// Every answered reading of every test, excluded ones too, in the order of the tests.
     pub all: Vec<Reading<'a>>,
     /// Session of each test number.
@@ -98,18 +100,14 @@ pub(crate) struct Group<'a> {
     pub fitted: Vec<bool>,
     /// Whether each test is held out by its owner, of all that is chosen and fitted.
     pub held: Vec<bool>,
-    /// What is doubted of each test.
-    pub doubts: Vec<Option<&'a str>>,
+    /// Whether each test is in doubt.
+    doubted: Vec<bool>,
     /// Readings of each test for which the rigid leg has no torque.
     pub unanswered: Vec<usize>,
     /// Whether there are none but doubtful tests, which are then searched by themselves.
     pub doubtful: bool,
     /// Actuators by number.
     pub actuators: Vec<&'a str>,
-    /// Measured arm of each reading in `all`, m.
-    pub arms_by_hand: Vec<Option<f64>>,
-    /// Other columns of each reading in `all`.
-    pub extras: Vec<&'a BTreeMap<String, f64>>,
 }
 
 /// The findings of every joint of a campaign.
@@ -117,7 +115,7 @@ pub fn diagnose(
     campaign: &str,
     simulated: bool,
     found: &[(Build, Configuration)],
-    confidence: f64,
+    options: &DiagnoseOptions,
 ) -> Vec<JointDiagnosis> {
     let mut joints: Vec<Vec<&(Build, Configuration)>> = Vec::new();
     for member in found {
@@ -131,175 +129,269 @@ pub fn diagnose(
             None => joints.push(vec![member]),
         }
     }
-    let groups: Vec<Group> = joints.into_iter().filter_map(Group::new).collect();
+    let laws: Vec<Option<Base>> = joints.iter().map(|j| law(j[0].1.diameter_mm)).collect();
+    let groups = joints.into_iter().zip(&laws);
+    let groups: Vec<Group> = groups
+        .filter_map(|(j, law)| Some(Group::new(j, law.as_ref()?)))
+        .collect();
     groups
         .par_iter()
-        .filter_map(|group| one(campaign, simulated, group, confidence))
+        .map(|group| one(campaign, simulated, group, options))
         .collect()
 }
 
-/// The search on some of the readings: the accepted set, and all that were looked at.
-pub(crate) struct Searched<'a> {
-    /// What stands.
-    pub accepted: Accepted,
-    /// Every set, best first.
-    pub sets: Vec<search::Ranked>,
-    /// Terms that were asked for.
-    pub candidates: Vec<usize>,
-    /// Most terms that were looked for at once.
-    pub most: usize,
-    /// The readings, with what is their tests' and actuators' own.
-    pub readings: Vec<Reading<'a>>,
-    /// By how much tests and actuators differ.
-    pub spreads: Spreads,
+/// The law of force of a diameter: that of the force paper, or where it has none that of the knee paper.
+fn law(diameter_mm: u32) -> Option<Base> {
+    let known = |id: &str| {
+        let all = published();
+        let law = all.iter().find(|m| m.id() == id);
+        law.is_some_and(|m| m.diameters().contains(&diameter_mm))
+    };
+    if known("new_published") {
+        return Some(Base::new(diameter_mm, false, 1, &FitOptions::default()));
+    }
+    known("knee_paper")
+        .then(|| Base::published("knee_paper", false))
+        .flatten()
 }
 
-/// The whole search on readings: the same on all of them and within every fold.
-pub(crate) fn searched<'a>(
-    readings: &[Reading<'a>],
-    known: &Known,
-    confidence: f64,
-) -> Searched<'a> {
-    let candidates = candidates(readings);
-    let tests: BTreeSet<usize> = readings.iter().map(|r| r.test).collect();
-    // Stretches of one test determine one number.
-    let most = if tests.len() > 1 { 2 } else { 1 };
-    let (readings, spreads) = with_spreads(readings, &candidates, known);
-    let task = Task {
-        readings: &readings,
-        spreads: &spreads,
-        candidates: &candidates,
-        most,
-        confidence,
-    };
-    let sets = task.sample().ranked(&candidates, most, known);
-    let own = known_of(&sets);
-    let near: Vec<Vec<usize>> = sets.iter().map(|s| s.sizes.terms.clone()).collect();
-    let near = &near[..near.len().min(SEARCHED_AGAIN)];
-    let again = task.again(|sample| sample.of(near, &own));
-    let accepted = task.accepted(&sets, &again, &own);
-    Searched {
-        accepted,
-        sets,
-        candidates,
-        most,
-        readings,
-        spreads,
+/// A search and what was set aside for it.
+struct Searched<'s> {
+    setting: Setting<'s>,
+    found: Found,
+    aside: Vec<(usize, RecordingError)>,
+}
+
+fn decision(options: &DiagnoseOptions) -> Decision {
+    Decision {
+        level: shared::LEVEL,
+        draws: options.draws,
+        alike: shared::ALIKE,
+        most_terms: options.most_effects.min(MOST_TERMS),
+        thorough: true,
     }
 }
 
-/// The terms that mean anything for some readings.
-fn candidates(readings: &[Reading]) -> Vec<usize> {
-    let turned = |sense: f64| readings.iter().filter(|r| r.at.sense == sense).count();
-    let both_ways = turned(1.0).min(turned(-1.0)) >= FEWEST_EACH_WAY;
-    let has = |t: &usize| match *t {
-        place::FRICTION => both_ways,
-        other => readings.iter().all(|r| r.joint.has(other)),
-    };
-    (0..TERMS).filter(has).collect()
+/// The search, again without each test that what was found makes too improbable.
+fn searched<'s>(
+    problem: &'s TorqueProblem<'s>,
+    group: &Group,
+    decision: Decision,
+    normal: &crate::inference::screen::Normal,
+) -> Searched<'s> {
+    let mut setting = Setting::new(problem);
+    for (test, node) in problem.tests.iter().enumerate() {
+        if let (Some(node), true) = (node, group.held[test]) {
+            setting.active[*node] = false;
+        }
+    }
+    let mut aside: Vec<(usize, RecordingError)> = Vec::new();
+    loop {
+        let null = setting.fit_afresh(&problem.start());
+        let search = Search {
+            setting: &setting,
+            decision,
+            tried: None,
+        };
+        let found = search.run_exchanging(null, normal, None);
+        let odd = recording::furthest_off(&setting, problem, &found.model);
+        match odd {
+            Some((test, error)) if aside.len() < MOST_ASIDE => {
+                if let Some(node) = problem.tests[test] {
+                    setting.active[node] = false;
+                }
+                aside.push((test, error));
+            }
+            _ => {
+                return Searched {
+                    setting,
+                    found,
+                    aside,
+                };
+            }
+        }
+    }
 }
 
-/// The readings with what is their tests' and actuators' own, and how much these differ: as the effects that explain most, one after the
-/// other, leave them. That search takes all of the rigid leg's residual for noise, so that nothing is put down to the tests before effects were tried.
-fn with_spreads<'a>(
-    readings: &[Reading<'a>],
-    candidates: &[usize],
-    known: &Known,
-) -> (Vec<Reading<'a>>, Spreads) {
-    let rigid = Sizes::rigid(readings, &Spreads::before(1.0));
-    let first = rigid.with_own(readings);
-    let spreads = Spreads::before((rigid.sse / readings.len() as f64).sqrt());
-    let sample = Sample {
-        readings: &first,
-        spreads: &spreads,
-    };
-    let mut best = rigid;
-    let most = (readings.len() / READINGS_A_TERM).clamp(1, MOST);
-    for _ in 0..most {
-        let larger = sample.extended(&best.terms, candidates, known);
-        let least = larger
+fn one(
+    campaign: &str,
+    simulated: bool,
+    group: &Group,
+    options: &DiagnoseOptions,
+) -> JointDiagnosis {
+    let whole = group.data(&|t| group.fitted[t] || group.held[t]);
+    let signs = recording::wrong_signs(&whole);
+    let wrong = |t: usize| signs.iter().any(|s| s.group == group.sessions[t]);
+    let right = group.data(&|t| (group.fitted[t] || group.held[t]) && !wrong(t));
+    let searchable = |data: &Data| {
+        data.readings
             .iter()
-            .min_by(|a, b| a.sizes.left.total_cmp(&b.sizes.left));
-        best = least.map_or(best, |s| s.sizes.clone());
-    }
-    let own = best.with_own(readings);
-    let spreads = Spreads::of(&own, &best);
-    (own, spreads)
-}
-
-fn known_of(sets: &[search::Ranked]) -> Known {
-    let named = |s: &search::Ranked| (s.sizes.terms.clone(), s.sizes.clone());
-    sets.iter().map(named).collect()
-}
-
-fn one(campaign: &str, simulated: bool, group: &Group, confidence: f64) -> Option<JointDiagnosis> {
-    let readings = group.searched_readings();
-    if readings.len() < FEWEST_READINGS {
-        return None;
-    }
-    let whole = searched(&readings, &Known::new(), confidence);
-    let known = known_of(&whole.sets);
-    let fold = judge::fold_of(&readings);
-    let folds: BTreeSet<usize> = readings.iter().map(fold).collect();
-    let folds: Vec<usize> = folds.into_iter().collect();
-    let without = |out: &usize| {
-        let rest: Vec<Reading> = readings
-            .iter()
-            .filter(|r| fold(r) != *out)
-            .copied()
-            .collect();
-        let found = searched(&rest, &known, confidence);
-        (*out, found.accepted.sizes)
+            .filter(|r| group.fitted[r.test])
+            .count()
+            >= settings::FEWEST_READINGS
     };
-    let held_out: Vec<(usize, Sizes)> = folds.par_iter().map(without).collect();
-    let largest = group.largest().map(|own_tests| {
-        let of = whole.readings.iter();
-        let part: Vec<Reading> = of
-            .filter(|r| own_tests.contains(&r.test))
-            .copied()
-            .collect();
-        let chosen = &whole.accepted.sizes;
-        let sizes = Sizes::of(&chosen.terms, &part, &whole.spreads, Some(chosen));
-        (own_tests, sizes)
+    // Where hardly a test has the sign of the route, the route is in doubt and not the tests.
+    let set_aside = !signs.is_empty() && searchable(&right);
+    let mut data = if set_aside { right } else { whole };
+    let mut mistakes = signs;
+    for m in &mut mistakes {
+        m.set_aside = set_aside;
+    }
+    mistakes.extend(recording::without_odd_hands(&mut data));
+    let mut findings = unassessed(campaign, simulated, group, &data);
+    if !searchable(&data) {
+        findings.not_assessed = Some(NotAssessed::TooFewReadings);
+        findings.recording_errors = mistakes;
+        return JointDiagnosis {
+            findings,
+            residuals: Residuals::default(),
+            tests: group.tests(&[0.0; SIZES], &[], None),
+            by_hand: Vec::new(),
+            curves: group.curves(&[0.0; SIZES], &[]),
+        };
+    }
+    let library = library::terms(&data);
+    let problem = TorqueProblem::new(&data, &library).with_reference();
+    let normal = |k: usize| -> Box<dyn FnMut() -> f64> {
+        let mut stream = Stream::new(options.seed, &["torque draw", &k.to_string()]);
+        Box::new(move || stream.normal())
+    };
+    let decision = decision(options);
+    let searched = searched(&problem, group, decision, &normal);
+    let Searched {
+        setting,
+        found,
+        aside,
+    } = &searched;
+    mistakes.extend(aside.iter().map(|(_, error)| error.clone()));
+    findings.recording_errors = mistakes;
+    let held = unseen::held_out(setting, &problem, found, decision, &normal);
+    let work = Work {
+        problem: &problem,
+        setting,
+        found,
+        held: &held,
+        normal: &normal,
+    };
+    let residuals = work.residuals();
+    let variances = found.model.restricted(setting);
+    let limits = limits::limits(setting, &problem, &found.model, found.critical);
+    findings.effects = work.effects();
+    findings.unexplained = work.unexplained();
+    findings.verdict = verdict(&findings.effects, !findings.unexplained.is_empty());
+    findings.scatter = work.scatter(&variances);
+    findings.misfit = Some(work.misfit(&variances));
+    findings.before = Errors {
+        rmse_train: rms(&residuals.before),
+        ..held.before.clone()
+    };
+    findings.after = Errors {
+        rmse_train: rms(&residuals.after),
+        ..held.after.clone()
+    };
+    findings.design.held_out_by = held.by;
+    findings.next_measurement = work.next(&variances);
+    let expected: f64 = held.budget.iter().map(|b| b.variance).sum();
+    findings.expected_rmse_heldout = (!held.budget.is_empty()).then(|| expected.sqrt());
+    findings.inside_50 = held.inside.map(|i| i.0);
+    findings.inside_95 = held.inside.map(|i| i.1);
+    findings.pit.clone_from(&held.pit);
+    findings.noise = Some(variances.noise[problem::class::TORQUE]);
+    findings.tested = work.tested();
+    findings.detection_limits = limits.smallest;
+    findings.not_measurable = limits.not_measurable;
+    findings.aliases = limits.aliases;
+    findings.by_unit.clone_from(&held.units);
+    findings.budget.clone_from(&held.budget);
+    let sizes = problem.sizes(&found.model.point);
+    let without = group.found_without(&held);
+    let largest = group.largest().map(|own| {
+        let sizes = group.fitted_to(&searched, &problem, &own);
+        (own, sizes)
     });
-    let tests = tests::errors(
-        group,
-        &whole.accepted.sizes,
-        &held_out,
-        fold,
-        largest.as_ref(),
-    );
-    let answered = answer::Answered {
-        campaign,
-        simulated,
-        group,
-        whole: &whole,
-        held_out: &held_out,
-        tests: &tests,
-        confidence,
-    };
-    let findings = answered.findings();
-    let curves = curves::curves(group, &whole.accepted.sizes, &held_out, fold);
-    Some(JointDiagnosis {
+    let tests = group.tests(&sizes, &without, largest.as_ref());
+    JointDiagnosis {
         findings,
-        residuals: Residuals::default(),
+        residuals,
         by_hand: match simulated {
             true => Vec::new(),
             false => measurers::beside(group, &tests),
         },
         tests,
-        curves,
-    })
+        curves: group.curves(&sizes, &without),
+    }
+}
+
+fn verdict(effects: &[EffectFinding], unexplained: bool) -> Verdict {
+    if effects.iter().any(|e| !e.negligible) {
+        Verdict::EffectFound
+    } else if unexplained {
+        Verdict::Unexplained
+    } else {
+        Verdict::None
+    }
+}
+
+/// The findings of a joint of which nothing is said yet.
+fn unassessed(campaign: &str, simulated: bool, group: &Group, data: &Data) -> CampaignFindings {
+    let configuration = &group.members[0].1;
+    let count = |of: &dyn Fn(&Reading) -> bool| data.readings.iter().filter(|r| of(r)).count();
+    let distinct = |of: fn(&Reading) -> usize| -> usize {
+        let fitted = data.readings.iter().filter(|r| group.fitted[r.test]);
+        fitted.map(of).collect::<BTreeSet<usize>>().len()
+    };
+    let outside = group.unanswered.iter().zip(&group.fitted);
+    CampaignFindings {
+        campaign: campaign.to_owned(),
+        part: Some(format!(
+            "{} knee, {}",
+            configuration.knee, configuration.muscle
+        )),
+        diameter_mm: configuration.diameter_mm,
+        simulated,
+        kind: "knee-torque".to_owned(),
+        base_model: group.law.id.clone(),
+        base_refitted: false,
+        unit: "N.m".to_owned(),
+        design: Design {
+            readings: count(&|r| group.fitted[r.test]),
+            readings_outside_domain: outside.filter(|(_, fitted)| **fitted).map(|(n, _)| n).sum(),
+            sessions: distinct(|r| r.test),
+            specimens: distinct(|r| r.actuator),
+            readings_held_out: count(&|r| group.held[r.test]),
+            held_out_by: HeldOutBy::None,
+            doubtful_only: group.doubtful,
+        },
+        verdict: Verdict::NotAssessed,
+        not_assessed: None,
+        effects: Vec::new(),
+        scatter: Vec::new(),
+        misfit: None,
+        unexplained: Vec::new(),
+        recording_errors: Vec::new(),
+        before: Errors::default(),
+        after: Errors::default(),
+        by_unit: Vec::new(),
+        budget: Vec::new(),
+        expected_rmse_heldout: None,
+        inside_50: None,
+        inside_95: None,
+        pit: Vec::new(),
+        noise: None,
+        black_box_rmse_heldout: None,
+        tested: Vec::new(),
+        detection_limits: Vec::new(),
+        not_measurable: Vec::new(),
+        aliases: Vec::new(),
+        next_measurement: Vec::new(),
+        coefficients: Vec::new(),
+        alternatives: Vec::new(),
+    }
 }
 
 impl<'a> Group<'a> {
-    fn new(members: Vec<&'a (Build, Configuration)>) -> Option<Self> {
-        let diameter = members.first()?.1.diameter_mm;
-        let all = published();
-        let law = ["new_published", "knee_paper"].iter().find_map(|id| {
-            let law = all.iter().find(|m| m.id() == *id).copied()?;
-            law.diameters().contains(&diameter).then_some(law)
-        })?;
+    /// The tests of some configurations of one joint.
+    pub fn new(members: Vec<&'a (Build, Configuration)>, law: &'a Base) -> Self {
         let mut group = Self {
             members,
             law,
@@ -307,19 +399,16 @@ impl<'a> Group<'a> {
             sessions: Vec::new(),
             fitted: Vec::new(),
             held: Vec::new(),
-            doubts: Vec::new(),
+            doubted: Vec::new(),
             unanswered: Vec::new(),
             doubtful: false,
             actuators: Vec::new(),
-            arms_by_hand: Vec::new(),
-            extras: Vec::new(),
         };
         for (build, configuration) in group.members.clone() {
             group.add(build, configuration);
         }
         group.fall_back_to_doubtful();
-        group.number_units();
-        Some(group)
+        group
     }
 
     fn add(&mut self, build: &'a Build, configuration: &'a Configuration) {
@@ -332,100 +421,59 @@ impl<'a> Group<'a> {
         }
         for test in &configuration.tests {
             let number = self.sessions.len();
-            let senses = senses(&test.points);
-            let mut readings = Vec::new();
             let mut unanswered = 0;
-            for (order, (p, sense)) in test.points.iter().zip(senses).enumerate() {
+            for (order, (p, sense)) in test.points.iter().zip(senses(&test.points)).enumerate() {
                 let reading = Reading {
                     joint,
                     at: At {
                         angle_rad: p.angle_rad,
                         pressure_kpa: p.pressure_kpa,
                         sense,
-                        order: order as f64,
-                        placebo: 0.0,
                     },
+                    side: Side::Pulls,
                     torque_nm: p.torque_nm,
+                    by_hand: p.by_hand,
                     actuator,
                     test: number,
-                    unit: number,
-                    own: [0.0; 2],
+                    order: order as f64 / (test.points.len().max(2) - 1) as f64,
+                    extras: &p.extras,
                 };
                 if !p.pressure_kpa.is_finite() {
                     continue;
                 }
-                if p.expected.is_some() && is_answered(&reading) {
-                    readings.push(reading);
-                    self.arms_by_hand.push(p.by_hand.arm_m);
-                    self.extras.push(&p.extras);
+                let answered = p.torque_nm.is_finite() && reading.shown(&[0.0; SIZES]).is_some();
+                if p.expected.is_some() && answered {
+                    self.all.push(reading);
                 } else {
                     unanswered += 1;
                 }
             }
             self.unanswered.push(unanswered);
-            self.all.extend(shuffled(readings, &test.session));
             self.sessions.push(&test.session);
             self.fitted.push(test.is_fitted());
-            let held = !test.is_left_out() && test.role == Some(Role::Holdout);
-            self.held.push(held);
-            let doubt = test.doubtful.as_deref();
-            self.doubts.push(doubt.filter(|_| test.excluded.is_none()));
+            self.held
+                .push(!test.is_left_out() && test.role == Some(Role::Holdout));
+            self.doubted
+                .push(test.doubtful.is_some() && test.excluded.is_none());
         }
     }
 
     /// A joint of which nothing but doubtful tests exist is searched on these, and its findings say so.
     fn fall_back_to_doubtful(&mut self) {
-        self.doubtful = !self.fitted.contains(&true) && self.doubts.iter().any(Option::is_some);
+        self.doubtful = !self.fitted.contains(&true) && self.doubted.contains(&true);
         if self.doubtful {
-            self.fitted = self.doubts.iter().map(Option::is_some).collect();
+            self.fitted.clone_from(&self.doubted);
         }
     }
 
-    /// A unit is a stretch of the angle of one test.
-    fn number_units(&mut self) {
-        for test in 0..self.sessions.len() {
-            let mut places: Vec<usize> = (0..self.all.len())
-                .filter(|k| self.all[*k].test == test)
-                .collect();
-            places.sort_by(|a, b| {
-                let angle = |k: &usize| self.all[*k].at.angle_rad;
-                angle(a).total_cmp(&angle(b)).then(a.cmp(b))
-            });
-            let n = places.len();
-            let stretches = STRETCHES.min(n / 2).max(1);
-            for (rank, place) in places.into_iter().enumerate() {
-                self.all[place].unit = test * STRETCHES + rank * stretches / n;
-            }
-        }
-    }
-
-    /// The readings of the tests that are fitted.
-    pub fn searched_readings(&self) -> Vec<Reading<'a>> {
-        let fitted = self.all.iter().filter(|r| self.fitted[r.test]);
-        fitted.copied().collect()
-    }
-
-    /// The readings of the tests that their owner holds out.
-    pub fn held_readings(&self) -> Vec<Reading<'a>> {
-        let held = self.all.iter().filter(|r| self.held[r.test]);
-        held.copied().collect()
-    }
-
-    /// The other columns that all readings of the tests that are fitted have.
-    fn searched_extras(&self) -> Vec<(String, Vec<f64>)> {
-        let all = self.all.iter().zip(&self.extras);
-        let searched = all.filter(|(r, _)| self.fitted[r.test]);
-        let extras: Vec<&BTreeMap<String, f64>> = searched.map(|(_, extras)| *extras).collect();
-        let names = extras.first().into_iter().flat_map(|first| first.keys());
-        let column = |name: &String| {
-            let values: Option<Vec<f64>> = extras.iter().map(|e| e.get(name).copied()).collect();
-            Some((name.clone(), values?))
-        };
-        names.filter_map(column).collect()
+    /// The readings of some tests, by their numbers.
+    pub fn data(&self, takes: &dyn Fn(usize) -> bool) -> Data<'a> {
+        let own = self.all.iter().filter(|r| takes(r.test)).copied();
+        Data::new(own.collect(), self.sessions.clone(), self.actuators.clone())
     }
 
     /// The tests of the configuration with most fitted readings, where there are others.
-    fn largest(&self) -> Option<Vec<usize>> {
+    pub fn largest(&self) -> Option<Vec<usize>> {
         let by_readings = self.members.iter().map(|m| &m.1).enumerate();
         let (_, largest) = by_readings
             .max_by_key(|(k, c)| (c.fitted_points(), std::cmp::Reverse(*k)))
@@ -434,37 +482,94 @@ impl<'a> Group<'a> {
         let tests = self.sessions.iter().enumerate().filter(|(_, s)| of(s));
         Some(tests.map(|(k, _)| k).filter(|k| self.fitted[*k]).collect())
     }
-}
 
-/// In which sense the joint turned before each reading, from their order: 0 before the first move, and while it stands that of the last one.
-fn senses(points: &[Point]) -> Vec<f64> {
-    let mut senses = vec![0.0; points.len()];
-    for k in 1..points.len() {
-        let by = points[k].angle_rad - points[k - 1].angle_rad;
-        senses[k] = match by.partial_cmp(&0.0) {
-            Some(Ordering::Greater) => 1.0,
-            Some(Ordering::Less) => -1.0,
-            _ => senses[k - 1],
+    /// Sizes of the effects that were found, fitted to some tests alone.
+    fn fitted_to(
+        &self,
+        searched: &Searched,
+        problem: &TorqueProblem,
+        tests: &[usize],
+    ) -> [f64; SIZES] {
+        let mut setting = searched.setting.clone();
+        for (test, node) in problem.tests.iter().enumerate() {
+            if let (Some(node), false) = (node, tests.contains(&test)) {
+                setting.active[*node] = false;
+            }
+        }
+        let model = &searched.found.model;
+        let fitted = setting.fit(
+            &model.cleared(&setting),
+            std::slice::from_ref(&model.variances),
+        );
+        problem.sizes(&fitted.point)
+    }
+
+    /// For each test the sizes that were found without it.
+    fn found_without(&self, held: &HeldOut) -> Vec<Option<[f64; SIZES]>> {
+        let of = |test: usize| {
+            let own = self.all.iter().find(|r| r.test == test)?;
+            let name = match held.by {
+                HeldOutBy::Actuator if self.fitted[test] => self.actuators[own.actuator],
+                HeldOutBy::Holdout => self.sessions[test],
+                _ => return None,
+            };
+            let fold = held
+                .folds
+                .iter()
+                .find(|f| f.nodes.iter().any(|(n, _)| n == name))?;
+            Some(fold.sizes)
         };
+        (0..self.sessions.len()).map(of).collect()
     }
-    senses
-}
 
-/// The readings of a test with a shuffled copy of their angles, from -1 to 1: a column that must never be chosen.
-fn shuffled<'a>(mut readings: Vec<Reading<'a>>, session: &str) -> Vec<Reading<'a>> {
-    let mut angles: Vec<f64> = readings.iter().map(|r| r.at.angle_rad).collect();
-    let mut stream = Stream::new(1, &["torque placebo", session]);
-    for k in (1..angles.len()).rev() {
-        angles.swap(k, stream.below(k + 1));
+    /// Readings of one test.
+    fn of_test(&self, test: usize) -> Vec<Reading<'a>> {
+        self.all
+            .iter()
+            .filter(|r| r.test == test)
+            .copied()
+            .collect()
     }
-    let (low, high) = angles
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), a| {
-            (l.min(*a), h.max(*a))
-        });
-    for (reading, angle) in readings.iter_mut().zip(angles) {
-        let width = (high - low).max(f64::MIN_POSITIVE);
-        reading.at.placebo = 2.0 * (angle - low) / width - 1.0;
+
+    fn tests(
+        &self,
+        sizes: &[f64; SIZES],
+        without: &[Option<[f64; SIZES]>],
+        largest: Option<&(Vec<usize>, [f64; SIZES])>,
+    ) -> Vec<TestErrors> {
+        let one = |(test, session): (usize, &&str)| {
+            let own = self.of_test(test);
+            let specimen = self.actuators[own.first()?.actuator];
+            let with = Predictors {
+                all: sizes,
+                held_out: without.get(test).and_then(Option::as_ref),
+                largest: largest.map(|(_, sizes)| sizes),
+            };
+            let in_largest = largest.is_some_and(|(tests, _)| tests.contains(&test));
+            Some(tests::errors(
+                (session, specimen),
+                &own,
+                (self.fitted[test], in_largest),
+                &with,
+            ))
+        };
+        self.sessions.iter().enumerate().filter_map(one).collect()
     }
-    readings
+
+    fn curves(&self, sizes: &[f64; SIZES], without: &[Option<[f64; SIZES]>]) -> Vec<BeforeAfter> {
+        let one = |(build, configuration): &&(Build, Configuration)| {
+            let joint = Joint::new(build, self.law);
+            let tests = &configuration.tests;
+            let is_own = |t: usize| tests.iter().any(|own| own.session == self.sessions[t]);
+            let own: Vec<Reading> = self
+                .all
+                .iter()
+                .filter(|r| is_own(r.test))
+                .copied()
+                .collect();
+            let without = own.iter().find_map(|r| without.get(r.test)?.as_ref());
+            curves::of_configuration(&joint, (build, configuration), &own, sizes, without)
+        };
+        self.members.iter().flat_map(one).collect()
+    }
 }

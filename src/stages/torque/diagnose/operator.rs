@@ -1,27 +1,31 @@
-//! The forward model with the joint's effects: torque of a reading, with exact derivatives by every size.
+//! The forward model with the joint's effects: torque, length and arm of a reading, with exact derivatives by every size.
 //!
 //! At an angle the force balances everything that yields to it (theorem of implicit functions, [`crate::knee::series`]):
-//! F = g A(P - p, l_m), l_m = L_MT(theta, F) - 2 l_fit - l_tendon - d - C F - s F/(F + 100 N) - dl, with attachments that their brackets let go, and
-//! M = r(theta, F) F (1 - c (|theta| - theta_0)+) + z - f s, with s the sense in which the joint turned before the reading. The arm is that of
-//! the moved attachments.
+//! F = g A(P - p, l_m), l_m = L_MT(theta, F) - 2 l_fit - l_tendon - d - C F - s F/(F + 100 N) - dl, with attachments that are elsewhere than drawn
+//! and that their brackets let go, and M = r(theta, F) F (1 - c (|theta| - theta_0)+) (1 -+ mu s) + z - f s, with s the sense in which the joint turned
+//! before the reading. The arm is that of the moved attachments; a tape measure sees l_m and r.
+//!
+//! On which side of the corner to slackness a reading is, is decided once ([`Joint::side`], [`crate::stages::diagnose::slack`]): the law is then
+//! smooth in every size.
 
-use super::terms::{KINKS_FROM_RAD, TERMS, place};
+use super::settings;
+use super::terms::{KINKS_FROM_RAD, SIZES, place};
+use crate::effects::{Actuator, Conditions};
 use crate::knee::{Bracket, Leg, Point, Series, data, route::Place};
-use crate::models::ForceModel;
 use crate::numerics::real::Real;
+use crate::stages::diagnose::base::Base;
+use crate::stages::diagnose::slack::{self, Side, Sided};
 use crate::stages::torque::build::Build;
 
 /// Radius of the arc on which an actuator lies in front of the knee, m (the laboratory's file of the pinned knee).
 const WRAP_RADIUS_M: f64 = 0.03;
-/// Steps of the length (m) and the pressure (kPa) over which the slopes of a force model are taken.
-const STEPS: (f64, f64) = (1e-6, 1e-3);
 
 /// What a leg has for the effects beside its geometry.
 #[derive(Clone, Copy)]
 pub struct Joint<'a> {
     build: &'a Build,
     leg: Leg<'a>,
-    law: &'a dyn ForceModel,
+    law: &'a Base,
     /// Feet of the brackets at origin and insertion, in the frame of the attachment's body, m.
     feet: [Option<Point<f64>>; 2],
     /// The angle below which the actuator lies on the knee, rad.
@@ -37,10 +41,6 @@ pub struct At {
     pub pressure_kpa: f64,
     /// In which sense the joint turned before the reading: 1 in extension, -1 in flexion, 0 where nobody knows.
     pub sense: f64,
-    /// Place in the order of its test's readings.
-    pub order: f64,
-    /// Shuffled column.
-    pub placebo: f64,
 }
 
 impl At {
@@ -50,15 +50,13 @@ impl At {
             angle_rad,
             pressure_kpa,
             sense: 0.0,
-            order: 0.0,
-            placebo: 0.0,
         }
     }
 }
 
 impl<'a> Joint<'a> {
     /// The joint of a build, under a law of force.
-    pub fn new(build: &'a Build, law: &'a dyn ForceModel) -> Self {
+    pub fn new(build: &'a Build, law: &'a Base) -> Self {
         let leg = build.leg();
         let via = leg.route.points.len() > 2;
         let on_femur = |p: &&crate::knee::route::RoutePoint| matches!(p.place, Place::Femur(_));
@@ -75,7 +73,7 @@ impl<'a> Joint<'a> {
         }
     }
 
-    /// Whether a term means anything for the joint.
+    /// Whether an effect with its sizes at `term` means anything for the joint.
     pub fn has(&self, term: usize) -> bool {
         match term {
             place::ORIGIN => self.feet[0].is_some(),
@@ -85,8 +83,35 @@ impl<'a> Joint<'a> {
         }
     }
 
-    /// Torque in N.m with effects of these sizes, and the arm in m; NaN where there is no answer.
-    pub fn torque<R: Real>(&self, at: &At, sizes: &[R; TERMS]) -> (R, R) {
+    /// On which side of the corner to slackness a reading of `torque_nm` is, where the largest of the joint is `largest_nm`. Where the rigid leg would
+    /// not pull, a small torque is noise or zero of the sensor, which beside its largest torque a leg has more of than a load cell has beside a force.
+    pub fn side(&self, at: &At, torque_nm: f64, largest_nm: f64) -> Side {
+        let setup = &self.build.setup;
+        let length = self
+            .leg
+            .length(at.angle_rad)
+            .map_or(f64::NAN, |l| setup.actuator_length(l));
+        let rigid = self.shown(at, Side::Pulls, &[0.0; SIZES]);
+        let would_push = rigid.is_some_and(|s| s.force < 0.0);
+        let small = torque_nm.abs() < settings::NEAR_SLACK * largest_nm;
+        let torque_nm = if would_push && small { 0.0 } else { torque_nm };
+        slack::side(torque_nm, largest_nm, &self.conditions(at, length))
+    }
+
+    fn conditions(&self, at: &At, length_m: f64) -> Conditions {
+        let setup = &self.build.setup;
+        let mut conditions = Conditions::at(
+            setup.rest_length_m,
+            setup.contracted_length_m,
+            length_m,
+            at.pressure_kpa,
+        );
+        conditions.diameter_mm = setup.diameter_mm;
+        conditions
+    }
+
+    /// What a leg with effects of these sizes shows at a reading, on a fixed side of the corner to slackness; none where there is no answer.
+    pub fn shown<R: Real>(&self, at: &At, side: Side, sizes: &[R; SIZES]) -> Option<Shown<R>> {
         let absent = |term: usize| sizes[term].is_constant() && sizes[term].value() == 0.0;
         let none = R::constant(0.0);
         let bracket = |end: usize, term: usize| {
@@ -95,65 +120,89 @@ impl<'a> Joint<'a> {
             let compliance = [none, bends, bends];
             Some(Bracket { foot, compliance })
         };
+        let shift = |first: usize| [sizes[first] * 1e-3, sizes[first + 1] * 1e-3, none];
         let series = Series {
             axial: sizes[place::AXIAL] * 1e-6,
             loose: sizes[place::LOOSE] * 1e-3,
             origin: bracket(0, place::ORIGIN),
             insertion: bracket(1, place::INSERTION),
+            shifted: [place::ORIGIN_SHIFT, place::INSERTION_SHIFT].map(shift),
         };
         let values = sizes.map(Real::value);
+        let law = Sided {
+            base: self.law,
+            side,
+        };
         let balance = self.leg.balanced(
             &series,
             at.angle_rad,
-            |free| self.pull(at, &values.map(Real::constant), free),
-            |free| self.pull(at, sizes, free),
+            |free| self.pull(&law, at, &values.map(Real::constant), free),
+            |free| self.pull(&law, at, sizes, free),
         );
-        let Ok(Some(balance)) = balance else {
-            return (R::constant(f64::NAN), R::constant(f64::NAN));
-        };
+        let balance = balance.ok().flatten()?;
         let beyond = |from: f64| (at.angle_rad.abs() - from).max(0.0);
         let kinked = (0..2).fold(R::constant(1.0), |left, k| {
             left - sizes[place::KINKING + k] * beyond(KINKS_FROM_RAD[k])
         });
-        let rubs = sizes[place::FRICTION] * at.sense;
-        let sensor = sizes[place::ZERO] - rubs + sizes[place::PLACEBO] * at.placebo;
-        (balance.torque * kinked + sensor, balance.arm)
+        let sensor = sizes[place::ZERO] - sizes[place::FRICTION] * at.sense;
+        let pulled = balance.torque * kinked;
+        let rubs = sizes[place::LOADED_FRICTION] * (at.sense * pulled.value().signum());
+        let taken = self.taken_m();
+        Some(Shown {
+            torque: pulled - pulled * rubs + sensor,
+            sensor,
+            force: balance.force,
+            length: balance.actuator_length - taken - sizes[place::LENGTH] * 1e-3,
+            arm: balance.arm,
+        })
+    }
+
+    /// What is seen at a reading: with an actuator that would push slack, so that nothing yields; none where there is no answer.
+    pub fn seen(&self, at: &At, sizes: &[f64; SIZES]) -> Option<Shown<f64>> {
+        let pulls = self.shown(at, Side::Pulls, sizes)?;
+        if pulls.force < 0.0 {
+            return self.shown(at, Side::Slack, sizes);
+        }
+        Some(pulls)
+    }
+
+    /// What fittings and tendon take of the path, m.
+    fn taken_m(&self) -> f64 {
+        2.0 * self.build.setup.fitting_m + self.build.setup.tendon_m
     }
 
     /// The force at a length in m that path and series leave for actuator, fittings and tendon.
-    fn pull<R: Real>(&self, at: &At, sizes: &[R; TERMS], free: R) -> R {
+    fn pull<R: Real>(&self, law: &Sided, at: &At, sizes: &[R; SIZES], free: R) -> R {
         let setup = &self.build.setup;
-        let taken = 2.0 * setup.fitting_m + setup.tendon_m;
-        let mut length = free - taken - sizes[place::LENGTH] * 1e-3;
+        let mut length = free - self.taken_m() - sizes[place::LENGTH] * 1e-3;
         if let Some(wraps_below) = self.wraps_below {
             let on_knee = WRAP_RADIUS_M * (wraps_below - at.angle_rad).max(0.0);
             let stroke = setup.rest_length_m - setup.contracted_length_m;
             let slack = (length - setup.contracted_length_m) / stroke;
             length = length - sizes[place::WRAPPING] * on_knee * slack * slack;
         }
-        let pressure = -sizes[place::PRESSURE] + at.pressure_kpa;
-        let (l, p) = (length.value(), pressure.value());
-        let force = |length_m: f64, pressure_kpa: f64| {
-            let state = setup.state(length_m, pressure_kpa.max(0.0));
-            self.law.predict(&state).force_n().unwrap_or(f64::NAN)
-        };
-        let here = force(l, p);
-        let slope = |there: f64, step: f64| {
-            let slope = (there - here) / step;
-            if slope.is_nan() { 0.0 } else { slope }
-        };
-        let (dl, dp) = STEPS;
-        let by_length = match length.is_constant() {
-            true => 0.0,
-            false => slope(force(l + dl, p), dl),
-        };
-        let mut pulled = length.chain(here, by_length);
-        if !pressure.is_constant() {
-            let by_pressure = slope(force(l, p + dp), dp);
-            pulled = pulled + pressure.chain(0.0, by_pressure);
-        }
+        let pressure = -sizes[place::PRESSURE] - sizes[place::THRESHOLD] + at.pressure_kpa;
+        let coefficients = self.law.starts().into_iter().map(R::constant);
+        let coefficients: Vec<R> = coefficients.collect();
+        let conditions = self.conditions(at, length.value());
+        let pulled = law.force(&coefficients, pressure.positive_part(), length, &conditions);
         pulled * (sizes[place::GAIN] + 1.0)
     }
+}
+
+/// What is seen of a leg in balance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown<R> {
+    /// Torque, N.m.
+    pub torque: R,
+    /// The part of it that is there without a force, N.m.
+    pub sensor: R,
+    /// Force, N.
+    pub force: R,
+    /// Length of the actuator, m.
+    pub length: R,
+    /// Moment arm, m.
+    pub arm: R,
 }
 
 /// Where the bracket at an end of the route is fixed to the bone, if the laboratory's list of brackets has it.

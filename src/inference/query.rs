@@ -1,0 +1,174 @@
+//! Small questions to a fitted model, whatever the problem is about.
+
+use crate::fit::{Fitted, Setting};
+use crate::search::Found;
+use crate::statistic::deviate;
+use crate::system::{Factor, Likelihood, Variances};
+use crate::variance::{Effort, Prior};
+
+/// Half of the 95% point of chi-squared with one degree: by so much the log-likelihood falls at the ends of an interval.
+const CUT: f64 = 1.920_729_410_347_062;
+/// Step of the standard deviation by which the ends are looked for, as a factor.
+const STEP: f64 = 1.05;
+/// Standard deviations below this share of their usual size are none, and beyond this multiple unbounded.
+const RANGE: (f64, f64) = (1e-3, 100.0);
+
+/// Multiples of a known standard deviation that are tried in its place.
+const LARGER: [f64; 6] = [1.5, 2.0, 3.0, 5.0, 10.0, 20.0];
+
+/// An estimate with its standard error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Value.
+    pub value: f64,
+    /// Standard error.
+    pub standard_error: f64,
+}
+
+/// Where the restricted likelihood has fallen to the ends of an interval on either side of a component's standard deviation, the other variances
+/// as they are; no upper end where it does not fall.
+pub fn interval(
+    setting: &Setting,
+    model: &Fitted,
+    variances: &Variances,
+    component: usize,
+) -> (f64, Option<f64>) {
+    let scales = setting.scales();
+    let maximiser = setting.maximiser(&scales, Likelihood::Restricted);
+    let at = |sd: f64| {
+        let mut v = variances.clone();
+        v.components[component] = sd;
+        maximiser.value(&model.gram, &v)
+    };
+    let (sd, usual) = (variances.components[component], scales[component].usual);
+    let (least, most) = (RANGE.0 * usual, RANGE.1 * usual);
+    let best = at(sd);
+    let mut high = sd.max(least);
+    while at(high) > best - CUT && high < most {
+        high *= STEP;
+    }
+    let mut low = sd;
+    while low > least && at(low) > best - CUT {
+        low /= STEP;
+    }
+    (
+        if low > least { low } else { 0.0 },
+        (high < most).then_some(high),
+    )
+}
+
+/// Whether a standard deviation that is taken as known is too small: the restricted likelihood rises by [`CUT`] for a larger one.
+pub fn is_too_small(
+    setting: &Setting,
+    model: &Fitted,
+    variances: &Variances,
+    component: usize,
+) -> bool {
+    let scales = setting.scales();
+    let maximiser = setting.maximiser(&scales, Likelihood::Restricted);
+    let at = |factor: f64| {
+        let mut v = variances.clone();
+        v.components[component] *= factor;
+        maximiser.value(&model.gram, &v)
+    };
+    let known = at(1.0);
+    LARGER.iter().any(|f| at(*f) > known + CUT)
+}
+
+/// Gain in log-likelihood over a model without a component, the other variances estimated again.
+pub fn gain_of(setting: &Setting, model: &Fitted, component: usize) -> f64 {
+    let mut scales = setting.scales();
+    let with = setting.maximiser(&scales, Likelihood::Full);
+    let best = with
+        .maximise(&model.gram, &model.variances, Effort::STEP)
+        .log_likelihood;
+    scales[component].prior = Prior::Fixed(0.0);
+    let mut from = model.variances.clone();
+    from.components[component] = 0.0;
+    let without = setting.maximiser(&scales, Likelihood::Full);
+    (best
+        - without
+            .maximise(&model.gram, &from, Effort::FULL)
+            .log_likelihood)
+        .max(0.0)
+}
+
+/// Accepted terms that would not stand with the prior of the misfit halved or doubled.
+pub fn sensitive(setting: &Setting, found: &Found) -> Vec<usize> {
+    let mut sensitive = Vec::new();
+    for factor in [0.5, 2.0] {
+        let other = Setting {
+            misfit_factor: factor,
+            ..setting.clone()
+        };
+        let starts = [found.model.variances.clone()];
+        let model = other.fit(&found.model.point, &starts);
+        for a in &found.accepted {
+            let mut from = model.point.clone();
+            from.terms.retain(|(t, _)| *t != a.term);
+            let without = other.fit(&from, &starts);
+            let ratio = 2.0 * (model.log_likelihood - without.log_likelihood);
+            let amplitudes = setting.problem.terms()[a.term].amplitudes;
+            if deviate(ratio, amplitudes) < found.critical && !sensitive.contains(&a.term) {
+                sensitive.push(a.term);
+            }
+        }
+    }
+    sensitive
+}
+
+/// Each group's own estimate of a term's value, all else and the variances as found: `group` numbers the groups of the readings from 0.
+/// None of a group whose readings do not show it.
+pub fn by_group(
+    setting: &Setting,
+    model: &Fitted,
+    term: usize,
+    value: usize,
+    group: &[usize],
+) -> Vec<Option<Estimate>> {
+    let groups = group.iter().max().map_or(0, |g| g + 1);
+    let mut all = vec![None; groups];
+    let (Some(place), Some(values)) = (model.place(term, value), model.values(term)) else {
+        return all;
+    };
+    let mut design = model.design.clone();
+    let column = design.x.remove(place);
+    let others = design.x.len();
+    let mut shown = Vec::new();
+    for g in 0..groups {
+        let masked = column
+            .iter()
+            .zip(group)
+            .map(|(x, of)| if *of == g { *x } else { 0.0 });
+        let masked: Vec<f64> = masked.collect();
+        if masked.iter().any(|x| *x != 0.0) {
+            design.x.push(masked);
+            shown.push(g);
+        }
+    }
+    let gram = setting.sums(&design);
+    let factor = Factor::new(&design.tree, &gram, &model.variances);
+    let (fixed, covariance) = (factor.fixed(), factor.fixed_covariance());
+    for (k, g) in shown.into_iter().enumerate() {
+        let standard_error = covariance.at(others + k, others + k).max(0.0).sqrt();
+        let estimate = Estimate {
+            value: values[value] + fixed[others + k],
+            standard_error,
+        };
+        all[g] = Some(estimate).filter(|_| standard_error > 0.0 && standard_error.is_finite());
+    }
+    all
+}
+
+/// Measured less predicted with the predicted random effects.
+pub fn conditional(model: &Fitted) -> Vec<f64> {
+    let tree = &model.design.tree;
+    let paths: Vec<Vec<usize>> = (0..tree.len()).map(|n| tree.path_numbers(n)).collect();
+    let rows = model.design.z.iter().zip(&model.design.node);
+    rows.zip(&model.design.y)
+        .map(|((z, node), y)| {
+            let own = paths[*node].iter().zip(z);
+            y - own.map(|(c, z)| z * model.point.random[*c]).sum::<f64>()
+        })
+        .collect()
+}

@@ -1,0 +1,185 @@
+//! Errors on readings that took no part, summed over groups: what a model says of groups that it has not seen, for forces and torques.
+
+use crate::findings::{BudgetEntry, Errors};
+use crate::inference::heldout::Unseen;
+use crate::numerics::distributions::normal_cdf;
+use std::collections::BTreeMap;
+
+/// How many readings of each set-up are given, where a few are.
+const GIVEN: [usize; 4] = [1, 2, 3, 5];
+/// Two-sided 50 and 95% points of the normal distribution.
+const QUANTILES: (f64, f64) = (0.674_489_750_196_082, 1.959_963_984_540_054);
+/// Bins of the probability integral transform.
+const BINS: usize = 10;
+
+/// The readings of a problem, as errors on them are summed.
+pub struct Scored<'a> {
+    /// Whether a reading is scored.
+    pub takes: &'a dyn Fn(usize) -> bool,
+    /// Number of the set-up (session, test) of a reading: its first few are given.
+    pub setup: &'a dyn Fn(usize) -> usize,
+    /// Measured less predicted where the misfit of the law is no part of the prediction; none where it is.
+    pub alone: Option<&'a dyn Fn(usize) -> f64>,
+}
+
+/// Sums over readings that took no part.
+#[derive(Default)]
+pub struct Tally {
+    /// Readings.
+    pub count: usize,
+    /// Sum of squared errors.
+    pub squares: f64,
+    /// Sum of squares that the model expects.
+    pub expected: f64,
+    /// How many are inside their 50 and 95% intervals.
+    pub inside: (usize, usize),
+    calibrated: f64,
+    largest: f64,
+    log_density: f64,
+    after: BTreeMap<usize, (f64, usize)>,
+    bins: [usize; BINS],
+    /// Expected squares by component, estimation and noise.
+    sources: Vec<f64>,
+    /// Squares of the misfit of the law, where it is no part of the prediction.
+    misfit: f64,
+}
+
+impl Tally {
+    /// Of the readings below a node.
+    pub fn new(model: &Unseen, node: usize, scored: &Scored) -> Self {
+        let predicted = model.predict_where(node, scored.takes);
+        let mut tally = Self {
+            count: predicted.errors.len(),
+            log_density: predicted.log_density,
+            sources: predicted.sources.clone(),
+            ..Self::default()
+        };
+        let readings = predicted.places.iter().zip(&predicted.errors);
+        for ((i, e), sd) in readings.zip(&predicted.sd) {
+            let alone = scored.alone.map_or(*e, |of| of(*i));
+            let misfit = alone - e;
+            tally.squares += alone * alone;
+            tally.misfit += misfit * misfit;
+            tally.expected += sd * sd + misfit * misfit;
+            tally.largest = tally.largest.max(alone.abs());
+            tally.inside.0 += usize::from(e.abs() <= QUANTILES.0 * sd);
+            tally.inside.1 += usize::from(e.abs() <= QUANTILES.1 * sd);
+            let bin = (normal_cdf(e / sd) * BINS as f64) as usize;
+            tally.bins[bin.min(BINS - 1)] += 1;
+        }
+        for s in &mut tally.sources {
+            *s *= tally.count as f64;
+        }
+        let squares = |errors: Vec<(usize, f64)>, known: &[usize]| -> (f64, usize) {
+            let of = errors
+                .iter()
+                .filter(|(i, _)| (scored.takes)(*i) && !known.contains(i));
+            of.fold((0.0, 0), |(sum, n), (_, e)| (sum + e * e, n + 1))
+        };
+        tally.calibrated = squares(model.errors_calibrated(node), &[]).0;
+        for k in GIVEN {
+            let known = first_readings(&predicted.places, scored.setup, k);
+            let after = squares(model.errors_after(node, &known), &known);
+            tally.after.insert(k, after);
+        }
+        tally
+    }
+
+    /// Adds another group's.
+    pub fn add(&mut self, other: &Self) {
+        self.squares += other.squares;
+        self.calibrated += other.calibrated;
+        self.count += other.count;
+        self.largest = self.largest.max(other.largest);
+        self.log_density += other.log_density;
+        self.expected += other.expected;
+        self.misfit += other.misfit;
+        self.inside.0 += other.inside.0;
+        self.inside.1 += other.inside.1;
+        for (a, b) in self.bins.iter_mut().zip(other.bins) {
+            *a += b;
+        }
+        self.sources
+            .resize(other.sources.len().max(self.sources.len()), 0.0);
+        for (a, b) in self.sources.iter_mut().zip(&other.sources) {
+            *a += b;
+        }
+        for (k, (squares, n)) in &other.after {
+            let sum = self.after.entry(*k).or_default();
+            sum.0 += squares;
+            sum.1 += n;
+        }
+    }
+
+    /// The errors, those on readings that took part not filled in.
+    pub fn errors(&self) -> Errors {
+        let n = self.count as f64;
+        let any = self.count > 0;
+        let mean = |sum: f64| any.then(|| (sum / n).sqrt());
+        let after = self.after.iter().filter(|(_, (_, n))| *n > 0);
+        Errors {
+            rmse_train: 0.0,
+            rmse_heldout: mean(self.squares),
+            max_abs_error_heldout: any.then_some(self.largest),
+            rmse_heldout_calibrated: mean(self.calibrated),
+            rmse_heldout_after: after
+                .map(|(k, (squares, n))| (k.to_string(), (squares / *n as f64).sqrt()))
+                .collect(),
+            log_density_heldout: any.then(|| self.log_density / n),
+        }
+    }
+
+    /// Shares inside the 50 and 95% intervals; none where nothing was held out.
+    pub fn shares_inside(&self) -> Option<(f64, f64)> {
+        let share = |n: usize| n as f64 / self.count as f64;
+        (self.count > 0).then(|| (share(self.inside.0), share(self.inside.1)))
+    }
+
+    /// Histogram of the probability integral transform, as shares; empty where nothing was held out.
+    pub fn pit(&self) -> Vec<f64> {
+        let any = self.bins.iter().filter(|_| self.count > 0);
+        any.map(|b| *b as f64 / self.count as f64).collect()
+    }
+
+    /// The expected squared error by source, largest first: `source` names a component, or none to call it estimation.
+    pub fn budget(
+        &self,
+        unit: &str,
+        source: impl Fn(usize) -> Option<&'static str>,
+    ) -> Vec<BudgetEntry> {
+        if self.count == 0 {
+            return Vec::new();
+        }
+        let noise = self.sources.len() - 1;
+        let mut sums: BTreeMap<&str, f64> = BTreeMap::new();
+        if self.misfit > 0.0 {
+            sums.insert("common_misfit", self.misfit / self.count as f64);
+        }
+        for (k, variance) in self.sources.iter().enumerate() {
+            let name = if k == noise { Some("noise") } else { source(k) };
+            *sums.entry(name.unwrap_or("estimation")).or_default() += variance / self.count as f64;
+        }
+        let mut budget: Vec<BudgetEntry> = sums
+            .into_iter()
+            .map(|(source, variance)| BudgetEntry {
+                source: source.to_owned(),
+                variance,
+                rmse: variance.sqrt(),
+                unit: unit.to_owned(),
+            })
+            .collect();
+        budget.sort_by(|a, b| b.variance.total_cmp(&a.variance));
+        budget
+    }
+}
+
+/// The first readings of each set-up in time.
+fn first_readings(places: &[usize], setup: &dyn Fn(usize) -> usize, count: usize) -> Vec<usize> {
+    let mut given: BTreeMap<usize, usize> = BTreeMap::new();
+    let is_given = |i: &&usize| {
+        let n = given.entry(setup(**i)).or_default();
+        *n += 1;
+        *n <= count
+    };
+    places.iter().filter(is_given).copied().collect()
+}

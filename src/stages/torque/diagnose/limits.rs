@@ -1,0 +1,145 @@
+//! What this joint could have shown: the smallest detectable size of every effect, effects that it cannot show, and pairs with nearly one trace.
+
+use super::problem::TorqueProblem;
+use super::terms::{ALL, Term, place};
+use crate::findings::{Alias, DetectionLimit, NotMeasurable, WhyNot};
+use crate::inference::fit::{Fitted, Setting};
+use crate::inference::problem::Problem;
+use crate::inference::screen::{IDENTIFIABLE, Screen};
+use crate::inference::statistic::likelihood_ratio;
+use crate::inference::system::{Factor, Panel};
+
+/// Normal deviate of a power of 80%.
+const POWER: f64 = 0.841_621_233_572_914;
+/// Cosine from which two sensitivities are reported as nearly one.
+const NEARLY_ONE: f64 = 0.9;
+
+/// The answers.
+pub struct Limits {
+    /// One entry a form.
+    pub smallest: Vec<DetectionLimit>,
+    /// What cannot be shown.
+    pub not_measurable: Vec<NotMeasurable>,
+    /// Pairs.
+    pub aliases: Vec<Alias>,
+}
+
+/// The limits beside a model, for a critical value of the family-wise test.
+pub fn limits(setting: &Setting, problem: &TorqueProblem, model: &Fitted, critical: f64) -> Limits {
+    let mut directions = problem.directions(&model.point);
+    directions.retain(|d| problem.library[d.term].form().is_some());
+    let screen = Screen::of(setting, model, directions);
+    let shown = screen.shown(0);
+    let form_of = |d: usize| problem.library[screen.directions[d].term].form();
+    let mut smallest: Vec<DetectionLimit> = Vec::new();
+    let mut not_measurable = Vec::new();
+    for form in &ALL {
+        let is = |other: Option<&'static Term>| other.is_some_and(|o| std::ptr::eq(o, form));
+        if model
+            .point
+            .terms
+            .iter()
+            .any(|(t, _)| is(problem.library[*t].form()))
+        {
+            continue;
+        }
+        let mut refuse = |reason, by: Option<&str>| {
+            let forms = ALL.iter().filter(|f| f.id == form.id).count();
+            not_measurable.push(NotMeasurable {
+                id: form.id.to_owned(),
+                form: (forms > 1).then(|| form.form.to_owned()),
+                reason,
+                by: by.map(str::to_owned),
+            });
+        };
+        if !problem.library.iter().any(|t| is(t.form())) {
+            let (reason, by) = missing(form);
+            refuse(reason, by);
+            continue;
+        }
+        let mine = shown.iter().filter(|s| is(form_of(s.direction)));
+        // For two amplitudes the length is that of the first.
+        let wanted = |k: usize| likelihood_ratio(critical, k).sqrt() + POWER;
+        let best = mine.map(|s| (wanted(s.amplitudes) / s.length, s.share));
+        let best = best
+            .filter(|(size, _)| size.is_finite())
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        match best {
+            None => refuse(WhyNot::Absorbed, None),
+            Some((size, _)) if size > form.bounds.1 => refuse(WhyNot::Bound, None),
+            Some((size, share)) => smallest.push(DetectionLimit {
+                id: form.id.to_owned(),
+                form: form.form.to_owned(),
+                smallest: size,
+                unit: form.unit.to_owned(),
+                identifiable_share: share,
+            }),
+        }
+    }
+    not_measurable.push(NotMeasurable {
+        id: "misalignment".to_owned(),
+        form: None,
+        reason: WhyNot::Absorbed,
+        by: Some("force_gain".to_owned()),
+    });
+    Limits {
+        smallest,
+        not_measurable,
+        aliases: aliases(setting, problem, model, &screen),
+    }
+}
+
+/// Why a form means nothing for the joint.
+fn missing(form: &Term) -> (WhyNot, Option<&'static str>) {
+    match form.place {
+        place::FRICTION | place::LOADED_FRICTION => (WhyNot::NoTrace, Some("sense_of_motion")),
+        place::ORIGIN => (WhyNot::NoColumn, Some("origin_bracket_foot")),
+        place::INSERTION => (WhyNot::NoColumn, Some("insertion_bracket_foot")),
+        _ => (WhyNot::NoTrace, None),
+    }
+}
+
+/// Pairs of effects, each by its most visible form, whose whitened sensitivities are nearly parallel.
+fn aliases(
+    setting: &Setting,
+    problem: &TorqueProblem,
+    model: &Fitted,
+    screen: &Screen,
+) -> Vec<Alias> {
+    let mut best: Vec<&'static str> = Vec::new();
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    for s in screen.shown(0) {
+        let direction = &screen.directions[s.direction];
+        let Some(form) = problem.library[direction.term].form() else {
+            continue;
+        };
+        // A form with two sizes has no one trace.
+        if form.symbols.len() == 1 && s.share > IDENTIFIABLE && !best.contains(&form.id) {
+            best.push(form.id);
+            columns.push(direction.columns[0].iter().map(|x| x / s.length).collect());
+        }
+    }
+    let count = best.len();
+    let pairs: Vec<(usize, usize)> = (0..count)
+        .flat_map(|i| (0..i).map(move |j| (i, j)))
+        .collect();
+    for &(i, j) in &pairs {
+        let sum = columns[i].iter().zip(&columns[j]).map(|(a, b)| a + b);
+        let sum = sum.collect();
+        columns.push(sum);
+    }
+    let panel = Panel::of_active(&model.design, &columns, |n| setting.active[n]);
+    let projected = Factor::new(&model.design.tree, &model.gram, &model.variances).project(&panel);
+    let alias = |(k, &(i, j)): (usize, &(usize, usize))| {
+        let squares = &projected.squares;
+        let product = 0.5 * (squares[count + k] - squares[i] - squares[j]);
+        Alias {
+            ids: [best[j].to_owned(), best[i].to_owned()],
+            cosine: product / (squares[i] * squares[j]).sqrt(),
+        }
+    };
+    let mut aliases: Vec<Alias> = pairs.iter().enumerate().map(alias).collect();
+    aliases.retain(|a| a.cosine.abs() >= NEARLY_ONE);
+    aliases.sort_by(|a, b| b.cosine.abs().total_cmp(&a.cosine.abs()));
+    aliases
+}
