@@ -448,7 +448,9 @@ impl Search<'_> {
         let cost = |(term, values): &(usize, Vec<f64>)| -> f64 {
             let own = &terms[*term];
             let amplitudes = values.iter().take(own.amplitudes);
-            amplitudes.map(|a| 0.5 * (a / own.usual).powi(2)).sum()
+            amplitudes
+                .map(|a| 0.5 * (a / own.usual) * (a / own.usual))
+                .sum()
         };
         fitted.log_likelihood - fitted.point.terms.iter().map(cost).sum::<f64>()
     }

@@ -276,7 +276,9 @@ impl<'a> ForceProblem<'a> {
             .class
             .iter()
             .filter(|c| **c < self.data.campaigns.len());
-        let squares: Vec<f64> = own.map(|c| variances.noise[*c].powi(2)).collect();
+        let squares: Vec<f64> = own
+            .map(|c| variances.noise[*c] * variances.noise[*c])
+            .collect();
         (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
     }
 
