@@ -23,7 +23,7 @@
 //! derived/  the cache and the tidy data        reports/  for people
 //! ```
 //! The first three stages work on one session at a time, `fit` and `compare` on one group of rows (a campaign and diameter, or a
-//! diameter over all measured campaigns), `diagnose` on one campaign and diameter, `torque` on one campaign of torque, `report` on everything.
+//! diameter over all measured campaigns), `diagnose` on one of these (not on large pools), `torque` on one campaign of torque, `report` on everything.
 //!
 //! # Where things are
 //! | folder | idea | to add to it |

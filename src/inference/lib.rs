@@ -1,6 +1,3 @@
-#![warn(missing_docs)]
-// Elimination and substitution are written as in the textbooks, by index.
-#![allow(clippy::needless_range_loop)]
 //! One mixed model, and what is asked of it.
 //!
 //! y_i = h(x_i; theta, phi, b) + m_i + e_i: a forward model with coefficients theta, amplitudes phi of effects, random effects b of groups, a smooth
@@ -20,6 +17,10 @@
 //!
 //! Architecture invariant: nothing here knows force or torque, session or actuator, reads or writes, or makes a sentence. Random numbers come from the
 //! caller, one stream a draw, so that the number of threads does not matter.
+
+#![warn(missing_docs)]
+// Elimination and substitution are written as in the textbooks, by index.
+#![allow(clippy::needless_range_loop)]
 
 #[cfg(test)]
 mod dense_tests;

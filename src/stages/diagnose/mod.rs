@@ -1,14 +1,14 @@
 //! Diagnose: where does the error of the base model come from, and what does the law lack?
 //!
 //! One mixed model of a campaign ([`problem`]) and what is asked of it ([`crate::inference`]). Nobody tells this stage what is in the data.
-//! For each campaign and diameter:
+//! For each campaign and diameter, and each small pool of campaigns of one diameter:
 //!
 //! 1. [`data`]: the readings with everything that is known of each ([`labels`] are words); [`base`]: the law to which effects are added.
 //!    [`recording`]: what looks mistaken is set aside first, and said.
 //! 2. [`library`]: the terms that may be added: forms of effects, and smooth functions of columns.
 //! 3. The null model has the gain of each specimen, the set length and the zero of the force of each session, and a smooth misfit of the law.
 //!    The search tests every term against the maximum over all of them in draws from it ([`crate::inference::search`]).
-//! 4. [`unseen`]: the same search without each specimen; errors, predictive intervals, the budget of the expected error.
+//! 4. [`unseen`]: the same search without each specimen; [`tally`]: errors, predictive intervals, the budget of the expected error.
 //! 5. [`limits`]: what could have been seen, and what leaves the same trace. [`answer`]: the [`crate::findings`], as values.
 //!
 //! The numbers on which decisions rest stand in [`settings`], each with its reason. No rule names an effect.
@@ -489,5 +489,40 @@ mod tests {
         let [rest, contracted] = data.specimen_lengths_sd_mm[place.unwrap()];
         assert!((rest - 0.1).abs() < 1e-12);
         assert!(contracted.is_nan());
+    }
+
+    /// Two campaigns in one pool, the second of which is read with 8 N more noise and a load cell of 6% less.
+    #[test]
+    fn campaigns_of_a_pool_have_a_gain_and_a_noise_of_their_own() {
+        let settings = rig_like::Settings {
+            specimens: Some(4),
+            ..rig_like::Settings::default()
+        };
+        let mut rows = rig_like::campaign(1, &settings).rows;
+        let mut others = rig_like::campaign(2, &settings).rows;
+        let mut stream = Stream::new(1, &["pool"]);
+        for row in &mut others {
+            row.campaign = "other".to_owned();
+            row.session = format!("other {}", row.session);
+            row.force_n = 0.94 * row.force_n + 8.0 * stream.normal();
+        }
+        rows.extend(others);
+        let rows: Vec<&Row> = rows.iter().collect();
+        let data = Data::new(&rows);
+        assert_eq!((data.campaigns.len(), data.specimens.len()), (2, 8));
+        let base = Base::new(10, true, 2, &FitOptions::default());
+        let library = library::terms(&data);
+        let problem = ForceProblem::new(&base, &data, &library).with_reference();
+        let setting = Setting::new(&problem);
+        let null = start(&setting);
+        let other = data.campaigns.iter().position(|c| c == "other").unwrap();
+        let noise = [1 - other, other].map(|c| null.variances.noise[c]);
+        assert!((1.0..4.0).contains(&noise[0]), "{noise:?}");
+        assert!((7.0..10.0).contains(&noise[1]), "{noise:?}");
+        let both = problem.noise_of(&null.variances);
+        assert!(noise[0] < both && both < noise[1], "{both}");
+        let variances = null.restricted(&setting);
+        let gain = variances.components[component::CAMPAIGN_GAIN];
+        assert!((0.005..0.2).contains(&gain), "{gain}");
     }
 }

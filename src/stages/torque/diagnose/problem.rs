@@ -563,6 +563,7 @@ mod unit {
     use super::*;
     use crate::base::random::Stream;
     use crate::config::FitOptions;
+    use crate::inference::fit::Free;
     use crate::inference::search::{Decision, Found, Search};
     use crate::knee::{Setup, choice::named};
     use crate::stages::diagnose::base::Base;
@@ -737,6 +738,32 @@ mod unit {
         }
         let mounting = best.variances.components[component::MOUNTING];
         assert!((0.5..3.0).contains(&mounting), "{mounting}");
+    }
+
+    /// What a fit says of its likelihood is what a fit finds that starts there with the value held: a step that was refused is no convergence.
+    #[test]
+    fn a_fit_is_a_fixed_point() {
+        let (builds, law, none) = (builds(), law(), BTreeMap::new());
+        let yields = with(&[(place::AXIAL, 60.0)]);
+        let data = data(readings(&builds, &law, &none, &yields));
+        let library = library::terms(&data);
+        let problem = TorqueProblem::new(&data, &library).with_reference();
+        let setting = Setting::new(&problem);
+        let axial = library
+            .iter()
+            .position(|t| t.form().is_some_and(|f| f.place == place::AXIAL));
+        for from in [1.0, 20.0, 60.0, 150.0] {
+            let mut point = problem.start();
+            point.terms.push((axial.unwrap(), vec![from]));
+            let fit = setting.fit(&point, &setting.fresh());
+            let mut held = setting.clone();
+            held.pinned.push(Free::Value(0, 0));
+            let again = held.fit(&fit.point, std::slice::from_ref(&fit.variances));
+            let off = fit.log_likelihood - again.log_likelihood;
+            assert!(off.abs() < 0.2, "from {from}: {off}");
+            let found = fit.values(axial.unwrap()).unwrap()[0];
+            assert!((found - 60.0).abs() < 10.0, "from {from}: {found}");
+        }
     }
 
     #[test]
