@@ -25,6 +25,22 @@ impl Config {
             .filter(|(_, x)| !(*x > 0.0 && x.is_finite()))
             .map(|(key, x)| mistake(file, key, &x.to_string(), "a positive number"))
             .collect();
+        let smallest = [
+            (
+                "diagnose.smallest_effect_n",
+                self.diagnose.smallest_effect_n,
+            ),
+            (
+                "diagnose.smallest_effect_nm",
+                self.diagnose.smallest_effect_nm,
+            ),
+        ];
+        for (key, x) in smallest
+            .iter()
+            .filter(|(_, x)| !(*x >= 0.0 && x.is_finite()))
+        {
+            mistakes.push(mistake(file, key, &x.to_string(), "0 or a positive number"));
+        }
         let shares = [
             ("fit.confidence", self.fit.confidence),
             ("fit.train_fraction", self.fit.train_fraction),

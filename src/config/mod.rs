@@ -253,6 +253,8 @@ pub struct DiagnoseOptions {
     /// Smallest effect of interest, N (root mean square over the readings that it acts on): a smaller one is listed as negligible and
     /// changes no verdict.
     pub smallest_effect_n: f64,
+    /// The same of torques, N.m.
+    pub smallest_effect_nm: f64,
     /// All campaigns of one diameter are searched together as well, with a gain, a zero and a noise of each campaign, where they have at most so
     /// many specimens; 0 for never.
     pub pooled_specimens: usize,
@@ -270,6 +272,7 @@ impl Default for DiagnoseOptions {
             most_readings: 4000,
             draws: 199,
             smallest_effect_n: 0.5,
+            smallest_effect_nm: 0.05,
             pooled_specimens: 12,
             seed: 1,
         }

@@ -299,6 +299,8 @@ fn column_or_quantity(quantity: &str) -> String {
         "rest_length" => "resting length".to_owned(),
         "contracted_length" => "contracted length".to_owned(),
         "mounting_length" => "mounting length".to_owned(),
+        "muscle_length" => "muscle length by hand".to_owned(),
+        "moment_arm" => "moment arm by hand".to_owned(),
         other => column(other),
     }
 }

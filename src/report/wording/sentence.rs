@@ -17,6 +17,8 @@ const SOURCES_IN_FULL: usize = 3;
 const SOURCES_IN_SHORT: usize = 2;
 /// A measurement that lowers the expected error by less than this share of it is not worth a sentence; the table has it.
 const WORTH_SAYING: f64 = 0.02;
+/// An error that is more than this share of the one before has not fallen.
+const NO_BETTER: f64 = 0.98;
 /// Most members of an alias set, and most recording errors, that a sentence names.
 const MOST_NAMED: usize = 3;
 /// The readings of each set-up of which the answer speaks; beside it the table has the others.
@@ -134,6 +136,11 @@ fn errors(found: &CampaignFindings) -> Option<String> {
     let on = name::held_out(found);
     let after = found.after.rmse_heldout.filter(|_| has_effects(found));
     Some(match after {
+        Some(after) if after > NO_BETTER * before => format!(
+            "the error on {on} does not fall: {} without, {} with",
+            error(before, &found.unit),
+            error_with_unit(after, &found.unit)
+        ),
         Some(after) => format!(
             "the error on {on} goes from {} to {}",
             error(before, &found.unit),

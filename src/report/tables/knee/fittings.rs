@@ -55,7 +55,7 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
     )
     .span("Fitted", "n_fitted", "rmse_fitted_nm")
     .span("Held out", "n_held_out", "rmse_held_out_nm")
-    .note("Held out are other actuators, other tendons and other knees of the same diameter and muscle. As stated and knee paper: nothing was fitted here; the paper fitted its length to tests of a 48.5 cm flexor, which may be among these. Excluded tests take no part. Fitted with the mixed model of the joint: mountings of tests, strengths of actuators and the misfit of the law are random; the interval is that of the profile of the likelihood.");
+    .note("Held out are other actuators, other tendons and other knees of the same diameter and muscle. As stated and knee paper: nothing was fitted here; the paper fitted its length to tests of a 48.5 cm flexor, which may be among these. Excluded tests take no part. Fitted by plain least squares, as in the paper; what the mixed model says of the length is among the effects of the joint.");
     for campaign in campaigns {
         let mut last = None;
         for fit in &campaign.fits {

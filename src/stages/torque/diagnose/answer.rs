@@ -1,6 +1,6 @@
 //! From the fitted models of a joint to the findings: values, no sentences.
 
-use super::library::{What, is_negligible};
+use super::library::What;
 use super::problem::{TorqueProblem, class, component};
 use super::terms::{ALL, place};
 use super::unseen::{self, HeldOut};
@@ -29,6 +29,8 @@ pub struct Work<'a> {
     pub found: &'a Found,
     /// What it says of unseen actuators.
     pub held: &'a HeldOut,
+    /// Smallest effect of interest, N.m.
+    pub smallest_nm: f64,
     /// Draws.
     pub normal: &'a Normal<'a>,
 }
@@ -104,7 +106,7 @@ impl Work<'_> {
             p_familywise: accepted.p,
             log_likelihood_gain: Some(accepted.gain),
             found_in_folds: self.found_in_folds(&class),
-            negligible: is_negligible(change),
+            negligible: change < self.smallest_nm,
             rms: change,
             by_specimen: self.by_actuator(accepted.term),
             profile,
@@ -385,13 +387,13 @@ impl Work<'_> {
             .iter()
             .find(|f| f.place == place::AXIAL)
             .map_or("", |f| f.id);
-        if self
-            .found
-            .accepted
-            .iter()
-            .any(|a| self.name(a.term) == yields)
-        {
-            let pair = [ALL[place::LENGTH].id, yields];
+        let pair = [ALL[place::LENGTH].id, yields];
+        let stands_for_both = |a: &Accepted| {
+            let alike = a.in_its_place.iter().map(|(t, _)| self.name(*t));
+            let names: Vec<String> = alike.chain([self.name(a.term)]).collect();
+            pair.iter().all(|id| names.iter().any(|n| n == id))
+        };
+        if self.found.accepted.iter().any(stands_for_both) {
             list.insert(
                 0,
                 measurement(NextKind::Separate, &pair, "pressure_share", 0.5, None),

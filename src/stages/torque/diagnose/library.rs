@@ -2,7 +2,6 @@
 //! itself is not among them: at one pressure it is a function of the angle once more, and mimics whatever yields.
 
 use super::data::Data;
-use super::settings;
 use super::terms::{ALL, SIZES, Term as Form, place};
 use crate::inference::problem;
 use crate::numerics::real::Real;
@@ -113,9 +112,4 @@ impl What {
             .map(|x| (column.middle + column.sd * x, unit * (b * x + a) * x))
             .collect()
     }
-}
-
-/// Whether a change of the torques of so much (root mean square) is of no interest.
-pub fn is_negligible(rms_nm: f64) -> bool {
-    rms_nm < settings::SMALLEST_NM
 }

@@ -271,6 +271,7 @@ fn one(
         setting,
         found,
         held: &held,
+        smallest_nm: options.smallest_effect_nm,
         normal: &normal,
     };
     let residuals = work.residuals();

@@ -31,8 +31,6 @@ pub const LENGTH_SD_MM: f64 = 5.0;
 pub const ARM_SD_MM: f64 = 7.0;
 /// Fewest hand-measured values from which their noise is estimated; with fewer, or where it is declared, it is taken as known.
 pub const FEWEST_FOR_NOISE: usize = 10;
-/// Smallest effect of interest, N.m (root mean square over the readings): no load cell of a leg does better.
-pub const SMALLEST_NM: f64 = 0.05;
 /// Fewest readings that are searched.
 pub const FEWEST_READINGS: usize = 8;
 /// Fewest readings after the joint turned either way, for friction to be asked for.
