@@ -25,20 +25,13 @@ impl Config {
             .filter(|(_, x)| !(*x > 0.0 && x.is_finite()))
             .map(|(key, x)| mistake(file, key, &x.to_string(), "a positive number"))
             .collect();
+        let d = &self.diagnose;
         let smallest = [
-            (
-                "diagnose.smallest_effect_n",
-                self.diagnose.smallest_effect_n,
-            ),
-            (
-                "diagnose.smallest_effect_nm",
-                self.diagnose.smallest_effect_nm,
-            ),
+            ("diagnose.smallest_effect_n", d.smallest_effect_n),
+            ("diagnose.smallest_effect_nm", d.smallest_effect_nm),
         ];
-        for (key, x) in smallest
-            .iter()
-            .filter(|(_, x)| !(*x >= 0.0 && x.is_finite()))
-        {
+        let wrong = |(_, x): &&(&str, f64)| !(*x >= 0.0 && x.is_finite());
+        for (key, x) in smallest.iter().filter(wrong) {
             mistakes.push(mistake(file, key, &x.to_string(), "0 or a positive number"));
         }
         let shares = [
@@ -80,7 +73,6 @@ impl Config {
                 &format!("ids among {}", ids.join(", ")),
             ));
         }
-        let d = &self.diagnose;
         if d.base_model != "new" && !ids.contains(&d.base_model.as_str()) {
             let expected = format!("new, or one of {}", ids.join(", "));
             let mut unknown = mistake(file, "diagnose.base_model", &d.base_model, &expected);

@@ -500,6 +500,44 @@ fn the_loop_finds_what_the_measurers_found(bench: &Bench) {
     }
 }
 
+/// What the search by sets reached on the flexors, and the mixed model does not: kept until it does.
+#[test]
+#[ignore = "not reached: lengths and arms by hand ask for another geometry than the torques of the flexors (README, the loop on torque)"]
+fn the_flexors_come_to_what_the_measurers_reached() {
+    let rig = rig("torque of the real rig").unwrap();
+    let bench = Bench::empty();
+    let raw = rig.join("knee-torque");
+    let said = bench.run(&["run", "--raw", raw.to_str().unwrap()]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let by_hand = bench.table("knee_by_hand");
+    let of = |actuator| find(&by_hand, &[("actuator", actuator)]);
+    let row = of("45.7 cm");
+    assert!(
+        number(row, "held_out_rmse_nm") < number(row, "theirs_rmse_nm"),
+        "{row:?}"
+    );
+    let row = of("48.5 cm");
+    assert!(
+        number(row, "held_out_rmse_nm") < 0.35 * number(row, "rigid_rmse_nm"),
+        "{row:?}"
+    );
+    let tests = bench.table("knee_effects");
+    for k in 1..=4 {
+        let session = format!("knee-flxpin10-48-t{k}");
+        let row = find(&tests, &[("session", &session)]);
+        assert!(number(row, "own_rmse_nm") < 1.7, "{row:?}");
+    }
+    for part in ["pinned knee, flexor", "pinned knee, extensor"] {
+        let found = joint(&findings(&bench), part, 10);
+        let effect = &found["effects"][0];
+        assert_eq!(effect["id"], "series_compliance");
+        let compliance = &effect["parameters"][0];
+        assert_eq!(compliance["unit"], "um/N");
+        let end = |name: &str| compliance[name].as_f64().unwrap();
+        assert!(end("ci_low") < 94.0 && end("ci_high") > 54.0, "{found}");
+    }
+}
+
 /// The findings of one joint.
 fn joint(findings: &serde_json::Value, part: &str, diameter_mm: u64) -> serde_json::Value {
     let campaigns = findings["campaigns"].as_array().unwrap();
@@ -547,6 +585,23 @@ fn the_loop_finds_the_length_that_the_simulated_legs_lack() {
         found["after"]["rmse_heldout"].as_f64().unwrap() < 0.4,
         "{found}"
     );
+}
+
+/// The length itself, in every leg and inside its interval.
+#[test]
+#[ignore = "not reached: one test of one actuator does not tell a length from what yields, and compliance of another form takes 0.7 mm of the 15.2"]
+fn the_length_is_told_from_what_yields_in_every_simulated_leg() {
+    let bench = Bench::empty();
+    let raw = Path::new(env!("CARGO_MANIFEST_DIR")).join("raw/simulated-knee");
+    let said = bench.run(&["run", "--raw", raw.to_str().unwrap()]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    for found in findings(&bench)["campaigns"].as_array().unwrap() {
+        assert_eq!(found["effects"][0]["id"], "length_offset", "{found}");
+    }
+    let found = joint(&findings(&bench), "pinned knee, flexor", 10);
+    let d = &found["effects"][0]["parameters"][0];
+    let end = |name: &str| d[name].as_f64().unwrap();
+    assert!(end("ci_low") < 15.2 && 15.2 < end("ci_high"), "{d}");
 }
 
 /// The ids of the effects that were found.

@@ -230,6 +230,20 @@ fn one_effect_that_nobody_declares_is_found_with_its_size() {
     }
 }
 
+/// The smaller kinking that the search by sets found.
+#[test]
+#[ignore = "not reached: found in 5 of 10 such campaigns, because a misfit of the law of 5% that all tests share takes part of it"]
+fn a_kinking_of_half_the_size_is_found() {
+    let bench = Bench::empty();
+    let missing = Missing {
+        kinks: 0.4,
+        ..Missing::default()
+    };
+    write(&bench, "kinks", &missing);
+    let (chosen, ..) = first(&found(&bench), "kinks", 2);
+    assert_eq!(chosen, "kinking");
+}
+
 #[test]
 fn nothing_is_found_where_nothing_is_missing_and_no_physical_name_is_borrowed() {
     let bench = Bench::empty();

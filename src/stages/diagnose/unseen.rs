@@ -17,6 +17,7 @@ use rayon::prelude::*;
 pub const SET_LENGTH: &str = "set_length";
 /// Most folds: with more specimens, groups of them are held out together.
 const MOST_FOLDS: usize = 8;
+
 /// Nodes that are held out together.
 struct Fold {
     nodes: Vec<(String, usize)>,

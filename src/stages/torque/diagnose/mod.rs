@@ -15,7 +15,7 @@
 //! | [`recording`] | mistakes of recording: torques of the other sign, tests that the others make too improbable |
 //! | [`unseen`] | the same search without each actuator; errors, predictive intervals, the budget of the expected error |
 //! | [`limits`] | what could have been seen, and what leaves the same trace |
-//! | [`fittings`] | the length of the end fittings, a query of the same model |
+//! | [`fittings`] | the length of the end fittings, plain least squares as in the paper: a query of the engine |
 //! | [`answer`] | the [`crate::findings`], as values |
 //! | [`tests`] | errors of every test: rigid, fitted, held out, and with sizes from the largest configuration alone |
 //! | [`measurers`] | beside what was reached by hand |
