@@ -17,15 +17,17 @@ fn noise(k: &mut u64) -> f64 {
     sum
 }
 
-/// Two specimens of two sessions of nine readings, two classes of noise, a common component of two columns.
+/// Two specimens of two sessions of nine readings, a common component of two columns; and three readings of every specimen itself. Three classes of
+/// noise, the last of readings on which neither fixed effects nor what is common act.
 fn design() -> Design {
     let block = |component, columns| Block { component, columns };
     let mut tree = Tree::new(vec![block(0, 2)]);
     let mut nodes = Vec::new();
     for _ in 0..2 {
         let specimen = tree.add(0, vec![block(1, 1)]);
+        nodes.push((specimen, 3));
         for _ in 0..2 {
-            nodes.push(tree.add(specimen, vec![block(2, 1), block(3, 2)]));
+            nodes.push((tree.add(specimen, vec![block(2, 1), block(3, 2)]), 9));
         }
     }
     let mut k = 1;
@@ -33,18 +35,26 @@ fn design() -> Design {
         tree,
         node: Vec::new(),
         class: Vec::new(),
-        classes: 2,
+        classes: 3,
         z: Vec::new(),
         x: vec![Vec::new(), Vec::new()],
         y: Vec::new(),
     };
-    for node in nodes {
-        for i in 0..9 {
+    for (node, readings) in nodes {
+        for i in 0..readings {
             design.node.push(node);
-            design.class.push(i % 2);
-            design.z.push((0..6).map(|_| noise(&mut k)).collect());
-            design.x[0].push(1.0);
-            design.x[1].push(noise(&mut k));
+            design.class.push(i % 3);
+            let columns = design.tree.path_columns(node);
+            let mut z: Vec<f64> = (0..columns).map(|_| noise(&mut k)).collect();
+            let mut x = [1.0, noise(&mut k)];
+            if i % 3 == 2 {
+                z[..2].fill(0.0);
+                x.fill(0.0);
+            }
+            design.z.push(z);
+            for (column, x) in design.x.iter_mut().zip(x) {
+                column.push(x);
+            }
             design.y.push(3.0 * noise(&mut k) + node as f64);
         }
     }
@@ -54,7 +64,7 @@ fn design() -> Design {
 fn variances() -> Variances {
     Variances {
         components: vec![0.4, 1.3, 0.8, 0.5],
-        noise: vec![0.9, 1.4],
+        noise: vec![0.9, 1.4, 0.7],
     }
 }
 
@@ -254,7 +264,7 @@ fn the_gradient_is_that_of_differences() {
                 1e-6,
             );
         }
-        for c in 0..2 {
+        for c in 0..3 {
             let (mut up, mut down) = (at.clone(), at.clone());
             up.noise[c] *= 1.0 + h;
             down.noise[c] *= 1.0 - h;
@@ -282,7 +292,7 @@ fn the_ascent_ends_where_the_gradient_is_zero() {
         scale(Prior::Free, 1.0),
         scale(Prior::Fixed(0.5), 0.5),
     ];
-    let noise = [scale(Prior::Free, 1.0), scale(Prior::Free, 1.0)];
+    let noise = [scale(Prior::Free, 1.0); 3];
     let maximiser = Maximiser {
         tree: &design.tree,
         components: &components,

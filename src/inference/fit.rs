@@ -7,13 +7,15 @@
 
 use crate::gram::{Design, Gram, Square};
 use crate::problem::{Component, Linearised, Point, Problem};
-use crate::system::{Factor, Likelihood, Posterior, Variances, dot};
+use crate::system::{Estimates, Factor, Likelihood, Variances, dot};
 use crate::variance::{Effort, Maximiser, Maximum, Prior, Scale};
 use pipeline_numerics::cholesky::Cholesky;
 use pipeline_numerics::matrix::Matrix;
 
 /// Most outer iterations.
 const MOST_ITERATIONS: usize = 24;
+/// Outer iterations of a glance.
+const GLANCE: usize = 2;
 /// An outer iteration that moves no estimate by more than this share of its standard error ends the fit.
 const CONVERGED: f64 = 0.05;
 /// The same for the log-likelihood; or the estimates stay twice in a row.
@@ -169,6 +171,15 @@ impl<'a> Setting<'a> {
 
     /// Fits from a point and from several starts of the variances.
     pub fn fit(&self, from: &Point, starts: &[Variances]) -> Fitted {
+        self.fit_within(from, starts, MOST_ITERATIONS)
+    }
+
+    /// What a fit comes to at once: the linear model at the point to which the first step leads. To choose among starts.
+    pub fn glance(&self, from: &Point, starts: &[Variances]) -> Fitted {
+        self.fit_within(from, starts, GLANCE)
+    }
+
+    fn fit_within(&self, from: &Point, starts: &[Variances], iterations: usize) -> Fitted {
         let scales = self.scales();
         let maximiser = self.maximiser(&scales, Likelihood::Full);
         let mut point = self.inside(from);
@@ -178,32 +189,31 @@ impl<'a> Setting<'a> {
         let mut stayed = 0;
         let mut iteration = 0;
         loop {
-            let linear = self.problem.linearise(&point);
+            let mut linear = self.problem.linearise(&point);
             let free = self.free(&point, &held);
-            let design = self.design(&point, &linear, &free);
+            let design = self.design(&point, &mut linear, &free);
             let gram = self.sums(&design);
             let maximum = match &known {
-                None => maximiser.best(&gram, starts, Effort::FULL),
+                None => maximiser.best(&gram, starts, Effort::FIRST),
                 Some(k) => {
                     maximiser.maximise_with(&gram, &k.variances, Effort::STEP, Some(&k.inverse))
                 }
             };
-            let posterior =
-                Factor::new(&design.tree, &gram, &maximum.variances).posterior(Likelihood::Full);
+            let factor = Factor::new(&design.tree, &gram, &maximum.variances);
+            let estimates = factor.estimates();
+            let covariance = factor.fixed_covariance();
             let settled = (maximum.log_likelihood - before).abs() < SETTLED;
             before = maximum.log_likelihood;
             iteration += 1;
             let converged = stayed > 1 || (stayed == 1 && settled);
-            if (converged && settled) || iteration >= MOST_ITERATIONS {
+            if (converged && settled) || iteration >= iterations {
                 let at_bound = self.at_bound(&point);
-                let covariance =
-                    Factor::new(&design.tree, &gram, &maximum.variances).fixed_covariance();
                 let mut last = point.clone();
-                last.random = posterior.random;
+                last.random = estimates.random;
                 return Fitted {
                     point: last,
                     log_likelihood: maximum.log_likelihood
-                        - short_of(&covariance, &posterior.fixed),
+                        - short_of(&covariance, &estimates.fixed),
                     variances: maximum.variances,
                     design,
                     gram,
@@ -217,13 +227,13 @@ impl<'a> Setting<'a> {
             let longest = if iteration > DAMPED_AFTER { 0.5 } else { 1.0 };
             let moved = self.step(
                 &point,
-                &linear,
+                &design.z,
                 &free,
-                &posterior,
+                &estimates,
                 &maximum.variances,
                 longest,
             );
-            let small = self.small(&design, &gram, &maximum.variances, &posterior.fixed);
+            let small = is_small(&covariance, &estimates.fixed);
             stayed = if small { stayed + 1 } else { 0 };
             held.extend(moved.stopped);
             point = moved.point;
@@ -268,8 +278,8 @@ impl<'a> Setting<'a> {
         free
     }
 
-    /// The linear mixed model at a point.
-    fn design(&self, point: &Point, linear: &Linearised, free: &[Free]) -> Design {
+    /// The linear mixed model at a point; takes the columns of the random effects.
+    fn design(&self, point: &Point, linear: &mut Linearised, free: &[Free]) -> Design {
         let problem = self.problem;
         let tree = problem.tree();
         let nonlinear = self.nonlinear_columns();
@@ -291,7 +301,7 @@ impl<'a> Setting<'a> {
             node: problem.node().to_vec(),
             class: problem.class().to_vec(),
             classes: problem.noise().len(),
-            z: linear.random.clone(),
+            z: std::mem::take(&mut linear.random),
             x: free
                 .iter()
                 .map(|f| column(point, linear, *f).to_vec())
@@ -302,7 +312,7 @@ impl<'a> Setting<'a> {
 
     /// The sums over the active nodes.
     pub fn sums(&self, design: &Design) -> Gram {
-        design.gram().without(&design.tree, |n| !self.active[n])
+        design.gram_of(|n| self.active[n])
     }
 
     /// For each column of the tree whether the forward model is nonlinear in it.
@@ -315,8 +325,9 @@ impl<'a> Setting<'a> {
             .collect()
     }
 
-    /// Penalised sum of squares at a point; the columns of linear components are those of `linear`.
-    fn objective(&self, point: &Point, linear: &Linearised, variances: &Variances) -> f64 {
+    /// Penalised sum of squares at a point; `z` are the columns of the random effects, of which those of linear components are
+    /// used.
+    fn objective(&self, point: &Point, z: &[Vec<f64>], variances: &Variances) -> f64 {
         let problem = self.problem;
         let tree = problem.tree();
         let nonlinear = self.nonlinear_columns();
@@ -330,7 +341,7 @@ impl<'a> Setting<'a> {
             }
             let fixed: f64 = paths[node]
                 .iter()
-                .zip(&linear.random[i])
+                .zip(&z[i])
                 .filter(|(c, _)| !nonlinear[**c])
                 .map(|(c, z)| z * point.random[*c])
                 .sum();
@@ -349,9 +360,9 @@ impl<'a> Setting<'a> {
     fn step(
         &self,
         point: &Point,
-        linear: &Linearised,
+        z: &[Vec<f64>],
         free: &[Free],
-        posterior: &Posterior,
+        estimates: &Estimates,
         variances: &Variances,
         longest: f64,
     ) -> Moved {
@@ -359,8 +370,8 @@ impl<'a> Setting<'a> {
         // part of the old ones does: the step starts from the better of both. The estimates are the minimum of a convex function, downhill
         // from either.
         let mut renewed = point.clone();
-        renewed.random.clone_from(&posterior.random);
-        let [old, new] = [point, &renewed].map(|p| self.objective(p, linear, variances));
+        renewed.random.clone_from(&estimates.random);
+        let [old, new] = [point, &renewed].map(|p| self.objective(p, z, variances));
         let (from, here) = if new < old {
             (&renewed, new)
         } else {
@@ -368,8 +379,8 @@ impl<'a> Setting<'a> {
         };
         let mut length = longest;
         loop {
-            let (next, stopped) = self.moved(from, free, posterior, length);
-            let value = self.objective(&next, linear, variances);
+            let (next, stopped) = self.moved(from, free, estimates, length);
+            let value = self.objective(&next, z, variances);
             if (value.is_finite() && value <= here * (1.0 + 1e-9)) || length <= SHORTEST {
                 return Moved {
                     point: next,
@@ -384,15 +395,15 @@ impl<'a> Setting<'a> {
         &self,
         point: &Point,
         free: &[Free],
-        posterior: &Posterior,
+        estimates: &Estimates,
         length: f64,
     ) -> (Point, Vec<Free>) {
         let mut next = point.clone();
-        for (b, to) in next.random.iter_mut().zip(&posterior.random) {
+        for (b, to) in next.random.iter_mut().zip(&estimates.random) {
             *b += length * (to - *b);
         }
         let mut stopped = Vec::new();
-        for (f, d) in free.iter().zip(&posterior.fixed) {
+        for (f, d) in free.iter().zip(&estimates.fixed) {
             let (value, (low, high)) = match *f {
                 Free::Coefficient(k) => (
                     &mut next.coefficients[k],
@@ -415,12 +426,6 @@ impl<'a> Setting<'a> {
     }
 
     /// Whether a step is small against the standard errors; the whole step to the estimates, however much of it is taken.
-    fn small(&self, design: &Design, gram: &Gram, variances: &Variances, step: &[f64]) -> bool {
-        let covariance = Factor::new(&design.tree, gram, variances).fixed_covariance();
-        let is_small = |(k, d): (usize, &f64)| d.abs() <= CONVERGED * covariance.at(k, k).sqrt();
-        step.iter().enumerate().all(is_small)
-    }
-
     fn at_bound(&self, point: &Point) -> Vec<bool> {
         let coefficients = self.problem.coefficients();
         let values = point.coefficients.iter().zip(coefficients);
@@ -433,6 +438,12 @@ impl<'a> Setting<'a> {
 struct Moved {
     point: Point,
     stopped: Vec<Free>,
+}
+
+/// Whether no fixed effect has further to go than a share of its standard error.
+fn is_small(covariance: &Square, step: &[f64]) -> bool {
+    let is_small = |(k, d): (usize, &f64)| d.abs() <= CONVERGED * covariance.at(k, k).sqrt();
+    step.iter().enumerate().all(is_small)
 }
 
 /// By how much the log-likelihood at a point is below that of its linear model, whose estimates are `step` away: nothing at a fixed point.

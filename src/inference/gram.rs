@@ -4,7 +4,10 @@
 //! matrix for each class of noise. Whatever the variances, marginal likelihood, its gradient, estimates and predictions follow from
 //! these alone ([`crate::system`]), so that a draw of a bootstrap costs a new column y and nothing else.
 
+use crate::system::add_times;
 use crate::tree::Tree;
+use rayon::prelude::*;
+use std::sync::Arc;
 
 /// A square matrix by rows.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -78,8 +81,12 @@ pub struct Part {
     pub class: usize,
     /// Readings.
     pub count: usize,
-    /// D'D; the path's columns first, then the fixed effects, then the response.
-    pub products: Square,
+    /// C'C, C the path's columns first, then the fixed effects: shared by all responses.
+    pub products: Arc<Square>,
+    /// C'y, then y'y.
+    pub response: Vec<f64>,
+    /// The rows of D, of the classes of noise after the first: their gradient is cheaper by rows.
+    pub rows: Vec<f64>,
 }
 
 /// The sums of a design.
@@ -102,8 +109,8 @@ enum Total {
     None,
     /// In this part.
     Part(usize),
-    /// Here: the node's path, the fixed effects, the response.
-    Sum(Square),
+    /// Here: as in a part.
+    Sum(Arc<Square>, Vec<f64>),
 }
 
 impl Design {
@@ -132,25 +139,42 @@ impl Design {
 
     /// The sums of products.
     pub fn gram(&self) -> Gram {
-        let mut counts = vec![0; self.classes];
-        let mut parts = Vec::new();
-        for (node, class, list) in self.members() {
+        self.gram_of(|_| true)
+    }
+
+    /// The sums of products over the readings of some nodes.
+    pub fn gram_of(&self, active: impl Fn(usize) -> bool) -> Gram {
+        let mut members = self.members();
+        members.retain(|(node, ..)| active(*node));
+        let part = |(node, class, list): (usize, usize, Vec<usize>)| {
             let path = self.tree.path_columns(node);
             let n = path + self.x.len() + 1;
-            let mut products = Square::zeros(n);
+            let mut products = Square::zeros(n - 1);
+            let mut response = vec![0.0; n];
             let mut row = vec![0.0; n];
+            let mut rows = Vec::new();
             for &i in &list {
                 self.row(i, &mut row);
-                add_outer(&mut products, &row);
+                add_outer(&mut products, &row[..n - 1]);
+                add_times(&mut response, self.y[i], &row);
+                if class > 0 {
+                    rows.extend_from_slice(&row);
+                }
             }
             mirror(&mut products);
-            counts[class] += list.len();
-            parts.push(Part {
+            Part {
                 node,
                 class,
                 count: list.len(),
-                products,
-            });
+                products: Arc::new(products),
+                response,
+                rows,
+            }
+        };
+        let parts: Vec<Part> = members.into_par_iter().map(part).collect();
+        let mut counts = vec![0; self.classes];
+        for part in &parts {
+            counts[part.class] += part.count;
         }
         Gram::new(&self.tree, self.x.len(), counts, parts)
     }
@@ -167,28 +191,27 @@ impl Design {
 
     /// Sums of some or all of this design's nodes, with further fixed effects behind its own and another response.
     pub fn with_response_of(&self, gram: &Gram, extra: &[Vec<f64>], y: &[f64]) -> Gram {
-        let fixed = gram.fixed;
         let members = self.members();
-        let mut parts = gram.parts.clone();
-        for part in &mut parts {
-            let path = part.products.n - fixed - 1;
-            let mut sums = vec![0.0; part.products.n];
-            for &i in readings(&members, part) {
-                for (s, z) in sums.iter_mut().zip(&self.z[i]) {
-                    *s += z * y[i];
-                }
-                for (s, column) in sums[path..].iter_mut().zip(self.x.iter().chain(extra)) {
+        let mut answer = gram.clone();
+        for part in &mut answer.parts {
+            let last = part.products.n;
+            let path = last - gram.fixed;
+            part.response.fill(0.0);
+            let places = readings(&members, part);
+            for &i in places {
+                let (of_path, others) = part.response.split_at_mut(path);
+                add_times(of_path, y[i], &self.z[i]);
+                for (s, column) in others.iter_mut().zip(self.x.iter().chain(extra)) {
                     *s += column[i] * y[i];
                 }
-                sums[path + fixed] += y[i] * y[i];
+                part.response[last] += y[i] * y[i];
             }
-            let last = path + fixed;
-            for (k, s) in sums.into_iter().enumerate() {
-                *part.products.at_mut(last, k) = s;
-                *part.products.at_mut(k, last) = s;
+            for (row, &i) in part.rows.chunks_exact_mut(last + 1).zip(places) {
+                row[last] = y[i];
             }
         }
-        Gram::new(&self.tree, fixed, gram.counts.clone(), parts)
+        answer.add_up_responses(&self.tree);
+        answer
     }
 }
 
@@ -221,34 +244,67 @@ impl Gram {
         for node in (1..tree.len()).rev() {
             let (above, width) = (tree.above(node), tree.width(node));
             for class in 0..classes {
-                let below =
-                    std::mem::replace(&mut self.totals[node * classes + class], Total::None);
                 let place = tree.parent(node) * classes + class;
-                let mut sum = match std::mem::replace(&mut self.totals[place], Total::None) {
-                    Total::Sum(sum) => sum,
-                    Total::Part(k) => self.parts[k].products.clone(),
-                    Total::None => Square::zeros(above + self.fixed + 1),
+                if matches!(self.totals[node * classes + class], Total::None) {
+                    continue;
+                }
+                let of_parent = std::mem::replace(&mut self.totals[place], Total::None);
+                let (mut sum, response) = match of_parent {
+                    Total::Sum(sum, response) => (sum, response),
+                    Total::Part(k) => {
+                        let part = &self.parts[k];
+                        (part.products.clone(), part.response.clone())
+                    }
+                    Total::None => {
+                        let n = above + self.fixed;
+                        (Arc::new(Square::zeros(n)), vec![0.0; n + 1])
+                    }
                 };
-                let mut any = true;
-                match &below {
-                    Total::Part(k) => sum.add_without(&self.parts[*k].products, above, width),
-                    Total::Sum(of) => sum.add_without(of, above, width),
-                    Total::None => any = sum.a.iter().any(|x| *x != 0.0),
+                if let Some((below, _)) = self.total(node, class) {
+                    Arc::make_mut(&mut sum).add_without(below, above, width);
                 }
-                if any {
-                    self.totals[place] = Total::Sum(sum);
+                self.totals[place] = Total::Sum(sum, response);
+            }
+        }
+        self.add_up_responses(tree);
+    }
+
+    /// The sums of the responses of all nodes, from those of the parts.
+    fn add_up_responses(&mut self, tree: &Tree) {
+        let classes = self.counts.len();
+        for total in &mut self.totals {
+            if let Total::Sum(_, response) = total {
+                response.fill(0.0);
+            }
+        }
+        for part in &self.parts {
+            if let Total::Sum(_, response) = &mut self.totals[part.node * classes + part.class] {
+                add_times(response, 1.0, &part.response);
+            }
+        }
+        for node in (1..tree.len()).rev() {
+            let (above, width) = (tree.above(node), tree.width(node));
+            for class in 0..classes {
+                let (before, behind) = self.totals.split_at_mut(node * classes);
+                let below = match &behind[class] {
+                    Total::None => continue,
+                    Total::Part(k) => &self.parts[*k].response,
+                    Total::Sum(_, response) => response,
+                };
+                if let Total::Sum(_, to) = &mut before[tree.parent(node) * classes + class] {
+                    add_times(&mut to[..above], 1.0, &below[..above]);
+                    add_times(&mut to[above..], 1.0, &below[above + width..]);
                 }
-                self.totals[node * classes + class] = below;
             }
         }
     }
 
-    /// The sums over the readings of a node and all below it, of one class of noise.
-    pub(crate) fn total(&self, node: usize, class: usize) -> Option<&Square> {
+    /// The sums over the readings of a node and all below it, of one class of noise: C'C, and C'y with y'y.
+    pub(crate) fn total(&self, node: usize, class: usize) -> Option<(&Square, &[f64])> {
         match &self.totals[node * self.counts.len() + class] {
             Total::None => None,
-            Total::Part(k) => Some(&self.parts[*k].products),
-            Total::Sum(sum) => Some(sum),
+            Total::Part(k) => Some((&self.parts[*k].products, &self.parts[*k].response)),
+            Total::Sum(sum, response) => Some((sum, response)),
         }
     }
 

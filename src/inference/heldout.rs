@@ -6,7 +6,7 @@
 use crate::fit::{Fitted, Setting};
 use crate::gram::{Design, Square};
 use crate::problem::Point;
-use crate::system::{Factor, Likelihood, Posterior, Variances, dot};
+use crate::system::{Estimates, Factor, Likelihood, Variances, dot};
 use crate::tree::{Block, Tree};
 
 /// Steps by which the mode of a group's random effects is found.
@@ -235,7 +235,7 @@ impl<'a> Unseen<'a> {
     }
 
     /// The posterior of the group's random effects given some of its readings.
-    fn given(&self, design: &Design, places: &[usize], known: &[usize]) -> Posterior {
+    fn given(&self, design: &Design, places: &[usize], known: &[usize]) -> Estimates {
         // What is not known takes no part, but keeps its place in the tree.
         let list: Vec<usize> = (0..places.len())
             .filter(|k| known.contains(&places[*k]))
@@ -251,7 +251,7 @@ impl<'a> Unseen<'a> {
         };
         let variances = self.with_parameters();
         let gram = part.gram();
-        Factor::new(&part.tree, &gram, &variances).posterior(Likelihood::Full)
+        Factor::new(&part.tree, &gram, &variances).estimates()
     }
 
     /// Sum over the random effects below the root of a reading that are linear in the forward model, or that are not.

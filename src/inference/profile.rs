@@ -26,6 +26,11 @@ pub struct Profile {
 
 /// Upper 5% point of chi-squared with one degree.
 const CHI_SQUARED: f64 = 3.841_458_820_694_124;
+/// How hard the variances are looked for along the profile.
+const EFFORT: Effort = Effort {
+    evaluations: 10,
+    tolerance: 1e-3,
+};
 /// Draws of the correction.
 const DRAWS: usize = 40;
 /// Steps to either side, in standard errors.
@@ -131,20 +136,25 @@ impl<'a> Along<'a> {
     /// The likelihood with the variances estimated again: from those of the model, and from wider ones, because a component that has faded to
     /// nothing does not grow by itself where the value moves away from its estimate.
     fn ascend(&self, gram: &Gram) -> f64 {
-        let scales = self.setting.scales();
-        let maximiser = self.setting.maximiser(&scales, Likelihood::Full);
-        let effort = Effort {
-            evaluations: 10,
-            tolerance: 1e-3,
-        };
         let own = &self.model.variances;
-        let near = maximiser.maximise_with(gram, own, effort, Some(&self.model.inverse));
+        let near = self.ascend_near(gram);
         let wide = self.setting.widened(own);
         if wide == *own {
-            return near.log_likelihood;
+            return near;
         }
-        let far = maximiser.maximise(gram, &wide, effort);
-        near.log_likelihood.max(far.log_likelihood)
+        let scales = self.setting.scales();
+        let maximiser = self.setting.maximiser(&scales, Likelihood::Full);
+        near.max(maximiser.maximise(gram, &wide, EFFORT).log_likelihood)
+    }
+
+    /// The same from the variances of the model alone: in draws these are the true ones.
+    fn ascend_near(&self, gram: &Gram) -> f64 {
+        let scales = self.setting.scales();
+        let maximiser = self.setting.maximiser(&scales, Likelihood::Full);
+        let (own, inverse) = (&self.model.variances, &self.model.inverse);
+        maximiser
+            .maximise_with(gram, own, EFFORT, Some(inverse))
+            .log_likelihood
     }
 
     /// The likelihood with the value held.
@@ -185,8 +195,8 @@ impl<'a> Along<'a> {
                     .model
                     .design
                     .with_response_of(&self.model.gram, &[], &y);
-                let best = self.ascend(&free);
-                let pinned = self.ascend(&self.respond(&y));
+                let best = self.ascend_near(&free);
+                let pinned = self.ascend_near(&self.respond(&y));
                 (2.0 * (best - pinned)).max(0.0)
             })
             .collect();

@@ -7,8 +7,8 @@
 use crate::fit::{Fitted, Setting};
 use crate::gram::{Gram, Square};
 use crate::problem::Direction;
-use crate::statistic::deviate;
-use crate::system::{Factor, Likelihood, Panel, Variances};
+use crate::statistic::{deviate, is_decided};
+use crate::system::{Estimates, Factor, Likelihood, Panel, Variances, dot};
 use crate::variance::Effort;
 use rayon::prelude::*;
 use std::sync::OnceLock;
@@ -17,6 +17,9 @@ use std::sync::OnceLock;
 pub const IDENTIFIABLE: f64 = 0.01;
 /// How many of the strongest directions get their variances estimated again.
 const REFINED: usize = 4;
+
+/// Draws that are made at once where a decision may need fewer than all.
+const BATCH: usize = 40;
 
 /// A source of standard normal numbers for a draw.
 pub type Normal<'n> = dyn Fn(usize) -> Box<dyn FnMut() -> f64> + Sync + 'n;
@@ -45,19 +48,46 @@ impl Shown {
     }
 }
 
+/// What the readings tell of a direction.
+struct Information {
+    direction: usize,
+    /// C'P C.
+    matrix: Square,
+    /// Share of the whitened sensitivity that the fixed effects leave.
+    share: f64,
+}
+
+impl Information {
+    /// What the direction shows in P y.
+    fn shown(&self, columns: &[Vec<f64>], whitened_twice: &[f64]) -> Shown {
+        let scores: Vec<f64> = columns.iter().map(|c| dot(c, whitened_twice)).collect();
+        let (estimate, likelihood_ratio) = solve(&self.matrix, &scores);
+        Shown {
+            direction: self.direction,
+            amplitudes: columns.len(),
+            estimate,
+            likelihood_ratio,
+            share: self.share,
+            length: self.matrix.at(0, 0).max(0.0).sqrt(),
+        }
+    }
+}
+
 /// Candidates beside a fitted model.
 pub struct Screen<'a> {
     setting: &'a Setting<'a>,
     null: &'a Fitted,
     /// The directions.
     pub directions: Vec<Direction>,
-    /// All columns: for each direction its amplitudes, then the sums of their pairs (for the products between them).
-    columns: Vec<Vec<f64>>,
+    /// For each direction the number of its first column in the panel: its amplitudes, then the sums of their pairs (for the products between
+    /// them).
     first: Vec<usize>,
     panel: Panel,
     extended: Vec<OnceLock<Gram>>,
     /// Value of the null's likelihood with the effort of a draw.
     null_value: f64,
+    /// At the variances of the null: draws take it for theirs, which are close.
+    information: OnceLock<Vec<Information>>,
     /// Standard deviations of the null by the restricted likelihood, from which responses are drawn: those of the full one are too small where
     /// fixed effects take their share, most of all where a component has few columns.
     restricted: OnceLock<Variances>,
@@ -99,10 +129,10 @@ impl<'a> Screen<'a> {
             null,
             extended: directions.iter().map(|_| OnceLock::new()).collect(),
             directions,
-            columns,
             first,
             panel,
             null_value: 0.0,
+            information: OnceLock::new(),
             restricted: OnceLock::new(),
         };
         screen.null_value = screen.value(&null.gram, &null.variances).1;
@@ -117,45 +147,54 @@ impl<'a> Screen<'a> {
         (found.variances, found.log_likelihood)
     }
 
-    /// The directions by their scores at some variances, strongest first; those that cannot be told from the fixed effects are left out.
-    fn scores(&self, gram: &Gram, panel: &Panel, variances: &Variances) -> Vec<Shown> {
-        let factor = Factor::new(&self.null.design.tree, gram, variances);
-        let projected = factor.project(panel);
-        let mut shown = Vec::with_capacity(self.directions.len());
-        for (d, first) in self.first.iter().enumerate() {
-            let k = self.directions[d].columns.len();
+    /// The directions by their scores at the variances of the null, strongest first; those that cannot be told from the fixed effects are left
+    /// out.
+    fn scores(&self) -> Vec<Shown> {
+        let variances = &self.null.variances;
+        let factor = Factor::new(&self.null.design.tree, &self.null.gram, variances);
+        let whitened = self.whitened_twice(&factor.estimates(), &self.null.design.y, variances);
+        let mut shown: Vec<Shown> = self
+            .informations(variances)
+            .iter()
+            .map(|of| of.shown(&self.directions[of.direction].columns, &whitened))
+            .collect();
+        shown.sort_by(|a, b| b.deviate().total_cmp(&a.deviate()));
+        shown
+    }
+
+    /// What the readings tell of every direction at some variances, of those that can be told from the fixed effects.
+    fn informations(&self, variances: &Variances) -> Vec<Information> {
+        let factor = Factor::new(&self.null.design.tree, &self.null.gram, variances);
+        let projected = factor.project(&self.panel);
+        let mut all = Vec::with_capacity(self.directions.len());
+        for (direction, first) in self.first.iter().enumerate() {
+            let k = self.directions[direction].columns.len();
             let before: f64 = projected.unprojected[*first..first + k].iter().sum();
             let after: f64 = projected.squares[*first..first + k].iter().sum();
             let share = if before > 0.0 { after / before } else { 0.0 };
             if share.is_nan() || share <= IDENTIFIABLE {
                 continue;
             }
-            let mut information = Square::zeros(k);
+            let mut matrix = Square::zeros(k);
             let mut pair = first + k;
             for i in 0..k {
-                *information.at_mut(i, i) = projected.squares[first + i];
+                *matrix.at_mut(i, i) = projected.squares[first + i];
                 for j in 0..i {
                     let both = projected.squares[pair];
                     let product =
                         0.5 * (both - projected.squares[first + i] - projected.squares[first + j]);
-                    *information.at_mut(i, j) = product;
-                    *information.at_mut(j, i) = product;
+                    *matrix.at_mut(i, j) = product;
+                    *matrix.at_mut(j, i) = product;
                     pair += 1;
                 }
             }
-            let scores = &projected.scores[*first..first + k];
-            let (estimate, gain) = solve(&information, scores);
-            shown.push(Shown {
-                direction: d,
-                amplitudes: k,
-                estimate,
-                likelihood_ratio: gain,
+            all.push(Information {
+                direction,
+                matrix,
                 share,
-                length: information.at(0, 0).max(0.0).sqrt(),
             });
         }
-        shown.sort_by(|a, b| b.deviate().total_cmp(&a.deviate()));
-        shown
+        all
     }
 
     /// Gain of a direction with the variances estimated again.
@@ -175,12 +214,12 @@ impl<'a> Screen<'a> {
                 self.value(&gram, from).1
             }
         };
-        (2.0 * (value - null_value)).max(shown.likelihood_ratio)
+        2.0 * (value - null_value)
     }
 
     /// The candidates in the data, strongest first; the first few with the variances estimated again.
     pub fn shown(&self, refined: usize) -> Vec<Shown> {
-        let mut shown = self.scores(&self.null.gram, &self.panel, &self.null.variances);
+        let mut shown = self.scores();
         shown.par_iter_mut().take(refined).for_each(|s| {
             s.likelihood_ratio = self.refined(s, None, self.null_value, &self.null.variances);
         });
@@ -196,23 +235,69 @@ impl<'a> Screen<'a> {
             .collect()
     }
 
+    /// The same, for the question whether a value is improbable at a level: no more draws than it takes to be sure.
+    pub fn draws_to_decide(
+        &self,
+        most: usize,
+        normal: &Normal,
+        level: f64,
+        value: f64,
+    ) -> Vec<f64> {
+        let mut draws = Vec::with_capacity(most);
+        while draws.len() < most && !is_decided(&draws, level, value) {
+            let end = (draws.len() + BATCH).min(most);
+            let batch = draws.len()..end;
+            let more: Vec<f64> = batch
+                .into_par_iter()
+                .map(|k| self.maximum_of_draw(&mut *normal(k)))
+                .collect();
+            draws.extend(more);
+        }
+        draws
+    }
+
     fn maximum_of_draw(&self, normal: &mut dyn FnMut() -> f64) -> f64 {
         let variances = self
             .restricted
             .get_or_init(|| self.null.restricted(self.setting));
         let y = draw(self.null, variances, normal);
-        let design = &self.null.design;
-        let gram = design.with_response_of(&self.null.gram, &[], &y);
+        let gram = self.null.design.with_response_of(&self.null.gram, &[], &y);
         let (variances, value) = self.value(&gram, &self.null.variances);
-        let panel = self
-            .panel
-            .with_response_of(&self.null.gram, design, &self.columns, &y);
-        let scores = self.scores(&gram, &panel, &variances);
-        let best = scores.iter().take(REFINED).map(|s| {
+        let factor = Factor::new(&self.null.design.tree, &gram, &variances);
+        let whitened = self.whitened_twice(&factor.estimates(), &y, &variances);
+        let information = self
+            .information
+            .get_or_init(|| self.informations(&self.null.variances));
+        let mut shown: Vec<Shown> = information
+            .iter()
+            .map(|of| of.shown(&self.directions[of.direction].columns, &whitened))
+            .collect();
+        shown.sort_by(|a, b| b.deviate().total_cmp(&a.deviate()));
+        let best = shown.iter().take(REFINED).map(|s| {
             let gain = self.refined(s, Some(&y), value, &variances);
             deviate(gain, s.amplitudes)
         });
         best.fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// P y: what is left of a response after its fixed and random effects, by the squared noise; nothing of readings that take no part.
+    fn whitened_twice(&self, at: &Estimates, y: &[f64], variances: &Variances) -> Vec<f64> {
+        let design = &self.null.design;
+        let paths: Vec<Vec<usize>> = (0..design.tree.len())
+            .map(|n| design.tree.path_numbers(n))
+            .collect();
+        let left = |(i, y): (usize, &f64)| {
+            let node = design.node[i];
+            if !self.setting.active[node] {
+                return 0.0;
+            }
+            let random = paths[node].iter().zip(&design.z[i]);
+            let random: f64 = random.map(|(c, z)| z * at.random[*c]).sum();
+            let fixed: f64 = design.x.iter().zip(&at.fixed).map(|(x, b)| x[i] * b).sum();
+            let noise = variances.noise[design.class[i]];
+            (y - random - fixed) / (noise * noise)
+        };
+        y.iter().enumerate().map(left).collect()
     }
 
     /// How many directions get their variances estimated again in draws, and must in the data.

@@ -323,12 +323,18 @@ impl Search<'_> {
             Drawn::Always => !is_first && p > close.0,
         };
         if redrawn {
-            draws = screen.draws(self.decision.draws, normal);
+            let (most, level) = (self.decision.draws, self.decision.level);
+            draws = if self.decision.thorough {
+                screen.draws(most, normal)
+            } else {
+                screen.draws_to_decide(most, normal, level, first)
+            };
         }
         let limit = critical(&draws, self.decision.level);
         let mut fits = self.fits_tried(&model);
         if first >= limit {
-            fits.extend(self.fits(&screen, &model, &shown));
+            let others = self.fits(&screen, &model, &shown, &fits);
+            fits.extend(others);
         }
         if self.decision.thorough && (found.accepted.is_empty() || fits.is_empty()) {
             fits.extend(self.fits_afresh(&model, way));
@@ -366,19 +372,26 @@ impl Search<'_> {
             return Vec::new();
         };
         let known = |t: usize| model.point.terms.iter().any(|(k, _)| *k == t);
+        let starts = [tried.variances.clone(), model.variances.clone()];
         let new = tried.point.terms.iter().filter(|(t, _)| !known(*t));
-        new.map(|(t, values)| {
-            let mut from = model.point.clone();
-            for (k, c) in tried.point.coefficients.iter().enumerate() {
-                if !self.setting.pinned.contains(&Free::Coefficient(k)) {
-                    from.coefficients[k] = *c;
+        let glances: Vec<(Point, usize, f64)> = new
+            .map(|(t, values)| {
+                let mut from = model.point.clone();
+                for (k, c) in tried.point.coefficients.iter().enumerate() {
+                    if !self.setting.pinned.contains(&Free::Coefficient(k)) {
+                        from.coefficients[k] = *c;
+                    }
                 }
-            }
-            from.terms.push((*t, values.clone()));
-            let starts = [tried.variances.clone(), model.variances.clone()];
-            (self.setting.fit(&from, &starts), *t)
-        })
-        .collect()
+                from.terms.push((*t, values.clone()));
+                let value = self.setting.glance(&from, &starts[..1]).log_likelihood;
+                (from, *t, value - model.log_likelihood)
+            })
+            .collect();
+        let most = glances.iter().fold(0.0_f64, |m, (.., gain)| m.max(*gain));
+        let promising = glances.iter().filter(|(.., gain)| *gain >= PROMISED * most);
+        promising
+            .map(|(from, t, _)| (self.setting.fit(from, &starts), *t))
+            .collect()
     }
 
     /// Fits of the terms that gain most beside a model whose components have their usual sizes: where a law is far off, scatter and misfit have
@@ -410,25 +423,36 @@ impl Search<'_> {
             .collect()
     }
 
-    /// The strongest candidates fitted in full.
-    fn fits(&self, screen: &Screen, model: &Fitted, shown: &[Shown]) -> Vec<(Fitted, usize)> {
+    /// The strongest candidates fitted in full, beyond those that are fitted already.
+    fn fits(
+        &self,
+        screen: &Screen,
+        model: &Fitted,
+        shown: &[Shown],
+        known: &[(Fitted, usize)],
+    ) -> Vec<(Fitted, usize)> {
         let mut fits: Vec<(Fitted, usize)> = Vec::new();
-        let mut gained = 0.0_f64;
+        let gain = |f: &Fitted| 2.0 * (f.log_likelihood - model.log_likelihood);
+        let mut gained = known.iter().fold(0.0_f64, |m, (f, _)| m.max(gain(f)));
         for s in shown.iter().take(FITTED) {
             // What promises less than was gained already is left to the swaps.
             if s.likelihood_ratio < PROMISED * gained {
                 break;
             }
             let direction = &screen.directions[s.direction];
+            if known.iter().any(|(_, t)| *t == direction.term) {
+                continue;
+            }
             let mut from = model.point.clone();
             from.terms
                 .push((direction.term, scaled(&direction.start, &s.estimate)));
             let fit = self.setting.fit(&from, &self.starts(model));
             // The linear model promised more: the iteration has gone to another optimum.
-            if 2.0 * (fit.log_likelihood - model.log_likelihood) < PROMISED * s.likelihood_ratio {
+            let kept = gain(&fit);
+            if self.decision.thorough && kept < PROMISED * s.likelihood_ratio {
                 fits.push((self.setting.fit_afresh(&from), direction.term));
             }
-            gained = gained.max(2.0 * (fit.log_likelihood - model.log_likelihood));
+            gained = gained.max(kept);
             fits.push((fit, direction.term));
         }
         fits

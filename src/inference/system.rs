@@ -54,6 +54,15 @@ pub struct Factor<'a> {
     quadratic: f64,
 }
 
+/// Means of fixed and random effects given the readings.
+#[derive(Clone, Debug)]
+pub struct Estimates {
+    /// Fixed effects.
+    pub fixed: Vec<f64>,
+    /// Random effects, all columns, in units of their component (not scaled).
+    pub random: Vec<f64>,
+}
+
 /// Means and covariances of fixed and random effects given the readings.
 #[derive(Clone, Debug)]
 pub struct Posterior {
@@ -167,6 +176,34 @@ impl<'a> Factor<'a> {
         inverse
     }
 
+    /// Means alone, given the variances.
+    pub fn estimates(&self) -> Estimates {
+        let tree = self.tree;
+        let fixed = self.fixed();
+        let mut random = vec![0.0; tree.columns()];
+        // For each node e of its path, see [`Self::gradient`].
+        let mut known: Vec<Vec<f64>> = Vec::with_capacity(tree.len());
+        let at_root: Vec<f64> = fixed.iter().copied().chain([-1.0]).collect();
+        for node in 0..tree.len() {
+            let above = if node == 0 {
+                &at_root
+            } else {
+                &known[tree.parent(node)]
+            };
+            let rows = self.solved(node, above.len());
+            let own = rows.chunks_exact(above.len()).map(|row| -dot(row, above));
+            let first = tree.above(node);
+            let here: Vec<f64> = above[..first].iter().copied().chain(own).collect();
+            for (k, c) in tree.components_of(node).enumerate() {
+                random[tree.first_column(node) + k] =
+                    here[first + k] * self.variances.components[c];
+            }
+            let here = here.into_iter().chain(above[first..].iter().copied());
+            known.push(here.collect());
+        }
+        Estimates { fixed, random }
+    }
+
     /// Means, covariances and the gradient; for the restricted likelihood the covariances hold what the fixed effects leave open.
     pub fn posterior(&self, likelihood: Likelihood) -> Posterior {
         let tree = self.tree;
@@ -251,13 +288,16 @@ impl<'a> Factor<'a> {
 
     /// Derivatives of the log-likelihood by the logarithms of the standard deviations: components, then noise. The same as those of
     /// [`Self::posterior`], without what else it holds.
+    ///
+    /// With e = (random effects of the path, fixed effects, -1 for the response) of a node and its expected product E = E\[e e'\] given the
+    /// readings, every derivative is a scalar product with E. The own effects of a node are -A e of its parent plus what its own readings leave
+    /// open, so that a node without further ones below it needs no E of its own: the matrices that are to be multiplied with that of
+    /// its parent are summed over all such nodes first.
     pub fn gradient(&self, likelihood: Likelihood) -> (Vec<f64>, Vec<f64>) {
         let tree = self.tree;
         let fixed = self.fixed();
-        let at_root = match likelihood {
-            Likelihood::Full => Square::zeros(fixed.len()),
-            Likelihood::Restricted => self.fixed_covariance(),
-        };
+        let at_root = self.expected_above_root(&fixed, likelihood);
+        let mut by_components = vec![0.0; self.variances.components.len()];
         // The first class of noise is what is left of all: only the readings of the others are looked at themselves.
         let mut by_noise: Vec<f64> = self.gram.counts.iter().map(|_| 0.0).collect();
         let mut others: Vec<Vec<&Part>> = vec![Vec::new(); tree.len()];
@@ -268,39 +308,50 @@ impl<'a> Factor<'a> {
         for node in 1..tree.len() {
             is_parent[tree.parent(node)] = true;
         }
-        let mut known: Vec<Option<(Vec<f64>, Square)>> = Vec::with_capacity(tree.len());
-        let mut by_components = vec![0.0; self.variances.components.len()];
-        // Squares of the standardised random effects, and the variances that are left of them.
-        let (mut squares, mut left, mut columns) = (0.0, 0.0, 0);
+        let mut expected: Vec<Option<Square>> = Vec::with_capacity(tree.len());
+        let mut sums: Vec<Option<Below>> = Vec::with_capacity(tree.len());
         for node in 0..tree.len() {
-            let found = {
-                let above = if node == 0 {
-                    None
-                } else {
-                    known[tree.parent(node)].as_ref()
-                };
-                let (mean, covariance) = above.map_or((&fixed, &at_root), |(m, c)| (m, c));
-                if is_parent[node] || !others[node].is_empty() {
-                    let (mean, covariance) = self.descend(node, mean, covariance);
-                    for part in &others[node] {
-                        by_noise[part.class] += self.part_by_noise(part, &mean, &covariance);
-                    }
-                    let first = tree.above(node);
-                    let own = (first..first + tree.width(node))
-                        .map(|k| (mean[k], covariance.at(k, k)))
-                        .collect::<Vec<_>>();
-                    (own, Some((mean, covariance)))
-                } else {
-                    (self.own(node, mean, covariance), None)
-                }
-            };
-            for ((u, variance), c) in found.0.iter().zip(tree.components_of(node)) {
-                by_components[c] += u * u + variance - 1.0;
-                squares += u * u;
-                left += variance;
-                columns += 1;
+            let own = self.own_effects(node);
+            let first = tree.above(node);
+            let above = expected_of(&expected, tree, node).unwrap_or(&at_root);
+            for part in &others[node] {
+                let scales = scales(tree, self.variances, part, self.gram.fixed);
+                let rows = part.rows.chunks_exact(scales.len());
+                by_noise[part.class] += rows
+                    .map(|row| {
+                        let row: Vec<f64> = row.iter().zip(&scales).map(|(x, s)| x * s).collect();
+                        own.expected_square(&row, above, first) - 1.0
+                    })
+                    .sum::<f64>();
             }
-            known.push(found.1);
+            if node == 0 || is_parent[node] {
+                let here = own.expected(above, first);
+                for (k, c) in tree.components_of(node).enumerate() {
+                    by_components[c] += here.at(first + k, first + k) - 1.0;
+                }
+                sums.push(Some(Below::new(here.n, by_components.len())));
+                expected.push(Some(here));
+                continue;
+            }
+            for (k, c) in tree.components_of(node).enumerate() {
+                by_components[c] += own.open.at(k, k) - 1.0;
+            }
+            expected.push(None);
+            sums.push(None);
+            let Some(below) = &mut sums[tree.parent(node)] else {
+                continue;
+            };
+            let mut from = 0;
+            for block in tree.blocks(node) {
+                let rows = &own.a[from * own.n..(from + block.columns) * own.n];
+                add_products(below.component(block.component), rows, block.columns);
+                from += block.columns;
+            }
+        }
+        for (below, here) in sums.iter().zip(&expected) {
+            if let (Some(below), Some(here)) = (below, here) {
+                below.add_to(here, &mut by_components);
+            }
         }
         let estimated = match likelihood {
             Likelihood::Full => 0,
@@ -309,30 +360,46 @@ impl<'a> Factor<'a> {
                 pivots.count()
             }
         };
-        // Expected sum of squares of the noise, by the trace of (covariance times products) = columns - what is left.
-        let all = self.quadratic - squares + columns as f64 - left + estimated as f64
+        // All readings together: y'P y less the squares of the random effects, and the trace of (covariance times products) = columns - what is
+        // left open.
+        let all = self.quadratic - by_components.iter().sum::<f64>() + estimated as f64
             - self.gram.count() as f64;
         by_noise[0] = all - by_noise.iter().sum::<f64>();
         (by_components, by_noise)
     }
 
-    /// Mean and variance of a node's own columns, from those of its parent's path.
-    fn own(&self, node: usize, above_mean: &[f64], above: &Square) -> Vec<(f64, f64)> {
-        let width = self.tree.width(node);
-        let rest = above.n;
-        let stride = rest + 1;
-        let a = self.solved(node, stride);
+    /// E of the fixed effects and the response.
+    fn expected_above_root(&self, fixed: &[f64], likelihood: Likelihood) -> Square {
+        let n = fixed.len() + 1;
+        let mut e = Square::zeros(n);
+        let v: Vec<f64> = fixed.iter().copied().chain([-1.0]).collect();
+        for i in 0..n {
+            for j in 0..n {
+                *e.at_mut(i, j) = v[i] * v[j];
+            }
+        }
+        if likelihood == Likelihood::Restricted {
+            let covariance = self.fixed_covariance();
+            for i in 0..n - 1 {
+                for j in 0..n - 1 {
+                    *e.at_mut(i, j) += covariance.at(i, j);
+                }
+            }
+        }
+        e
+    }
+
+    /// What a node's own random effects are of e of its parent, and what is left open of them.
+    fn own_effects(&self, node: usize) -> OwnEffects {
         let eliminated = &self.nodes[node];
-        (0..width)
-            .map(|k| {
-                let row = &a[k * stride..k * stride + rest];
-                let mean = a[k * stride + rest] - dot(row, above_mean);
-                let mut unit = vec![0.0; width];
-                unit[k] = 1.0;
-                let half = forward(&eliminated.lower, &unit);
-                (mean, dot(&half, &half) + dot(&cross(row, above), row))
-            })
-            .collect()
+        let width = self.tree.width(node);
+        let n = self.tree.above(node) + self.gram.fixed + 1;
+        OwnEffects {
+            width,
+            n,
+            a: self.solved(node, n),
+            open: inverse_of(&eliminated.lower),
+        }
     }
 
     /// L^-T times what a node's rows hold beside it: columns above, fixed effects, response.
@@ -369,17 +436,15 @@ impl<'a> Factor<'a> {
     fn part_by_noise(&self, part: &Part, mean: &[f64], covariance: &Square) -> f64 {
         let s = scales(self.tree, self.variances, part, self.gram.fixed);
         let n = part.products.n;
-        let mut v: Vec<f64> = mean.iter().zip(&s).map(|(m, s)| m * s).collect();
-        v.push(-s[n - 1]);
-        let mut sum = -(part.count as f64);
+        let v: Vec<f64> = mean.iter().zip(&s).map(|(m, s)| m * s).collect();
+        let noise = s[n];
+        let mut sum = noise * (noise * part.response[n] - 2.0 * dot(&part.response[..n], &v))
+            - part.count as f64;
         for i in 0..n {
             let row = &part.products.a[i * n..(i + 1) * n];
-            sum += v[i] * dot(row, &v);
-            if i + 1 < n {
-                let line = &covariance.a[i * (n - 1)..i * (n - 1) + n - 1];
-                let products = row.iter().zip(line).zip(&s);
-                sum += s[i] * products.map(|((g, c), s)| g * c * s).sum::<f64>();
-            }
+            let line = &covariance.a[i * n..(i + 1) * n];
+            let products = row.iter().zip(line).zip(&s);
+            sum += v[i] * dot(row, &v) + s[i] * products.map(|((g, c), s)| g * c * s).sum::<f64>();
         }
         sum
     }
@@ -510,6 +575,117 @@ impl<'a> Factor<'a> {
     }
 }
 
+/// The own random effects of a node, -A e of its parent plus what is left open.
+struct OwnEffects {
+    width: usize,
+    /// Columns of A.
+    n: usize,
+    /// A, row after row.
+    a: Vec<f64>,
+    /// Covariance of what is left open.
+    open: Square,
+}
+
+impl OwnEffects {
+    /// A times a symmetric matrix.
+    fn times(&self, matrix: &Square) -> Vec<f64> {
+        let rows = self.a.chunks_exact(self.n);
+        rows.flat_map(|row| cross(row, matrix)).collect()
+    }
+
+    /// E of the node from that of its parent; the own columns stand at `first`.
+    fn expected(&self, above: &Square, first: usize) -> Square {
+        let (n, width) = (self.n, self.width);
+        let place = |j: usize| if j < first { j } else { j + width };
+        let mut e = Square::zeros(n + width);
+        for i in 0..n {
+            let (from, to) = (i * n, place(i) * e.n);
+            e.a[to..to + first].copy_from_slice(&above.a[from..from + first]);
+            e.a[to + first + width..to + n + width]
+                .copy_from_slice(&above.a[from + first..from + n]);
+        }
+        let product = self.times(above);
+        for k in 0..width {
+            let row = &product[k * n..(k + 1) * n];
+            for (j, x) in row.iter().enumerate() {
+                *e.at_mut(first + k, place(j)) = -x;
+                *e.at_mut(place(j), first + k) = -x;
+            }
+            for l in 0..=k {
+                let value = self.open.at(k, l) + dot(row, &self.a[l * n..(l + 1) * n]);
+                *e.at_mut(first + k, first + l) = value;
+                *e.at_mut(first + l, first + k) = value;
+            }
+        }
+        e
+    }
+
+    /// Expected square of a row of the path's columns, fixed effects and response times e of the node, from E of its parent.
+    fn expected_square(&self, row: &[f64], above: &Square, first: usize) -> f64 {
+        let (own, width) = (&row[first..first + self.width], self.width);
+        let mut rest: Vec<f64> = row[..first]
+            .iter()
+            .chain(&row[first + width..])
+            .copied()
+            .collect();
+        for (x, a) in own.iter().zip(self.a.chunks_exact(self.n)) {
+            add_times(&mut rest, -x, a);
+        }
+        quadratic_form(&rest, above) + quadratic_form(own, &self.open)
+    }
+}
+
+/// Matrices, upper triangles, that are to be multiplied with E of a node: from the nodes below it that have none below them.
+struct Below {
+    n: usize,
+    components: Vec<Option<Square>>,
+}
+
+impl Below {
+    fn new(n: usize, components: usize) -> Self {
+        Self {
+            n,
+            components: vec![None; components],
+        }
+    }
+
+    fn component(&mut self, component: usize) -> &mut Square {
+        self.components[component].get_or_insert_with(|| Square::zeros(self.n))
+    }
+
+    fn add_to(&self, expected: &Square, by_components: &mut [f64]) {
+        for (matrix, sum) in self.components.iter().zip(by_components) {
+            *sum += matrix
+                .as_ref()
+                .map_or(0.0, |m| product_of_upper(m, expected));
+        }
+    }
+}
+
+/// E of the parent of a node; none of the root's.
+fn expected_of<'e>(expected: &'e [Option<Square>], tree: &Tree, node: usize) -> Option<&'e Square> {
+    (node > 0).then(|| expected[tree.parent(node)].as_ref())?
+}
+
+/// x'A x.
+fn quadratic_form(x: &[f64], a: &Square) -> f64 {
+    let rows = a.a.chunks_exact(a.n).zip(x);
+    rows.map(|(row, factor)| factor * dot(row, x)).sum()
+}
+
+/// Sum of the products of all entries of two symmetric matrices, of the first of which the upper triangle counts.
+fn product_of_upper(upper: &Square, b: &Square) -> f64 {
+    let n = upper.n;
+    let rows = (0..n).map(|i| {
+        let (a, b) = (
+            &upper.a[i * n + i..(i + 1) * n],
+            &b.a[i * n + i..(i + 1) * n],
+        );
+        2.0 * dot(a, b) - a[0] * b[0]
+    });
+    rows.sum()
+}
+
 /// Products of further columns with those of a design.
 #[derive(Clone, Debug)]
 pub struct Panel {
@@ -593,27 +769,6 @@ impl Panel {
             .collect();
         panel
     }
-
-    /// The products with another response, for the parts of a Gram.
-    pub fn with_response_of(
-        &self,
-        gram: &Gram,
-        design: &crate::gram::Design,
-        columns: &[Vec<f64>],
-        y: &[f64],
-    ) -> Self {
-        let mut panel = self.clone();
-        let width = self.columns;
-        let members = design.members();
-        for (part, of) in panel.parts.iter_mut().zip(&gram.parts) {
-            let list = crate::gram::readings(&members, of);
-            let last = part.products.len() - width;
-            for (j, column) in columns.iter().enumerate() {
-                part.products[last + j] = list.iter().map(|&i| column[i] * y[i]).sum();
-            }
-        }
-        panel
-    }
 }
 
 /// Rows of a node's own columns in the system: scaled sums less what the groups below take off. Columns of the path, fixed effects, response.
@@ -631,9 +786,13 @@ fn own_rows(
         a: vec![0.0; width * n],
     };
     for (class, noise) in variances.noise.iter().enumerate() {
-        if let Some(sums) = gram.total(node, class) {
-            let from = &sums.a[above * n..(above + width) * n];
-            add_times(&mut rows.a, 1.0 / (noise * noise), from);
+        if let Some((sums, response)) = gram.total(node, class) {
+            let factor = 1.0 / (noise * noise);
+            for (k, row) in rows.a.chunks_exact_mut(n).enumerate() {
+                let from = &sums.a[(above + k) * (n - 1)..(above + k + 1) * (n - 1)];
+                add_times(&mut row[..n - 1], factor, from);
+                row[n - 1] += factor * response[above + k];
+            }
         }
     }
     let path = tree.path(node);
@@ -697,14 +856,27 @@ fn eliminate(own: &Square, first: usize, width: usize) -> Eliminated {
 /// Adds R'R, upper triangle, R of so many rows.
 fn add_products(to: &mut Square, r: &[f64], rows: usize) {
     let n = to.n;
+    let blocks = rows / 4;
     for i in 0..n {
         let line = &mut to.a[i * n + i..(i + 1) * n];
-        for k in 0..rows {
-            let row = &r[k * n..(k + 1) * n];
-            if row[i] != 0.0 {
-                add_times(line, row[i], &row[i..]);
-            }
+        for block in 0..blocks {
+            let row = |k: usize| &r[(4 * block + k) * n + i..(4 * block + k + 1) * n];
+            add_four(line, [row(0), row(1), row(2), row(3)]);
         }
+        for k in 4 * blocks..rows {
+            let row = &r[k * n + i..(k + 1) * n];
+            add_times(line, row[0], row);
+        }
+    }
+}
+
+/// Adds four rows, each times its first entry.
+#[inline]
+fn add_four(to: &mut [f64], rows: [&[f64]; 4]) {
+    let factors = rows.map(|r| r[0]);
+    let [a, b, c, d] = rows;
+    for ((((t, a), b), c), d) in to.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+        *t += factors[0] * a + factors[1] * b + (factors[2] * c + factors[3] * d);
     }
 }
 
@@ -734,7 +906,14 @@ fn left_of_fixed(tree: &Tree, gram: &Gram, variances: &Variances, off: Option<&S
             let noise = variances.noise.iter().enumerate();
             let sum: f64 = noise
                 .filter_map(|(class, s)| Some((gram.total(0, class)?, s)))
-                .map(|(sums, s)| sums.at(first + i, first + j) / (s * s))
+                .map(|((sums, response), s)| {
+                    let product = if j + 1 < n {
+                        sums.at(first + i, first + j)
+                    } else {
+                        response[first + i]
+                    };
+                    product / (s * s)
+                })
                 .sum();
             let value = sum - off.map_or(0.0, |o| o.at(i, j));
             *left.at_mut(i, j) = value;
@@ -810,19 +989,29 @@ pub(crate) fn back_substitute(lower: &Square, b: &[f64]) -> Vec<f64> {
     x
 }
 
-/// (L L')^-1.
+/// (L L')^-1 of a factor without missing pivots.
 fn inverse_of(lower: &Square) -> Square {
     let n = lower.n;
+    // L^-1, by columns: row j of `inverse` is its column j.
     let mut inverse = Square::zeros(n);
     for j in 0..n {
-        let mut unit = vec![0.0; n];
-        unit[j] = 1.0;
-        let column = back_substitute(lower, &forward(lower, &unit));
-        for (i, v) in column.into_iter().enumerate() {
-            *inverse.at_mut(i, j) = v;
+        let column = &mut inverse.a[j * n..(j + 1) * n];
+        column[j] = 1.0 / lower.at(j, j);
+        for i in j + 1..n {
+            let known: f64 = (j..i).map(|k| lower.at(i, k) * column[k]).sum();
+            column[i] = -known / lower.at(i, i);
         }
     }
-    inverse
+    let mut product = Square::zeros(n);
+    for i in 0..n {
+        for j in 0..=i {
+            let columns = [i, j].map(|k| &inverse.a[k * n + i..(k + 1) * n]);
+            let value = dot(columns[0], columns[1]);
+            *product.at_mut(i, j) = value;
+            *product.at_mut(j, i) = value;
+        }
+    }
+    product
 }
 
 /// Scalar product in four partial sums, in a fixed order.
@@ -845,7 +1034,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 #[inline]
-fn add_times(to: &mut [f64], factor: f64, from: &[f64]) {
+pub(crate) fn add_times(to: &mut [f64], factor: f64, from: &[f64]) {
     for (t, f) in to.iter_mut().zip(from) {
         *t += factor * f;
     }

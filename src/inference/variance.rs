@@ -7,6 +7,8 @@
 use crate::gram::Gram;
 use crate::system::{Factor, Likelihood, Variances};
 use crate::tree::Tree;
+use rayon::prelude::*;
+use std::cmp::Ordering;
 
 /// What is known beforehand of a standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,6 +48,11 @@ const RANGE: (f64, f64) = (1e-4, 50.0);
 /// Longest step of a logarithm.
 const LONGEST_STEP: f64 = 2.0;
 
+/// Evaluations after which starts are compared.
+const HEAT: usize = 8;
+/// A start whose log-likelihood is then this far below the best is given up.
+const GIVEN_UP: f64 = 5.0;
+
 /// How hard to try.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
@@ -60,6 +67,11 @@ impl Effort {
     pub const FULL: Self = Self {
         evaluations: 60,
         tolerance: 1e-6,
+    };
+    /// From afar, before an outer iteration that goes on anyway.
+    pub const FIRST: Self = Self {
+        evaluations: 60,
+        tolerance: 1e-3,
     };
     /// Within an outer iteration, from the maximum of the one before it.
     pub const STEP: Self = Self {
@@ -236,19 +248,34 @@ impl Maximiser<'_> {
         }
     }
 
-    /// The best of ascents from several starts.
+    /// The best of ascents from several starts: those that are far behind after a few steps are given up.
     pub fn best(&self, gram: &Gram, starts: &[Variances], effort: Effort) -> Maximum {
-        let mut best: Option<Maximum> = None;
-        for start in starts {
-            let found = self.maximise(gram, start, effort);
-            if best
-                .as_ref()
-                .is_none_or(|b| found.log_likelihood > b.log_likelihood)
-            {
-                best = Some(found);
-            }
+        let usual = [self.start(1.0)];
+        let starts = if starts.is_empty() { &usual } else { starts };
+        if let [only] = starts {
+            return self.maximise(gram, only, effort);
         }
-        best.unwrap_or_else(|| self.maximise(gram, &self.start(1.0), effort))
+        let first = Effort {
+            evaluations: HEAT,
+            ..effort
+        };
+        let begun: Vec<Maximum> = starts
+            .par_iter()
+            .map(|start| self.maximise(gram, start, first))
+            .collect();
+        let highest = |of: &[Maximum]| {
+            let values = of.iter().map(|m| m.log_likelihood);
+            values.fold(f64::NEG_INFINITY, f64::max)
+        };
+        let limit = highest(&begun) - GIVEN_UP;
+        let mut ended: Vec<Maximum> = begun
+            .into_par_iter()
+            .filter(|m| !matches!(m.log_likelihood.partial_cmp(&limit), Some(Ordering::Less)))
+            .map(|m| self.maximise_with(gram, &m.variances, effort, Some(&m.inverse)))
+            .collect();
+        let best = highest(&ended);
+        let place = ended.iter().position(|m| m.log_likelihood == best);
+        ended.swap_remove(place.unwrap_or(0))
     }
 }
 

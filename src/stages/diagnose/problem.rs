@@ -400,9 +400,9 @@ impl<'a> ForceProblem<'a> {
         }
     }
 
-    fn derivatives(&self, point: &Point, i: usize) -> (f64, [f64; SLOTS], Vec<f64>) {
+    fn derivatives<const N: usize>(&self, point: &Point, i: usize) -> (f64, [f64; N], Vec<f64>) {
         let at = &self.data.conditions[i];
-        let mut coefficients = [Dual::<SLOTS>::constant(0.0); 5];
+        let mut coefficients = [Dual::<N>::constant(0.0); 5];
         let known = point.coefficients.len();
         for (k, (slot, c)) in coefficients.iter_mut().zip(&point.coefficients).enumerate() {
             *slot = Dual::variable(*c, k);
@@ -413,7 +413,7 @@ impl<'a> ForceProblem<'a> {
             Dual::variable(length, LENGTH),
             Dual::variable(zero, ZERO),
         ];
-        let mut terms = [(0, [Dual::<SLOTS>::constant(0.0); 2]); MOST_TERMS];
+        let mut terms = [(0, [Dual::<N>::constant(0.0); 2]); MOST_TERMS];
         let mut count = 0;
         for (k, (t, [amplitude, shape], _)) in self.acting(point, i).enumerate() {
             let slot = TERMS + 2 * k;
@@ -438,11 +438,42 @@ impl<'a> ForceProblem<'a> {
         (force.value, force.gradient, row)
     }
 
+    /// Predictions and derivatives at a point with so many slots.
+    fn linearised<const N: usize>(&self, point: &Point) -> Linearised {
+        let n = self.data.len();
+        let values: usize = point.terms.iter().map(|(_, v)| v.len()).sum();
+        let mut linear = Linearised {
+            predicted: Vec::with_capacity(n),
+            by_coefficients: vec![vec![0.0; n]; point.coefficients.len()],
+            by_terms: vec![vec![0.0; n]; values],
+            random: Vec::with_capacity(n),
+        };
+        let rows: Vec<_> = (0..n)
+            .into_par_iter()
+            .with_min_len(64)
+            .map(|i| self.derivatives::<N>(point, i))
+            .collect();
+        for (i, (force, gradient, row)) in rows.into_iter().enumerate() {
+            for (k, column) in linear.by_coefficients.iter_mut().enumerate() {
+                column[i] = gradient[k];
+            }
+            for (k, (t, _, places)) in self.acting(point, i).enumerate() {
+                linear.by_terms[places[0]][i] = gradient[TERMS + 2 * k];
+                if self.library[t].has_shape() || self.library[t].id().is_none() {
+                    linear.by_terms[places[1]][i] = gradient[TERMS + 2 * k + 1];
+                }
+            }
+            linear.predicted.push(force);
+            linear.random.push(row);
+        }
+        linear
+    }
+
     /// Derivatives by the random effects of the path of reading `i`.
-    fn random_row(
+    fn random_row<const N: usize>(
         &self,
         i: usize,
-        force: &Dual<SLOTS>,
+        force: &Dual<N>,
         gain: f64,
         by_lengths: [f64; 2],
         point: &Point,
@@ -610,29 +641,13 @@ impl Problem for ForceProblem<'_> {
     }
 
     fn linearise(&self, point: &Point) -> Linearised {
-        let n = self.data.len();
-        let values: usize = point.terms.iter().map(|(_, v)| v.len()).sum();
-        let mut linear = Linearised {
-            predicted: Vec::with_capacity(n),
-            by_coefficients: vec![vec![0.0; n]; point.coefficients.len()],
-            by_terms: vec![vec![0.0; n]; values],
-            random: Vec::with_capacity(n),
-        };
-        for i in 0..n {
-            let (force, gradient, row) = self.derivatives(point, i);
-            for (k, column) in linear.by_coefficients.iter_mut().enumerate() {
-                column[i] = gradient[k];
-            }
-            for (k, (t, _, places)) in self.acting(point, i).enumerate() {
-                linear.by_terms[places[0]][i] = gradient[TERMS + 2 * k];
-                if self.library[t].has_shape() || self.library[t].id().is_none() {
-                    linear.by_terms[places[1]][i] = gradient[TERMS + 2 * k + 1];
-                }
-            }
-            linear.predicted.push(force);
-            linear.random.push(row);
+        // Derivatives cost as much as there are slots.
+        match point.terms.len() {
+            0 => self.linearised::<TERMS>(point),
+            1 => self.linearised::<{ TERMS + 2 }>(point),
+            2 => self.linearised::<{ TERMS + 4 }>(point),
+            _ => self.linearised::<SLOTS>(point),
         }
-        linear
     }
 
     fn directions(&self, point: &Point) -> Vec<Direction> {
