@@ -186,8 +186,8 @@ pub struct EffectFinding {
     pub p_familywise: f64,
     /// Gain in marginal log-likelihood, variances estimated again; none where no likelihood was computed.
     pub log_likelihood_gain: Option<f64>,
-    /// Share of the folds in which it or a member of its class was found again.
-    pub found_in_folds: f64,
+    /// Share of the folds in which it or a member of its class was found again; none where nothing was held out.
+    pub found_in_folds: Option<f64>,
     /// Whether it is smaller than the smallest effect of interest: it then changes no verdict.
     pub negligible: bool,
     /// Root mean square of what it does to the readings that it acts on.
@@ -270,6 +270,8 @@ pub struct Scatter {
     pub level: Level,
     /// Standard deviation (restricted likelihood).
     pub sd: f64,
+    /// Standard deviation with which unseen groups are predicted: never 0 because a handful of groups happen to be alike.
+    pub sd_predictive: f64,
     /// Lower end of its 95% interval.
     pub ci_low: Option<f64>,
     /// Upper end.

@@ -32,8 +32,19 @@ pub struct Accepted {
     pub p: f64,
     /// Gain in log-likelihood over the final model without it.
     pub gain: f64,
-    /// Terms of other kinds that do as well in its place: number, log-likelihood less that of the model.
-    pub in_its_place: Vec<(usize, f64)>,
+    /// Terms of other kinds that do as well in its place.
+    pub in_its_place: Vec<Instead>,
+}
+
+/// A term that does as well in the place of another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Instead {
+    /// Number of the term.
+    pub term: usize,
+    /// Log-likelihood less that of the model.
+    pub log_likelihood: f64,
+    /// The model with it.
+    pub point: Point,
 }
 
 /// What a search found; the models are where queries start.
@@ -553,7 +564,11 @@ impl Search<'_> {
             found.accepted[place].in_its_place = others
                 .into_iter()
                 .filter(|(t, _)| self.setting.problem.terms()[*t].kind != kind)
-                .map(|(t, f)| (t, f.log_likelihood - found.model.log_likelihood))
+                .map(|(term, f)| Instead {
+                    term,
+                    log_likelihood: f.log_likelihood - found.model.log_likelihood,
+                    point: f.point,
+                })
                 .collect();
             place += 1;
         }

@@ -46,12 +46,11 @@ pub(super) fn effect(found: &CampaignFindings, e: &EffectFinding) -> Effect {
 fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, String)> {
     let mut facts = vec![
         ("family-wise p", probability(e.p_familywise)),
-        (
-            "found in",
-            format!("{} of the folds", percent(e.found_in_folds)),
-        ),
         ("RMS on its readings", error_with_unit(e.rms, &found.unit)),
     ];
+    if let Some(share) = e.found_in_folds {
+        facts.insert(1, ("found in", format!("{} of the folds", percent(share))));
+    }
     if let Some(log_likelihood) = e.log_likelihood_gain {
         facts.insert(1, ("gain in log-likelihood", gain(log_likelihood)));
     }

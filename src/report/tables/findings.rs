@@ -71,7 +71,10 @@ pub fn table(input: &ReportInput) -> Table {
             )
         }),
         number("found_in_folds", "In folds", "", |r| {
-            effect(r, |e| finite(e.found_in_folds, Rounding::Percent(0)))
+            effect(r, |e| {
+                let share = e.found_in_folds;
+                share.map_or(Cell::Empty, |x| finite(x, Rounding::Percent(0)))
+            })
         }),
         described::flag("negligible", "Negligible", |r| {
             effect(r, |e| Cell::Flag(e.negligible))

@@ -132,7 +132,9 @@ pub fn has_effects(found: &CampaignFindings) -> bool {
 
 /// `the error on unseen specimens goes from 18.7 to 15.8 N`.
 fn errors(found: &CampaignFindings) -> Option<String> {
-    let before = found.before.rmse_heldout?;
+    let Some(before) = found.before.rmse_heldout else {
+        return untried(found);
+    };
     let on = name::held_out(found);
     let after = found.after.rmse_heldout.filter(|_| has_effects(found));
     Some(match after {
@@ -151,6 +153,12 @@ fn errors(found: &CampaignFindings) -> Option<String> {
             error_with_unit(before, &found.unit)
         ),
     })
+}
+
+/// `not tried on another actuator: there is none`, of effects that could not be.
+fn untried(found: &CampaignFindings) -> Option<String> {
+    let unit = name::held_out_unit(found);
+    has_effects(found).then(|| format!("not tried on another {unit}: there is none"))
 }
 
 /// The sources that a sentence names, largest first, at most so many and noise; and the root of what the others make together.
@@ -222,13 +230,13 @@ pub fn scatter_behind<'a>(found: &'a CampaignFindings, source: &str) -> Option<&
     found.scatter.iter().find(is)
 }
 
-/// The standard deviation of a random effect: a gain as a percentage.
+/// The standard deviation with which unseen groups are predicted: a gain as a percentage.
 pub fn scatter_size(scatter: &Scatter) -> String {
     if scatter.unit == "1" {
         let rounding = Rounding::Digits(2);
-        return rounded(100.0 * scatter.sd, rounding) + "%";
+        return rounded(100.0 * scatter.sd_predictive, rounding) + "%";
     }
-    plain(scatter.sd, &scatter.unit)
+    plain(scatter.sd_predictive, &scatter.unit)
 }
 
 /// What the measurement that is worth most is worth.

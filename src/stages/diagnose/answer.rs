@@ -4,6 +4,7 @@ use super::base::{Base, LENGTH_LAW};
 use super::data::{Data, PLACEBO};
 use super::library::{Scope, Term, What};
 use super::problem::{ForceProblem, component};
+use super::tally;
 use super::unseen::HeldOut;
 use crate::effects;
 use crate::findings::{
@@ -87,6 +88,20 @@ impl Work<'_> {
         self.problem.predict(&bare)
     }
 
+    /// Root mean square error on the readings that were searched, as on unseen specimens: with the misfit that all share, without what groups have
+    /// of their own.
+    pub fn error_in_sample(&self, fitted: &Fitted) -> f64 {
+        let predicted = self.unconditional(&fitted.point, None);
+        let root = self.problem.tree().width(0);
+        let common = &fitted.point.random[..root];
+        let left = |i: usize| {
+            let misfit = fitted.design.z[i].iter().zip(common);
+            self.data().force[i] - predicted[i] - misfit.map(|(z, b)| z * b).sum::<f64>()
+        };
+        let active = (0..predicted.len()).filter(|i| self.setting.active[self.problem.node()[*i]]);
+        rms(&active.map(left).collect::<Vec<f64>>())
+    }
+
     /// What a term does to the readings that it acts on.
     fn change(&self, term: usize) -> Vec<f64> {
         let point = &self.found.model.point;
@@ -122,8 +137,10 @@ impl Work<'_> {
         let named = accepted
             .in_its_place
             .iter()
-            .filter(|(t, _)| self.term(*t).id().is_some());
-        let in_its_place: Vec<(String, f64)> = named.map(|(t, d)| (self.name(*t), *d)).collect();
+            .filter(|other| self.term(other.term).id().is_some());
+        let in_its_place: Vec<(String, f64)> = named
+            .map(|other| (self.name(other.term), other.log_likelihood))
+            .collect();
         let mut class = vec![e.id().to_owned()];
         for (id, _) in &in_its_place {
             if !class.contains(id) {
@@ -143,7 +160,7 @@ impl Work<'_> {
             equation: form.equation.to_owned(),
             p_familywise: accepted.p,
             log_likelihood_gain: Some(accepted.gain),
-            found_in_folds: self.found_in_folds(&class),
+            found_in_folds: tally::found_in_folds(&self.held.units, &class),
             negligible: change < self.smallest_n,
             rms: change,
             by_specimen: self.by_specimen(accepted.term),
@@ -186,14 +203,6 @@ impl Work<'_> {
             }
         });
         (parameters.collect(), points)
-    }
-
-    fn found_in_folds(&self, class: &[String]) -> f64 {
-        if self.held.units.is_empty() {
-            return 0.0;
-        }
-        let again = |u: &&crate::findings::UnitErrors| u.found.iter().any(|f| class.contains(f));
-        self.held.units.iter().filter(again).count() as f64 / self.held.units.len() as f64
     }
 
     /// Each specimen's own estimate of the first amplitude, all else and the variances as found.
@@ -336,17 +345,18 @@ impl Work<'_> {
                 &campaigns,
             ),
         ];
+        let predictive = self.found.model.predictive(self.setting);
         list.into_iter()
             .filter_map(|(c, id, level, unit, groups)| {
-                self.one_scatter(variances, c, (id, level, unit), groups)
+                self.one_scatter([variances, &predictive], c, (id, level, unit), groups)
             })
             .collect()
     }
 
-    /// The scatter of a component; none where no group has it.
+    /// The scatter of a component, from the standard deviations and from those of predictions; none where no group has it.
     fn one_scatter(
         &self,
-        variances: &Variances,
+        [variances, predictive]: [&Variances; 2],
         c: usize,
         (id, level, unit): (&str, Level, &str),
         groups: &[(String, usize)],
@@ -379,6 +389,7 @@ impl Work<'_> {
             id: id.to_owned(),
             level,
             sd,
+            sd_predictive: unit_sd * predictive.components[c],
             ci_low,
             ci_high,
             unit: unit.to_owned(),
@@ -517,6 +528,7 @@ pub fn alternative(
     length_law: bool,
     frame: Option<usize>,
     problem: &ForceProblem,
+    held_out: Option<(f64, f64)>,
 ) -> Alternative {
     let covariance = fit.covariance(&fit.variances);
     let number = |name: &str, unit: &str, value: f64, place: Option<usize>| {
@@ -557,8 +569,8 @@ pub fn alternative(
         parts,
         parameters: fit.free.len(),
         log_likelihood: fit.log_likelihood,
-        rmse_heldout: None,
-        log_density_heldout: None,
+        rmse_heldout: held_out.map(|h| h.0),
+        log_density_heldout: held_out.map(|h| h.1),
         numbers,
     }
 }

@@ -22,6 +22,7 @@ pub mod data;
 pub mod labels;
 pub mod library;
 pub mod limits;
+pub mod next;
 pub mod problem;
 pub mod recording;
 pub mod settings;
@@ -35,18 +36,17 @@ use crate::base::session::Role;
 use crate::config::{DiagnoseOptions, FitOptions};
 use crate::effects::{self, Conditions};
 use crate::findings::{
-    CampaignFindings, Design, EffectFinding, Errors, HeldOutBy, Level, Misfit, NextKind,
-    NextMeasurement, NotAssessed, RecordingError, Residuals, Verdict,
+    CampaignFindings, Design, EffectFinding, Errors, HeldOutBy, Level, Misfit, NotAssessed,
+    RecordingError, Residuals, Verdict,
 };
 use crate::inference::fit::{Fitted, Setting};
 use crate::inference::search::{Decision, Found, Search};
-use crate::inference::system::Variances;
 use crate::stages::fit::{Group, is_fitted, is_usable};
-use answer::{Work, rms};
+use answer::Work;
 use base::Base;
 use data::Data;
-use problem::{ForceProblem, component};
-use std::collections::{BTreeMap, BTreeSet};
+use problem::ForceProblem;
+use std::collections::BTreeSet;
 
 /// Raised when results change without a change of this stage's source files.
 pub const VERSION: u32 = 2;
@@ -207,15 +207,15 @@ fn assessed(
         ..answer::misfit(&variances, problem)
     });
     findings.before = Errors {
-        rmse_train: rms(&residuals.before),
+        rmse_train: work.error_in_sample(&found.null),
         ..held.before.clone()
     };
     findings.after = Errors {
-        rmse_train: rms(&residuals.after),
+        rmse_train: work.error_in_sample(&found.model),
         ..held.after.clone()
     };
     findings.design.held_out_by = held.by;
-    findings.next_measurement = next(&held.budget, set_length_sd_mm(problem, &variances), data);
+    findings.next_measurement = next::next(&setting, problem, &found, &held.budget);
     findings.expected_rmse_heldout = expected(&held.budget);
     findings.inside_50 = held.inside.map(|i| i.0);
     findings.inside_95 = held.inside.map(|i| i.1);
@@ -249,14 +249,6 @@ fn start(setting: &Setting) -> Fitted {
     setting.fit_afresh(&setting.problem.start())
 }
 
-/// Root mean square of the standard deviations of the set lengths, declared or estimated, mm.
-fn set_length_sd_mm(problem: &ForceProblem, variances: &Variances) -> f64 {
-    let estimated = variances.components[component::SET_LENGTH];
-    let declared = problem.data.set_length_sd_mm.iter();
-    let all = declared.map(|sd| if sd.is_finite() { *sd } else { estimated });
-    rms(&all.collect::<Vec<f64>>())
-}
-
 fn verdict(effects: &[EffectFinding], unexplained: bool) -> Verdict {
     if effects.iter().any(|e| !e.negligible) {
         Verdict::EffectFound
@@ -270,43 +262,6 @@ fn verdict(effects: &[EffectFinding], unexplained: bool) -> Verdict {
 fn expected(budget: &[crate::findings::BudgetEntry]) -> Option<f64> {
     let total: f64 = budget.iter().map(|b| b.variance).sum();
     (!budget.is_empty()).then(|| total.sqrt())
-}
-
-/// What is worth measuring next, best first.
-fn next(
-    budget: &[crate::findings::BudgetEntry],
-    set_length_mm: f64,
-    data: &Data,
-) -> Vec<NextMeasurement> {
-    let mut list: Vec<NextMeasurement> = unseen::worth(budget, set_length_mm)
-        .into_iter()
-        .filter(|(_, worth)| *worth > 0.0)
-        .map(|(what, worth)| {
-            let precision = what == unseen::SET_LENGTH;
-            let (kind, separates, key, value) = if precision {
-                let separates = vec![what.to_owned()];
-                (
-                    NextKind::Precision,
-                    separates,
-                    "sd_mm",
-                    settings::CALIPER_MM,
-                )
-            } else {
-                let more = data.specimens.len() as f64;
-                (NextKind::Specimens, Vec::new(), "specimens", more)
-            };
-            NextMeasurement {
-                kind,
-                separates,
-                at: BTreeMap::from([(key.to_owned(), value)]),
-                worth: Some(worth),
-                unit: "N".to_owned(),
-            }
-        })
-        .collect();
-    let worth = |n: &NextMeasurement| n.worth.unwrap_or(0.0);
-    list.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
-    list
 }
 
 /// The law with and without its dependence on the resting length, and with and without a frame that yields: what a yielding frame and a
@@ -347,6 +302,7 @@ fn alternatives(
             law,
             yields.then_some(frame),
             problem,
+            unseen::of_model(setting, if law { problem } else { &other }, &fit),
         ));
     }
     let first = list.first().map_or(0.0, |a| a.log_likelihood);
@@ -444,6 +400,7 @@ fn base_answers(base: &Base, row: &Row) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::problem::component;
     use super::*;
     use crate::simulate::rig_like;
 

@@ -282,6 +282,11 @@ impl<'a> ForceProblem<'a> {
         (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
     }
 
+    /// Whether the actuator pulls at reading `i`: it is neither slack nor near it.
+    pub fn pulls(&self, i: usize) -> bool {
+        self.side[i] == Side::Pulls
+    }
+
     /// Whether strokes have a misfit of their own.
     pub fn has_strokes(&self) -> bool {
         self.stroke_basis.iter().any(|b| !b.is_empty())

@@ -1,6 +1,6 @@
 //! Errors on readings that took no part, summed over groups: what a model says of groups that it has not seen, for forces and torques.
 
-use crate::findings::{BudgetEntry, Errors};
+use crate::findings::{BudgetEntry, Errors, UnitErrors};
 use crate::inference::heldout::Unseen;
 use crate::numerics::distributions::normal_cdf;
 use std::collections::BTreeMap;
@@ -171,6 +171,14 @@ impl Tally {
         budget.sort_by(|a, b| b.variance.total_cmp(&a.variance));
         budget
     }
+}
+
+/// Share of the units in whose fold one of these ids was found; none where nothing was held out.
+pub fn found_in_folds(units: &[UnitErrors], ids: &[String]) -> Option<f64> {
+    let again = units
+        .iter()
+        .filter(|u| u.found.iter().any(|f| ids.contains(f)));
+    (!units.is_empty()).then(|| again.count() as f64 / units.len() as f64)
 }
 
 /// The first readings of each set-up in time.

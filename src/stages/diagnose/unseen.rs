@@ -3,12 +3,11 @@
 use super::base;
 use super::black_box::{self, Features};
 use super::problem::{ForceProblem, component};
-use super::settings;
 use super::tally::{Scored, Tally};
 use crate::findings::{BudgetEntry, Errors, HeldOutBy, UnitErrors};
-use crate::inference::fit::{Free, Setting};
+use crate::inference::fit::{Fitted, Free, Setting};
 use crate::inference::heldout::Unseen;
-use crate::inference::problem::Problem;
+use crate::inference::problem::{Point, Problem};
 use crate::inference::screen::Normal;
 use crate::inference::search::{Decision, Found, Search};
 use rayon::prelude::*;
@@ -146,17 +145,7 @@ fn answer(
     normal: &Normal,
     fold: &Fold,
 ) -> FoldAnswer {
-    let mut rest = fold
-        .nodes
-        .iter()
-        .fold(setting.clone(), |s, (_, node)| s.without(*node));
-    let mut from = found.null.cleared(&rest);
-    let law = problem.base.coefficients.get(base::LENGTH_LAW);
-    if let (true, Some(law)) = (is_of_one_length(&rest, problem), law) {
-        // Specimens of one resting length say nothing about another: the published law does.
-        rest.pinned.push(Free::Coefficient(base::LENGTH_LAW));
-        from.coefficients[base::LENGTH_LAW] = law.start;
-    }
+    let (rest, from) = without(setting, problem, &found.null, fold);
     let null = rest.fit(&from, std::slice::from_ref(&found.null.variances));
     let search = Search {
         setting: &rest,
@@ -176,6 +165,50 @@ fn answer(
         units: units.collect(),
         terms: inner.accepted.iter().map(|a| a.term).collect(),
     }
+}
+
+/// Root mean square error and mean log density of held-out readings of a fitted model, fitted again without each fold; none where nothing is
+/// held out.
+pub fn of_model(setting: &Setting, problem: &ForceProblem, fit: &Fitted) -> Option<(f64, f64)> {
+    let (folds, _) = folds(setting, problem);
+    let tallies: Vec<Tally> = folds
+        .par_iter()
+        .map(|fold| {
+            let (rest, from) = without(setting, problem, fit, fold);
+            let again = rest.fit(&from, std::slice::from_ref(&fit.variances));
+            let model = Unseen::new(&rest, &again);
+            let mut sum = Tally::default();
+            for (_, node) in &fold.nodes {
+                sum.add(&tally(&model, *node, problem));
+            }
+            sum
+        })
+        .collect();
+    let mut sum = Tally::default();
+    tallies.iter().for_each(|t| sum.add(t));
+    let errors = sum.errors();
+    Some((errors.rmse_heldout?, errors.log_density_heldout?))
+}
+
+/// The setting without a fold, and the point where fits of a model start there.
+fn without<'a>(
+    setting: &Setting<'a>,
+    problem: &ForceProblem,
+    fit: &Fitted,
+    fold: &Fold,
+) -> (Setting<'a>, Point) {
+    let mut rest = fold
+        .nodes
+        .iter()
+        .fold(setting.clone(), |s, (_, node)| s.without(*node));
+    let mut from = fit.cleared(&rest);
+    let law = problem.base.coefficients.get(base::LENGTH_LAW);
+    if let (true, Some(law)) = (is_of_one_length(&rest, problem), law) {
+        // Specimens of one resting length say nothing about another: the published law does.
+        rest.pinned.push(Free::Coefficient(base::LENGTH_LAW));
+        from.coefficients[base::LENGTH_LAW] = law.start;
+    }
+    (rest, from)
 }
 
 /// Whether all readings that take part are of one resting length.
@@ -251,21 +284,4 @@ pub fn black_box(setting: &Setting, problem: &ForceProblem, residual: &[f64]) ->
     (0..black_box::NOISE.len())
         .map(|k| (sums.iter().map(|s| s[k]).sum::<f64>() / count).sqrt())
         .min_by(f64::total_cmp)
-}
-
-/// What is worth measuring next, from a budget: by how much the expected error falls.
-pub fn worth(budget: &[BudgetEntry], set_length_mm: f64) -> Vec<(&'static str, f64)> {
-    let total: f64 = budget.iter().map(|b| b.variance).sum();
-    let of = |name: &str| {
-        let found = budget.iter().find(|b| b.source == name);
-        found.map_or(0.0, |b| b.variance)
-    };
-    let fall = |less: f64| total.sqrt() - (total - less).max(0.0).sqrt();
-    let known = (settings::CALIPER_MM / set_length_mm.max(settings::CALIPER_MM)).min(1.0);
-    let set_length = of(SET_LENGTH) * (1.0 - known * known);
-    // The variance of estimates falls with the number of specimens; with as many again, to half.
-    vec![
-        (SET_LENGTH, fall(set_length)),
-        ("specimens", fall(0.5 * of("estimation"))),
-    ]
 }

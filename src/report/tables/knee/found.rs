@@ -69,6 +69,7 @@ fn row(joint: &JointDiagnosis, effect: Option<&EffectFinding>) -> Vec<Cell> {
     let number =
         |rounding: Rounding, of: fn(&EffectFinding) -> f64| finite(effect.map(of), rounding);
     let gain = effect.and_then(|e| e.log_likelihood_gain);
+    let folds = effect.and_then(|e| e.found_in_folds);
     let parameter = effect.and_then(|e| e.parameters.first());
     let words = |of: fn(&Parameter) -> &str| parameter.map_or(Cell::Empty, |p| Cell::text(of(p)));
     let mut row = vec![
@@ -91,7 +92,7 @@ fn row(joint: &JointDiagnosis, effect: Option<&EffectFinding>) -> Vec<Cell> {
         number(Rounding::Digits(2), stiffness),
         number(Rounding::Digits(2), |e| e.p_familywise),
         finite(gain, Rounding::Decimals(1)),
-        number(Rounding::Decimals(0), |e| 100.0 * e.found_in_folds),
+        finite(folds.map(|share| 100.0 * share), Rounding::Decimals(0)),
         number(Rounding::Decimals(2), |e| e.rms),
         text(|e| e.class.join(" ")),
     ]);

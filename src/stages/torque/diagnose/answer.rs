@@ -17,6 +17,7 @@ use crate::inference::search::{Accepted, Found};
 use crate::inference::statistic::upper_tail;
 use crate::inference::system::Variances;
 use crate::stages::diagnose::settings as shared;
+use crate::stages::diagnose::tally;
 use std::collections::BTreeMap;
 
 /// What the answers are made of.
@@ -84,8 +85,10 @@ impl Work<'_> {
         let form = self.what(accepted.term).form()?;
         let values = self.found.model.values(accepted.term)?.to_vec();
         let others = accepted.in_its_place.iter();
-        let named = others.filter(|(t, _)| self.what(*t).form().is_some());
-        let in_its_place: Vec<(String, f64)> = named.map(|(t, d)| (self.name(*t), *d)).collect();
+        let named = others.filter(|other| self.what(other.term).form().is_some());
+        let in_its_place: Vec<(String, f64)> = named
+            .map(|other| (self.name(other.term), other.log_likelihood))
+            .collect();
         let mut class = vec![form.id.to_owned()];
         let alike = in_its_place.iter().map(|(id, _)| id.as_str());
         for id in alike.chain(shows_as(form.place, values[0]).iter().copied()) {
@@ -105,7 +108,7 @@ impl Work<'_> {
             equation: form.equation.to_owned(),
             p_familywise: accepted.p,
             log_likelihood_gain: Some(accepted.gain),
-            found_in_folds: self.found_in_folds(&class),
+            found_in_folds: tally::found_in_folds(&self.held.units, &class),
             negligible: change < self.smallest_nm,
             rms: change,
             by_specimen: self.by_actuator(accepted.term),
@@ -139,14 +142,6 @@ impl Work<'_> {
             }
         });
         (parameters.collect(), points)
-    }
-
-    fn found_in_folds(&self, class: &[String]) -> f64 {
-        let units = &self.held.units;
-        let again = units
-            .iter()
-            .filter(|u| u.found.iter().any(|f| class.contains(f)));
-        again.count() as f64 / units.len().max(1) as f64
     }
 
     /// Each actuator's own estimate of the first size.
@@ -269,6 +264,7 @@ impl Work<'_> {
             ));
         }
         let tree = self.problem.tree();
+        let predictive = self.found.model.predictive(self.setting);
         let one =
             |(c, id, level, unit, groups): (usize, &str, Level, &str, &Vec<(String, usize)>)| {
                 let (low, high) = query::interval(self.setting, &self.found.model, variances, c);
@@ -280,6 +276,7 @@ impl Work<'_> {
                     id: id.to_owned(),
                     level,
                     sd: variances.components[c],
+                    sd_predictive: predictive.components[c],
                     ci_low: Some(low),
                     ci_high: high,
                     unit: unit.to_owned(),
@@ -389,7 +386,7 @@ impl Work<'_> {
             .map_or("", |f| f.id);
         let pair = [ALL[place::LENGTH].id, yields];
         let stands_for_both = |a: &Accepted| {
-            let alike = a.in_its_place.iter().map(|(t, _)| self.name(*t));
+            let alike = a.in_its_place.iter().map(|other| self.name(other.term));
             let names: Vec<String> = alike.chain([self.name(a.term)]).collect();
             pair.iter().all(|id| names.iter().any(|n| n == id))
         };
