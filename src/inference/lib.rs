@@ -30,6 +30,8 @@ pub mod heldout;
 pub mod problem;
 pub mod profile;
 pub mod query;
+#[cfg(test)]
+mod reference_tests;
 pub mod screen;
 pub mod search;
 pub mod statistic;
