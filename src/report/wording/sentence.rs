@@ -4,6 +4,7 @@ use super::name::{self, Nouns, capitalised, listed, nouns};
 use super::number::{
     amounts, count, equals_probability, error, error_with_unit, percent, plain, rounded, with_unit,
 };
+use crate::effects;
 use crate::findings::{
     BudgetEntry, CampaignFindings, EffectFinding, NextKind, NextMeasurement, RecordingError,
     Scatter, Verdict,
@@ -87,7 +88,18 @@ fn effect_with_size(effect: &EffectFinding) -> String {
         n if n <= MOST_NAMED => format!(" (indistinguishable from {})", listed(&others)),
         n => format!(" (indistinguishable from {} other effects)", count(n)),
     };
-    format!("{}{size}{alike}", name::effect(&effect.id))
+    format!("{}{size}{alike}", called(effect))
+}
+
+/// What an effect is called; with its form where its size has not the unit by which the effect is known: a compliance in mm.
+fn called(effect: &EffectFinding) -> String {
+    let known = effects::index(&effect.id).and_then(|k| effects::all()[k].forms().first());
+    let unit = effect.parameters.first().map(|p| p.unit.as_str());
+    if known.is_some_and(|form| unit.is_some_and(|u| u != form.amplitude.unit)) {
+        name::effect_with_form(&effect.id, &effect.form)
+    } else {
+        name::effect(&effect.id)
+    }
 }
 
 /// The other members of an effect's alias set.

@@ -120,8 +120,8 @@ fn conditions(data: &Data, i: usize) -> BTreeMap<String, f64> {
     ])
 }
 
-/// The set points of which one reading more, each in a session of its own, lowers the error of estimation most: together, and each beside those
-/// before it.
+/// The set points of which one reading more, each in a session of its own, lowers the error of estimation most: together, and each with those of
+/// them that repeat it.
 fn set_points(
     setting: &Setting,
     problem: &ForceProblem,
@@ -140,9 +140,12 @@ fn set_points(
         unit: "N".to_owned(),
     };
     let together = BTreeMap::from([("set_points".to_owned(), best.len() as f64)]);
-    let each = best
-        .iter()
-        .map(|(i, less)| entry(conditions(problem.data, *i), *less));
+    let mut points: BTreeMap<usize, f64> = BTreeMap::new();
+    for (i, less) in best {
+        *points.entry(i).or_default() += less;
+    }
+    let each = points.into_iter();
+    let each = each.map(|(i, less)| entry(conditions(problem.data, i), less));
     let mut list: Vec<NextMeasurement> = each.collect();
     list.push(entry(together, all));
     list
