@@ -519,7 +519,6 @@ fn no_test_depends_on_the_usual_size_beside_what_shows_nothing() {
 }
 
 #[test]
-#[ignore = "the swaps of tidy do not look at bounds"]
 fn a_term_at_its_bound_is_not_chosen() {
     // The estimate is 10.
     for (bound, comes_in) in sides(10.0) {
@@ -527,7 +526,7 @@ fn a_term_at_its_bound_is_not_chosen() {
         let found = found(&problem, DECISION, 9.0);
         assert_eq!(!accepted(&found).is_empty(), comes_in, "{bound}");
     }
-    // e = 1: the first term, whose estimate is sqrt 101, is 0.5 better than the other.
+    // e = 1: the first term, whose estimate is sqrt 101, is 0.5 better than the other. At its bound it neither comes in by a swap nor is it listed.
     for (bound, is_inside) in sides(101.0_f64.sqrt()) {
         let (problem, [best, other]) = rivals(1.0);
         let problem = Line {
@@ -538,6 +537,8 @@ fn a_term_at_its_bound_is_not_chosen() {
             for decision in [DECISION, QUICK] {
                 let found = found_by(by, &problem, decision, 9.0);
                 assert_eq!(accepted(&found), [usize::from(!is_inside)], "{bound}");
+                let listed = found.accepted[0].in_its_place.len();
+                assert_eq!(listed, usize::from(is_inside && decision.thorough));
             }
         }
     }

@@ -588,7 +588,8 @@ impl Search<'_> {
             kinds.push(other.kind);
             let start = scaled(&direction.start, &s.estimate);
             let fit = self.altered(model, term, Some((direction.term, start)));
-            if fit.log_likelihood > model.log_likelihood - self.decision.alike {
+            let is_alike = fit.log_likelihood > model.log_likelihood - self.decision.alike;
+            if is_alike && self.is_inside(&fit, direction.term) {
                 fits.push((direction.term, fit));
             }
         }
