@@ -598,7 +598,6 @@ fn there_are_no_more_than_most_terms() {
 }
 
 #[test]
-#[ignore = "a form of the model that is tried comes in beside another of its kind"]
 fn two_forms_of_one_kind_never_stand_in_one_model() {
     for (kind, expected) in [(0, vec![0]), (1, vec![0, 1])] {
         let forms = [form(0, &[(1, 1.0)]), form(kind, &[(2, 1.0)])];
