@@ -884,7 +884,6 @@ fn a_profile_ends_at_the_cut() {
 }
 
 #[test]
-#[ignore = "beyond the last step the line goes on past the bound"]
 fn a_profile_has_no_end_beyond_the_bound() {
     // Ends at 10 + 1.95996 stretch, whether the bound is between the steps, before the last or beyond it.
     for stretch in [1.0, 2.0, 2.5, 3.0] {
