@@ -356,7 +356,7 @@ fn draws_of_its_own_decide_what_is_in_doubt() {
     }
 }
 
-/// A first term along w1; a second along w1 + w2, of which 12 is left beside the first. Nine draws from the null, of which `wild` have 1000 along
+/// A first term along w1; a second along w1 + w2, of which 12 is left beside the first. 99 draws from the null, of which `wild` have 1000 along
 /// w1 and all 4 along w2: the second has 4^2/2 = 8 in those that are not wild, and beside the first 4^2 = 16 in all.
 fn with_wild_draws(by: By, wild: usize) -> Vec<usize> {
     let h = 0.5_f64.sqrt();
@@ -365,7 +365,7 @@ fn with_wild_draws(by: By, wild: usize) -> Vec<usize> {
     let own = normal(move |k| along(&[(1, if k < wild { 1000.0 } else { 0.0 }), (2, 4.0)]));
     let decision = Decision {
         level: 0.5,
-        draws: 9,
+        draws: 99,
         ..QUICK
     };
     accepted(&searched(&problem, decision, by, None, &own))
@@ -373,10 +373,10 @@ fn with_wild_draws(by: By, wild: usize) -> Vec<usize> {
 
 #[test]
 fn a_further_term_is_tested_against_draws_of_its_own_model_where_it_is_close() {
-    // Level 0.5 of 9 draws: the fifth, 8, is critical. p = (1 + wild)/10 = 0.1 is not above 0.2 x 0.5: 12 > 8 comes in. p = 0.2 is: 12 < 16 does not.
+    // Level 0.5: the middle draw, 8, is critical. p = (1 + wild)/100 = 0.1 is not above 0.2 x 0.5: 12 > 8 comes in. p = 0.11 is: 12 < 16 does not.
     for by in [By::Run, By::Exchanging] {
-        assert_eq!(with_wild_draws(by, 0), [0, 1]);
-        assert_eq!(with_wild_draws(by, 1), [0]);
+        assert_eq!(with_wild_draws(by, 9), [0, 1]);
+        assert_eq!(with_wild_draws(by, 10), [0]);
     }
 }
 
@@ -901,8 +901,9 @@ fn a_profile_has_no_end_beyond_the_bound() {
 }
 
 /// Readings of three groups of mean 2 and of a fourth of readings 3, 4, 5, 8; the fourth took no part.
-fn unseen(check: impl Fn(&Unseen, usize)) {
+fn unseen(calibrates: bool, check: impl Fn(&Unseen, usize)) {
     let mut problem = line(&[], &[]);
+    problem.components[0].calibrates = calibrates;
     problem.observed[..12].fill(2.0);
     problem.observed[12..].copy_from_slice(&[3.0, 4.0, 5.0, 8.0]);
     let node = problem.node[12];
@@ -915,7 +916,7 @@ fn unseen(check: impl Fn(&Unseen, usize)) {
 
 #[test]
 fn an_unseen_group_has_its_intercept_the_mean_and_the_noise_for_variance() {
-    unseen(|unseen, node| {
+    unseen(true, |unseen, node| {
         let found = unseen.predict(node);
         assert_eq!(found.places, [12, 13, 14, 15]);
         // The mean of three groups: (1 + 1/4)/3 = 5/12.
@@ -941,23 +942,31 @@ fn an_unseen_group_has_its_intercept_the_mean_and_the_noise_for_variance() {
     });
 }
 
+/// Errors on the unseen readings, each by so much less than that of the prediction.
+fn shortened(errors: &[(usize, f64)], by: f64) {
+    assert_eq!(errors.len(), EACH);
+    for ((_, error), predicted) in errors.iter().zip([1.0, 2.0, 3.0, 6.0]) {
+        close(*error, predicted - by, 1e-9);
+    }
+}
+
 #[test]
 fn what_is_known_of_an_unseen_group_shrinks_its_errors() {
-    unseen(|unseen, node| {
+    unseen(true, |unseen, node| {
         // Intercept and mean have variance 17/12: of the error 1 of the first reading 17/29 are theirs; of the mean error 3 of all four 17/20.
-        let taken = |known: &[usize], share: f64| {
-            let errors = unseen.errors_after(node, known);
-            for ((_, error), e) in errors.iter().zip([1.0, 2.0, 3.0, 6.0]) {
-                close(*error, e - share, 1e-9);
-            }
-        };
-        taken(&[], 0.0);
-        taken(&[12], 17.0 / 29.0);
-        taken(&[12, 13, 14, 15], 3.0 * 17.0 / 20.0);
-        // The intercept alone: 4/v = 12/20 of 3.
-        let errors = unseen.errors_calibrated(node);
-        for ((_, error), e) in errors.iter().zip([1.0, 2.0, 3.0, 6.0]) {
-            close(*error, e - 1.8, 1e-9);
-        }
+        shortened(&unseen.errors_after(node, &[]), 0.0);
+        shortened(&unseen.errors_after(node, &[12]), 17.0 / 29.0);
+        let all = [12, 13, 14, 15];
+        shortened(&unseen.errors_after(node, &all), 3.0 * 17.0 / 20.0);
     });
+}
+
+#[test]
+fn only_what_calibrates_shortens_the_calibrated_errors() {
+    // The intercept alone: 4/v = 12/20 of the mean error 3.
+    for (calibrates, by) in [(true, 1.8), (false, 0.0)] {
+        unseen(calibrates, |unseen, node| {
+            shortened(&unseen.errors_calibrated(node), by);
+        });
+    }
 }
