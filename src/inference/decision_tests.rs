@@ -526,19 +526,23 @@ fn a_term_at_its_bound_is_not_chosen() {
         let found = found(&problem, DECISION, 9.0);
         assert_eq!(!accepted(&found).is_empty(), comes_in, "{bound}");
     }
-    // e = 1: the first term, whose estimate is sqrt 101, is 0.5 better than the other. At its bound it neither comes in by a swap nor is it listed.
+    // e = 1: the first term, whose estimate is sqrt 101, is 0.5 better than the other. At its bound it does not come in by a swap or an exchange of
+    // forms, and is not listed.
     for (bound, is_inside) in sides(101.0_f64.sqrt()) {
-        let (problem, [best, other]) = rivals(1.0);
-        let problem = Line {
-            terms: vec![best.up_to(bound).term, other.term],
-            ..problem
-        };
-        for by in [By::Run, By::Exchanging] {
-            for decision in [DECISION, QUICK] {
-                let found = found_by(by, &problem, decision, 9.0);
-                assert_eq!(accepted(&found), [usize::from(!is_inside)], "{bound}");
-                let listed = found.accepted[0].in_its_place.len();
-                assert_eq!(listed, usize::from(is_inside && decision.thorough));
+        for kind in [0, 1] {
+            let (problem, [best, other]) = rivals(1.0);
+            let problem = Line {
+                terms: vec![best.up_to(bound).term, Term { kind, ..other.term }],
+                ..problem
+            };
+            for by in [By::Run, By::Exchanging] {
+                for decision in [DECISION, QUICK] {
+                    let found = found_by(by, &problem, decision, 9.0);
+                    assert_eq!(accepted(&found), [usize::from(!is_inside)], "{bound}");
+                    let is_listed = is_inside && decision.thorough && kind == 1;
+                    let listed = found.accepted[0].in_its_place.len();
+                    assert_eq!(listed, usize::from(is_listed));
+                }
             }
         }
     }
