@@ -122,7 +122,7 @@ impl<'a> Setting<'a> {
         self.problem.components().iter().map(of).collect()
     }
 
-    /// Variances where a search that knows nothing starts: usual sizes, and a tenth of them.
+    /// Variances where a search that knows nothing starts: usual sizes, and a fifth of them.
     pub fn fresh(&self) -> Vec<Variances> {
         let scales = self.scales();
         let maximiser = self.maximiser(&scales, Likelihood::Full);
@@ -425,7 +425,7 @@ impl<'a> Setting<'a> {
         (next, stopped)
     }
 
-    /// Whether a step is small against the standard errors; the whole step to the estimates, however much of it is taken.
+    /// For each coefficient whether it is fitted and stands at a bound.
     fn at_bound(&self, point: &Point) -> Vec<bool> {
         let coefficients = self.problem.coefficients();
         let values = point.coefficients.iter().zip(coefficients);
@@ -440,7 +440,7 @@ struct Moved {
     stopped: Vec<Free>,
 }
 
-/// Whether no fixed effect has further to go than a share of its standard error.
+/// Whether no fixed effect has further to go than a share of its standard error: the whole step to the estimates, however much of it is taken.
 fn is_small(covariance: &Square, step: &[f64]) -> bool {
     let is_small = |(k, d): (usize, &f64)| d.abs() <= CONVERGED * covariance.at(k, k).sqrt();
     step.iter().enumerate().all(is_small)

@@ -23,6 +23,8 @@
 #![allow(clippy::needless_range_loop)]
 
 #[cfg(test)]
+mod decision_tests;
+#[cfg(test)]
 mod dense_tests;
 pub mod fit;
 pub mod gram;

@@ -67,7 +67,10 @@ pub fn profile(
     };
     let (below, above) = (side(-1.0), side(1.0));
     let cut = -0.5 * CHI_SQUARED * along.stretch(normal);
-    let ends = [&below, &above].map(|points| crossing(estimate, points, cut));
+    let ends = [&below, &above].map(|points| {
+        let end = crossing(estimate, points, cut);
+        end.filter(|a| (low..=high).contains(a))
+    });
     let mut points: Vec<(f64, f64)> = below.iter().rev().copied().collect();
     points.push((estimate, 0.0));
     points.extend(above);
@@ -90,9 +93,8 @@ fn crossing(estimate: f64, points: &[(f64, f64)], cut: f64) -> Option<f64> {
         }
         before = (a, v);
     }
-    // Beyond the last step the root of the ratio goes on as a straight line, unless a bound was met.
-    let met_bound = points.len() < STEPS.len();
-    if met_bound || before.1 >= 0.0 {
+    // Beyond the last step the root of the ratio goes on as a straight line.
+    if before.1 >= 0.0 {
         return None;
     }
     let slope = (before.0 - estimate) / (-before.1).sqrt();

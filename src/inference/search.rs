@@ -377,12 +377,13 @@ impl Search<'_> {
         }
     }
 
-    /// Fits of the terms of the model that is tried.
+    /// Fits of the terms of the model that is tried, of kinds that are not in the model.
     fn fits_tried(&self, model: &Fitted) -> Vec<(Fitted, usize)> {
         let Some(tried) = self.tried else {
             return Vec::new();
         };
-        let known = |t: usize| model.point.terms.iter().any(|(k, _)| *k == t);
+        let kind = |t: usize| self.setting.problem.terms()[t].kind;
+        let known = |t: usize| model.point.terms.iter().any(|(k, _)| kind(*k) == kind(t));
         let starts = [tried.variances.clone(), model.variances.clone()];
         let new = tried.point.terms.iter().filter(|(t, _)| !known(*t));
         let glances: Vec<(Point, usize, f64)> = new
@@ -603,7 +604,8 @@ impl Search<'_> {
             kinds.push(other.kind);
             let start = scaled(&direction.start, &s.estimate);
             let fit = self.altered(model, term, Some((direction.term, start)));
-            if fit.log_likelihood > model.log_likelihood - self.decision.alike {
+            let is_alike = fit.log_likelihood > model.log_likelihood - self.decision.alike;
+            if is_alike && self.is_inside(&fit, direction.term) {
                 fits.push((direction.term, fit));
             }
         }

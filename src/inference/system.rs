@@ -488,7 +488,7 @@ impl<'a> Factor<'a> {
             if panel.keep {
                 whitened.extend_from_slice(&front[above * width..(above + own) * width]);
             }
-            let rest = front.len() / width - own;
+            let rest = above + tail;
             let parent = if node == 0 { 0 } else { self.tree.parent(node) };
             if node == 0 {
                 front.drain(above * width..(above + own) * width);
@@ -512,7 +512,6 @@ impl<'a> Factor<'a> {
     fn pass(&self, node: usize, front: &mut [f64], width: usize, squares: &mut [f64]) {
         let (above, own) = (self.tree.above(node), self.tree.width(node));
         let eliminated = &self.nodes[node];
-        let total = front.len() / width;
         for k in 0..own {
             let (done, rest) = front.split_at_mut((above + k) * width);
             let row = &mut rest[..width];
@@ -526,7 +525,7 @@ impl<'a> Factor<'a> {
                 *s -= *v * *v;
             }
         }
-        let stride = total - own;
+        let stride = above + self.gram.fixed + 1;
         for k in 0..own {
             let row: Vec<f64> = front[(above + k) * width..(above + k + 1) * width].to_vec();
             for j in 0..stride {
