@@ -460,10 +460,10 @@ fn what_is_alike_is_listed_in_its_place() {
             found.accepted[0].in_its_place.clone()
         };
         let listed = of(&problem, DECISION);
-        let terms: Vec<usize> = listed.iter().map(|(t, _)| *t).collect();
+        let terms: Vec<usize> = listed.iter().map(|other| other.term).collect();
         assert_eq!(terms, if beyond { vec![] } else { vec![1] }, "{square}");
-        for (_, difference) in listed {
-            close(difference, -0.5 * square, 1e-9);
+        for other in listed {
+            close(other.log_likelihood, -0.5 * square, 1e-9);
         }
         // Not in folds, and not forms of its own kind.
         assert!(of(&problem, QUICK).is_empty());
@@ -695,7 +695,6 @@ fn a_better_model_without_terms_takes_the_place_of_the_null() {
 }
 
 #[test]
-#[ignore = "the swaps of tidy do not look at names: a curve that gains 0.1 to 2 takes the place of the name that was preferred to it"]
 fn a_name_is_kept_where_both_are_alike() {
     for (square, differs) in sides(4.0) {
         let (problem, [best, other]) = rivals(square);
@@ -712,7 +711,6 @@ fn a_name_is_kept_where_both_are_alike() {
 }
 
 #[test]
-#[ignore = "what has less than 0.8 of the strongest is not fitted: under a ratio of 20 that is less than alike"]
 fn a_weak_term_with_a_name_is_preferred_where_both_are_alike() {
     // 12 and 9.2: in log-likelihood they differ by 1.4 < 2, but 9.2 < 0.8 x 12.
     let (a, b) = (9.2_f64.sqrt(), 2.8_f64.sqrt());
@@ -916,6 +914,20 @@ fn unseen(calibrates: bool, check: impl Fn(&Unseen, usize)) {
     let model = null(&setting);
     close(model.point.coefficients[0], 2.0, 1e-12);
     check(&Unseen::new(&setting, &model), node);
+}
+
+#[test]
+fn further_readings_lower_the_variance_of_the_mean() {
+    unseen(true, |unseen, _| {
+        // The mean has variance c = 5/12. A reading of a group of its own has v = 2 and takes c^2/(v + c) off: 25/348, which leaves 10/29; the next
+        // one then 25/493.
+        close(unseen.variance_in_new_groups(0), 2.0, 1e-12);
+        let found = unseen.best_additions(&[3, 7], &[12, 13], 2);
+        let falls: Vec<f64> = found.iter().map(|(_, fall)| *fall).collect();
+        close(falls[0], 25.0 / 348.0, 1e-12);
+        close(falls[1], 25.0 / 493.0, 1e-12);
+        assert!(unseen.best_additions(&[], &[12], 2).is_empty());
+    });
 }
 
 #[test]

@@ -447,8 +447,9 @@ impl Search<'_> {
         let gain = |f: &Fitted| 2.0 * (f.log_likelihood - model.log_likelihood);
         let mut gained = known.iter().fold(0.0_f64, |m, (f, _)| m.max(gain(f)));
         for s in shown.iter().take(FITTED) {
-            // What promises less than was gained already is left to the swaps.
-            if s.likelihood_ratio < PROMISED * gained {
+            // What promises less than was gained already is left to the swaps, if it cannot be alike either.
+            let alike = gained - 2.0 * self.decision.alike;
+            if s.likelihood_ratio < alike.min(PROMISED * gained) {
                 break;
             }
             let direction = &screen.directions[s.direction];
@@ -549,10 +550,19 @@ impl Search<'_> {
                 Vec::new()
             };
             let own = self.worth(&found.model, term, way);
+            // A name gives way to none only where they are not alike.
+            let is_named = |t: usize| self.setting.problem.terms()[t].named;
+            let least = |other: usize| {
+                if is_named(term) && !is_named(other) {
+                    self.decision.alike
+                } else {
+                    WORTH_A_SWAP
+                }
+            };
             let better = others
                 .iter()
                 .map(|(t, f)| (self.worth(f, *t, way), t, f))
-                .filter(|(worth, ..)| *worth > own + WORTH_A_SWAP)
+                .filter(|(worth, t, _)| *worth > own + least(**t))
                 .max_by(|a, b| a.0.total_cmp(&b.0));
             if let (Some((_, other, fit)), true) = (better, swaps > 0) {
                 swaps -= 1;

@@ -4,7 +4,8 @@ use crate::findings::{Alternative, CampaignFindings, CoefficientChange, UnitErro
 use crate::report::number::Rounding;
 use crate::report::wording::name::{self, listed};
 use crate::report::wording::number::{
-    NONE, error_or_none, error_with_unit, gain, percent_or_none, rounded, size, unit as unit_name,
+    NONE, error, error_or_none, error_with_unit, gain, percent_or_none, rounded, size,
+    unit as unit_name,
 };
 
 /// Log-likelihoods that differ by less tell nothing apart.
@@ -109,54 +110,64 @@ pub(super) fn alternative(found: &CampaignFindings, a: &Alternative) -> [String;
     ]
 }
 
-/// Which alternative the likelihood prefers, and whether the readings settle it; empty where there are none.
+/// Which of the alternatives the likelihood prefers: the one with the fewest parts that does as well as the best, if there is one such; what the next
+/// one lacks; and what they come to on unseen units. Empty where there are none.
 pub(super) fn alternatives_sentence(found: &CampaignFindings) -> String {
     let mut order: Vec<&Alternative> = found.alternatives.iter().collect();
     order.sort_by(|a, b| b.log_likelihood.total_cmp(&a.log_likelihood));
-    let (Some(first), Some(second)) = (order.first(), order.get(1)) else {
+    let [best, _, ..] = order[..] else {
         return String::new();
     };
-    let ahead = first.log_likelihood - second.log_likelihood;
-    let close: Vec<String> = order[1..]
-        .iter()
-        .filter(|a| first.log_likelihood - a.log_likelihood < CLOSE)
-        .map(|a| parts(a))
-        .collect();
-    let likelihood = if close.is_empty() {
-        format!(
-            "The log-likelihood is highest with {}, {} above the next.",
-            parts(first),
-            gain(ahead)
-        )
+    let is_close = |a: &&&Alternative| best.log_likelihood - a.log_likelihood < CLOSE;
+    let close: Vec<&Alternative> = order.iter().filter(is_close).copied().collect();
+    let fewest = close.iter().map(|a| a.parts.len()).min();
+    let simplest = |a: &&&Alternative| Some(a.parts.len()) == fewest;
+    let least: Vec<&Alternative> = close.iter().filter(simplest).copied().collect();
+    let [chosen] = least[..] else {
+        let all: Vec<String> = least.iter().map(|a| parts(a)).collect();
+        return format!(
+            "{} do as well as one another, with log-likelihoods within {}: these readings do not settle it.",
+            name::capitalised(&listed(&all)),
+            rounded(CLOSE, Rounding::Decimals(0))
+        );
+    };
+    let mut sentence = if close.len() == 1 {
+        format!("The log-likelihood is highest with {}", parts(chosen))
     } else {
+        let others: Vec<String> = close
+            .iter()
+            .filter(|a| a.parts != chosen.parts)
+            .map(|a| parts(a))
+            .collect();
+        let with = if chosen.parts.is_empty() {
+            "Without any of them".to_owned()
+        } else {
+            format!("With {} alone", parts(chosen))
+        };
         format!(
-            "The log-likelihood is highest with {}; {} within {} of it: these readings do not settle it.",
-            parts(first),
-            listed(&close) + if close.len() == 1 { " comes" } else { " come" },
+            "{with} the law does as well as with {}: the log-likelihoods are within {}",
+            listed(&others),
             rounded(CLOSE, Rounding::Decimals(0))
         )
     };
-    format!("{likelihood}{}", spread(found))
-}
-
-/// By how much the held-out errors differ.
-fn spread(found: &CampaignFindings) -> String {
-    let errors: Vec<f64> = found
-        .alternatives
+    let next = order
         .iter()
-        .filter_map(|a| a.rmse_heldout)
-        .collect();
-    let (low, high) = errors
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), e| {
-            (l.min(*e), h.max(*e))
-        });
-    if errors.len() < 2 {
-        return String::new();
+        .find(|a| !is_close(a) && a.parts.len() <= chosen.parts.len());
+    if let Some(next) = next {
+        sentence += &format!(
+            "; it is {} above that with {}",
+            gain(chosen.log_likelihood - next.log_likelihood),
+            parts(next)
+        );
+        let errors = (chosen.rmse_heldout, next.rmse_heldout);
+        if let (Some(here), Some(there)) = errors {
+            sentence += &format!(
+                ", and the error on {} is {} in place of {}",
+                name::held_out(found),
+                error(here, &found.unit),
+                error_with_unit(there, &found.unit)
+            );
+        }
     }
-    let noun = name::nouns(found).units;
-    format!(
-        " On unseen {noun} their errors differ by at most {}.",
-        error_with_unit(high - low, &found.unit)
-    )
+    sentence + "."
 }
