@@ -933,7 +933,7 @@ fn further_readings_lower_the_variance_of_the_mean() {
 #[test]
 fn an_unseen_group_has_its_intercept_the_mean_and_the_noise_for_variance() {
     unseen(true, |unseen, node| {
-        let found = unseen.predict(node);
+        let found = unseen.predict_where(node, |_| true);
         assert_eq!(found.places, [12, 13, 14, 15]);
         // The mean of three groups: (1 + 1/4)/3 = 5/12.
         let estimation: f64 = 5.0 / 12.0;

@@ -220,7 +220,7 @@ fn projections_of_further_columns_are_those_of_the_dense_covariance() {
     for round in 0..2 {
         let gram = design.gram();
         let factor = Factor::new(&design.tree, &gram, &variances);
-        let panel = Panel::new(&design, &columns, false);
+        let panel = Panel::new(&design, &columns);
         let found = factor.project(&panel);
         for (j, c) in columns.iter().enumerate() {
             close(

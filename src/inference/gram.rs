@@ -1,8 +1,8 @@
 //! Sums of products: all that the likelihood needs of the readings while sensitivities are frozen.
 //!
-//! For every node with readings, the matrix D'D of D = [z | x | y], z the columns of its path, x the fixed effects, y the response, one
-//! matrix for each class of noise. Whatever the variances, marginal likelihood, its gradient, estimates and predictions follow from
-//! these alone ([`crate::system`]), so that a draw of a bootstrap costs a new column y and nothing else.
+//! For every node with readings, the products of D = [z | x | y] with one another, z the columns of its path, x the fixed effects, y the response, one
+//! set for each class of noise. Whatever the variances, marginal likelihood, its gradient, estimates and predictions follow from
+//! these alone ([`crate::system`]). What y takes part in stands apart: a draw of a bootstrap costs a vector a node, and shares the rest.
 
 use crate::system::add_times;
 use crate::tree::Tree;
@@ -311,21 +311,6 @@ impl Gram {
     /// Readings.
     pub fn count(&self) -> usize {
         self.counts.iter().sum()
-    }
-
-    /// The sums without the readings of some nodes.
-    pub fn without(&self, tree: &Tree, left_out: impl Fn(usize) -> bool) -> Gram {
-        let parts: Vec<Part> = self
-            .parts
-            .iter()
-            .filter(|p| !left_out(p.node))
-            .cloned()
-            .collect();
-        let mut counts = vec![0; self.counts.len()];
-        for part in &parts {
-            counts[part.class] += part.count;
-        }
-        Gram::new(tree, self.fixed, counts, parts)
     }
 }
 

@@ -132,11 +132,6 @@ impl<'a> Unseen<'a> {
         design.y[i] - dot(&design.z[i][..root], &self.root_mean)
     }
 
-    /// The prediction of all readings below a node that took no part.
-    pub fn predict(&self, node: usize) -> Predicted {
-        self.predict_where(node, |_| true)
-    }
-
     /// The prediction of some of the readings below a node that took no part: those of one quantity, where a problem has several.
     pub fn predict_where(&self, node: usize, keep: impl Fn(usize) -> bool) -> Predicted {
         let mut places = self.below(node);

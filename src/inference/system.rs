@@ -480,14 +480,10 @@ impl<'a> Factor<'a> {
             }
             add_times(&mut squares, noise * noise, &sums.squares);
         }
-        let mut whitened = Vec::new();
         for node in (0..self.tree.len()).rev() {
             let mut front = std::mem::take(&mut fronts[node]);
             let (above, own) = (self.tree.above(node), self.tree.width(node));
             self.pass(node, &mut front, width, &mut squares);
-            if panel.keep {
-                whitened.extend_from_slice(&front[above * width..(above + own) * width]);
-            }
             let rest = above + tail;
             let parent = if node == 0 { 0 } else { self.tree.parent(node) };
             if node == 0 {
@@ -505,7 +501,7 @@ impl<'a> Factor<'a> {
                 }
             }
         }
-        self.finish_projection(&fronts[0], squares, whitened, panel.keep)
+        self.finish_projection(&fronts[0], squares)
     }
 
     /// Eliminates a node's own rows of a panel.
@@ -536,13 +532,7 @@ impl<'a> Factor<'a> {
         }
     }
 
-    fn finish_projection(
-        &self,
-        front: &[f64],
-        mut squares: Vec<f64>,
-        mut whitened: Vec<f64>,
-        keep: bool,
-    ) -> Projected {
+    fn finish_projection(&self, front: &[f64], mut squares: Vec<f64>) -> Projected {
         let width = squares.len();
         let p = self.gram.fixed;
         let mut scores = front[p * width..(p + 1) * width].to_vec();
@@ -562,14 +552,10 @@ impl<'a> Factor<'a> {
             }
             rows.push(row);
         }
-        if keep {
-            whitened.extend(rows.iter().flatten());
-        }
         Projected {
             unprojected: before,
             squares,
             scores,
-            whitened,
         }
     }
 }
@@ -690,8 +676,6 @@ fn product_of_upper(upper: &Square, b: &Square) -> f64 {
 pub struct Panel {
     /// Number of columns.
     pub columns: usize,
-    /// Whether [`Projected::whitened`] is wanted.
-    pub keep: bool,
     /// One entry for each part of the Gram.
     pub parts: Vec<PanelPart>,
 }
@@ -714,13 +698,11 @@ pub struct Projected {
     pub squares: Vec<f64>,
     /// c'P y.
     pub scores: Vec<f64>,
-    /// Rows that have to be subtracted, as products, from C'S^-1 C to give C'P C.
-    pub whitened: Vec<f64>,
 }
 
 impl Panel {
     /// The products of columns, one list of all readings each, with a design.
-    pub fn new(design: &crate::gram::Design, columns: &[Vec<f64>], keep: bool) -> Self {
+    pub fn new(design: &crate::gram::Design, columns: &[Vec<f64>]) -> Self {
         let width = columns.len();
         let parts = design
             .members()
@@ -749,7 +731,6 @@ impl Panel {
             .collect();
         Self {
             columns: width,
-            keep,
             parts,
         }
     }
@@ -760,7 +741,7 @@ impl Panel {
         columns: &[Vec<f64>],
         active: impl Fn(usize) -> bool,
     ) -> Self {
-        let mut panel = Self::new(design, columns, false);
+        let mut panel = Self::new(design, columns);
         let kept = design.members().into_iter().zip(panel.parts);
         panel.parts = kept
             .filter(|((node, _, _), _)| active(*node))

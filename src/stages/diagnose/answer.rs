@@ -483,17 +483,19 @@ impl Work<'_> {
     }
 }
 
+/// eps*: the contraction as a share of the largest.
+pub fn relative_contraction(at: &effects::Conditions) -> f64 {
+    (at.rest_length_m - at.length_m) / (at.rest_length_m - at.contracted_length_m)
+}
+
 /// The columns that were looked at, one value a reading.
 fn columns(data: &Data) -> Vec<(String, Vec<f64>)> {
     let of = |f: &dyn Fn(&effects::Conditions) -> f64| -> Vec<f64> {
         data.conditions.iter().map(f).collect()
     };
-    let relative = |c: &effects::Conditions| {
-        (c.rest_length_m - c.length_m) / (c.rest_length_m - c.contracted_length_m)
-    };
     let mut columns = vec![
         ("pressure_kpa".to_owned(), of(&|c| c.pressure_kpa)),
-        ("contraction_rel".to_owned(), of(&relative)),
+        ("contraction_rel".to_owned(), of(&relative_contraction)),
         ("rest_length_m".to_owned(), of(&|c| c.rest_length_m)),
         ("direction".to_owned(), of(&|c| c.direction)),
         ("time_s".to_owned(), of(&|c| c.log_time_s)),

@@ -1,10 +1,9 @@
 //! What is worth measuring next: quantities known better, more specimens, more set points, and set points that tell alternatives apart.
 
-use super::answer::rms;
+use super::answer::{relative_contraction, rms};
 use super::data::Data;
 use super::problem::{ForceProblem, component};
 use super::{settings, unseen};
-use crate::effects;
 use crate::findings::{BudgetEntry, NextKind, NextMeasurement};
 use crate::inference::fit::Setting;
 use crate::inference::heldout::Unseen;
@@ -104,10 +103,6 @@ fn candidates(setting: &Setting, problem: &ForceProblem) -> Vec<usize> {
             known.insert((problem.data.specimen[i], on_grid.map(|x| x.round() as i64)))
         })
         .collect()
-}
-
-fn relative_contraction(at: &effects::Conditions) -> f64 {
-    (at.rest_length_m - at.length_m) / (at.rest_length_m - at.contracted_length_m)
 }
 
 /// The conditions of a reading, as findings name them.

@@ -16,6 +16,7 @@ use crate::inference::screen::Normal;
 use crate::inference::search::{Accepted, Found};
 use crate::inference::statistic::upper_tail;
 use crate::inference::system::Variances;
+use crate::stages::diagnose::answer::rms;
 use crate::stages::diagnose::settings as shared;
 use crate::stages::diagnose::tally;
 use std::collections::BTreeMap;
@@ -34,11 +35,6 @@ pub struct Work<'a> {
     pub smallest_nm: f64,
     /// Draws.
     pub normal: &'a Normal<'a>,
-}
-
-/// Root of the mean square.
-pub fn rms(values: &[f64]) -> f64 {
-    (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
 impl Work<'_> {
