@@ -109,7 +109,7 @@ pub fn sensitive(setting: &Setting, found: &Found) -> Vec<usize> {
             let without = other.fit(&from, &starts);
             let ratio = 2.0 * (model.log_likelihood - without.log_likelihood);
             let amplitudes = setting.problem.terms()[a.term].amplitudes;
-            if deviate(ratio, amplitudes) < found.critical && !sensitive.contains(&a.term) {
+            if deviate(ratio, amplitudes) < a.critical && !sensitive.contains(&a.term) {
                 sensitive.push(a.term);
             }
         }

@@ -30,6 +30,8 @@ pub struct Accepted {
     pub term: usize,
     /// Family-wise probability, at the step where it came in.
     pub p: f64,
+    /// The value of [`deviate`] from which it was accepted.
+    pub critical: f64,
     /// Gain in log-likelihood over the final model without it.
     pub gain: f64,
     /// Terms of other kinds that do as well in its place.
@@ -95,6 +97,7 @@ struct Next {
     fitted: Fitted,
     term: usize,
     p: f64,
+    critical: f64,
 }
 
 /// When a candidate is tested against draws from its own model as well as against those from the null.
@@ -180,7 +183,7 @@ impl Search<'_> {
             if found.accepted.len() == before {
                 return found;
             }
-            self.exchange(&mut found);
+            self.exchange(&mut found, way);
         }
     }
 
@@ -218,8 +221,15 @@ impl Search<'_> {
     }
 
     /// Builds the model anew with every choice of forms of what was found, and takes the best, if it gains.
-    fn exchange(&self, found: &mut Found) {
+    fn exchange(&self, found: &mut Found, way: Way) {
         let problem = self.setting.problem;
+        let worth = |fit: &Fitted| {
+            let terms = fit.point.terms.iter().map(|(t, _)| *t);
+            self.weighed(fit)
+                - terms
+                    .map(|t| self.of_further_amplitudes(t, way))
+                    .sum::<f64>()
+        };
         let mut best: Option<(Vec<usize>, Fitted)> = None;
         for choice in self.choices(found) {
             let Some(fit) = self.rebuilt(&choice) else {
@@ -227,15 +237,13 @@ impl Search<'_> {
             };
             let least = best
                 .as_ref()
-                .map_or(self.weighed(&found.model) + WORTH_A_SWAP, |(_, best)| {
-                    self.weighed(best)
-                });
+                .map_or(worth(&found.model) + WORTH_A_SWAP, |(_, best)| worth(best));
             let inside = fit
                 .point
                 .terms
                 .iter()
                 .all(|(t, _)| self.is_inside(&fit, *t));
-            if inside && self.weighed(&fit) > least {
+            if inside && worth(&fit) > least {
                 best = Some((choice, fit));
             }
         }
@@ -310,6 +318,7 @@ impl Search<'_> {
             found.accepted.push(Accepted {
                 term: next.term,
                 p: next.p,
+                critical: next.critical,
                 gain: next.fitted.log_likelihood - found.model.log_likelihood,
                 in_its_place: Vec::new(),
             });
@@ -350,6 +359,17 @@ impl Search<'_> {
         if self.decision.thorough && (found.accepted.is_empty() || fits.is_empty()) {
             fits.extend(self.fits_afresh(&model, way));
         }
+        // What would not be accepted keeps nothing out.
+        let statistic = |f: &Fitted, term: usize, below: f64| {
+            let amplitudes = self.setting.problem.terms()[term].amplitudes;
+            deviate(2.0 * (f.log_likelihood - below), amplitudes)
+        };
+        if fits
+            .iter()
+            .any(|(f, t)| statistic(f, *t, model.log_likelihood) >= limit)
+        {
+            fits.retain(|(f, t)| statistic(f, *t, model.log_likelihood) >= limit);
+        }
         let Some((fitted, term)) = self.preferred(&fits, way) else {
             return Step::Nothing;
         };
@@ -361,12 +381,11 @@ impl Search<'_> {
             }
             found.model = without;
         }
-        let amplitudes = self.setting.problem.terms()[term].amplitudes;
-        let gain = fitted.log_likelihood - found.model.log_likelihood;
-        let statistic = deviate(2.0 * gain, amplitudes);
+        let statistic = statistic(&fitted, term, found.model.log_likelihood);
         if statistic >= limit {
             Step::Accepted(Box::new(Next {
                 p: upper_tail(&draws, statistic),
+                critical: limit,
                 fitted,
                 term,
             }))
@@ -403,6 +422,7 @@ impl Search<'_> {
         let promising = glances.iter().filter(|(.., gain)| *gain >= PROMISED * most);
         promising
             .map(|(from, t, _)| (self.setting.fit(from, &starts), *t))
+            .filter(|(fit, t)| self.is_inside(fit, *t))
             .collect()
     }
 
@@ -416,26 +436,29 @@ impl Search<'_> {
         let screen = self.screen(&usual, &bare, way);
         let shown = screen.shown(2 * FITTED);
         let mut kinds = Vec::new();
-        let mut starts = Vec::new();
+        let mut fits = Vec::new();
         for s in &shown {
             let direction = &screen.directions[s.direction];
             let kind = self.setting.problem.terms()[direction.term].kind;
-            if kinds.contains(&kind) || kinds.len() >= FITTED {
+            if kinds.contains(&kind) {
                 continue;
+            }
+            if fits.len() >= FITTED {
+                break;
             }
             kinds.push(kind);
             let mut from = bare.point.clone();
             from.terms
                 .push((direction.term, scaled(&direction.start, &s.estimate)));
-            starts.push((from, direction.term));
+            let fit = self.setting.fit_afresh(&from);
+            if self.is_inside(&fit, direction.term) {
+                fits.push((fit, direction.term));
+            }
         }
-        starts
-            .into_iter()
-            .map(|(from, term)| (self.setting.fit_afresh(&from), term))
-            .collect()
+        fits
     }
 
-    /// The strongest candidates fitted in full, beyond those that are fitted already.
+    /// The strongest candidates fitted in full, beyond those that are fitted already. One that ends at its bound takes no other's place.
     fn fits(
         &self,
         screen: &Screen,
@@ -446,7 +469,10 @@ impl Search<'_> {
         let mut fits: Vec<(Fitted, usize)> = Vec::new();
         let gain = |f: &Fitted| 2.0 * (f.log_likelihood - model.log_likelihood);
         let mut gained = known.iter().fold(0.0_f64, |m, (f, _)| m.max(gain(f)));
-        for s in shown.iter().take(FITTED) {
+        for s in shown.iter().take(2 * Screen::refined_in_draws()) {
+            if fits.len() >= FITTED {
+                break;
+            }
             // What promises less than was gained already is left to the swaps, if it cannot be alike either.
             let alike = gained - 2.0 * self.decision.alike;
             if s.likelihood_ratio < alike.min(PROMISED * gained) {
@@ -461,22 +487,29 @@ impl Search<'_> {
                 .push((direction.term, scaled(&direction.start, &s.estimate)));
             let fit = self.setting.fit(&from, &self.starts(model));
             // The linear model promised more: the iteration has gone to another optimum.
-            let kept = gain(&fit);
-            if self.decision.thorough && kept < PROMISED * s.likelihood_ratio {
-                fits.push((self.setting.fit_afresh(&from), direction.term));
+            let again = (self.decision.thorough && gain(&fit) < PROMISED * s.likelihood_ratio)
+                .then(|| self.setting.fit_afresh(&from));
+            let better = [Some(fit), again].into_iter().flatten();
+            let better = better
+                .filter(|f| self.is_inside(f, direction.term))
+                .max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood));
+            if let Some(fit) = better {
+                gained = gained.max(gain(&fit));
+                fits.push((fit, direction.term));
             }
-            gained = gained.max(kept);
-            fits.push((fit, direction.term));
         }
         fits
     }
 
     /// The log-likelihood of a fit, less what the amplitudes of a term have to be worth and what unusual sizes cost.
     fn worth(&self, fitted: &Fitted, term: usize, way: Way) -> f64 {
-        let more = self.setting.problem.terms()[term]
-            .amplitudes
-            .saturating_sub(1);
-        self.weighed(fitted) - way.of_amplitude * more as f64
+        self.weighed(fitted) - self.of_further_amplitudes(term, way)
+    }
+
+    /// What the amplitudes of a term beyond its first have to be worth.
+    fn of_further_amplitudes(&self, term: usize, way: Way) -> f64 {
+        let amplitudes = self.setting.problem.terms()[term].amplitudes;
+        way.of_amplitude * amplitudes.saturating_sub(1) as f64
     }
 
     /// The log-likelihood of a fit with the prior of the sizes of its terms: normal, with the usual size as standard deviation.
@@ -496,10 +529,9 @@ impl Search<'_> {
     fn preferred(&self, fits: &[(Fitted, usize)], way: Way) -> Option<(Fitted, usize)> {
         let problem = self.setting.problem;
         let worth = |(f, t): &(Fitted, usize)| self.worth(f, *t, way);
-        let inside = || fits.iter().filter(|(f, t)| self.is_inside(f, *t));
         let best_of = |a: &&(Fitted, usize), b: &&(Fitted, usize)| worth(a).total_cmp(&worth(b));
-        let best = inside().max_by(best_of)?;
-        let named = inside().filter(|(_, t)| problem.terms()[*t].named);
+        let best = fits.iter().max_by(best_of)?;
+        let named = fits.iter().filter(|(_, t)| problem.terms()[*t].named);
         let alike = |n: &&(Fitted, usize)| worth(n) > worth(best) - self.decision.alike;
         Some(named.max_by(best_of).filter(alike).unwrap_or(best).clone())
     }
@@ -537,7 +569,7 @@ impl Search<'_> {
             let without = self.altered(&found.model, term, None);
             let gain = found.model.log_likelihood - without.log_likelihood;
             let amplitudes = self.setting.problem.terms()[term].amplitudes;
-            if deviate(2.0 * gain, amplitudes) < found.critical {
+            if deviate(2.0 * gain, amplitudes) < found.accepted[place].critical {
                 found.accepted.remove(place);
                 found.model = without;
                 place = 0;
