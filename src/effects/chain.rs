@@ -2,6 +2,13 @@
 
 use super::{Conditions, Link, Place, all, apply};
 use crate::numerics::real::{Dual, Real};
+use std::sync::LazyLock;
+
+/// The place of every form of every effect: a model asks for them with every reading.
+static PLACES: LazyLock<Vec<Vec<Place>>> = LazyLock::new(|| {
+    let places = |e: &&dyn super::Effect| e.forms().iter().map(|f| f.place).collect();
+    all().iter().map(places).collect()
+});
 
 /// An effect in a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +24,7 @@ pub struct Applied<R> {
 impl<R> Applied<R> {
     /// Where in the chain it acts.
     pub fn place(&self) -> Place {
-        all()[self.effect].forms()[self.form].place
+        PLACES[self.effect][self.form]
     }
 }
 

@@ -191,7 +191,7 @@ fn likelihoods_estimates_and_predictions_are_those_of_the_dense_covariance() {
         close(*a, *b, 1e-10);
     }
     // The mean of b is D Z' P y.
-    let posterior = factor.posterior(Likelihood::Restricted);
+    let estimates = factor.estimates();
     for node in 0..design.tree.len() {
         let components: Vec<usize> = design.tree.components_of(node).collect();
         for (k, c) in components.into_iter().enumerate() {
@@ -204,7 +204,39 @@ fn likelihoods_estimates_and_predictions_are_those_of_the_dense_covariance() {
                 }
             }
             let sd = variances.components[c];
-            close(posterior.random[number], sd * sd * sum, 1e-10);
+            close(estimates.random[number], sd * sd * sum, 1e-10);
+        }
+    }
+}
+
+#[test]
+fn the_covariance_at_the_root_is_that_of_the_dense_covariance() {
+    // What is open of b is D - D Z'P Z D, of the fixed effects (X'W X)^-1, of both together -(X'W X)^-1 X'W Z D.
+    let (design, variances) = (design(), variances());
+    let (w, _) = inverse(&dense(&design, &variances));
+    let gram = design.gram();
+    let factor = Factor::new(&design.tree, &gram, &variances);
+    let found = factor.covariance_at_root();
+    let components: Vec<usize> = design.tree.components_of(0).collect();
+    let width = components.len();
+    let of_column = |k: usize| -> Vec<f64> { design.z.iter().map(|z| z[k]).collect() };
+    let square = |k: usize| variances.components[components[k]].powf(2.0);
+    for k in 0..width {
+        let (left, _, theta) = projected(&design, &w, &of_column(k));
+        for l in 0..width {
+            let own = if k == l { square(k) } else { 0.0 };
+            let expected = own - square(k) * square(l) * dot(&of_column(l), &left);
+            close(found.at(k, l), expected, 1e-9);
+        }
+        for (j, t) in theta.iter().enumerate() {
+            close(found.at(k, width + j), -t * square(k), 1e-9);
+            close(found.at(width + j, k), -t * square(k), 1e-9);
+        }
+    }
+    let fixed = factor.fixed_covariance();
+    for i in 0..fixed.n {
+        for j in 0..fixed.n {
+            close(found.at(width + i, width + j), fixed.at(i, j), 1e-12);
         }
     }
 }
@@ -244,22 +276,14 @@ fn the_gradient_is_that_of_differences() {
     for likelihood in [Likelihood::Full, Likelihood::Restricted] {
         let value = |v: &Variances| Factor::new(&design.tree, &gram, v).log_likelihood(likelihood);
         let factor = Factor::new(&design.tree, &gram, &at);
-        let posterior = factor.posterior(likelihood);
-        // The gradient takes a shorter way.
         let (by_components, by_noise) = factor.gradient(likelihood);
-        for (a, b) in by_components.iter().zip(&posterior.by_components) {
-            close(*a, *b, 1e-10);
-        }
-        for (a, b) in by_noise.iter().zip(&posterior.by_noise) {
-            close(*a, *b, 1e-10);
-        }
         let h = 1e-5;
         for c in 0..4 {
             let (mut up, mut down) = (at.clone(), at.clone());
             up.components[c] *= 1.0 + h;
             down.components[c] *= 1.0 - h;
             close(
-                posterior.by_components[c],
+                by_components[c],
                 (value(&up) - value(&down)) / (2.0 * h),
                 1e-6,
             );
@@ -268,11 +292,7 @@ fn the_gradient_is_that_of_differences() {
             let (mut up, mut down) = (at.clone(), at.clone());
             up.noise[c] *= 1.0 + h;
             down.noise[c] *= 1.0 - h;
-            close(
-                posterior.by_noise[c],
-                (value(&up) - value(&down)) / (2.0 * h),
-                1e-6,
-            );
+            close(by_noise[c], (value(&up) - value(&down)) / (2.0 * h), 1e-6);
         }
     }
 }

@@ -227,6 +227,7 @@ impl<'a> Setting<'a> {
             let longest = if iteration > DAMPED_AFTER { 0.5 } else { 1.0 };
             let moved = self.step(
                 &point,
+                &linear.predicted,
                 &design.z,
                 &free,
                 &estimates,
@@ -325,13 +326,18 @@ impl<'a> Setting<'a> {
             .collect()
     }
 
-    /// Penalised sum of squares at a point; `z` are the columns of the random effects, of which those of linear components are
+    /// Penalised sum of squares at a point with these predictions; `z` are the columns of the random effects, of which those of linear components are
     /// used.
-    fn objective(&self, point: &Point, z: &[Vec<f64>], variances: &Variances) -> f64 {
+    fn objective(
+        &self,
+        point: &Point,
+        predicted: &[f64],
+        z: &[Vec<f64>],
+        variances: &Variances,
+    ) -> f64 {
         let problem = self.problem;
         let tree = problem.tree();
         let nonlinear = self.nonlinear_columns();
-        let predicted = problem.predict(point);
         let paths: Vec<Vec<usize>> = (0..tree.len()).map(|n| tree.path_numbers(n)).collect();
         let mut sum = 0.0;
         for (i, p) in predicted.iter().enumerate() {
@@ -356,10 +362,11 @@ impl<'a> Setting<'a> {
         sum
     }
 
-    /// Moves to the estimates of the linear model, shortened until the penalised sum of squares does not rise.
+    /// Moves from a point with these predictions to the estimates of the linear model, shortened until the penalised sum of squares does not rise.
     fn step(
         &self,
         point: &Point,
+        predicted: &[f64],
         z: &[Vec<f64>],
         free: &[Free],
         estimates: &Estimates,
@@ -371,7 +378,9 @@ impl<'a> Setting<'a> {
         // from either.
         let mut renewed = point.clone();
         renewed.random.clone_from(&estimates.random);
-        let [old, new] = [point, &renewed].map(|p| self.objective(p, z, variances));
+        let at = |p: &Point| self.objective(p, &self.problem.predict(p), z, variances);
+        let old = self.objective(point, predicted, z, variances);
+        let new = at(&renewed);
         let (from, here) = if new < old {
             (&renewed, new)
         } else {
@@ -380,7 +389,7 @@ impl<'a> Setting<'a> {
         let mut length = longest;
         loop {
             let (next, stopped) = self.moved(from, free, estimates, length);
-            let value = self.objective(&next, z, variances);
+            let value = at(&next);
             if (value.is_finite() && value <= here * (1.0 + 1e-9)) || length <= SHORTEST {
                 return Moved {
                     point: next,

@@ -42,15 +42,16 @@ impl<'a> Unseen<'a> {
     /// The predictions of a model.
     pub fn new(setting: &'a Setting<'a>, model: &'a Fitted) -> Self {
         let variances = model.predictive(setting);
-        let posterior = Factor::new(&model.design.tree, &model.gram, &variances)
-            .posterior(Likelihood::Restricted);
+        let factor = Factor::new(&model.design.tree, &model.gram, &variances);
         let width = model.design.tree.width(0);
+        let root_mean = factor.estimates().random[..width].to_vec();
+        let root = square_root(&factor.covariance_at_root());
         Self {
             setting,
             model,
             variances,
-            root_mean: posterior.random[..width].to_vec(),
-            root: square_root(&posterior.path_covariances[0]),
+            root_mean,
+            root,
         }
     }
 
@@ -68,6 +69,13 @@ impl<'a> Unseen<'a> {
             .collect()
     }
 
+    /// The readings below a node: those of one quantity, where a problem has several.
+    pub fn readings(&self, node: usize, keep: impl Fn(usize) -> bool) -> Vec<usize> {
+        let mut places = self.below(node);
+        places.retain(|i| keep(*i));
+        places
+    }
+
     /// Columns of root and fixed effects of a reading, in units of independent standard normal numbers.
     fn parameters(&self, i: usize) -> Vec<f64> {
         let design = &self.model.design;
@@ -83,7 +91,12 @@ impl<'a> Unseen<'a> {
     }
 
     /// The linear model of the readings at some places, their rows of random effects given: a tree of the path and what is below it.
-    fn design(&self, places: &[usize], response: &[f64], rows: &[Vec<f64>]) -> Design {
+    fn design<'r>(
+        &self,
+        places: &[usize],
+        response: &[f64],
+        row_of: impl Fn(usize) -> &'r [f64],
+    ) -> Design {
         let whole = &self.model.design;
         let mut tree = Tree::new(vec![Block {
             component: self.variances.components.len(),
@@ -101,7 +114,7 @@ impl<'a> Unseen<'a> {
             y: response.to_vec(),
         };
         let root = whole.tree.width(0);
-        for &i in places {
+        for (k, &i) in places.iter().enumerate() {
             for node in whole.tree.path(whole.node[i]) {
                 if numbers[node] == usize::MAX {
                     let parent = numbers[whole.tree.parent(node)];
@@ -111,7 +124,7 @@ impl<'a> Unseen<'a> {
             design.node.push(numbers[whole.node[i]]);
             design.class.push(whole.class[i]);
             let mut row = self.parameters(i);
-            row.extend_from_slice(&rows[i][root..]);
+            row.extend_from_slice(&row_of(k)[root..]);
             design.z.push(row);
         }
         design.tree = tree;
@@ -134,10 +147,9 @@ impl<'a> Unseen<'a> {
 
     /// The prediction of some of the readings below a node that took no part: those of one quantity, where a problem has several.
     pub fn predict_where(&self, node: usize, keep: impl Fn(usize) -> bool) -> Predicted {
-        let mut places = self.below(node);
-        places.retain(|i| keep(*i));
+        let places = self.readings(node, keep);
         let errors: Vec<f64> = places.iter().map(|&i| self.error(i)).collect();
-        let design = self.design(&places, &errors, &self.model.design.z);
+        let design = self.design(&places, &errors, |k| &self.model.design.z[places[k]]);
         let variances = self.with_parameters();
         let gram = design.gram();
         let log_density =
@@ -253,12 +265,11 @@ impl<'a> Unseen<'a> {
         let mut point: Point = self.model.point.clone();
         let mut errors = Vec::new();
         for _ in 0..GAUSS_NEWTON {
-            let linear = problem.linearise(&point);
-            let response: Vec<f64> = places
-                .iter()
-                .map(|&i| self.response(&point, linear.predicted[i], &linear.random[i], i))
+            let (predicted, rows) = problem.linearise_some(&point, &places);
+            let response: Vec<f64> = (0..places.len())
+                .map(|k| self.response(&point, predicted[k], &rows[k], places[k]))
                 .collect();
-            let design = self.design(&places, &response, &linear.random);
+            let design = self.design(&places, &response, |k| &rows[k]);
             let posterior = self.given(&design, &places, known.unwrap_or(&places));
             let parameters = &posterior.random[..self.root.n];
             let mut of_parameters = Vec::with_capacity(places.len());
@@ -280,11 +291,9 @@ impl<'a> Unseen<'a> {
                     0.0
                 });
             }
-            let predicted = problem.predict(&point);
-            errors = places
-                .iter()
-                .zip(&of_parameters)
-                .map(|(&i, p)| self.left(&point, predicted[i], &linear.random[i], i) - p)
+            let predicted = problem.predict_some(&point, &places);
+            errors = (0..places.len())
+                .map(|k| self.left(&point, predicted[k], &rows[k], places[k]) - of_parameters[k])
                 .collect();
         }
         places.into_iter().zip(errors).collect()

@@ -104,6 +104,19 @@ pub trait Problem: Sync {
     fn predict(&self, point: &Point) -> Vec<f64>;
     /// Predictions and derivatives at a point.
     fn linearise(&self, point: &Point) -> Linearised;
+    /// Predictions at some readings, and for each of them the derivatives by the random effects of its path: a problem may know a shorter way than
+    /// by all readings.
+    fn linearise_some(&self, point: &Point, readings: &[usize]) -> (Vec<f64>, Vec<Vec<f64>>) {
+        let mut all = self.linearise(point);
+        let predicted = readings.iter().map(|&i| all.predicted[i]).collect();
+        let rows = readings.iter().map(|&i| std::mem::take(&mut all.random[i]));
+        (predicted, rows.collect())
+    }
+    /// Predictions at some readings.
+    fn predict_some(&self, point: &Point, readings: &[usize]) -> Vec<f64> {
+        let all = self.predict(point);
+        readings.iter().map(|&i| all[i]).collect()
+    }
     /// How the terms that are not in the model would show at a point.
     fn directions(&self, point: &Point) -> Vec<Direction>;
 

@@ -63,21 +63,6 @@ pub struct Estimates {
     pub random: Vec<f64>,
 }
 
-/// Means and covariances of fixed and random effects given the readings.
-#[derive(Clone, Debug)]
-pub struct Posterior {
-    /// Fixed effects.
-    pub fixed: Vec<f64>,
-    /// Random effects, all columns, in units of their component (not scaled).
-    pub random: Vec<f64>,
-    /// For each node the covariance of the columns of its path, then of the fixed effects.
-    pub path_covariances: Vec<Square>,
-    /// Derivative of the log-likelihood by the logarithm of each component's standard deviation.
-    pub by_components: Vec<f64>,
-    /// The same for the noise.
-    pub by_noise: Vec<f64>,
-}
-
 /// Scales of the columns of a part: standard deviations of the path, 1 for the rest; all divided by the noise.
 fn scales(tree: &Tree, variances: &Variances, part: &Part, fixed: usize) -> Vec<f64> {
     let noise = variances.noise[part.class];
@@ -204,90 +189,29 @@ impl<'a> Factor<'a> {
         Estimates { fixed, random }
     }
 
-    /// Means, covariances and the gradient; for the restricted likelihood the covariances hold what the fixed effects leave open.
-    pub fn posterior(&self, likelihood: Likelihood) -> Posterior {
-        let tree = self.tree;
-        let fixed = self.fixed();
-        let p = fixed.len();
-        let mut random = vec![0.0; tree.columns()];
-        let mut by_components = vec![0.0; self.variances.components.len()];
-        let at_root = match likelihood {
-            Likelihood::Full => Square::zeros(p),
-            Likelihood::Restricted => self.fixed_covariance(),
-        };
-        let mut covariances: Vec<Square> = Vec::with_capacity(tree.len());
-        // Standardised random effects of each node's path, then the fixed effects.
-        let mut means: Vec<Vec<f64>> = Vec::with_capacity(tree.len());
-        for node in 0..tree.len() {
-            let (above_covariance, above_mean) = if node == 0 {
-                (&at_root, &fixed)
-            } else {
-                (&covariances[tree.parent(node)], &means[tree.parent(node)])
-            };
-            let (mean, covariance) = self.descend(node, above_mean, above_covariance);
-            let (above, first) = (tree.above(node), tree.first_column(node));
-            for (k, c) in tree.components_of(node).enumerate() {
-                let u = mean[above + k];
-                by_components[c] += u * u + covariance.at(above + k, above + k) - 1.0;
-                random[first + k] = u * self.variances.components[c];
+    /// Covariance of the random effects of the root, in units of their component, and of the fixed effects, given the readings.
+    pub fn covariance_at_root(&self) -> Square {
+        let fixed = self.fixed_covariance();
+        let (n, width) = (fixed.n, self.tree.width(0));
+        // Nothing is open of the response.
+        let mut above = Square::zeros(n + 1);
+        for i in 0..n {
+            above.a[i * (n + 1)..i * (n + 1) + n].copy_from_slice(&fixed.a[i * n..(i + 1) * n]);
+        }
+        let open = self.own_effects(0).expected(&above, 0);
+        let components = self.tree.components_of(0);
+        let mut scales: Vec<f64> = components.map(|c| self.variances.components[c]).collect();
+        scales.resize(width + n, 1.0);
+        let mut covariance = Square::zeros(width + n);
+        for i in 0..width + n {
+            for j in 0..width + n {
+                *covariance.at_mut(i, j) = scales[i] * scales[j] * open.at(i, j);
             }
-            means.push(mean);
-            covariances.push(covariance);
         }
-        let by_noise = self.by_noise(&means, &covariances);
-        for (node, covariance) in covariances.iter_mut().enumerate() {
-            self.unscale(node, covariance);
-        }
-        Posterior {
-            fixed,
-            random,
-            path_covariances: covariances,
-            by_components,
-            by_noise,
-        }
+        covariance
     }
 
-    /// Mean and covariance of the path of a node and the fixed effects, from those of its parent.
-    fn descend(&self, node: usize, above_mean: &[f64], above: &Square) -> (Vec<f64>, Square) {
-        let (before, width) = (self.tree.above(node), self.tree.width(node));
-        let rest = above.n;
-        let eliminated = &self.nodes[node];
-        let stride = rest + 1;
-        let a = self.solved(node, stride);
-        let row = |k: usize| &a[k * stride..k * stride + rest];
-        let own: Vec<f64> = (0..width)
-            .map(|k| a[k * stride + rest] - dot(row(k), above_mean))
-            .collect();
-        let place = |j: usize| if j < before { j } else { j + width };
-        let mut mean = vec![0.0; rest + width];
-        for (j, m) in above_mean.iter().enumerate() {
-            mean[place(j)] = *m;
-        }
-        mean[before..before + width].copy_from_slice(&own);
-        let mut covariance = Square::zeros(rest + width);
-        for i in 0..rest {
-            for j in 0..rest {
-                *covariance.at_mut(place(i), place(j)) = above.at(i, j);
-            }
-        }
-        let inverse = inverse_of(&eliminated.lower);
-        for k in 0..width {
-            let cross = cross(row(k), above);
-            for (j, c) in cross.iter().enumerate() {
-                *covariance.at_mut(before + k, place(j)) = -c;
-                *covariance.at_mut(place(j), before + k) = -c;
-            }
-            for l in 0..=k {
-                let value = inverse.at(k, l) + dot(&cross, row(l));
-                *covariance.at_mut(before + k, before + l) = value;
-                *covariance.at_mut(before + l, before + k) = value;
-            }
-        }
-        (mean, covariance)
-    }
-
-    /// Derivatives of the log-likelihood by the logarithms of the standard deviations: components, then noise. The same as those of
-    /// [`Self::posterior`], without what else it holds.
+    /// Derivatives of the log-likelihood by the logarithms of the standard deviations: components, then noise.
     ///
     /// With e = (random effects of the path, fixed effects, -1 for the response) of a node and its expected product E = E\[e e'\] given the
     /// readings, every derivative is a scalar product with E. The own effects of a node are -A e of its parent plus what its own readings leave
@@ -420,45 +344,6 @@ impl<'a> Factor<'a> {
             }
         }
         a
-    }
-
-    /// Derivatives by the logarithm of the noise, class by class.
-    fn by_noise(&self, means: &[Vec<f64>], covariances: &[Square]) -> Vec<f64> {
-        let mut sums = vec![0.0; self.gram.counts.len()];
-        for part in &self.gram.parts {
-            let (mean, covariance) = (&means[part.node], &covariances[part.node]);
-            sums[part.class] += self.part_by_noise(part, mean, covariance);
-        }
-        sums
-    }
-
-    /// The share of one part: (expected sum of squares)/s^2 - n.
-    fn part_by_noise(&self, part: &Part, mean: &[f64], covariance: &Square) -> f64 {
-        let s = scales(self.tree, self.variances, part, self.gram.fixed);
-        let n = part.products.n;
-        let v: Vec<f64> = mean.iter().zip(&s).map(|(m, s)| m * s).collect();
-        let noise = s[n];
-        let mut sum = noise * (noise * part.response[n] - 2.0 * dot(&part.response[..n], &v))
-            - part.count as f64;
-        for i in 0..n {
-            let row = &part.products.a[i * n..(i + 1) * n];
-            let line = &covariance.a[i * n..(i + 1) * n];
-            let products = row.iter().zip(line).zip(&s);
-            sum += v[i] * dot(row, &v) + s[i] * products.map(|((g, c), s)| g * c * s).sum::<f64>();
-        }
-        sum
-    }
-
-    fn unscale(&self, node: usize, covariance: &mut Square) {
-        let path = self.tree.path(node);
-        let of = path.iter().flat_map(|n| self.tree.components_of(*n));
-        let mut scale: Vec<f64> = of.map(|c| self.variances.components[c]).collect();
-        scale.resize(covariance.n, 1.0);
-        for i in 0..covariance.n {
-            for j in 0..covariance.n {
-                *covariance.at_mut(i, j) *= scale[i] * scale[j];
-            }
-        }
     }
 
     /// What is left of further columns c after whitening and projecting off the fixed effects: c'P c and c'P y.

@@ -1,7 +1,7 @@
 //! The variances: maximum of the marginal (or restricted) likelihood while sensitivities are frozen.
 //!
 //! Variables are logarithms of standard deviations, so that none can become negative and a component may fade to nothing. The gradient is
-//! exact ([`crate::system::Posterior`]; Fisher's identity), the ascent is BFGS with a backtracking line search. The likelihood may have
+//! exact ([`Factor::gradient`]; Fisher's identity), the ascent is BFGS with a backtracking line search. The likelihood may have
 //! several maxima: callers that need the global one give several starts.
 
 use crate::gram::Gram;

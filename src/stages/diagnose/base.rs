@@ -141,24 +141,30 @@ impl Base {
 
 impl Base {
     /// The law as a product: what depends on the state, and the size. The law is not cut off where it is negative: `slack` sees to that.
+    ///
+    /// Two numbers may follow the coefficients: by what the resting and the contracted length are longer than noted, mm.
     fn factors<R: Real>(&self, c: &[R], pressure: R, length: R, at: &Conditions) -> (R, R) {
+        let longer = |k: usize| {
+            let by = c.get(self.coefficients.len() + k);
+            by.map_or(R::constant(0.0), |mm| *mm * 1e-3)
+        };
+        let rest = longer(0) + at.rest_length_m;
+        let contracted = longer(1) + at.contracted_length_m;
         match self.equation {
             Equation::New { cap_length_m } => {
-                let rest = at.rest_length_m;
-                let eps_620 = (rest - at.contracted_length_m) / rest;
-                let contraction = (-length + rest) / (rest * eps_620);
+                let contraction = (rest - length) / (rest - contracted);
                 let f620 = new::f620(
                     c[0],
                     R::constant(1.0) / c[1],
                     R::constant(cap_length_m),
-                    R::constant(rest),
+                    rest,
                 );
                 let surface =
                     new::surface_signed([c[2], c[3], c[4]], contraction, pressure / P_620_KPA);
                 (surface, f620)
             }
             Equation::Published(model) => (
-                tangent(model, pressure, length, at) / USUAL_F620_N,
+                tangent(model, pressure, length, [rest, contracted], at) / USUAL_F620_N,
                 c[0] * USUAL_F620_N,
             ),
         }
@@ -192,32 +198,40 @@ const USUAL_F620_N: f64 = 500.0;
 /// Steps of the differences by which a published model gets its derivatives: kPa, m.
 const STEPS: (f64, f64) = (1.0, 1e-4);
 
-/// A published model with derivatives by central differences: what effects on pressure and length need of it.
-fn tangent<R: Real>(model: &dyn ForceModel, pressure: R, length: R, at: &Conditions) -> R {
-    let force = |p: f64, l: f64| {
+/// A published model with derivatives by central differences: by pressure, by length, and by resting and contracted length.
+fn tangent<R: Real>(
+    model: &dyn ForceModel,
+    pressure: R,
+    length: R,
+    [rest, contracted]: [R; 2],
+    at: &Conditions,
+) -> R {
+    let variables = [pressure, length, rest, contracted];
+    let force = |[pressure, length_m, rest_length_m, contracted_length_m]: [f64; 4]| {
         let state = State {
             diameter_mm: at.diameter_mm,
-            rest_length_m: at.rest_length_m,
-            contracted_length_m: at.contracted_length_m,
-            length_m: l,
-            pressure_kpa: p.max(0.0),
+            rest_length_m,
+            contracted_length_m,
+            length_m,
+            pressure_kpa: pressure.max(0.0),
             direction: Direction::Isometric,
         };
         model.predict(&state).force_n().unwrap_or(f64::NAN)
     };
-    let (p, l) = (pressure.value(), length.value());
-    let slope = |up: f64, down: f64, step: f64| {
-        let slope = (up - down) / (2.0 * step);
-        if slope.is_finite() { slope } else { 0.0 }
-    };
-    let mut shown = R::constant(force(p, l));
-    if !pressure.is_constant() {
-        let by_pressure = slope(force(p + STEPS.0, l), force(p - STEPS.0, l), STEPS.0);
-        shown = shown + (pressure - p) * by_pressure;
-    }
-    if !length.is_constant() {
-        let by_length = slope(force(p, l + STEPS.1), force(p, l - STEPS.1), STEPS.1);
-        shown = shown + (length - l) * by_length;
+    let here = variables.map(|v| v.value());
+    let mut shown = R::constant(force(here));
+    for (k, v) in variables.into_iter().enumerate() {
+        if v.is_constant() {
+            continue;
+        }
+        let step = if k == 0 { STEPS.0 } else { STEPS.1 };
+        let moved = |by: f64| {
+            let mut there = here;
+            there[k] += by;
+            force(there)
+        };
+        let slope = (moved(step) - moved(-step)) / (2.0 * step);
+        shown = shown + (v - here[k]) * if slope.is_finite() { slope } else { 0.0 };
     }
     shown
 }

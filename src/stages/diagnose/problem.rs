@@ -58,12 +58,16 @@ pub mod component {
 
 /// Most terms in one model.
 pub const MOST_TERMS: usize = 5;
-/// Slots of the derivatives: five coefficients, gain, length, zero, two for each term.
-const SLOTS: usize = 8 + 2 * MOST_TERMS;
+/// Slots of the derivatives: five coefficients, gain, length, zero, resting and contracted length, two for each term.
+const SLOTS: usize = TERMS + 2 * MOST_TERMS;
 const GAIN: usize = 5;
 const LENGTH: usize = 6;
 const ZERO: usize = 7;
-const TERMS: usize = 8;
+const REST: usize = 8;
+const CONTRACTED: usize = 9;
+const TERMS: usize = 10;
+/// Most coefficients of a law.
+const COEFFICIENTS: usize = 5;
 
 /// Cosines of a session's misfit along the pressure.
 const SESSION_COSINES: usize = 8;
@@ -71,8 +75,6 @@ const SESSION_COSINES: usize = 8;
 const STROKE_COSINES: usize = 5;
 /// Cosines of the common misfit along each of eps* and P*.
 const COMMON_COSINES: usize = 6;
-/// A step of the resting or contracted length by which their sensitivities are taken, m.
-const LENGTH_STEP_M: f64 = 1e-4;
 
 /// Where the operators of the random effects stand in the library.
 struct Operators {
@@ -292,13 +294,14 @@ impl<'a> ForceProblem<'a> {
         self.stroke_basis.iter().any(|b| !b.is_empty())
     }
 
-    /// The force of reading `i`, misfit left out.
+    /// The force of reading `i`, misfit left out: by coefficients, gain, set length, zero, what resting and contracted length are longer than noted,
+    /// mm, and terms.
     fn force<R: Real>(
         &self,
         i: usize,
         at: &Conditions,
         coefficients: &[R],
-        [gain, length, zero]: [R; 3],
+        [gain, length, zero, rest, contracted]: [R; 5],
         terms: &[(usize, [R; 2])],
     ) -> R {
         let applied = |effect: usize, value: R| Applied {
@@ -320,7 +323,11 @@ impl<'a> ForceProblem<'a> {
             base: self.base,
             side: self.side[i],
         };
-        let mut force = effects::force(&law, coefficients, gain, list, at);
+        let mut parameters = [rest; COEFFICIENTS + 2];
+        let known = coefficients.len();
+        parameters[..known].copy_from_slice(coefficients);
+        parameters[known + 1] = contracted;
+        let mut force = effects::force(&law, &parameters[..known + 2], gain, list, at);
         for (t, values) in terms {
             if let What::Column(column) = self.library[*t].what {
                 force = column.apply(force, *values, self.data, i);
@@ -391,7 +398,8 @@ impl<'a> ForceProblem<'a> {
             terms[count] = (t, values);
             count += 1;
         }
-        let random = self.random(point, i);
+        let [gain, length, zero] = self.random(point, i);
+        let random = [gain, length, zero, 0.0, 0.0];
         self.force(i, at, &point.coefficients, random, &terms[..count])
     }
 
@@ -407,7 +415,7 @@ impl<'a> ForceProblem<'a> {
 
     fn derivatives<const N: usize>(&self, point: &Point, i: usize) -> (f64, [f64; N], Vec<f64>) {
         let at = &self.data.conditions[i];
-        let mut coefficients = [Dual::<N>::constant(0.0); 5];
+        let mut coefficients = [Dual::<N>::constant(0.0); COEFFICIENTS];
         let known = point.coefficients.len();
         for (k, (slot, c)) in coefficients.iter_mut().zip(&point.coefficients).enumerate() {
             *slot = Dual::variable(*c, k);
@@ -417,6 +425,8 @@ impl<'a> ForceProblem<'a> {
             Dual::variable(gain, GAIN),
             Dual::variable(length, LENGTH),
             Dual::variable(zero, ZERO),
+            Dual::variable(0.0, REST),
+            Dual::variable(0.0, CONTRACTED),
         ];
         let mut terms = [(0, [Dual::<N>::constant(0.0); 2]); MOST_TERMS];
         let mut count = 0;
@@ -431,15 +441,7 @@ impl<'a> ForceProblem<'a> {
             count += 1;
         }
         let force = self.force(i, at, &coefficients[..known], random, &terms[..count]);
-        let by_lengths = [(LENGTH_STEP_M, 0.0), (0.0, LENGTH_STEP_M)].map(|(rest, contracted)| {
-            let moved = Conditions {
-                rest_length_m: at.rest_length_m + rest,
-                contracted_length_m: at.contracted_length_m + contracted,
-                ..*at
-            };
-            (self.value(point, i, &moved) - force.value) / (LENGTH_STEP_M * 1e3)
-        });
-        let row = self.random_row(i, &force, gain, by_lengths, point);
+        let row = self.random_row(i, &force, gain, point);
         (force.value, force.gradient, row)
     }
 
@@ -474,13 +476,43 @@ impl<'a> ForceProblem<'a> {
         linear
     }
 
+    /// Predictions at some readings, and their derivatives by the random effects.
+    fn rows<const N: usize>(&self, point: &Point, readings: &[usize]) -> (Vec<f64>, Vec<Vec<f64>>) {
+        let of = |i: &usize| {
+            let (force, _, row) = self.derivatives::<N>(point, *i);
+            (force, row)
+        };
+        readings.iter().map(of).unzip()
+    }
+
+    /// By what the force of reading `i` changes if resting and contracted length are off by a standard deviation. In the corner to slackness, which
+    /// a short actuator passes within that, a tangent would not tell: there it is half the difference between both ends.
+    fn by_lengths<const N: usize>(&self, point: &Point, i: usize, force: &Dual<N>) -> [f64; 2] {
+        let [rest, contracted] = self.specimen_lengths_sd_mm(self.data.specimen[i]);
+        if self.side[i] != Side::Corner {
+            return [
+                force.gradient[REST] * rest,
+                force.gradient[CONTRACTED] * contracted,
+            ];
+        }
+        let at = |rest_mm: f64, contracted_mm: f64| {
+            let mut at = self.data.conditions[i];
+            at.rest_length_m += 1e-3 * rest_mm;
+            at.contracted_length_m += 1e-3 * contracted_mm;
+            self.value(point, i, &at)
+        };
+        [
+            0.5 * (at(rest, 0.0) - at(-rest, 0.0)),
+            0.5 * (at(0.0, contracted) - at(0.0, -contracted)),
+        ]
+    }
+
     /// Derivatives by the random effects of the path of reading `i`.
     fn random_row<const N: usize>(
         &self,
         i: usize,
         force: &Dual<N>,
         gain: f64,
-        by_lengths: [f64; 2],
         point: &Point,
     ) -> Vec<f64> {
         let scale = self.misfit_scale(i);
@@ -499,8 +531,7 @@ impl<'a> ForceProblem<'a> {
             row.push(force.gradient[ZERO]);
         }
         row.push(by_gain * gain / of_specimen);
-        let sd = self.specimen_lengths_sd_mm(self.data.specimen[i]);
-        row.extend(by_lengths.iter().zip(sd).map(|(slope, sd)| slope * sd));
+        row.extend(self.by_lengths(point, i, force));
         row.push(force.gradient[LENGTH] * self.set_length_unit(i));
         row.push(force.gradient[ZERO]);
         let along = self.session_basis[i].iter().chain(&self.stroke_basis[i]);
@@ -643,6 +674,20 @@ impl Problem for ForceProblem<'_> {
     fn predict(&self, point: &Point) -> Vec<f64> {
         let conditions = self.data.conditions.iter().enumerate();
         conditions.map(|(i, at)| self.value(point, i, at)).collect()
+    }
+
+    fn predict_some(&self, point: &Point, readings: &[usize]) -> Vec<f64> {
+        let of = |i: &usize| self.value(point, *i, &self.data.conditions[*i]);
+        readings.iter().map(of).collect()
+    }
+
+    fn linearise_some(&self, point: &Point, readings: &[usize]) -> (Vec<f64>, Vec<Vec<f64>>) {
+        match point.terms.len() {
+            0 => self.rows::<TERMS>(point, readings),
+            1 => self.rows::<{ TERMS + 2 }>(point, readings),
+            2 => self.rows::<{ TERMS + 4 }>(point, readings),
+            _ => self.rows::<SLOTS>(point, readings),
+        }
     }
 
     fn linearise(&self, point: &Point) -> Linearised {
@@ -802,7 +847,46 @@ pub fn cosine(a: &[f64], b: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::cosines;
+    use super::*;
+    use crate::config::FitOptions;
+    use crate::simulate::rig_like;
+    use crate::stages::diagnose::library;
+
+    #[test]
+    fn derivatives_by_the_lengths_of_a_specimen_are_those_of_other_conditions() {
+        let rows = rig_like::campaign(1, &rig_like::Settings::default()).rows;
+        let rows: Vec<&_> = rows.iter().collect();
+        let data = Data::new(&rows);
+        let library = library::terms(&data);
+        let base = Base::new(10, true, 2, &FitOptions::default());
+        let problem = ForceProblem::new(&base, &data, &library);
+        let frame = library
+            .iter()
+            .position(|t| t.scope == Scope::All && t.is_frame());
+        let frame = frame.unwrap();
+        let mut point = problem.start();
+        point.terms.push((frame, library[frame].start(20.0)));
+        let step = 1e-5;
+        for i in (0..data.len()).filter(|i| problem.side[*i] != Side::Corner) {
+            let (_, gradient, _) = problem.derivatives::<SLOTS>(&point, i);
+            let value = |rest: f64, contracted: f64| {
+                let mut at = data.conditions[i];
+                at.rest_length_m += rest;
+                at.contracted_length_m += contracted;
+                problem.value(&point, i, &at)
+            };
+            let rest = value(step, 0.0) - value(-step, 0.0);
+            let contracted = value(0.0, step) - value(0.0, -step);
+            for (slot, difference) in [(REST, rest), (CONTRACTED, contracted)] {
+                let slope = difference / (2e3 * step);
+                assert!(
+                    (gradient[slot] - slope).abs() < 1e-5 * (1.0 + slope.abs()),
+                    "{i} {slot}: {} {slope}",
+                    gradient[slot]
+                );
+            }
+        }
+    }
 
     #[test]
     fn the_cosines_have_the_covariance_of_the_process_they_stand_for() {

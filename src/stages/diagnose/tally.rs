@@ -45,8 +45,26 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Of the readings below a node.
+    /// Of the readings below a node, with the errors once its own values or a few of its readings are known.
     pub fn new(model: &Unseen, node: usize, scored: &Scored) -> Self {
+        let mut tally = Self::unseen(model, node, scored);
+        let squares = |errors: Vec<(usize, f64)>, known: &[usize]| -> (f64, usize) {
+            let of = errors
+                .iter()
+                .filter(|(i, _)| (scored.takes)(*i) && !known.contains(i));
+            of.fold((0.0, 0), |(sum, n), (_, e)| (sum + e * e, n + 1))
+        };
+        tally.calibrated = squares(model.errors_calibrated(node), &[]).0;
+        for k in GIVEN {
+            let known = first_readings(&model.readings(node, scored.takes), scored.setup, k);
+            let after = squares(model.errors_after(node, &known), &known);
+            tally.after.insert(k, after);
+        }
+        tally
+    }
+
+    /// Of the readings below a node, as one sees them who knows nothing of it.
+    pub fn unseen(model: &Unseen, node: usize, scored: &Scored) -> Self {
         let predicted = model.predict_where(node, scored.takes);
         let mut tally = Self {
             count: predicted.errors.len(),
@@ -69,18 +87,6 @@ impl Tally {
         }
         for s in &mut tally.sources {
             *s *= tally.count as f64;
-        }
-        let squares = |errors: Vec<(usize, f64)>, known: &[usize]| -> (f64, usize) {
-            let of = errors
-                .iter()
-                .filter(|(i, _)| (scored.takes)(*i) && !known.contains(i));
-            of.fold((0.0, 0), |(sum, n), (_, e)| (sum + e * e, n + 1))
-        };
-        tally.calibrated = squares(model.errors_calibrated(node), &[]).0;
-        for k in GIVEN {
-            let known = first_readings(&predicted.places, scored.setup, k);
-            let after = squares(model.errors_after(node, &known), &known);
-            tally.after.insert(k, after);
         }
         tally
     }

@@ -146,7 +146,20 @@ fn answer(
     fold: &Fold,
 ) -> FoldAnswer {
     let (rest, from) = without(setting, problem, &found.null, fold);
-    let null = rest.fit(&from, std::slice::from_ref(&found.null.variances));
+    // From the fit to all readings and from nothing: without one of a handful of specimens another optimum may be the best.
+    let near = rest.fit(&from, std::slice::from_ref(&found.null.variances));
+    let mut start = problem.start();
+    for free in &rest.pinned {
+        if let Free::Coefficient(k) = *free {
+            start.coefficients[k] = from.coefficients[k];
+        }
+    }
+    let afresh = rest.fit_afresh(&start);
+    let null = if afresh.log_likelihood > near.log_likelihood {
+        afresh
+    } else {
+        near
+    };
     let search = Search {
         setting: &rest,
         decision: Decision {
@@ -158,7 +171,7 @@ fn answer(
     let inner = search.run(null, normal, Some(&found.draws));
     let models = [&inner.null, &inner.model].map(|m| Unseen::new(&rest, m));
     let units = fold.nodes.iter().map(|(unit, node)| {
-        let [before, after] = [&models[0], &models[1]].map(|m| tally(m, *node, problem));
+        let [before, after] = [&models[0], &models[1]].map(|m| tally(m, *node, problem, false));
         (unit.clone(), before, after)
     });
     FoldAnswer {
@@ -179,7 +192,7 @@ pub fn of_model(setting: &Setting, problem: &ForceProblem, fit: &Fitted) -> Opti
             let model = Unseen::new(&rest, &again);
             let mut sum = Tally::default();
             for (_, node) in &fold.nodes {
-                sum.add(&tally(&model, *node, problem));
+                sum.add(&tally(&model, *node, problem, true));
             }
             sum
         })
@@ -221,13 +234,15 @@ fn is_of_one_length(setting: &Setting, problem: &ForceProblem) -> bool {
     lengths.all(|l| Some(l) == first)
 }
 
-fn tally(model: &Unseen, node: usize, problem: &ForceProblem) -> Tally {
+/// Sums over the readings of a unit; without the errors after a few readings if only those `unseen` are asked for.
+fn tally(model: &Unseen, node: usize, problem: &ForceProblem, unseen: bool) -> Tally {
     let scored = Scored {
         takes: &|_| true,
         setup: &|i| problem.data.session[i],
         alone: None,
     };
-    Tally::new(model, node, &scored)
+    let of = if unseen { Tally::unseen } else { Tally::new };
+    of(model, node, &scored)
 }
 
 /// The source of a component, as the budget names it.
