@@ -47,7 +47,8 @@ impl Renderer for Typst {
             "    set text(number-type: \"lining\", number-width: \"tabular\")".into(),
             "    set block(above: 0.7em, below: 0.7em)".into(),
         ]);
-        let size = size(&printed);
+        let fits = fits(&printed);
+        let size = fits.clamp(SMALLEST, 1.0);
         if size < 1.0 {
             lines.push(format!("    show table: set text(size: {size:.2}em)"));
         }
@@ -61,7 +62,7 @@ impl Renderer for Typst {
             format!("      table.hline(stroke: {HEAVY}),"),
         ]);
         lines.extend(header(&printed));
-        lines.extend(body(&printed, &table.rules));
+        lines.extend(body(&printed, &table.rules, fits >= SMALLEST));
         lines.push(format!("      table.hline(stroke: {HEAVY}),"));
         lines.push("    )".into());
         for note in &table.notes {
@@ -74,9 +75,9 @@ impl Renderer for Typst {
     }
 }
 
-/// The size of the letters that lets the table keep its cells on one line, within reason. An estimate from the number of letters, since
+/// The size of the letters at which the table keeps its cells on one line. An estimate from the number of letters, since
 /// Typst's own measure would lay out every table twice.
-fn size(printed: &PrintedTable) -> f64 {
+fn fits(printed: &PrintedTable) -> f64 {
     let widest = |k: usize| {
         let cells = printed.rows.iter().map(|row| letters(&row[k]));
         let heading = rich_letters(&printed.heads[k].heading);
@@ -85,7 +86,7 @@ fn size(printed: &PrintedTable) -> f64 {
     let columns = printed.heads.len();
     let letters: f64 = (0..columns).map(widest).sum();
     let width = LETTER_EM * letters + GUTTER_EM * columns.saturating_sub(1) as f64;
-    (TEXT_EM / width).clamp(SMALLEST, 1.0)
+    TEXT_EM / width
 }
 
 /// About how many letters wide a cell is.
@@ -142,7 +143,7 @@ fn header(printed: &PrintedTable) -> Vec<String> {
     lines
 }
 
-fn body(printed: &PrintedTable, rules: &[usize]) -> Vec<String> {
+fn body(printed: &PrintedTable, rules: &[usize], whole_words: bool) -> Vec<String> {
     let mut lines = Vec::new();
     for (i, row) in printed.rows.iter().enumerate() {
         if rules.contains(&i) {
@@ -150,7 +151,7 @@ fn body(printed: &PrintedTable, rules: &[usize]) -> Vec<String> {
         }
         let cells = row.iter().zip(&printed.heads);
         let cells: Vec<String> = cells
-            .map(|(c, head)| cell(c, head.decimal.map(|(_, fraction)| fraction)))
+            .map(|(c, head)| cell(c, head.decimal.map(|(_, fraction)| fraction), whole_words))
             .collect();
         lines.push(format!("      {},", cells.join(", ")));
     }
@@ -177,13 +178,14 @@ fn label(id: &str) -> String {
     id.chars().map(plain).collect()
 }
 
-/// A cell; in a decimal column padded to `fraction` digits after the point.
-fn cell(cell: &Printed, fraction: Option<usize>) -> String {
+/// A cell; in a decimal column padded to `fraction` digits after the point. Words break at their hyphens where a table is too wide to keep them whole:
+/// else they would run over the next column.
+fn cell(cell: &Printed, fraction: Option<usize>, whole_words: bool) -> String {
     match cell {
         Printed::Empty => "[]".into(),
         Printed::Undefined => quoted("–"),
         // One word, such as an id with hyphens, is not broken over lines.
-        Printed::Text(word) if !word.contains(' ') && word.len() <= LONGEST_WORD => {
+        Printed::Text(word) if whole_words && !word.contains(' ') && word.len() <= LONGEST_WORD => {
             quoted(&word.replace('-', "\u{2011}"))
         }
         Printed::Text(text) => quoted(text),
@@ -305,6 +307,13 @@ mod tests {
         let long = document(&table).compile().unwrap();
         assert_eq!((long.pages, long.warnings), (2, vec![]));
         assert_eq!(document(&sample()).compile().unwrap().pages, 1);
+    }
+
+    #[test]
+    fn ids_break_at_hyphens_where_a_table_is_too_wide_for_them() {
+        let id = || Printed::Text("knee-flxpin10-48-t5-rejected".into());
+        assert!(cell(&id(), None, true).contains('\u{2011}'));
+        assert_eq!(cell(&id(), None, false), "\"knee-flxpin10-48-t5-rejected\"");
     }
 
     #[test]

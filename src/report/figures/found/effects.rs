@@ -59,7 +59,16 @@ fn panels(effect: &EffectFinding, unit: &str) -> Vec<Panel> {
 /// Symbol and unit of the amplitude.
 fn amplitude(effect: &EffectFinding) -> String {
     let first = effect.parameters.first();
-    first.map_or_else(String::new, |p| axis_label(&p.name, &p.unit))
+    first.map_or_else(String::new, |p| axis_label(letter(&p.name), &p.unit))
+}
+
+/// A symbol whose name is that of a Greek letter, as this letter.
+fn letter(symbol: &str) -> &str {
+    match symbol {
+        "chi" => "χ",
+        "tau" => "τ",
+        other => other,
+    }
 }
 
 /// The interval of the amplitude, an unbounded end far outside.
@@ -94,7 +103,7 @@ fn profile(effect: &EffectFinding) -> Option<Panel> {
         Axis::new(&amplitude(effect)),
         Axis::new("Δ log-likelihood").fixed(DEEPEST, 0.4),
     )
-    .title(&name::effect(&effect.id))
+    .title(&name::capitalised(&name::effect(&effect.id)))
     .legend(Legend::None);
     for layer in interval(effect).into_iter().chain(estimate(effect)) {
         panel = panel.with(layer);
@@ -124,7 +133,7 @@ fn own_estimates(effect: &EffectFinding, unit: &str) -> Option<Panel> {
         })
         .collect();
     let mut panel = Panel::new(Axis::new(&amplitude(effect)), Axis::categories("", &names))
-        .title(&format!("each {unit} by itself"))
+        .title(&format!("Each {unit} by itself"))
         .legend(Legend::None);
     for layer in interval(effect).into_iter().chain(estimate(effect)) {
         panel = panel.with(layer);

@@ -55,7 +55,11 @@ pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
     } else {
         String::new()
     };
-    let columns = if shown.len() > 1 { 2 } else { 1 };
+    let columns = match shown.len() {
+        0 | 1 => 1,
+        2..=4 => 2,
+        _ => 3,
+    };
     let rows = shown.len().div_ceil(columns);
     let height = ROW_MM * rows as f64 + LEGEND_MM;
     let panels = shown.iter().map(|c| panel(joint, c));
