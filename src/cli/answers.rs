@@ -58,9 +58,10 @@ fn first(found: &CampaignFindings, said: &Clauses, errors: Option<&str>) -> Stri
     let name = name::campaign(found);
     let long = format!("{name}: {}{limits}", said.found);
     let short = format!("{name}: {}", said.found_in_short);
+    let names = format!("{name}: {}", said.found_by_name);
     let verdict = format!("{name}: {}", name::verdict(found.verdict));
     let with_errors = |first: &String| joined(&[Some(first.clone()), errors.map(str::to_owned)]);
-    let mut shorter = [long, short, verdict].into_iter();
+    let mut shorter = [long, short, names, verdict].into_iter();
     let fitting = shorter.find(|first| fits(&with_errors(first)));
     fitting.unwrap_or(name)
 }
@@ -124,7 +125,7 @@ mod tests {
         let text = lines.join(" ").replace("  ", " ");
         assert!(lines.len() <= LINES && lines.iter().all(|l| letters(l) <= WIDTH));
         assert!(
-            text.contains("goes from 18.7 to 15.8 N, but its stated uncertainty fits worse"),
+            text.contains("goes from 18.7 to 15.8 N, but its stated uncertainty gets worse"),
             "{text}"
         );
     }

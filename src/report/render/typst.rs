@@ -214,18 +214,7 @@ fn padded(n: &Rounded, digits: usize) -> String {
 
 fn number(n: &Rounded) -> String {
     let percent = if n.percent { "%" } else { "" };
-    let power = n.exponent.map(power_of_ten).unwrap_or_default();
-    format!("{}{power}{percent}", n.typeset())
-}
-
-fn power_of_ten(exponent: i32) -> String {
-    let raised = |c: char| match c {
-        '-' => '⁻',
-        digit => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹']
-            [digit.to_digit(10).unwrap_or(0) as usize],
-    };
-    let exponent: String = exponent.to_string().chars().map(raised).collect();
-    format!("\u{2009}×\u{2009}10{exponent}")
+    format!("{}{}{percent}", n.typeset(), n.power())
 }
 
 fn rich(pieces: &[Piece]) -> String {

@@ -97,7 +97,7 @@ pub(super) fn alias_sets(found: &CampaignFindings) -> Vec<AliasRow> {
     // Without likelihoods there is nothing to compare; the block of the effect names the others.
     let with_others = found.effects.iter().filter(|e| !e.in_its_place.is_empty());
     let row = |e: &EffectFinding| AliasRow {
-        effect: name::effect(&e.id),
+        effect: crate::report::wording::sentence::called(e),
         members: e
             .class
             .iter()
@@ -154,9 +154,9 @@ pub(super) fn tested(found: &CampaignFindings) -> Vec<TestedRow> {
 fn amplitude(found: &CampaignFindings, t: &Tested, value: f64) -> String {
     let (low, high) = super::limits::possible(found, &t.id, &t.form);
     if value > high {
-        format!("beyond {}", plain(high, &t.unit))
+        format!("beyond {}", with_unit(&format!("{high}"), &t.unit))
     } else if value < low {
-        format!("below {}", plain(low, &t.unit))
+        format!("below {}", with_unit(&format!("{low}"), &t.unit))
     } else {
         plain(value, &t.unit)
     }

@@ -12,8 +12,7 @@ pub fn rounded(value: f64, rounding: Rounding) -> String {
     let Some(rounded) = rounding.round(value) else {
         return NONE.to_owned();
     };
-    let power = rounded.exponent.map(|e| format!("e{e}"));
-    rounded.typeset() + &power.unwrap_or_default()
+    rounded.typeset() + &rounded.power()
 }
 
 /// How an error is rounded, everywhere alike: a tenth of a newton, a hundredth of a newton metre, two decimals below 1 N.

@@ -39,13 +39,15 @@ pub struct Clauses {
     pub found: String,
     /// The same without what each effect is indistinguishable from.
     pub found_in_short: String,
+    /// The names of the effects alone.
+    pub found_by_name: String,
     /// Whether "the smallest detectable sizes are in" a table belongs behind what was found.
     pub limits: bool,
     /// What stays without a name beside an effect.
     pub unexplained: Option<String>,
     /// What the errors on unseen units are, before and after, and whether what was predicted of their spread fits better or worse.
     pub errors: Option<String>,
-    /// The same in fewer words.
+    /// The same in fewer words, for a line on the terminal and the first page.
     pub errors_in_short: Option<String>,
     /// What the expected error is made of.
     pub budget: Option<String>,
@@ -63,6 +65,7 @@ pub fn clauses(found: &CampaignFindings) -> Clauses {
         recording_errors: recording_errors(&found.recording_errors),
         found: answer(found, effect_with_size),
         found_in_short: answer(found, size_of),
+        found_by_name: answer(found, called),
         limits: found.verdict == Verdict::None && !found.detection_limits.is_empty(),
         unexplained: (found.verdict == Verdict::EffectFound)
             .then(|| beside(found))
@@ -108,7 +111,7 @@ fn size_of(effect: &EffectFinding) -> String {
 }
 
 /// What an effect is called; with its form where its size has not the unit by which the effect is known: a compliance in mm.
-fn called(effect: &EffectFinding) -> String {
+pub fn called(effect: &EffectFinding) -> String {
     let known = effects::index(&effect.id).and_then(|k| effects::all()[k].forms().first());
     let unit = effect.parameters.first().map(|p| p.unit.as_str());
     if known.is_some_and(|form| unit.is_some_and(|u| u != form.amplitude.unit)) {
@@ -233,20 +236,20 @@ fn densities(found: &CampaignFindings, error: Change) -> String {
     );
     match (error, density) {
         (Change::Better, Change::Worse) => {
-            format!(", but the uncertainty stated with the predictions fits worse {numbers}")
+            format!(", but the uncertainty stated with the predictions gets worse {numbers}")
         }
         (Change::Alike | Change::Worse, Change::Worse) => format!(
-            ", and the uncertainty stated with the predictions fits worse too {numbers}: the effects describe these {}, and do not help on another",
+            ", and the uncertainty stated with the predictions gets worse too {numbers}: the effects describe these {}, and do not help on another",
             nouns(found).units
         ),
         (Change::Alike | Change::Worse, Change::Better) => {
-            format!(", but the uncertainty stated with the predictions fits better {numbers}")
+            format!(", but the uncertainty stated with the predictions gets better {numbers}")
         }
         _ => String::new(),
     }
 }
 
-/// `error on unseen actuators 8.09 to 3.02 N m, but its stated uncertainty fits worse`.
+/// `the error on unseen actuators goes from 8.09 to 3.02 N m, but its stated uncertainty gets worse`.
 fn errors_in_short(found: &CampaignFindings) -> Option<String> {
     let Some((before, after, change)) = error_change(found) else {
         return errors(found);
@@ -257,20 +260,27 @@ fn errors_in_short(found: &CampaignFindings) -> Option<String> {
         error_with_unit(after, &found.unit),
     );
     let density = density_change(found).map_or(Change::Alike, |(.., change)| change);
-    let sizes = match change {
-        Change::Better => format!("the error on {on} goes from {from} to {to}"),
-        Change::Alike => format!("the error on {on} does not fall ({from} to {to})"),
-        Change::Worse => format!("the error on {on} rises from {from} to {to}"),
-    };
-    let spread = match (change, density) {
-        (Change::Better, Change::Worse) => ", but its stated uncertainty fits worse",
-        (_, Change::Worse) => " and its stated uncertainty fits worse",
-        (Change::Alike | Change::Worse, Change::Better) => {
-            ", but its stated uncertainty fits better"
+    let worse = density == Change::Worse;
+    Some(match change {
+        Change::Better if worse => {
+            format!(
+                "the error on {on} goes from {from} to {to}, but its stated uncertainty gets worse"
+            )
         }
-        _ => "",
-    };
-    Some(sizes + spread)
+        Change::Better => format!("the error on {on} goes from {from} to {to}"),
+        Change::Alike if worse => {
+            format!(
+                "the error on {on} does not fall ({from} to {to}), its stated uncertainty gets worse"
+            )
+        }
+        Change::Alike => format!("the error on {on} does not fall ({from} to {to})"),
+        Change::Worse if worse => {
+            format!(
+                "the error on {on} rises from {from} to {to}, its stated uncertainty gets worse"
+            )
+        }
+        Change::Worse => format!("the error on {on} rises from {from} to {to}"),
+    })
 }
 
 /// `not tried on another actuator, since there is none`, of effects that could not be.
@@ -555,11 +565,13 @@ pub fn told(found: &CampaignFindings) -> Answer {
     said(clauses(found))
 }
 
-/// The same where a table beside it has the errors after a few readings.
+/// The same in fewer words, where a table beside it has the errors after a few readings.
 pub fn told_beside_errors(found: &CampaignFindings) -> Answer {
+    let all = clauses(found);
     said(Clauses {
         readings: None,
-        ..clauses(found)
+        errors: all.errors_in_short.clone(),
+        ..all
     })
 }
 

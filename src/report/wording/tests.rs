@@ -46,19 +46,19 @@ fn an_error_that_rises_and_a_density_that_falls_are_said_in_plain_words() {
     found.after.log_density_heldout = Some(-4.5);
     assert_eq!(
         said(&found),
-        "the error on unseen specimens goes from 18.7 to 15.8 N, but the uncertainty stated with the predictions fits worse (log predictive density a \
+        "the error on unseen specimens goes from 18.7 to 15.8 N, but the uncertainty stated with the predictions gets worse (log predictive density a \
          reading \u{2212}4.31 before, \u{2212}4.50 after)"
     );
     found.after.rmse_heldout = Some(25.0);
     assert_eq!(
         said(&found),
-        "the error on unseen specimens rises with the effects, from 18.7 to 25.0 N, and the uncertainty stated with the predictions fits worse too (log \
+        "the error on unseen specimens rises with the effects, from 18.7 to 25.0 N, and the uncertainty stated with the predictions gets worse too (log \
          predictive density a reading \u{2212}4.31 before, \u{2212}4.50 after): the effects describe these specimens, and do not help on another"
     );
     found.after.log_density_heldout = Some(-4.0);
     assert!(
         said(&found)
-            .contains("25.0 N, but the uncertainty stated with the predictions fits better")
+            .contains("25.0 N, but the uncertainty stated with the predictions gets better")
     );
     found.after.rmse_heldout = Some(18.6);
     assert!(said(&found).starts_with(

@@ -8,6 +8,7 @@ use crate::report::plot::{
 };
 use crate::report::wording::name::{self, nouns};
 use crate::report::wording::number::equals_probability;
+use crate::report::wording::sentence::called;
 
 /// Most effects with a row of panels, and most specimens in one, so that the figure fits on a page with its caption.
 const MOST_EFFECTS: usize = 6;
@@ -103,7 +104,7 @@ fn profile(effect: &EffectFinding) -> Option<Panel> {
         Axis::new(&amplitude(effect)),
         Axis::new("Δ log-likelihood").fixed(DEEPEST, 0.4),
     )
-    .title(&name::capitalised(&name::effect(&effect.id)))
+    .title(&name::capitalised(&called(effect)))
     .legend(Legend::None);
     for layer in interval(effect).into_iter().chain(estimate(effect)) {
         panel = panel.with(layer);

@@ -122,7 +122,9 @@ fn group_names<'a>(ids: impl Iterator<Item = &'a String>) -> Vec<String> {
     } else {
         common_beginning(&ids)
     };
-    let shown = ids.iter().map(|id| plain(&ending(&id[common..])));
+    let shown = ids
+        .iter()
+        .map(|id| plain(&ending(&id[common..], LONGEST_NAME)));
     shown.collect()
 }
 
@@ -144,12 +146,12 @@ fn without_campaigns(ids: Vec<&str>) -> Vec<&str> {
 const LONGEST_NAME: usize = 24;
 
 /// A name, its beginning left out where it is long: ids of a campaign differ at their ends.
-fn ending(name: &str) -> String {
+fn ending(name: &str, longest: usize) -> String {
     let letters = name.chars().count();
-    if letters <= LONGEST_NAME {
+    if letters <= longest {
         return name.to_owned();
     }
-    let kept = name.chars().skip(letters + 1 - LONGEST_NAME);
+    let kept = name.chars().skip(letters + 1 - longest);
     ['…'].into_iter().chain(kept).collect()
 }
 
@@ -189,7 +191,7 @@ mod tests {
             ["rig-l112-c00", "rig-l112-c25"]
         );
         assert_eq!(
-            ending("0123456789012345678901234567"),
+            ending("0123456789012345678901234567", LONGEST_NAME),
             "…56789012345678901234567"
         );
         let pool = ["rig-1 rig-l182", "rig-2 rig-l83", "rig-2 rig-l90"].map(str::to_owned);

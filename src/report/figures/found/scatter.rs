@@ -1,6 +1,6 @@
 //! What varies from group to group: the predicted value of every group, one panel a random effect.
 
-use super::{HALF_MM, MOST_GROUPS, Shown, TEXT_MM, axis_label, group_names};
+use super::{HALF_MM, MOST_GROUPS, Shown, TEXT_MM, axis_label, ending, group_names};
 use crate::findings::Scatter;
 use crate::report::plot::axis::{Span, Ticks};
 use crate::report::plot::{Axis, Figure, Ink, Layer, Legend, Mark, Panel, Series, Shape};
@@ -8,13 +8,15 @@ use crate::report::wording::name::{self, listed};
 
 /// Panels in a row; more would cut their titles.
 const COLUMNS: usize = 3;
+/// Letters of a name that a tick of a panel of these has room for.
+const NAME: usize = 12;
 /// Height of a group, and of what is around the panels, mm.
 const GROUP_MM: f64 = 2.7;
 const AROUND_MM: f64 = 15.0;
 /// Least and greatest height of a panel, mm.
 const HEIGHT_MM: (f64, f64) = (22.0, 105.0);
 /// Greatest height of the figure, so that it fits on a page with its caption, mm.
-const PAGE_MM: f64 = 205.0;
+const PAGE_MM: f64 = 222.0;
 /// A group that is predicted to differ by less than this share of the standard deviation with which unseen ones are predicted does not differ.
 const NOTHING: f64 = 1e-3;
 
@@ -104,6 +106,7 @@ fn panel(scatter: &Scatter, all: &[Scatter]) -> Panel {
     }
     groups.reverse();
     let names = group_names(groups.iter().map(|(id, _)| *id));
+    let names: Vec<String> = names.iter().map(|n| ending(n, NAME)).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let mut y = Axis::categories("", &names);
     if many {
