@@ -91,29 +91,34 @@ fn fits(printed: &PrintedTable) -> f64 {
 
 /// About how many letters wide a cell is.
 fn letters(cell: &Printed) -> f64 {
-    let text = match cell {
-        Printed::Rich(pieces) => return rich_letters(pieces),
-        Printed::Empty => return 0.0,
-        Printed::Undefined => return 1.0,
-        Printed::Text(text) => text.chars().count(),
-        Printed::Number(n) => number(n).chars().count(),
-        Printed::Interval(a, b) => 4 + number(a).chars().count() + number(b).chars().count(),
-        Printed::Flag(_) => 3,
+    match cell {
+        Printed::Rich(pieces) => rich_letters(pieces),
+        Printed::Empty => 0.0,
+        Printed::Undefined => 1.0,
+        Printed::Text(text) => wide(text),
+        Printed::Number(n) => wide(&number(n)),
+        Printed::Interval(a, b) => 4.0 + wide(&number(a)) + wide(&number(b)),
+        Printed::Flag(_) => 3.0,
+    }
+}
+
+/// About how many average letters wide a text is: capitals and digits are wider than small letters.
+fn wide(text: &str) -> f64 {
+    let width = |c: char| match c {
+        c if c.is_uppercase() => 1.4,
+        c if c.is_ascii_digit() => 1.1,
+        _ => 1.0,
     };
-    text as f64
+    text.chars().map(width).sum()
 }
 
 /// Sub- and superscripts are about two thirds as wide.
 fn rich_letters(pieces: &[Piece]) -> f64 {
-    let wide = |p: &Piece| {
-        let letters = p.text.chars().count() as f64;
-        if p.script == Script::Base {
-            letters
-        } else {
-            0.65 * letters
-        }
+    let width = |p: &Piece| match p.script {
+        Script::Base => wide(&p.text),
+        _ => 0.65 * wide(&p.text),
     };
-    pieces.iter().map(wide).sum()
+    pieces.iter().map(width).sum()
 }
 
 fn header(printed: &PrintedTable) -> Vec<String> {

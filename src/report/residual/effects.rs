@@ -8,6 +8,7 @@ use crate::report::wording::number::{
     NONE, equals_probability, error_with_unit, gain, gain_or_none, percent, plain, probability,
     rounded, size, with_unit,
 };
+use crate::report::wording::sentence::plain_number;
 use crate::stages::torque::diagnose::terms::usual;
 use serde::Serialize;
 
@@ -154,9 +155,9 @@ pub(super) fn tested(found: &CampaignFindings) -> Vec<TestedRow> {
 fn amplitude(found: &CampaignFindings, t: &Tested, value: f64) -> String {
     let (low, high) = super::limits::possible(found, &t.id, &t.form);
     if value > high {
-        format!("beyond {}", with_unit(&format!("{high}"), &t.unit))
+        format!("beyond {}", plain_number(high, &t.unit))
     } else if value < low {
-        format!("below {}", with_unit(&format!("{low}"), &t.unit))
+        format!("below {}", plain_number(low, &t.unit))
     } else {
         plain(value, &t.unit)
     }

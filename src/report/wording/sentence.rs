@@ -494,7 +494,7 @@ fn condition(key: &str, value: f64) -> String {
 }
 
 /// As many digits as it has, at most three.
-fn plain_number(value: f64, unit: &str) -> String {
+pub fn plain_number(value: f64, unit: &str) -> String {
     let text = (0..3).map(Rounding::Decimals).find(|r| {
         r.round(value)
             .is_some_and(|x| x.ascii().parse() == Ok(value))

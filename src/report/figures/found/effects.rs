@@ -192,9 +192,15 @@ fn caption(shown: &Shown, fit: usize) -> String {
     } else {
         String::new()
     };
+    let own = match most {
+        0 | 1 => String::new(),
+        _ => format!(
+            ", and the estimate that each {} gives by itself (with 95% intervals; a description and no test)",
+            nouns.unit
+        ),
+    };
     format!(
-        "Profile of the marginal likelihood of each effect, everything else fitted again, and the estimate that each {} gives by itself (with 95% \
-         intervals; a description and no test). Dashed: the estimate from all; shaded: its 95% interval.{free}{cut}{effects_cut}",
-        nouns.unit
+        "Profile of the marginal likelihood of each effect, everything else fitted again{own}. Dashed: the estimate from all; shaded: its 95% \
+         interval.{free}{cut}{effects_cut}"
     )
 }

@@ -8,8 +8,8 @@ use crate::report::wording::name::{self, listed};
 
 /// Panels in a row; more would cut their titles.
 const COLUMNS: usize = 3;
-/// Letters of a name that a tick of a panel of these has room for.
-const NAME: usize = 12;
+/// Letters of a name that a tick of a panel of these has room for, and of one whose beginning is cut, with its dots.
+const NAME: [usize; 2] = [13, 12];
 /// Height of a group, and of what is around the panels, mm.
 const GROUP_MM: f64 = 2.7;
 const AROUND_MM: f64 = 15.0;
@@ -84,6 +84,15 @@ fn full_name(scatter: &Scatter, all: &[Scatter]) -> String {
     }
 }
 
+fn short(name: &str) -> String {
+    let [whole, cut] = NAME;
+    if name.chars().count() > whole {
+        ending(name, cut)
+    } else {
+        name.to_owned()
+    }
+}
+
 /// Gains are shown as percentages.
 fn factor(scatter: &Scatter) -> (f64, &str) {
     if scatter.unit == "1" {
@@ -106,7 +115,7 @@ fn panel(scatter: &Scatter, all: &[Scatter]) -> Panel {
     }
     groups.reverse();
     let names = group_names(groups.iter().map(|(id, _)| *id));
-    let names: Vec<String> = names.iter().map(|n| ending(n, NAME)).collect();
+    let names: Vec<String> = names.iter().map(|n| short(n)).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let mut y = Axis::categories("", &names);
     if many {
