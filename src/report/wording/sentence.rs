@@ -220,7 +220,24 @@ fn errors(found: &CampaignFindings) -> Option<String> {
         }
         Change::Worse => format!("the error on {on} rises with the effects, from {from} to {to}"),
     };
-    Some(sizes + &densities(found, change))
+    Some(sizes + &densities(found, change) + &with_own_values(found))
+}
+
+/// That the effects do harm where the gain and the lengths of the unseen unit are known, if they do.
+fn with_own_values(found: &CampaignFindings) -> String {
+    let before = found.before.rmse_heldout_calibrated;
+    let after = found.after.rmse_heldout_calibrated;
+    let (Some(before), Some(after)) = (before, after) else {
+        return String::new();
+    };
+    if after <= WORSE * before {
+        return String::new();
+    }
+    format!(
+        "; where its gain and lengths are known the error is larger with the effects, {} beside {}",
+        error(after, &found.unit),
+        error_with_unit(before, &found.unit)
+    )
 }
 
 /// What there is to say of the uncertainty that was predicted, behind the sizes of the errors: nothing where it changes as they do.
