@@ -65,7 +65,7 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
     .span("Its own", "own_offset_mm", "own_rmse_nm")
     .note(
         "Held out: effects and sizes found without the actuator (none with one actuator). Its own: by how much the length of the test differs from what was fitted \
-         to all, and the error with that, which no value for all tests can do better than. FVU: share of the variance that is not explained. Tests without a yes take part in no fit.",
+         to all, and the error with that, which no value for all tests can do better than. FVU: share of the variance that is not explained. Tests without a yes take part in no fit; where the owner doubts every test of a joint, these are fitted here by themselves, and in no other fit.",
     );
     for campaign in campaigns {
         for joint in &campaign.diagnoses {
