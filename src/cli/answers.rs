@@ -14,52 +14,56 @@ const NO_BREAK: char = '\u{a0}';
 /// What the lines after the first begin with.
 const INDENT: &str = "  ";
 
-/// The lines of one campaign.
+/// The lines of one campaign: what was found and the errors in any case, of the rest as much as there is room for.
 pub(super) fn lines(found: &CampaignFindings) -> Vec<String> {
     let said = clauses(found);
-    let mut fits = Vec::new();
-    for clause in by_weight(found, &said) {
-        fits.push(clause);
-        if wrapped(&fits.join("; ")).len() > LINES {
-            fits.pop();
+    let errors = said.errors_in_short.clone();
+    let first = first(found, &said, errors.as_deref());
+    // In the order in which they are said; the errors are chosen before all others.
+    let mut chosen = vec![Some(first), None, errors, None, None, None, None];
+    let others = [
+        (1, &said.recording_errors),
+        (3, &said.unexplained),
+        (4, &said.budget_in_short),
+        (5, &said.worth),
+        (6, &said.readings),
+    ];
+    for (place, clause) in others {
+        chosen[place].clone_from(clause);
+        if !fits(&joined(&chosen)) {
+            chosen[place] = None;
         }
     }
-    if fits.is_empty() {
-        fits.push(name::campaign(found));
-    }
-    let lines = wrapped(&(fits.join("; ") + "."));
+    let lines = wrapped(&(joined(&chosen) + "."));
     let printed = lines.into_iter().take(LINES);
     printed.map(|line| line.replace(NO_BREAK, " ")).collect()
 }
 
-/// What there is to say, the weightiest first.
-fn by_weight(found: &CampaignFindings, said: &Clauses) -> Vec<String> {
+fn joined(clauses: &[Option<String>]) -> String {
+    let said: Vec<&str> = clauses.iter().flatten().map(String::as_str).collect();
+    said.join("; ")
+}
+
+fn fits(text: &str) -> bool {
+    wrapped(&format!("{text}.")).len() <= LINES
+}
+
+/// The name of the campaign and what was found, at as great a length as leaves room for the errors.
+fn first(found: &CampaignFindings, said: &Clauses, errors: Option<&str>) -> String {
     let limits = if said.limits {
         " (smallest detectable sizes: tables/detection_limits.csv)"
     } else {
         ""
     };
-    let first = format!("{}: {}{limits}", name::campaign(found), said.found);
-    let in_short = format!(
-        "{}: {}",
-        name::campaign(found),
-        name::verdict(found.verdict)
-    );
-    let first = if wrapped(&first).len() > LINES {
-        in_short
-    } else {
-        first
-    };
-    let rest = [
-        &said.recording_errors,
-        &said.errors,
-        &said.unexplained,
-        &said.budget_in_short,
-        &said.worth,
-        &said.readings,
-    ];
-    let rest = rest.into_iter().flatten().cloned();
-    [first].into_iter().chain(rest).collect()
+    let name = name::campaign(found);
+    let long = format!("{name}: {}{limits}", said.found);
+    let short = format!("{name}: {}", said.found_in_short);
+    let names = format!("{name}: {}", said.found_by_name);
+    let verdict = format!("{name}: {}", name::verdict(found.verdict));
+    let with_errors = |first: &String| joined(&[Some(first.clone()), errors.map(str::to_owned)]);
+    let mut shorter = [long, short, names, verdict].into_iter();
+    let fitting = shorter.find(|first| fits(&with_errors(first)));
+    fitting.unwrap_or(name)
 }
 
 /// A text in lines, parted at blanks.
@@ -109,6 +113,21 @@ mod tests {
             ]
         );
         assert!(lines.iter().all(|l| letters(l) <= WIDTH));
+    }
+
+    #[test]
+    fn the_errors_and_what_is_wrong_with_them_are_said_whatever_was_found() {
+        let mut found = example();
+        let one = found.effects[0].clone();
+        found.effects = vec![one; 4];
+        found.after.log_density_heldout = Some(-5.0);
+        let lines = lines(&found);
+        let text = lines.join(" ").replace("  ", " ");
+        assert!(lines.len() <= LINES && lines.iter().all(|l| letters(l) <= WIDTH));
+        assert!(
+            text.contains("goes from 18.7 to 15.8 N, but its stated uncertainty gets worse"),
+            "{text}"
+        );
     }
 
     #[test]

@@ -2,6 +2,8 @@
 
 use super::Config;
 use crate::base::diagnostics::{Diagnostic, nearest};
+use std::collections::BTreeMap;
+use toml::de::{DeTable, DeValue};
 
 impl Config {
     /// Values that are of the right type and make no sense.
@@ -130,21 +132,96 @@ fn mistake(file: &str, key: &str, found: &str, expected: &str) -> Diagnostic {
     Diagnostic::error(file, found, expected, "see `pipeline config`").in_column(key)
 }
 
+/// The lines of a configuration on which its keys stand, by dotted name.
+pub(super) struct Rows(BTreeMap<String, u64>);
+
+impl Rows {
+    /// Those of a text; none where it is no TOML, which the deserializer says better.
+    pub(super) fn new(text: &str) -> Self {
+        let mut rows = BTreeMap::new();
+        if let Ok(table) = DeTable::parse(text) {
+            Self::add(text, "", table.get_ref(), &mut rows);
+        }
+        Self(rows)
+    }
+
+    fn add(text: &str, path: &str, table: &DeTable, rows: &mut BTreeMap<String, u64>) {
+        for (key, value) in table {
+            let full = dotted(path, key.get_ref());
+            let line = 1 + text[..key.span().start].matches('\n').count() as u64;
+            rows.insert(full.clone(), line);
+            if let DeValue::Table(inner) = value.get_ref() {
+                Self::add(text, &full, inner, rows);
+            }
+        }
+    }
+
+    /// The line of a key, counted from 1; none where it is not in the text.
+    pub(super) fn of(&self, key: &str) -> Option<u64> {
+        self.0.get(key).copied()
+    }
+}
+
+fn dotted(path: &str, key: &str) -> String {
+    if path.is_empty() {
+        key.to_owned()
+    } else {
+        format!("{path}.{key}")
+    }
+}
+
+/// Every value that is not of its option's type: each option is read by itself, beside the defaults of all others. Keys that are no options are
+/// left to [`find_unknown`].
+pub(super) fn wrong_types(
+    file: &str,
+    rows: &Rows,
+    given: &toml::Table,
+    known: &toml::Table,
+) -> Vec<Diagnostic> {
+    let mut wrong = Vec::new();
+    for (section, options) in given
+        .iter()
+        .filter(|(section, _)| known.contains_key(*section))
+    {
+        let known = known[section].as_table();
+        let Some(options) = options.as_table() else {
+            let found = format!("{} `{options}`", options.type_str());
+            let expected = format!("[{section}] on a line of its own, and its options below it");
+            let diagnostic = Diagnostic::error(file, found, expected, "see `pipeline config`");
+            wrong.push(at(diagnostic, rows, section));
+            continue;
+        };
+        let is_option = |key: &str| known.is_some_and(|known| known.contains_key(key));
+        for (key, value) in options.iter().filter(|(key, _)| is_option(key)) {
+            let option = toml::Table::from_iter([(key.clone(), value.clone())]);
+            let alone = toml::Table::from_iter([(section.clone(), option.into())]);
+            if let Err(error) = alone.try_into::<Config>() {
+                let (found, expected) = found_and_expected(error.message());
+                let diagnostic = Diagnostic::error(file, found, expected, "see `pipeline config`");
+                wrong.push(at(diagnostic, rows, &dotted(section, key)));
+            }
+        }
+    }
+    wrong
+}
+
+/// The defect with its key and, where that is in the text, its line.
+fn at(mut diagnostic: Diagnostic, rows: &Rows, key: &str) -> Diagnostic {
+    diagnostic.row = rows.of(key);
+    diagnostic.in_column(key)
+}
+
 /// Every key that is no option, with the nearest that is.
 pub(super) fn find_unknown(
     file: &str,
-    text: &str,
+    rows: &Rows,
     path: &str,
     given: &toml::Table,
     known: &toml::Table,
     unknown: &mut Vec<Diagnostic>,
 ) {
     for (key, value) in given {
-        let full = if path.is_empty() {
-            key.clone()
-        } else {
-            format!("{path}.{key}")
-        };
+        let full = dotted(path, key);
         match (known.get(key), value) {
             (None, _) => {
                 let hint = match nearest(key, known.keys().map(String::as_str)) {
@@ -152,23 +229,12 @@ pub(super) fn find_unknown(
                     None => "see `pipeline config` for all options".to_owned(),
                 };
                 let names: Vec<&str> = known.keys().map(String::as_str).collect();
-                let mut diagnostic = Diagnostic::error(
-                    file,
-                    "an unknown key",
-                    format!("one of {}", names.join(", ")),
-                    hint,
-                )
-                .in_column(full);
-                let line = text.lines().position(|l| {
-                    let l = l.trim_start().trim_start_matches('[');
-                    l.strip_prefix(key.as_str())
-                        .is_some_and(|rest| rest.trim_start().starts_with(['=', ']', '.']))
-                });
-                diagnostic.row = line.map(|l| l as u64 + 1);
-                unknown.push(diagnostic);
+                let expected = format!("one of {}", names.join(", "));
+                let diagnostic = Diagnostic::error(file, "an unknown key", expected, hint);
+                unknown.push(at(diagnostic, rows, &full));
             }
             (Some(toml::Value::Table(known)), toml::Value::Table(given)) => {
-                find_unknown(file, text, &full, given, known, unknown);
+                find_unknown(file, rows, &full, given, known, unknown);
             }
             _ => {}
         }

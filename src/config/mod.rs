@@ -420,7 +420,8 @@ impl Config {
     /// Reads the text of a configuration; messages call it `file`.
     ///
     /// # Errors
-    /// Every unknown key with the nearest known one, or the first value of a wrong type.
+    /// Every unknown key with the nearest known one and every value of a wrong type, or every value that makes no sense; each with its line
+    /// and its key.
     pub fn read(file: &str, text: &str) -> Result<Self> {
         let syntax = |e: toml::de::Error| {
             let row = e
@@ -433,13 +434,18 @@ impl Config {
         };
         let given: toml::Table = toml::from_str(text).map_err(syntax)?;
         let known = toml::Table::try_from(Config::default()).map_err(Error::internal)?;
-        let mut unknown = Vec::new();
-        checks::find_unknown(file, text, "", &given, &known, &mut unknown);
-        if !unknown.is_empty() {
-            return Err(Error::Config(unknown));
+        let place = checks::Rows::new(text);
+        let mut wrong = Vec::new();
+        checks::find_unknown(file, &place, "", &given, &known, &mut wrong);
+        wrong.extend(checks::wrong_types(file, &place, &given, &known));
+        if !wrong.is_empty() {
+            return Err(Error::Config(wrong));
         }
         let config: Config = toml::from_str(text).map_err(syntax)?;
-        let mistakes = config.mistakes(file);
+        let mut mistakes = config.mistakes(file);
+        for mistake in &mut mistakes {
+            mistake.row = mistake.column.as_deref().and_then(|key| place.of(key));
+        }
         if mistakes.is_empty() {
             Ok(config)
         } else {
@@ -532,8 +538,29 @@ mod tests {
             text.contains("found integer `-3`; expected a whole number, zero or more"),
             "{text}"
         );
-        let text = said("[clean]\nbin_s = \"x\"");
-        assert!(text.contains("expected a number"), "{text}");
+        let text = said("[fit]\nseed = 2\n[clean]\nbin_s = \"x\"\n[diagnose]\nseed = 'one'");
+        assert!(
+            text.contains("p.toml:4 [clean.bin_s]: found string \"x\"; expected a number"),
+            "{text}"
+        );
+        assert!(
+            text.contains("p.toml:6 [diagnose.seed]: found string \"one\"; expected a whole number, zero or more"),
+            "{text}"
+        );
+        let text = said("[clean]\npressure_range_kpa = [1, 'x']");
+        assert!(
+            text.contains("p.toml:2 [clean.pressure_range_kpa]"),
+            "{text}"
+        );
+        let text = said("[clean]\nzero = 'first'");
+        assert!(text.contains("p.toml:2 [clean.zero]: found"), "{text}");
+        let text = said("clean = 3");
+        assert!(
+            text.contains("p.toml:1 [clean]: found integer `3`"),
+            "{text}"
+        );
+        let text = said("[clean]\n\nbin_s = -1.0");
+        assert!(text.contains("p.toml:3 [clean.bin_s]: found -1"), "{text}");
         let text = said("[diagnose]\nbase_model = \"hunt2071\"");
         assert!(text.contains("did you mean `hunt2017`?"), "{text}");
     }

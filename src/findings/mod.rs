@@ -358,7 +358,8 @@ pub struct RecordingError {
     pub rms: f64,
     /// The same with the mistake taken back; none where no kind explains it.
     pub rms_corrected: Option<f64>,
-    /// Whether its readings took no part in the rest.
+    /// Whether its readings took no part in the rest. Of a `muscle_length` or `moment_arm` measured by hand it means these lengths or arms alone:
+    /// the torques of the test take part.
     pub set_aside: bool,
 }
 

@@ -68,6 +68,19 @@ impl Rounded {
         }
     }
 
+    /// Its power of ten as people read it, ` × 10⁻⁵`; empty where there is none.
+    pub fn power(&self) -> String {
+        let raised = |c: char| match c {
+            '-' => '⁻',
+            digit => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹']
+                [digit.to_digit(10).unwrap_or(0) as usize],
+        };
+        self.exponent.map_or_else(String::new, |exponent| {
+            let exponent: String = exponent.to_string().chars().map(raised).collect();
+            format!("\u{2009}×\u{2009}10{exponent}")
+        })
+    }
+
     /// A whole number, written out.
     pub fn integer(value: i64) -> Rounded {
         Rounded::parse(&value.to_string(), false)

@@ -47,7 +47,8 @@ impl Renderer for Typst {
             "    set text(number-type: \"lining\", number-width: \"tabular\")".into(),
             "    set block(above: 0.7em, below: 0.7em)".into(),
         ]);
-        let size = size(&printed);
+        let fits = fits(&printed);
+        let size = fits.clamp(SMALLEST, 1.0);
         if size < 1.0 {
             lines.push(format!("    show table: set text(size: {size:.2}em)"));
         }
@@ -61,7 +62,7 @@ impl Renderer for Typst {
             format!("      table.hline(stroke: {HEAVY}),"),
         ]);
         lines.extend(header(&printed));
-        lines.extend(body(&printed, &table.rules));
+        lines.extend(body(&printed, &table.rules, fits >= SMALLEST));
         lines.push(format!("      table.hline(stroke: {HEAVY}),"));
         lines.push("    )".into());
         for note in &table.notes {
@@ -74,9 +75,9 @@ impl Renderer for Typst {
     }
 }
 
-/// The size of the letters that lets the table keep its cells on one line, within reason. An estimate from the number of letters, since
+/// The size of the letters at which the table keeps its cells on one line. An estimate from the number of letters, since
 /// Typst's own measure would lay out every table twice.
-fn size(printed: &PrintedTable) -> f64 {
+fn fits(printed: &PrintedTable) -> f64 {
     let widest = |k: usize| {
         let cells = printed.rows.iter().map(|row| letters(&row[k]));
         let heading = rich_letters(&printed.heads[k].heading);
@@ -85,34 +86,39 @@ fn size(printed: &PrintedTable) -> f64 {
     let columns = printed.heads.len();
     let letters: f64 = (0..columns).map(widest).sum();
     let width = LETTER_EM * letters + GUTTER_EM * columns.saturating_sub(1) as f64;
-    (TEXT_EM / width).clamp(SMALLEST, 1.0)
+    TEXT_EM / width
 }
 
 /// About how many letters wide a cell is.
 fn letters(cell: &Printed) -> f64 {
-    let text = match cell {
-        Printed::Rich(pieces) => return rich_letters(pieces),
-        Printed::Empty => return 0.0,
-        Printed::Undefined => return 1.0,
-        Printed::Text(text) => text.chars().count(),
-        Printed::Number(n) => number(n).chars().count(),
-        Printed::Interval(a, b) => 4 + number(a).chars().count() + number(b).chars().count(),
-        Printed::Flag(_) => 3,
+    match cell {
+        Printed::Rich(pieces) => rich_letters(pieces),
+        Printed::Empty => 0.0,
+        Printed::Undefined => 1.0,
+        Printed::Text(text) => wide(text),
+        Printed::Number(n) => wide(&number(n)),
+        Printed::Interval(a, b) => 4.0 + wide(&number(a)) + wide(&number(b)),
+        Printed::Flag(_) => 3.0,
+    }
+}
+
+/// About how many average letters wide a text is: capitals and digits are wider than small letters.
+fn wide(text: &str) -> f64 {
+    let width = |c: char| match c {
+        c if c.is_uppercase() => 1.4,
+        c if c.is_ascii_digit() => 1.1,
+        _ => 1.0,
     };
-    text as f64
+    text.chars().map(width).sum()
 }
 
 /// Sub- and superscripts are about two thirds as wide.
 fn rich_letters(pieces: &[Piece]) -> f64 {
-    let wide = |p: &Piece| {
-        let letters = p.text.chars().count() as f64;
-        if p.script == Script::Base {
-            letters
-        } else {
-            0.65 * letters
-        }
+    let width = |p: &Piece| match p.script {
+        Script::Base => wide(&p.text),
+        _ => 0.65 * wide(&p.text),
     };
-    pieces.iter().map(wide).sum()
+    pieces.iter().map(width).sum()
 }
 
 fn header(printed: &PrintedTable) -> Vec<String> {
@@ -142,7 +148,7 @@ fn header(printed: &PrintedTable) -> Vec<String> {
     lines
 }
 
-fn body(printed: &PrintedTable, rules: &[usize]) -> Vec<String> {
+fn body(printed: &PrintedTable, rules: &[usize], whole_words: bool) -> Vec<String> {
     let mut lines = Vec::new();
     for (i, row) in printed.rows.iter().enumerate() {
         if rules.contains(&i) {
@@ -150,7 +156,7 @@ fn body(printed: &PrintedTable, rules: &[usize]) -> Vec<String> {
         }
         let cells = row.iter().zip(&printed.heads);
         let cells: Vec<String> = cells
-            .map(|(c, head)| cell(c, head.decimal.map(|(_, fraction)| fraction)))
+            .map(|(c, head)| cell(c, head.decimal.map(|(_, fraction)| fraction), whole_words))
             .collect();
         lines.push(format!("      {},", cells.join(", ")));
     }
@@ -177,13 +183,14 @@ fn label(id: &str) -> String {
     id.chars().map(plain).collect()
 }
 
-/// A cell; in a decimal column padded to `fraction` digits after the point.
-fn cell(cell: &Printed, fraction: Option<usize>) -> String {
+/// A cell; in a decimal column padded to `fraction` digits after the point. Words break at their hyphens where a table is too wide to keep them whole:
+/// else they would run over the next column.
+fn cell(cell: &Printed, fraction: Option<usize>, whole_words: bool) -> String {
     match cell {
         Printed::Empty => "[]".into(),
         Printed::Undefined => quoted("–"),
         // One word, such as an id with hyphens, is not broken over lines.
-        Printed::Text(word) if !word.contains(' ') && word.len() <= LONGEST_WORD => {
+        Printed::Text(word) if whole_words && !word.contains(' ') && word.len() <= LONGEST_WORD => {
             quoted(&word.replace('-', "\u{2011}"))
         }
         Printed::Text(text) => quoted(text),
@@ -212,18 +219,7 @@ fn padded(n: &Rounded, digits: usize) -> String {
 
 fn number(n: &Rounded) -> String {
     let percent = if n.percent { "%" } else { "" };
-    let power = n.exponent.map(power_of_ten).unwrap_or_default();
-    format!("{}{power}{percent}", n.typeset())
-}
-
-fn power_of_ten(exponent: i32) -> String {
-    let raised = |c: char| match c {
-        '-' => '⁻',
-        digit => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹']
-            [digit.to_digit(10).unwrap_or(0) as usize],
-    };
-    let exponent: String = exponent.to_string().chars().map(raised).collect();
-    format!("\u{2009}×\u{2009}10{exponent}")
+    format!("{}{}{percent}", n.typeset(), n.power())
 }
 
 fn rich(pieces: &[Piece]) -> String {
@@ -305,6 +301,13 @@ mod tests {
         let long = document(&table).compile().unwrap();
         assert_eq!((long.pages, long.warnings), (2, vec![]));
         assert_eq!(document(&sample()).compile().unwrap().pages, 1);
+    }
+
+    #[test]
+    fn ids_break_at_hyphens_where_a_table_is_too_wide_for_them() {
+        let id = || Printed::Text("knee-flxpin10-48-t5-rejected".into());
+        assert!(cell(&id(), None, true).contains('\u{2011}'));
+        assert_eq!(cell(&id(), None, false), "\"knee-flxpin10-48-t5-rejected\"");
     }
 
     #[test]

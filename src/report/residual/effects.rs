@@ -8,9 +8,12 @@ use crate::report::wording::number::{
     NONE, equals_probability, error_with_unit, gain, gain_or_none, percent, plain, probability,
     rounded, size, with_unit,
 };
+use crate::report::wording::sentence::plain_number;
 use crate::stages::torque::diagnose::terms::usual;
 use serde::Serialize;
 
+/// The column whose values were shuffled.
+const PLACEBO: &str = "placebo";
 /// Most tested candidates in print; `tested.csv` has all.
 const TESTED: usize = 12;
 
@@ -49,7 +52,9 @@ fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, Stri
         ("RMS on its readings", error_with_unit(e.rms, &found.unit)),
     ];
     if let Some(share) = e.found_in_folds {
-        facts.insert(1, ("found in", format!("{} of the folds", percent(share))));
+        let unit = name::held_out_unit(found);
+        let searches = format!("{} of the searches without a {unit}", percent(share));
+        facts.insert(1, ("found again in", searches));
     }
     if let Some(log_likelihood) = e.log_likelihood_gain {
         facts.insert(1, ("gain in log-likelihood", gain(log_likelihood)));
@@ -93,7 +98,7 @@ pub(super) fn alias_sets(found: &CampaignFindings) -> Vec<AliasRow> {
     // Without likelihoods there is nothing to compare; the block of the effect names the others.
     let with_others = found.effects.iter().filter(|e| !e.in_its_place.is_empty());
     let row = |e: &EffectFinding| AliasRow {
-        effect: name::effect(&e.id),
+        effect: crate::report::wording::sentence::called(e),
         members: e
             .class
             .iter()
@@ -128,20 +133,52 @@ pub(super) struct TestedRow {
 pub(super) fn tested(found: &CampaignFindings) -> Vec<TestedRow> {
     let row = |t: &Tested| TestedRow {
         cells: [
-            if t.is_column {
+            if t.id == PLACEBO {
+                "shuffled column (holds nothing)".to_owned()
+            } else if t.is_column {
                 format!("{} (column)", name::column(&t.id))
             } else {
                 name::effect_with_form(&t.id, &t.form)
             },
             name::acts_on_what(t.acts_on).to_owned(),
             t.amplitude
-                .map_or_else(|| NONE.to_owned(), |a| plain(a, &t.unit)),
+                .map_or_else(|| NONE.to_owned(), |a| amplitude(found, t, a)),
             gain(t.log_likelihood_gain),
             probability(t.p_familywise),
         ],
-        significant: t.p_familywise < SIGNIFICANT,
+        significant: t.p_familywise < SIGNIFICANT && t.id != PLACEBO,
     };
     found.tested.iter().take(TESTED).map(row).collect()
+}
+
+/// The linearised amplitude of a candidate; one that is physically impossible by the bound that it passes.
+fn amplitude(found: &CampaignFindings, t: &Tested, value: f64) -> String {
+    let (low, high) = super::limits::possible(found, &t.id, &t.form);
+    if value > high {
+        format!("beyond {}", plain_number(high, &t.unit))
+    } else if value < low {
+        format!("below {}", plain_number(low, &t.unit))
+    } else {
+        plain(value, &t.unit)
+    }
+}
+
+/// What there is to say of the shuffled column where it is among the candidates in print: it is there to be wrong, and sometimes is. Empty where it
+/// looks like nothing.
+pub(super) fn shuffled(found: &CampaignFindings) -> String {
+    let mut printed = found.tested.iter().take(TESTED);
+    let low = printed.any(|t| t.id == PLACEBO && t.p_familywise < SIGNIFICANT);
+    let taken = found.unexplained.iter().any(|u| u.column == PLACEBO);
+    match (low, taken) {
+        (false, _) => "",
+        (true, false) => {
+            "The shuffled column holds nothing: at the level of 0.05 one such column in twenty comes up by chance, and it is not searched further."
+        }
+        (true, true) => {
+            "The shuffled column holds nothing: at the level of 0.05 one such column in twenty comes up by chance, and so may others here."
+        }
+    }
+    .to_owned()
 }
 
 /// Column, share of the variance, gain, p.
@@ -152,4 +189,32 @@ pub(super) fn unexplained(u: &Unexplained) -> [String; 4] {
         gain_or_none(u.log_likelihood_gain),
         probability(u.p_familywise),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::findings::ActsOn;
+    use crate::report::wording::tests::example;
+
+    #[test]
+    fn a_shuffled_column_with_a_low_p_is_commented_and_not_set_in_bold() {
+        let mut found = example();
+        assert_eq!(shuffled(&found), "");
+        found.tested.insert(
+            0,
+            Tested {
+                id: PLACEBO.into(),
+                is_column: true,
+                form: String::new(),
+                acts_on: ActsOn::All,
+                log_likelihood_gain: 9.1,
+                amplitude: None,
+                unit: "1".into(),
+                p_familywise: 0.04,
+            },
+        );
+        assert!(shuffled(&found).contains("one such column in twenty"));
+        assert!(!tested(&found)[0].significant);
+    }
 }

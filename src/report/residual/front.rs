@@ -1,58 +1,73 @@
 //! What is said first: the answer in sentences, the errors in their three forms, the budget.
 
 use crate::findings::{CampaignFindings, Errors};
+use crate::models;
 use crate::report::wording::name::{self, nouns};
 use crate::report::wording::number::{NONE, error, error_or_none, error_with_unit, percent, unit};
-use crate::report::wording::sentence::{self, clauses, has_effects};
+use crate::report::wording::sentence::{self, Answer, clauses, has_effects};
 use serde::Serialize;
 
-/// The numbers of readings after which the error is shown.
+/// The numbers of readings after which the error is shown; the first page has one of them.
 const GIVEN: [&str; 4] = ["1", "2", "3", "5"];
+const GIVEN_FIRST: &str = "3";
 
-/// The errors of one model of a campaign.
+/// The errors of one campaign before and with the effects: name; unseen, own values known, after three readings. None where nothing was held out.
+pub(super) fn errors(found: &CampaignFindings) -> Option<[String; 4]> {
+    found.before.rmse_heldout?;
+    let after = |e: &Errors| e.rmse_heldout_after.get(GIVEN_FIRST).copied();
+    Some([
+        named(found),
+        change(found, |e| e.rmse_heldout),
+        change(found, |e| e.rmse_heldout_calibrated),
+        change(found, after),
+    ])
+}
+
+/// `17.6 → 10.3`; one number where no effect was found.
+fn change(found: &CampaignFindings, of: impl Fn(&Errors) -> Option<f64>) -> String {
+    let words = |e: &Errors| error_or_none(of(e), &found.unit);
+    if has_effects(found) && of(&found.before).is_some() {
+        format!("{} → {}", words(&found.before), words(&found.after))
+    } else {
+        words(&found.before)
+    }
+}
+
+fn named(found: &CampaignFindings) -> String {
+    format!("{} ({})", name::campaign(found), unit(&found.unit))
+}
+
+/// The errors of one model of a campaign after a few readings of each session.
 #[derive(Serialize)]
-pub(super) struct ErrorRow {
+pub(super) struct AfterRow {
     /// The campaign; empty in its second row.
     campaign: String,
     model: &'static str,
-    /// Unseen, own values known, after 1, 2, 3 and 5 readings.
-    cells: [String; 6],
+    /// After 1, 2, 3 and 5 readings.
+    cells: [String; 4],
 }
 
-/// The rows of a campaign: without effects, and with them where there are any.
-pub(super) fn errors(found: &CampaignFindings) -> Vec<ErrorRow> {
-    let row = |campaign: String, model, errors: &Errors| ErrorRow {
-        campaign,
-        model,
-        cells: cells(errors, &found.unit),
+/// The rows of a campaign: without effects, and with them where there are any; none where nothing is known.
+pub(super) fn after_readings(found: &CampaignFindings) -> Vec<AfterRow> {
+    if found.before.rmse_heldout_after.is_empty() && found.after.rmse_heldout_after.is_empty() {
+        return Vec::new();
+    }
+    let cells = |e: &Errors| {
+        GIVEN.map(|k| error_or_none(e.rmse_heldout_after.get(k).copied(), &found.unit))
     };
-    let campaign = format!("{} ({})", name::campaign(found), unit(&found.unit));
-    let mut rows = vec![row(campaign, "before", &found.before)];
+    let mut rows = vec![AfterRow {
+        campaign: named(found),
+        model: "before",
+        cells: cells(&found.before),
+    }];
     if has_effects(found) {
-        rows.push(row(String::new(), "after", &found.after));
+        rows.push(AfterRow {
+            campaign: String::new(),
+            model: "after",
+            cells: cells(&found.after),
+        });
     }
     rows
-}
-
-fn cells(errors: &Errors, unit: &str) -> [String; 6] {
-    let after = GIVEN.map(|k| errors.rmse_heldout_after.get(k).copied());
-    let [one, two, three, five] = after;
-    let all = [
-        errors.rmse_heldout,
-        errors.rmse_heldout_calibrated,
-        one,
-        two,
-        three,
-        five,
-    ];
-    all.map(|e| error_or_none(e, unit))
-}
-
-/// Whether any error but that on unseen units is known.
-pub(super) fn has_forms(found: &CampaignFindings) -> bool {
-    let known =
-        |e: &Errors| e.rmse_heldout_calibrated.is_some() || !e.rmse_heldout_after.is_empty();
-    known(&found.before) || known(&found.after)
 }
 
 /// The answer, a pointer to the detection limits apart.
@@ -63,13 +78,24 @@ pub(super) struct Said {
     rest: Vec<String>,
 }
 
-pub(super) fn answer(found: &CampaignFindings) -> Said {
-    let told = sentence::told(found);
-    Said {
-        opening: told.opening,
-        limits: told.limits,
-        rest: told.rest,
+impl From<Answer> for Said {
+    fn from(told: Answer) -> Self {
+        Said {
+            opening: told.opening,
+            limits: told.limits,
+            rest: told.rest,
+        }
     }
+}
+
+/// For a section.
+pub(super) fn answer(found: &CampaignFindings) -> Said {
+    sentence::told(found).into()
+}
+
+/// For the first page, of which a table has the errors after three readings.
+pub(super) fn answer_on_first_page(found: &CampaignFindings) -> Said {
+    sentence::told_beside_errors(found).into()
 }
 
 /// A campaign without a section: name and answer.
@@ -83,6 +109,7 @@ pub(super) fn in_short(found: &CampaignFindings) -> [String; 2] {
 /// What was searched, and how errors were made.
 pub(super) fn design(found: &CampaignFindings) -> String {
     let (d, nouns) = (&found.design, nouns(found));
+    let law = base_model(&found.base_model);
     let base = if found.base_refitted {
         "coefficients fitted here"
     } else {
@@ -108,13 +135,24 @@ pub(super) fn design(found: &CampaignFindings) -> String {
         ""
     };
     format!(
-        "Searched: {} in {} of {}{outside}{held}{doubtful}. Base model: {}, {base}. Held out: {}.",
+        "Searched: {} in {} of {}{outside}{held}{doubtful}. Base model: {law}, {base}. Held out: {}.",
         counted(d.readings, "reading", "readings"),
         counted(d.sessions, nouns.setup, nouns.setups),
         counted(d.specimens, nouns.unit, nouns.units),
-        found.base_model,
         name::held_out_by(found)
     )
+}
+
+/// What a base model is called.
+fn base_model(id: &str) -> String {
+    match id {
+        "new" | "new_published" => "the new model".to_owned(),
+        _ => {
+            let mut published = models::published().into_iter();
+            let title = published.find(|m| m.id() == id).map(|m| m.title());
+            name::model_name(id, title.unwrap_or(id)).to_owned()
+        }
+    }
 }
 
 fn counted(n: usize, one: &str, several: &str) -> String {

@@ -6,7 +6,7 @@ use crate::report::wording::name::{self, listed};
 use crate::report::wording::number::{
     NONE, error, error_or_none, gain_or_none, plain, probability, rounded, unit, with_interval,
 };
-use crate::report::wording::sentence::recorded_size;
+use crate::report::wording::sentence::{recorded_size, set_aside};
 
 /// What, of each, how many, standard deviation with interval, declared, gain.
 pub(super) fn scatter(s: &Scatter) -> [String; 6] {
@@ -81,6 +81,8 @@ pub(super) fn recording_error(found: &CampaignFindings, e: &RecordingError) -> [
         recorded_size(e).unwrap_or_else(|| NONE.to_owned()),
         e.p.map_or_else(|| NONE.to_owned(), probability),
         format!("{rms} → {corrected}"),
-        (if e.set_aside { "yes" } else { "no" }).to_owned(),
+        set_aside(e)
+            .unwrap_or(if e.set_aside { "yes" } else { "no" })
+            .to_owned(),
     ]
 }

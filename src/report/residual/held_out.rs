@@ -10,6 +10,8 @@ use crate::report::wording::number::{
 
 /// Log-likelihoods that differ by less tell nothing apart.
 const CLOSE: f64 = 2.0;
+/// An error on unseen units that is at most this share of another is lower.
+const MUCH_LOWER: f64 = 0.98;
 /// Normal quantile of a 95% interval.
 const Z: f64 = 1.96;
 
@@ -169,5 +171,25 @@ pub(super) fn alternatives_sentence(found: &CampaignFindings) -> String {
             );
         }
     }
-    sentence + "."
+    sentence + &lowest_error(found, chosen) + "."
+}
+
+/// Where another alternative than the chosen one has the lowest error on unseen units: which, and the errors of both.
+fn lowest_error(found: &CampaignFindings, chosen: &Alternative) -> String {
+    let known = found.alternatives.iter();
+    let known = known.filter_map(|a| Some((a, a.rmse_heldout?)));
+    let lowest = known.min_by(|a, b| a.1.total_cmp(&b.1));
+    let (Some((other, error_there)), Some(here)) = (lowest, chosen.rmse_heldout) else {
+        return String::new();
+    };
+    if error_there > MUCH_LOWER * here {
+        return String::new();
+    }
+    format!(
+        "; the error on {} is lowest with {}, {} beside {}",
+        name::held_out(found),
+        parts(other),
+        error(error_there, &found.unit),
+        error_with_unit(here, &found.unit)
+    )
 }

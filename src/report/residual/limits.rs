@@ -2,11 +2,14 @@
 
 use crate::effects;
 use crate::findings::{
-    CampaignFindings, DetectionLimit, EffectFinding, NextMeasurement, NotMeasurable, WhyNot,
+    CampaignFindings, DetectionLimit, EffectFinding, NextKind, NextMeasurement, NotMeasurable,
+    WhyNot,
 };
+use crate::report::number::Rounding;
 use crate::report::wording::name;
-use crate::report::wording::number::{percent, plain};
-use crate::report::wording::sentence::{measurement, worth_words};
+use crate::report::wording::number::{error_rounding, error_with_unit, percent, plain};
+use crate::report::wording::sentence::{conditions, measurement, worth_words};
+use crate::stages::torque::diagnose::terms;
 use serde::Serialize;
 
 /// Effect, form, smallest detectable size, identifiable share.
@@ -26,12 +29,29 @@ pub(super) fn limit(l: &DetectionLimit) -> [String; 4] {
 
 /// Largest size that the effect's bounds allow.
 fn largest_possible(l: &DetectionLimit) -> f64 {
-    let forms = effects::index(&l.id).map_or(&[][..], |k| effects::all()[k].forms());
-    let bounds = forms.iter().find(|f| f.name == l.form);
-    bounds.map_or(f64::INFINITY, |f| {
-        let (low, high) = f.amplitude.bounds;
-        low.abs().max(high.abs())
-    })
+    let of_force = bounds_of_force(&l.id, &l.form);
+    of_force.map_or(f64::INFINITY, |(low, high)| low.abs().max(high.abs()))
+}
+
+fn bounds_of_force(id: &str, form: &str) -> Option<(f64, f64)> {
+    let forms = effects::all()[effects::index(id)?].forms();
+    let form = forms.iter().find(|f| f.name == form)?;
+    Some(form.amplitude.bounds)
+}
+
+/// The sizes that are physically possible for an effect's form, about a knee those of the joint's terms; unbounded where nobody says.
+pub(super) fn possible(found: &CampaignFindings, id: &str, form: &str) -> (f64, f64) {
+    let of_joint = || {
+        let mut terms = terms::ALL.iter();
+        terms
+            .find(|t| t.id == id && t.form == form)
+            .map(|t| t.bounds)
+    };
+    let bounds = match found.kind.as_str() {
+        "knee-torque" => of_joint(),
+        _ => bounds_of_force(id, form),
+    };
+    bounds.unwrap_or((f64::NEG_INFINITY, f64::INFINITY))
 }
 
 /// Effects that cannot be shown for one reason.
@@ -75,12 +95,121 @@ fn reason(found: &CampaignFindings, one: &NotMeasurable) -> (String, String) {
     }
 }
 
-/// What to measure, what it is worth; the latter empty where it was not computed.
+/// What to measure, and what stands behind it of its worth; the latter empty where that was not computed.
 pub(super) fn next(found: &CampaignFindings) -> Vec<[String; 2]> {
     let nouns = name::nouns(found);
     let row = |n: &NextMeasurement| {
-        let worth = worth_words(n).unwrap_or_default();
+        let worth = worth_words(n).map_or_else(String::new, |words| format!(" {words}"));
         [name::capitalised(&measurement(n, &nouns)), worth]
     };
-    found.next_measurement.iter().map(row).collect()
+    let all = &found.next_measurement;
+    let mut rows: Vec<[String; 2]> = all
+        .iter()
+        .filter(|n| n.kind != NextKind::SetPoints)
+        .map(row)
+        .collect();
+    rows.extend(set_points(found));
+    rows
+}
+
+/// The further set points in one row: those that are worth something with what each is worth, and what the best are worth together; else that none is.
+fn set_points(found: &CampaignFindings) -> Option<[String; 2]> {
+    let all = || {
+        let all = found.next_measurement.iter();
+        all.filter(|n| n.kind == NextKind::SetPoints)
+    };
+    let is_total = |n: &&NextMeasurement| n.at.contains_key("set_points");
+    let total = all().find(is_total).and_then(|n| n.worth);
+    let single: Vec<(&NextMeasurement, f64)> = all()
+        .filter(|n| !is_total(n))
+        .filter_map(|n| Some((n, n.worth?)))
+        .collect();
+    let unit = &single.first()?.0.unit;
+    let worthy = |worth: f64| worth >= least_worth(found);
+    let good: Vec<&(&NextMeasurement, f64)> = single.iter().filter(|(_, w)| worthy(*w)).collect();
+    let together = total.filter(|total| {
+        let largest = single.iter().map(|(_, w)| *w).fold(0.0, f64::max);
+        *total > largest
+    });
+    if good.is_empty() && !together.is_some_and(worthy) {
+        let nothing = format!(
+            "No further set point on these {} is worth anything",
+            name::nouns(found).units
+        );
+        return Some([nothing, String::new()]);
+    }
+    let points: Vec<String> = if good.is_empty() {
+        single.iter().map(|(n, _)| conditions(n)).collect()
+    } else {
+        let point = |(n, worth): &&(&NextMeasurement, f64)| {
+            format!("{} ({})", conditions(n), error_with_unit(*worth, unit))
+        };
+        good.iter().map(point).collect()
+    };
+    let sum = together.map_or_else(String::new, |total| {
+        format!("; the best together {}", error_with_unit(total, unit))
+    });
+    let plural = if points.len() == 1 { "" } else { "s" };
+    let others = if good.is_empty() {
+        "; none of them is worth anything alone"
+    } else {
+        "; no other set point is worth anything"
+    };
+    Some([
+        format!(
+            "Further set point{plural} on these {}",
+            name::nouns(found).units
+        ),
+        format!(": {}{sum}{others}", points.join("; ")),
+    ])
+}
+
+/// The smallest fall of the expected error that its printed digits show.
+fn least_worth(found: &CampaignFindings) -> f64 {
+    let expected = found.expected_rmse_heldout.unwrap_or(0.0);
+    match error_rounding(expected, &found.unit) {
+        Rounding::Decimals(1) => 0.05,
+        _ => 0.005,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::wording::tests::example;
+
+    fn set_point(eps: f64, worth: f64) -> NextMeasurement {
+        NextMeasurement {
+            kind: NextKind::SetPoints,
+            separates: Vec::new(),
+            at: [("contraction_rel".to_owned(), eps)].into(),
+            worth: Some(worth),
+            unit: "N".into(),
+        }
+    }
+
+    fn said(points: Vec<NextMeasurement>) -> String {
+        let mut found = example();
+        found.expected_rmse_heldout = Some(10.0);
+        found.next_measurement = points;
+        next(&found).concat().concat().replace('\u{a0}', " ")
+    }
+
+    #[test]
+    fn set_points_that_no_printed_digit_shows_are_said_once_to_be_worth_nothing() {
+        let mut best = set_point(5.0, 0.04);
+        best.at = [("set_points".to_owned(), 5.0)].into();
+        assert_eq!(
+            said(vec![best, set_point(0.0, 0.014), set_point(0.25, 0.006)]),
+            "No further set point on these specimens is worth anything"
+        );
+    }
+
+    #[test]
+    fn what_set_points_are_worth_is_said_once_for_each_that_is_worth_something() {
+        assert_eq!(
+            said(vec![set_point(0.0, 0.34), set_point(0.25, 0.01)]),
+            "Further set point on these specimens: ε* = 0.00 (0.34 N); no other set point is worth anything"
+        );
+    }
 }

@@ -54,10 +54,10 @@ struct Data {
     only_simulated: bool,
     /// Those with a section.
     campaigns: Vec<Campaign>,
-    /// The errors of these.
-    errors: Vec<front::ErrorRow>,
-    /// Whether any of these knows another error than that on unseen units.
-    forms: bool,
+    /// The errors of these in three forms.
+    errors: Vec<[String; 4]>,
+    /// Their errors after a few readings.
+    after_readings: Vec<front::AfterRow>,
     /// Those without a section: name, answer.
     others: Vec<[String; 2]>,
     budget: Option<Picture>,
@@ -78,6 +78,8 @@ struct Campaign {
     /// One and several of what is held out, one and several set-ups.
     nouns: [&'static str; 4],
     answer: front::Said,
+    /// The same for the first page.
+    in_brief: front::Said,
     design: String,
     budget: Vec<[String; 4]>,
     expected: String,
@@ -85,6 +87,8 @@ struct Campaign {
     alias_sets: Vec<effects::AliasRow>,
     tested: Vec<effects::TestedRow>,
     tested_in_all: usize,
+    /// A remark on the shuffled column; empty where there is nothing to say.
+    shuffled: String,
     unexplained: Vec<[String; 4]>,
     scatter: Vec<[String; 6]>,
     misfit: String,
@@ -175,9 +179,11 @@ pub fn residual_pdf(
             .map(|(k, (found, f))| campaign(k, found, f))
             .collect(),
         errors: with_section()
-            .flat_map(|(found, _)| front::errors(found))
+            .filter_map(|(found, _)| front::errors(found))
             .collect(),
-        forms: with_section().any(|(found, _)| front::has_forms(found)),
+        after_readings: with_section()
+            .flat_map(|(found, _)| front::after_readings(found))
+            .collect(),
         others: without
             .take(MOST_ROWS_ON_PAGES)
             .map(|e| front::in_short(e.found))
@@ -221,6 +227,7 @@ fn campaign(place: usize, found: &CampaignFindings, figures: &[(Kind, Drawn)]) -
         unit: unit(&found.unit).to_owned(),
         nouns: [nouns.unit, nouns.units, nouns.setup, nouns.setups],
         answer: front::answer(found),
+        in_brief: front::answer_on_first_page(found),
         design: front::design(found),
         budget: front::budget(found),
         expected: front::expected(found),
@@ -232,6 +239,7 @@ fn campaign(place: usize, found: &CampaignFindings, figures: &[(Kind, Drawn)]) -
         alias_sets: effects::alias_sets(found),
         tested: effects::tested(found),
         tested_in_all: found.tested.len(),
+        shuffled: effects::shuffled(found),
         unexplained: found.unexplained.iter().map(effects::unexplained).collect(),
         scatter: found.scatter.iter().map(groups::scatter).collect(),
         misfit: groups::misfit(found),

@@ -33,7 +33,7 @@ const SOURCES: [(&str, &str); 17] = [
     ("session_misfit", "misfit of the session"),
     ("stroke_misfit", "misfit of the stroke"),
     ("test_misfit", "misfit of the test"),
-    ("common_misfit", "common misfit"),
+    ("common_misfit", "misfit of the law"),
     ("estimation", "estimation"),
     ("noise", "noise"),
     ("log_zero", "zero of the log"),
@@ -63,6 +63,9 @@ pub fn effect(id: &str) -> String {
 
 /// What an effect is called, with its form where the effect has several.
 pub fn effect_with_form(id: &str, form: &str) -> String {
+    if (id, form) == ("series_compliance", "loose") {
+        return "loose parts in series with the actuator".to_owned();
+    }
     let only = effects::index(id).map_or(&[][..], |k| effects::all()[k].forms());
     let one = matches!(only, [one] if one.name == form);
     if one || form.is_empty() || form == effect(id) {
@@ -89,7 +92,8 @@ pub fn column(column: &str) -> String {
         "session_order" => "order of the sessions",
         "rest_length_m" => "resting length",
         "zero_unknown" => "unknown zero of the force",
-        "placebo" => "a shuffled column",
+        "placebo" => "shuffled column",
+        "order" => "order of the readings",
         "sense_of_motion" => "sense of motion",
         "predicted_torque" => "predicted torque",
         "origin_bracket_foot" => "foot of the bracket at the origin",
@@ -116,6 +120,7 @@ pub fn scatter(id: &str, level: Level) -> String {
         ("specimen_variation" | "force_gain", Level::Specimen) => "specimen gain",
         ("specimen_variation" | "force_gain", Level::Actuator) => "actuator gain",
         ("specimen_variation" | "force_gain", Level::Campaign) => "campaign gain",
+        ("force_zero_offset", Level::Test | Level::Actuator) => "zero of the torque",
         ("force_zero_offset", _) => "zero of the force",
         ("hand_length_bias", _) => "bias of the length by hand",
         ("hand_arm_bias", _) => "bias of the arm by hand",

@@ -12,8 +12,7 @@ pub fn rounded(value: f64, rounding: Rounding) -> String {
     let Some(rounded) = rounding.round(value) else {
         return NONE.to_owned();
     };
-    let power = rounded.exponent.map(|e| format!("e{e}"));
-    rounded.typeset() + &power.unwrap_or_default()
+    rounded.typeset() + &rounded.power()
 }
 
 /// How an error is rounded, everywhere alike: a tenth of a newton, a hundredth of a newton metre, two decimals below 1 N.
@@ -108,12 +107,23 @@ pub fn plain(value: f64, unit: &str) -> String {
     with_unit(&rounded(value, Rounding::Digits(2)), unit)
 }
 
-/// How a value with an interval is rounded: by the interval where it is bounded, else to three digits.
+/// An interval whose ends have one sign and are further apart than the first factor, though not than the second, is one on a scale of ratios: a time
+/// between 12 and 1,000 s, which the half width would round to 0.
+const RATIOS: [f64; 2] = [20.0, 1e4];
+
+/// How a value with an interval is rounded: by the interval where it is bounded, else to three digits; to two digits where the interval is one of
+/// ratios.
 fn by_interval(low: Option<f64>, high: Option<f64>) -> Rounding {
     match (low, high) {
+        (Some(low), Some(high)) if low > 0.0 && in_ratios(high / low) => Rounding::Digits(2),
         (Some(low), Some(high)) if low < high => Rounding::ByInterval { low, high },
         _ => Rounding::Digits(3),
     }
+}
+
+fn in_ratios(ratio: f64) -> bool {
+    let [least, most] = RATIOS;
+    least < ratio && ratio < most
 }
 
 /// A value as its interval allows, and the interval: `60` and `[57, 63]`. An end that the readings do not bound says so.

@@ -6,7 +6,7 @@ use super::number::{
 };
 use crate::effects;
 use crate::findings::{
-    BudgetEntry, CampaignFindings, EffectFinding, NextKind, NextMeasurement, RecordingError,
+    BudgetEntry, CampaignFindings, EffectFinding, Level, NextKind, NextMeasurement, RecordingError,
     Scatter, Verdict,
 };
 use crate::report::number::Rounding;
@@ -18,8 +18,13 @@ const SOURCES_IN_FULL: usize = 3;
 const SOURCES_IN_SHORT: usize = 2;
 /// A measurement that lowers the expected error by less than this share of it is not worth a sentence; the table has it.
 const WORTH_SAYING: f64 = 0.02;
-/// An error that is more than this share of the one before has not fallen.
+/// An error that is more than this share of the one before has not fallen; one that is more than the other has risen.
 const NO_BETTER: f64 = 0.98;
+const WORSE: f64 = 1.02;
+/// Log predictive densities a reading that differ by less are alike.
+const DENSITIES_ALIKE: f64 = 0.01;
+/// An expected error that is further than this factor from what came out is said to be.
+const FAR_FROM_EXPECTED: f64 = 1.25;
 /// Most members of an alias set, and most recording errors, that a sentence names.
 const MOST_NAMED: usize = 3;
 /// The readings of each set-up of which the answer speaks; beside it the table has the others.
@@ -32,12 +37,18 @@ pub struct Clauses {
     pub recording_errors: Option<String>,
     /// What was found.
     pub found: String,
+    /// The same without what each effect is indistinguishable from.
+    pub found_in_short: String,
+    /// The names of the effects alone.
+    pub found_by_name: String,
     /// Whether "the smallest detectable sizes are in" a table belongs behind what was found.
     pub limits: bool,
     /// What stays without a name beside an effect.
     pub unexplained: Option<String>,
-    /// What the errors on unseen units are, before and after.
+    /// What the errors on unseen units are, before and after, and whether what was predicted of their spread fits better or worse.
     pub errors: Option<String>,
+    /// The same in fewer words, for a line on the terminal and the first page.
+    pub errors_in_short: Option<String>,
     /// What the expected error is made of.
     pub budget: Option<String>,
     /// The same with the largest sources only.
@@ -52,12 +63,15 @@ pub struct Clauses {
 pub fn clauses(found: &CampaignFindings) -> Clauses {
     Clauses {
         recording_errors: recording_errors(&found.recording_errors),
-        found: answer(found),
+        found: answer(found, effect_with_size),
+        found_in_short: answer(found, size_of),
+        found_by_name: answer(found, called),
         limits: found.verdict == Verdict::None && !found.detection_limits.is_empty(),
         unexplained: (found.verdict == Verdict::EffectFound)
             .then(|| beside(found))
             .flatten(),
         errors: errors(found),
+        errors_in_short: errors_in_short(found),
         budget: budget(found, SOURCES_IN_FULL),
         budget_in_short: budget(found, SOURCES_IN_SHORT),
         worth: worth(found),
@@ -66,14 +80,14 @@ pub fn clauses(found: &CampaignFindings) -> Clauses {
 }
 
 /// What was found, without the errors.
-fn answer(found: &CampaignFindings) -> String {
+fn answer(found: &CampaignFindings, of_effect: fn(&EffectFinding) -> String) -> String {
     let weighty: Vec<&EffectFinding> = found.effects.iter().filter(|e| !e.negligible).collect();
     match found.verdict {
         Verdict::NotAssessed => format!("not assessed: {}", name::not_assessed(found)),
         Verdict::None => "no effect detected".to_owned(),
         Verdict::Unexplained => unexplained(found),
         Verdict::EffectFound => {
-            let all: Vec<String> = weighty.into_iter().map(effect_with_size).collect();
+            let all: Vec<String> = weighty.into_iter().map(of_effect).collect();
             all.join("; ")
         }
     }
@@ -81,18 +95,23 @@ fn answer(found: &CampaignFindings) -> String {
 
 /// `threshold pressure of the bladder 60 kPa (indistinguishable from zero of the pressure sensor)`.
 fn effect_with_size(effect: &EffectFinding) -> String {
-    let size = amounts(&effect.parameters).map_or_else(String::new, |amount| format!(" {amount}"));
     let others: Vec<String> = alias_set(effect);
     let alike = match others.len() {
         0 => String::new(),
         n if n <= MOST_NAMED => format!(" (indistinguishable from {})", listed(&others)),
         n => format!(" (indistinguishable from {} other effects)", count(n)),
     };
-    format!("{}{size}{alike}", called(effect))
+    size_of(effect) + &alike
+}
+
+/// `threshold pressure of the bladder 60 kPa`.
+fn size_of(effect: &EffectFinding) -> String {
+    let size = amounts(&effect.parameters).map_or_else(String::new, |amount| format!(" {amount}"));
+    called(effect) + &size
 }
 
 /// What an effect is called; with its form where its size has not the unit by which the effect is known: a compliance in mm.
-fn called(effect: &EffectFinding) -> String {
+pub fn called(effect: &EffectFinding) -> String {
     let known = effects::index(&effect.id).and_then(|k| effects::all()[k].forms().first());
     let unit = effect.parameters.first().map(|p| p.unit.as_str());
     if known.is_some_and(|form| unit.is_some_and(|u| u != form.amplitude.unit)) {
@@ -142,35 +161,149 @@ pub fn has_effects(found: &CampaignFindings) -> bool {
     !found.effects.is_empty()
 }
 
-/// `the error on unseen specimens goes from 18.7 to 15.8 N`.
-fn errors(found: &CampaignFindings) -> Option<String> {
-    let Some(before) = found.before.rmse_heldout else {
-        return untried(found);
+/// How an error or a log predictive density on unseen units has changed with the effects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Change {
+    Better,
+    Alike,
+    Worse,
+}
+
+/// An error before and after, and its change; none where nothing was held out or nothing was put into the model.
+fn error_change(found: &CampaignFindings) -> Option<(f64, f64, Change)> {
+    let (before, after) = (found.before.rmse_heldout?, found.after.rmse_heldout?);
+    let change = if after > WORSE * before {
+        Change::Worse
+    } else if after > NO_BETTER * before {
+        Change::Alike
+    } else {
+        Change::Better
     };
+    has_effects(found).then_some((before, after, change))
+}
+
+/// The same of the log predictive density a reading.
+fn density_change(found: &CampaignFindings) -> Option<(f64, f64, Change)> {
+    let before = found.before.log_density_heldout?;
+    let after = found.after.log_density_heldout?;
+    let change = if after < before - DENSITIES_ALIKE {
+        Change::Worse
+    } else if after > before + DENSITIES_ALIKE {
+        Change::Better
+    } else {
+        Change::Alike
+    };
+    has_effects(found).then_some((before, after, change))
+}
+
+/// `the error on unseen specimens goes from 18.7 to 15.8 N`, and where the uncertainty that was predicted with it fits worse, or better though the
+/// error does not, that too.
+fn errors(found: &CampaignFindings) -> Option<String> {
     let on = name::held_out(found);
-    let after = found.after.rmse_heldout.filter(|_| has_effects(found));
-    Some(match after {
-        Some(after) if after > NO_BETTER * before => format!(
-            "the error on {on} does not fall: {} without, {} with",
-            error(before, &found.unit),
-            error_with_unit(after, &found.unit)
-        ),
-        Some(after) => format!(
-            "the error on {on} goes from {} to {}",
-            error(before, &found.unit),
-            error_with_unit(after, &found.unit)
-        ),
-        None => format!(
+    let Some((before, after, change)) = error_change(found) else {
+        let Some(before) = found.before.rmse_heldout else {
+            return untried(found);
+        };
+        return Some(format!(
             "the error on {on} is {}",
             error_with_unit(before, &found.unit)
+        ));
+    };
+    let (from, to) = (
+        error(before, &found.unit),
+        error_with_unit(after, &found.unit),
+    );
+    let sizes = match change {
+        Change::Better => format!("the error on {on} goes from {from} to {to}"),
+        Change::Alike => {
+            format!("the error on {on} does not fall: {from} without, {to} with the effects")
+        }
+        Change::Worse => format!("the error on {on} rises with the effects, from {from} to {to}"),
+    };
+    Some(sizes + &densities(found, change) + &with_own_values(found))
+}
+
+/// That the effects do harm where the gain and the lengths of the unseen unit are known, if they do.
+fn with_own_values(found: &CampaignFindings) -> String {
+    let before = found.before.rmse_heldout_calibrated;
+    let after = found.after.rmse_heldout_calibrated;
+    let (Some(before), Some(after)) = (before, after) else {
+        return String::new();
+    };
+    if after <= WORSE * before {
+        return String::new();
+    }
+    format!(
+        "; where its gain and lengths are known the error is larger with the effects, {} beside {}",
+        error(after, &found.unit),
+        error_with_unit(before, &found.unit)
+    )
+}
+
+/// What there is to say of the uncertainty that was predicted, behind the sizes of the errors: nothing where it changes as they do.
+fn densities(found: &CampaignFindings, error: Change) -> String {
+    let Some((before, after, density)) = density_change(found) else {
+        return String::new();
+    };
+    let decimals = |x: f64| rounded(x, Rounding::Decimals(2));
+    let numbers = format!(
+        "(log predictive density a reading {} before, {} after)",
+        decimals(before),
+        decimals(after)
+    );
+    match (error, density) {
+        (Change::Better, Change::Worse) => {
+            format!(", but the uncertainty stated with the predictions gets worse {numbers}")
+        }
+        (Change::Alike | Change::Worse, Change::Worse) => format!(
+            ", and the uncertainty stated with the predictions gets worse too {numbers}: the effects describe these {}, and do not help on another",
+            nouns(found).units
         ),
+        (Change::Alike | Change::Worse, Change::Better) => {
+            format!(", but the uncertainty stated with the predictions gets better {numbers}")
+        }
+        _ => String::new(),
+    }
+}
+
+/// `the error on unseen actuators goes from 8.09 to 3.02 N m, but its stated uncertainty gets worse`.
+fn errors_in_short(found: &CampaignFindings) -> Option<String> {
+    let Some((before, after, change)) = error_change(found) else {
+        return errors(found);
+    };
+    let on = name::held_out(found);
+    let (from, to) = (
+        error(before, &found.unit),
+        error_with_unit(after, &found.unit),
+    );
+    let density = density_change(found).map_or(Change::Alike, |(.., change)| change);
+    let worse = density == Change::Worse;
+    Some(match change {
+        Change::Better if worse => {
+            format!(
+                "the error on {on} goes from {from} to {to}, but its stated uncertainty gets worse"
+            )
+        }
+        Change::Better => format!("the error on {on} goes from {from} to {to}"),
+        Change::Alike if worse => {
+            format!(
+                "the error on {on} does not fall ({from} to {to}), its stated uncertainty gets worse"
+            )
+        }
+        Change::Alike => format!("the error on {on} does not fall ({from} to {to})"),
+        Change::Worse if worse => {
+            format!(
+                "the error on {on} rises from {from} to {to}, its stated uncertainty gets worse"
+            )
+        }
+        Change::Worse => format!("the error on {on} rises from {from} to {to}"),
     })
 }
 
-/// `not tried on another actuator: there is none`, of effects that could not be.
+/// `not tried on another actuator, since there is none`, of effects that could not be.
 fn untried(found: &CampaignFindings) -> Option<String> {
     let unit = name::held_out_unit(found);
-    has_effects(found).then(|| format!("not tried on another {unit}: there is none"))
+    has_effects(found).then(|| format!("not tried on another {unit}, since there is none"))
 }
 
 /// The sources that a sentence names, largest first, at most so many and noise; and the root of what the others make together.
@@ -222,9 +355,25 @@ fn budget(found: &CampaignFindings, most: usize) -> Option<String> {
     let total = error_with_unit(found.expected_rmse_heldout?, &found.unit);
     let unit = nouns(found).unit;
     Some(format!(
-        "of the {total} expected on an unseen {unit}, {}",
+        "of the {total} expected on an unseen {unit}{}, {}",
+        came_out(found),
         listed(&all)
     ))
+}
+
+/// ` (78.5 N came out)`, where that is far from what was expected.
+fn came_out(found: &CampaignFindings) -> String {
+    let expected = found.expected_rmse_heldout;
+    let came_out = found.after.rmse_heldout.or(found.before.rmse_heldout);
+    let (Some(expected), Some(came_out)) = (expected, came_out) else {
+        return String::new();
+    };
+    let far = came_out > FAR_FROM_EXPECTED * expected || expected > FAR_FROM_EXPECTED * came_out;
+    if far {
+        format!(" ({} came out)", error_with_unit(came_out, &found.unit))
+    } else {
+        String::new()
+    }
 }
 
 /// ` (0.9 mm)`: the scatter behind a source of error, where it is one random effect.
@@ -296,7 +445,7 @@ pub fn measurement(next: &NextMeasurement, nouns: &Nouns) -> String {
         },
         NextKind::SetPoints => match number("set_points") {
             Some(n) => format!(
-                "the best {} set points more on these {}",
+                "the best {} further set points on these {}",
                 count(n as usize),
                 nouns.units
             ),
@@ -362,7 +511,7 @@ fn condition(key: &str, value: f64) -> String {
 }
 
 /// As many digits as it has, at most three.
-fn plain_number(value: f64, unit: &str) -> String {
+pub fn plain_number(value: f64, unit: &str) -> String {
     let text = (0..3).map(Rounding::Decimals).find(|r| {
         r.round(value)
             .is_some_and(|x| x.ascii().parse() == Ok(value))
@@ -370,7 +519,7 @@ fn plain_number(value: f64, unit: &str) -> String {
     with_unit(&rounded(value, text.unwrap_or(Rounding::Digits(3))), unit)
 }
 
-/// `recording error: session s05 (set length, −10 mm; set aside)`.
+/// `recording error: session s05 (set length, −10 mm; set aside)`; of lengths and arms by hand these alone are set aside.
 fn recording_errors(all: &[RecordingError]) -> Option<String> {
     let mut order: Vec<&RecordingError> = all.iter().collect();
     order.sort_by_key(|e| !e.set_aside);
@@ -388,9 +537,23 @@ fn recording_errors(all: &[RecordingError]) -> Option<String> {
 
 fn recording_error(e: &RecordingError) -> String {
     let size = recorded_size(e).map_or_else(String::new, |s| format!(", {s}"));
-    let aside = if e.set_aside { "; set aside" } else { "" };
+    let aside = match set_aside(e) {
+        _ if !e.set_aside => String::new(),
+        Some(alone) => format!("; {alone} set aside, its torques stay"),
+        None => "; set aside".to_owned(),
+    };
     let kind = name::recording_error(e.kind, e.quantity.as_deref());
     format!("{} {} ({kind}{size}{aside})", name::level(e.level), e.group)
+}
+
+/// What of a group was set aside where that is not all of its readings: lengths or arms that were measured by hand beside its torques.
+pub fn set_aside(e: &RecordingError) -> Option<&'static str> {
+    match e.quantity.as_deref() {
+        _ if !e.set_aside || e.level != Level::Test => None,
+        Some("moment_arm") => Some("its arms alone"),
+        Some("muscle_length") => Some("its lengths alone"),
+        _ => None,
+    }
 }
 
 /// The size of a recording error: a factor, or true less recorded.
@@ -416,7 +579,20 @@ pub struct Answer {
 
 /// What was found with the errors; what they are made of and what would help; recording errors.
 pub fn told(found: &CampaignFindings) -> Answer {
-    let c = clauses(found);
+    said(clauses(found))
+}
+
+/// The same in fewer words, where a table beside it has the errors after a few readings.
+pub fn told_beside_errors(found: &CampaignFindings) -> Answer {
+    let all = clauses(found);
+    said(Clauses {
+        readings: None,
+        errors: all.errors_in_short.clone(),
+        ..all
+    })
+}
+
+fn said(c: Clauses) -> Answer {
     let (beside, apart) = if c.limits {
         (None, c.errors)
     } else {

@@ -40,6 +40,60 @@ fn the_answer_of_the_issue() {
 }
 
 #[test]
+fn an_error_that_rises_and_a_density_that_falls_are_said_in_plain_words() {
+    let mut found = example();
+    let said = |found: &CampaignFindings| clauses(found).errors.unwrap().replace('\u{a0}', " ");
+    found.after.log_density_heldout = Some(-4.5);
+    assert_eq!(
+        said(&found),
+        "the error on unseen specimens goes from 18.7 to 15.8 N, but the uncertainty stated with the predictions gets worse (log predictive density a \
+         reading \u{2212}4.31 before, \u{2212}4.50 after)"
+    );
+    found.after.rmse_heldout = Some(25.0);
+    assert_eq!(
+        said(&found),
+        "the error on unseen specimens rises with the effects, from 18.7 to 25.0 N, and the uncertainty stated with the predictions gets worse too (log \
+         predictive density a reading \u{2212}4.31 before, \u{2212}4.50 after): the effects describe these specimens, and do not help on another"
+    );
+    found.after.log_density_heldout = Some(-4.0);
+    assert!(
+        said(&found)
+            .contains("25.0 N, but the uncertainty stated with the predictions gets better")
+    );
+    found.after.rmse_heldout_calibrated = Some(9.0);
+    found.before.rmse_heldout_calibrated = Some(5.0);
+    assert!(said(&found).ends_with("; where its gain and lengths are known the error is larger with the effects, 9.0 beside 5.0 N"));
+    found.after.rmse_heldout = Some(18.6);
+    assert!(said(&found).starts_with(
+        "the error on unseen specimens does not fall: 18.7 without, 18.6 N with the effects"
+    ));
+}
+
+#[test]
+fn an_expected_error_far_from_what_came_out_says_so() {
+    let mut found = example();
+    found.expected_rmse_heldout = Some(30.0);
+    let said = clauses(&found).budget.unwrap().replace('\u{a0}', " ");
+    assert!(
+        said.starts_with("of the 30.0 N expected on an unseen specimen (15.8 N came out), "),
+        "{said}"
+    );
+}
+
+#[test]
+fn arms_by_hand_are_set_aside_alone() {
+    let mut found = example();
+    let error = &mut found.recording_errors[0];
+    error.level = crate::findings::Level::Test;
+    error.quantity = Some("moment_arm".into());
+    let said = clauses(&found).recording_errors.unwrap();
+    assert!(
+        said.ends_with("; its arms alone set aside, its torques stay)"),
+        "{said}"
+    );
+}
+
+#[test]
 fn nothing_found_points_to_the_detection_limits() {
     let mut none = example();
     none.verdict = Verdict::None;
@@ -138,6 +192,14 @@ fn sizes_share_their_decimals_and_an_open_end_says_so() {
     };
     assert_eq!(size(&open), "C = 7.12 [5.91, unbounded]");
     assert_eq!(cells(open.value, None, None)[1], Cell::Empty);
+    let time = Parameter {
+        name: "tau".into(),
+        value: 15.25,
+        ci_low: Some(7.86),
+        ci_high: Some(2463.0),
+        unit: "s".into(),
+    };
+    assert_eq!(size(&time), "tau = 15 [7.9, 2500]\u{a0}s");
 }
 
 #[test]

@@ -12,8 +12,8 @@ use crate::report::wording::name;
 use crate::report::wording::number::{error, error_with_unit};
 
 /// Height of a campaign's band, of the axis and of the legend, mm.
-const BAND_MM: f64 = 7.0;
-const AXIS_MM: f64 = 12.0;
+const BAND_MM: f64 = 5.0;
+const AXIS_MM: f64 = 11.0;
 const LEGEND_MM: f64 = 9.0;
 /// Half the height of a bar, in bands.
 const HALF: f64 = 0.34;
@@ -40,7 +40,7 @@ const SOURCES: [(&[&str], &str, Ink); 7] = [
             "stroke_misfit",
             "test_misfit",
         ],
-        "misfit of law, session, stroke, test",
+        "misfit",
         Ink::Green,
     ),
     (&["estimation"], "estimation", Ink::Vermilion),
@@ -72,8 +72,7 @@ pub fn figure(all: &[&CampaignFindings]) -> Option<Named> {
     let height = AXIS_MM + LEGEND_MM + BAND_MM * with.len() as f64;
     Some(Named {
         name: "budget".to_owned(),
-        caption: "What the expected squared error on an unseen specimen (actuator) is made of. Lengths of the bars are shares of the variance, \
-                  which add up; the numbers are their roots in the unit of the errors, which do not. Beside each bar: the expected error."
+        caption: "Shares of the squared error expected on an unseen specimen (actuator). The numbers are roots, in N or N m."
             .to_owned(),
         figure: Figure::new("Budget of the expected error", TEXT_MM, height).with(panel),
     })

@@ -8,6 +8,7 @@ use crate::report::plot::{
 };
 use crate::report::wording::name::{self, nouns};
 use crate::report::wording::number::equals_probability;
+use crate::report::wording::sentence::called;
 
 /// Most effects with a row of panels, and most specimens in one, so that the figure fits on a page with its caption.
 const MOST_EFFECTS: usize = 6;
@@ -59,7 +60,16 @@ fn panels(effect: &EffectFinding, unit: &str) -> Vec<Panel> {
 /// Symbol and unit of the amplitude.
 fn amplitude(effect: &EffectFinding) -> String {
     let first = effect.parameters.first();
-    first.map_or_else(String::new, |p| axis_label(&p.name, &p.unit))
+    first.map_or_else(String::new, |p| axis_label(letter(&p.name), &p.unit))
+}
+
+/// A symbol whose name is that of a Greek letter, as this letter.
+fn letter(symbol: &str) -> &str {
+    match symbol {
+        "chi" => "χ",
+        "tau" => "τ",
+        other => other,
+    }
 }
 
 /// The interval of the amplitude, an unbounded end far outside.
@@ -94,7 +104,7 @@ fn profile(effect: &EffectFinding) -> Option<Panel> {
         Axis::new(&amplitude(effect)),
         Axis::new("Δ log-likelihood").fixed(DEEPEST, 0.4),
     )
-    .title(&name::effect(&effect.id))
+    .title(&name::capitalised(&called(effect)))
     .legend(Legend::None);
     for layer in interval(effect).into_iter().chain(estimate(effect)) {
         panel = panel.with(layer);
@@ -124,7 +134,7 @@ fn own_estimates(effect: &EffectFinding, unit: &str) -> Option<Panel> {
         })
         .collect();
     let mut panel = Panel::new(Axis::new(&amplitude(effect)), Axis::categories("", &names))
-        .title(&format!("each {unit} by itself"))
+        .title(&format!("Each {unit} by itself"))
         .legend(Legend::None);
     for layer in interval(effect).into_iter().chain(estimate(effect)) {
         panel = panel.with(layer);
@@ -182,9 +192,15 @@ fn caption(shown: &Shown, fit: usize) -> String {
     } else {
         String::new()
     };
+    let own = match most {
+        0 | 1 => String::new(),
+        _ => format!(
+            ", and the estimate that each {} gives by itself (with 95% intervals; a description and no test)",
+            nouns.unit
+        ),
+    };
     format!(
-        "Profile of the marginal likelihood of each effect, everything else fitted again, and the estimate that each {} gives by itself (with 95% \
-         intervals; a description and no test). Dashed: the estimate from all; shaded: its 95% interval.{free}{cut}{effects_cut}",
-        nouns.unit
+        "Profile of the marginal likelihood of each effect, everything else fitted again{own}. Dashed: the estimate from all; shaded: its 95% \
+         interval.{free}{cut}{effects_cut}"
     )
 }

@@ -43,7 +43,7 @@ pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
     let units: Vec<&UnitErrors> = shown_units.into_iter().rev().map(|k| &units[k]).collect();
     let names = group_names(units.iter().map(|u| &u.unit));
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let label = format!("Held-out RMSE ({})", shown.unit());
+    let label = format!("Error on what was held out ({})", shown.unit());
     let mut panel = Panel::new(
         Axis::new(&label).including(0.0),
         Axis::categories("", &names),

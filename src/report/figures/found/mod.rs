@@ -116,26 +116,42 @@ const FEW_IDS: usize = 3;
 
 /// The ids of groups in the markup of figures, without the beginning that all have in common.
 fn group_names<'a>(ids: impl Iterator<Item = &'a String>) -> Vec<String> {
-    let ids: Vec<&str> = ids.map(String::as_str).collect();
+    let ids: Vec<&str> = without_campaigns(ids.map(String::as_str).collect());
     let common = if ids.len() < FEW_IDS {
         0
     } else {
         common_beginning(&ids)
     };
-    let shown = ids.iter().map(|id| plain(&ending(&id[common..])));
+    let shown = ids
+        .iter()
+        .map(|id| plain(&ending(&id[common..], LONGEST_NAME)));
     shown.collect()
+}
+
+/// The ids of the specimens of a pool without the campaign before each, where they are told apart by what is left.
+fn without_campaigns(ids: Vec<&str>) -> Vec<&str> {
+    let last: Vec<&str> = ids
+        .iter()
+        .map(|id| id.rsplit(' ').next().unwrap_or(id))
+        .collect();
+    let distinct: std::collections::BTreeSet<&&str> = last.iter().collect();
+    if distinct.len() == ids.len() {
+        last
+    } else {
+        ids
+    }
 }
 
 /// Letters of a name that a tick has room for.
 const LONGEST_NAME: usize = 24;
 
 /// A name, its beginning left out where it is long: ids of a campaign differ at their ends.
-fn ending(name: &str) -> String {
+fn ending(name: &str, longest: usize) -> String {
     let letters = name.chars().count();
-    if letters <= LONGEST_NAME {
+    if letters <= longest {
         return name.to_owned();
     }
-    let kept = name.chars().skip(letters + 1 - LONGEST_NAME);
+    let kept = name.chars().skip(letters + 1 - longest);
     ['…'].into_iter().chain(kept).collect()
 }
 
@@ -175,9 +191,12 @@ mod tests {
             ["rig-l112-c00", "rig-l112-c25"]
         );
         assert_eq!(
-            ending("0123456789012345678901234567"),
+            ending("0123456789012345678901234567", LONGEST_NAME),
             "…56789012345678901234567"
         );
+        let pool = ["rig-1 rig-l182", "rig-2 rig-l83", "rig-2 rig-l90"].map(str::to_owned);
+        assert_eq!(group_names(pool.iter()), ["l182", "l83", "l90"]);
+        assert_eq!(without_campaigns(vec!["a x", "b x"]), ["a x", "b x"]);
         assert_eq!(common_beginning(&["a", "b"]), 0);
         assert_eq!(common_beginning(&["é-a", "é-b"]), 3);
     }

@@ -157,6 +157,11 @@ impl Tried<'_> {
         !self.words.is_empty() || ["direction", "session", "log"].contains(&self.name)
     }
 
+    /// Whether it is a column of numbers of the user's own, called as in the log.
+    fn is_of_the_log(&self) -> bool {
+        self.words.is_empty() && label(self.name) == plain(self.name)
+    }
+
     /// The values in the unit of the axis.
     fn shown(&self) -> Vec<f64> {
         if !self.words.is_empty() {
@@ -177,11 +182,7 @@ impl Tried<'_> {
     }
 
     fn axis(&self, (low, high): (f64, f64)) -> Axis {
-        let mut label = label(self.name);
-        // Columns of the user's own are tested in standard deviations from their mean.
-        if label == plain(self.name) && self.words.is_empty() {
-            label.push_str(" (s.d.)");
-        }
+        let label = label(self.name);
         match self.name {
             "direction" => Axis {
                 span: Span::Fixed(-1.6, 1.6),
@@ -214,7 +215,8 @@ pub fn factor(column: &str) -> f64 {
 /// What a column is called on an axis.
 pub fn label(column: &str) -> String {
     let label = match column {
-        "pressure_kpa" => "Pressure (kPa)",
+        "pressure_kpa" | "pressure" => "Pressure (kPa)",
+        "order" => "Place in the test (first 0, last 1)",
         "contraction_rel" => "ε* (–)",
         "force_n" => "Predicted force (N)",
         "direction" => "Direction",
@@ -307,6 +309,14 @@ fn caption(shown: &Shown, rows: &[OneResidual]) -> String {
         1 => String::new(),
         n => format!(" One reading in {n} is drawn, the medians are those of all."),
     };
+    let misfit = match shown.found.kind.as_str() {
+        "knee-torque" => "",
+        _ => "; the errors on unseen specimens have the common misfit in the prediction",
+    };
+    let units = match columns(shown).iter().any(Tried::is_of_the_log) {
+        true => " Columns of the log without a unit here have that of their `session.toml`.",
+        false => "",
+    };
     let own = if rows
         .iter()
         .any(|r| r.values == shown.residuals.conditional.as_slice())
@@ -317,6 +327,6 @@ fn caption(shown: &Shown, rows: &[OneResidual]) -> String {
     };
     format!(
         "Residual (measured minus predicted) of {readings} readings, before and after the effects, against the most telling columns; _p_ is that of the family-wise test of a \
-         smooth dependence, where the column was tested.{own}{drawn}"
+         smooth dependence, where the column was tested. _Before_ and _after_: law and effects alone, without the common misfit and what is each group's own{misfit}.{own}{units}{drawn}"
     )
 }

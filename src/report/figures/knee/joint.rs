@@ -55,7 +55,16 @@ pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
     } else {
         String::new()
     };
-    let columns = if shown.len() > 1 { 2 } else { 1 };
+    let held_out = if joint.curves.iter().any(|b| !b.held_out.is_empty()) {
+        ", also with what was found without the actuator"
+    } else {
+        ""
+    };
+    let columns = match shown.len() {
+        0 | 1 => 1,
+        2..=4 => 2,
+        _ => 3,
+    };
     let rows = shown.len().div_ceil(columns);
     let height = ROW_MM * rows as f64 + LEGEND_MM;
     let panels = shown.iter().map(|c| panel(joint, c));
@@ -69,8 +78,7 @@ pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
     Named {
         name: name(campaign, joint),
         caption: format!(
-            "{simulated}{}, {} mm: measured torque (marks, one kind a test; crosses take no part), the rigid leg, the leg with what was found, and with what is found \
-             without the actuator where whole actuators are held out.{others}",
+            "{simulated}{}, {} mm: measured torque (marks, one kind a test; crosses take no part), the rigid leg and the leg with what was found{held_out}.{others}",
             configuration::capitalised(part),
             found.diameter_mm
         ),

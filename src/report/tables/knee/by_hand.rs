@@ -38,16 +38,16 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
         if id == "rigid" {
             columns.push(Column::number("n", "\\v{n}", ""));
         }
-        columns.push(Column::number(&format!("{id}_rmse_nm"), heading, "N.m"));
-        columns.push(Column::number(&format!("{id}_max_nm"), "max.", "N.m"));
+        columns.push(Column::number(&format!("{id}_rmse_nm"), heading, ""));
+        columns.push(Column::number(&format!("{id}_max_nm"), "max.", ""));
     }
     let mut table = Table::new(
         "knee_by_hand",
         "What the measurers reached by hand, and the loop on actuators of the same length",
         columns,
     )
-    .span("Measurers", "their_rigid_rmse_nm", "theirs_max_nm")
-    .span("Here", "n", "held_out_max_nm")
+    .span("Measurers (N m)", "their_rigid_rmse_nm", "theirs_max_nm")
+    .span("Here (N m)", "n", "held_out_max_nm")
     .note(
         "RMSE and largest size of the error. The measurers fitted by hand over years, with a law of force of their own and tests that they do not name, \
          so that their rigid leg has other errors than this one. Here every test of the actuator that is not excluded counts; held out means that neither effects nor sizes know the actuator.",

@@ -25,8 +25,8 @@ const PREDICTED: [(&str, &str, &[&str]); 4] = [
     ("held_out", "held out", &["rmse_nm", "max_nm"]),
     ("from_largest", "largest", &[]),
 ];
-/// Statistics: name in files, unit.
-const STATISTICS: [(&str, &str); 3] = [("rmse_nm", "N.m"), ("fvu", ""), ("max_nm", "N.m")];
+/// Statistics: name in files. Their units stand in the headings over several columns.
+const STATISTICS: [&str; 3] = ["rmse_nm", "fvu", "max_nm"];
 
 fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
     let machines = |c: Column| c.seen_by(Audience::Machines);
@@ -41,9 +41,9 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
         machines(Column::text("verdict", "Verdict")),
         Column::number("n", "\\v{n}", ""),
     ];
-    for (statistic, unit) in STATISTICS {
+    for statistic in STATISTICS {
         for (id, heading, shown) in PREDICTED {
-            let column = Column::number(&format!("{id}_{statistic}"), heading, unit);
+            let column = Column::number(&format!("{id}_{statistic}"), heading, "");
             let seen = shown.contains(&statistic);
             columns.push(if seen { column } else { machines(column) });
         }
@@ -59,13 +59,13 @@ fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
         "Errors of torque, rigid and with the effects that the loop found",
         columns,
     )
-    .span("RMSE", "rigid_rmse_nm", "held_out_rmse_nm")
+    .span("RMSE (N m)", "rigid_rmse_nm", "held_out_rmse_nm")
     .span("FVU", "rigid_fvu", "fitted_fvu")
-    .span("Largest error", "rigid_max_nm", "held_out_max_nm")
+    .span("Largest error (N m)", "rigid_max_nm", "held_out_max_nm")
     .span("Its own", "own_offset_mm", "own_rmse_nm")
     .note(
         "Held out: effects and sizes found without the actuator (none with one actuator). Its own: by how much the length of the test differs from what was fitted \
-         to all, and the error with that, which no value for all tests can do better than. FVU: share of the variance that is not explained. Tests without a yes take part in no fit.",
+         to all, and the error with that, which no value for all tests can do better than. FVU: share of the variance that is not explained. Tests without a yes take part in no fit; where the owner doubts every test of a joint, these are fitted here by themselves, and in no other fit.",
     );
     for campaign in campaigns {
         for joint in &campaign.diagnoses {
