@@ -170,7 +170,14 @@ impl<'a> Plain<'a> {
         let known = self.scales.iter().filter(|s| s.prior.is_estimated());
         let inverse = bordered(&plain.inverse, known.count(), 2.0 / wider.columns as f64);
         let from = self.with(&plain.variances, wider.start);
-        self.maximise(wider, &wider.scales, gram, &from, effort, inverse.as_deref())
+        self.maximise(
+            wider,
+            &wider.scales,
+            gram,
+            &from,
+            effort,
+            inverse.as_deref(),
+        )
     }
 
     fn maximise(
@@ -222,7 +229,10 @@ impl<'a> Plain<'a> {
 
     fn largest_of_draw(&self, asked: &[&Wider], normal: &mut dyn FnMut() -> f64) -> f64 {
         let y = draw(self.model, &self.maximum.variances, normal);
-        let gram = self.model.design.with_response_of(&self.model.gram, &[], &y);
+        let gram = self
+            .model
+            .design
+            .with_response_of(&self.model.gram, &[], &y);
         let plain = self
             .setting
             .maximiser(&self.scales, Likelihood::Restricted)
