@@ -42,15 +42,19 @@ pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
     for panel in rows.into_iter().take(fit).flatten() {
         figure = figure.with(panel);
     }
-    // Below the rows, as many as the page holds.
-    let free = effects.iter().copied().filter_map(free_form);
+    // Below the rows, as many as the page holds, those whose size changes first.
+    let is_asked = |differs: bool| {
+        let asked = effects.iter().copied();
+        asked.filter(move |e| e.free_form.as_ref().is_some_and(|f| f.differs == differs))
+    };
+    let free = is_asked(true).chain(is_asked(false)).filter_map(free_form);
     let free: Vec<Panel> = free.take(columns * (fit - shown_rows)).collect();
-    let has_free = !free.is_empty();
+    let drawn = free.len();
     for panel in free {
         figure = figure.with(panel);
     }
     figure.height_mm = 2.0 + height * figure.panels.len().div_ceil(columns) as f64;
-    Some((caption(shown, fit, has_free), figure))
+    Some((caption(shown, fit, drawn), figure))
 }
 
 fn panels(effect: &EffectFinding, unit: &str) -> Vec<Panel> {
@@ -170,13 +174,23 @@ fn free_form(effect: &EffectFinding) -> Option<Panel> {
     )))
 }
 
-fn caption(shown: &Shown, fit: usize, has_free: bool) -> String {
+fn caption(shown: &Shown, fit: usize, drawn: usize) -> String {
     let nouns = nouns(shown.found);
     let effects = &shown.found.effects;
-    let free = if has_free {
-        " Below: the size as a smooth function of the effect's own argument, with its 95% band, and \\v{p} of such a change where one size is enough."
-    } else {
-        ""
+    let asked = effects.iter().filter(|e| e.free_form.is_some()).count();
+    let free = match drawn {
+        0 => String::new(),
+        _ => {
+            let which = if drawn < asked {
+                format!(", {drawn} of {asked}")
+            } else {
+                String::new()
+            };
+            format!(
+                " Below{which}: the size as a smooth function of the effect's own argument, with its 95% band, and \\v{{p}} of such a change where one \
+                 size is enough."
+            )
+        }
     };
     let most = effects
         .iter()
