@@ -10,7 +10,8 @@
 //! model too, so that a curve that doubles the size is right to the second order only; the test is made at the plain form, where they hold.
 //!
 //! Where many readings stand near the corner to slackness the linear model is not right by itself, and a constant size is called different too
-//! often: half of sharp thresholds of 150 kPa, one in ten of 36 to 70 kPa. Leaving the readings out that do not pull made it worse.
+//! often: half of sharp thresholds of 150 kPa, one in ten of 36 to 70 kPa. Leaving out the readings that do not pull is no way out: of 23 constant
+//! zeros of the pressure 8 were then called different instead of 3.
 //!
 //! What a bent form does to the force, a misfit of the law may do as well. The model with g has the misfits too, and all variances are
 //! estimated again: only what is too large or too much of one shape for the law's misfit tells that the form differs.
