@@ -2,7 +2,7 @@
 //!
 //! Above the threshold this is a zero error of the pressure sensor; only readings below it tell the two apart.
 
-use super::{Conditions, Effect, Form, Link, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Link, Parameter, Place};
 use crate::numerics::real::Real;
 
 /// P -> max(0, P - P_th).
@@ -37,6 +37,9 @@ impl Effect for BladderThreshold {
     }
     fn source(&self) -> &'static str {
         "Chou and Hannaford, IEEE Trans. Robot. Autom. 12 (1996) 90 (threshold pressure of the bladder)"
+    }
+    fn argument(&self, _form: usize) -> Option<Argument> {
+        Some(Argument::Pressure)
     }
 }
 

@@ -1,6 +1,6 @@
 //! A fresh actuator softens over its first cycles (Mullins effect), or wears.
 
-use super::{Conditions, Effect, Form, Link, Need, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place};
 use crate::numerics::real::Real;
 
 /// F (1 - k (1 - exp(-N/N_0))), N cycles done.
@@ -43,6 +43,9 @@ impl Effect for Conditioning {
     }
     fn source(&self) -> &'static str {
         "Mullins, Rubber Chem. Technol. 42 (1969) 339; Klute and Hannaford, IROS 1998 (fatigue of McKibben actuators)"
+    }
+    fn argument(&self, _form: usize) -> Option<Argument> {
+        Some(Argument::Cycles)
     }
 }
 

@@ -40,6 +40,94 @@ impl Need {
     }
 }
 
+/// Along what the size of an effect may change: the quantity in which its equation could be bent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Argument {
+    /// The force, as predicted.
+    Force,
+    /// The pressure.
+    Pressure,
+    /// (l_rest - l)/l_rest.
+    Contraction,
+    /// The resting length.
+    RestLength,
+    /// Time since the last step of pressure or length.
+    SinceStep,
+    /// Time in the log.
+    LogTime,
+    /// Place of the session in time.
+    CampaignTime,
+    /// Cycles done.
+    Cycles,
+    /// Temperature less the campaign's mean.
+    Temperature,
+    /// Rate of the pressure.
+    Rate,
+}
+
+impl Argument {
+    /// Name in files.
+    pub fn id(self) -> &'static str {
+        match self {
+            Argument::Force => "force_n",
+            Argument::Pressure => "pressure_kpa",
+            Argument::Contraction => "contraction_rel",
+            Argument::RestLength => "rest_length_m",
+            Argument::SinceStep => "since_step_s",
+            Argument::LogTime => "time_s",
+            Argument::CampaignTime => "session_order",
+            Argument::Cycles => "cycles",
+            Argument::Temperature => "temperature_less_mean",
+            Argument::Rate => "pressure_rate",
+        }
+    }
+
+    /// Unit.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Argument::Force => "N",
+            Argument::Pressure => "kPa",
+            Argument::RestLength => "m",
+            Argument::SinceStep | Argument::LogTime => "s",
+            Argument::Temperature => "K",
+            Argument::Rate => "kPa/s",
+            Argument::Contraction | Argument::CampaignTime | Argument::Cycles => "1",
+        }
+    }
+
+    /// Its value at a reading with this force.
+    pub fn of(self, at: &Conditions, force_n: f64) -> f64 {
+        match self {
+            Argument::Force => force_n,
+            Argument::Pressure => at.pressure_kpa,
+            Argument::Contraction => (at.rest_length_m - at.length_m) / at.rest_length_m,
+            Argument::RestLength => at.rest_length_m,
+            Argument::SinceStep => at.since_step_s,
+            Argument::LogTime => at.log_time_s,
+            Argument::CampaignTime => at.campaign_time,
+            Argument::Cycles => at.cycles,
+            Argument::Temperature => at.temperature_c,
+            Argument::Rate => at.rate_kpa_per_s,
+        }
+    }
+
+    /// The scale on which effects change evenly along it: times and cycles run over decades, from 0.
+    pub fn scaled(self, x: f64) -> f64 {
+        match self {
+            Argument::SinceStep | Argument::Cycles => libm::log1p(x.max(0.0)),
+            _ => x,
+        }
+    }
+
+    /// Back from [`Self::scaled`].
+    pub fn unscaled(self, x: f64) -> f64 {
+        match self {
+            Argument::SinceStep | Argument::Cycles => libm::expm1(x),
+            _ => x,
+        }
+    }
+}
+
 /// One reading. A quantity that is not known is 0, so that its effects leave no trace.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conditions {

@@ -1,6 +1,6 @@
 //! After a step of pressure or length the force goes on changing: bladder and braid creep.
 
-use super::{Conditions, Effect, Form, Link, Need, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place};
 use crate::numerics::real::Real;
 
 /// F (1 + k ln(1 + t/tau)), t since the last step.
@@ -54,6 +54,9 @@ impl Effect for Creep {
     }
     fn source(&self) -> &'static str {
         "Minh et al., Mechatronics 20 (2010) 402 (creep of McKibben actuators); Findley et al., Creep and Relaxation (1976)"
+    }
+    fn argument(&self, _form: usize) -> Option<Argument> {
+        Some(Argument::SinceStep)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The load cell's zero drifts, within a log or along the campaign.
 
-use super::{Conditions, Effect, Form, Link, Need, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place};
 use crate::numerics::real::Real;
 
 /// F_meas = F + d t.
@@ -50,6 +50,12 @@ impl Effect for ForceDrift {
     }
     fn source(&self) -> &'static str {
         "JCGM 200:2012, 4.21 (instrumental drift)"
+    }
+    fn argument(&self, form: usize) -> Option<Argument> {
+        Some(match form {
+            0 => Argument::LogTime,
+            _ => Argument::CampaignTime,
+        })
     }
 }
 

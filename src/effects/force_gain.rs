@@ -3,7 +3,7 @@
 //! A gain common to all readings is taken up by b1 of the base model; it shows against a model whose coefficients are held. A gain
 //! that differs between sessions shows always, and one that differs between specimens cannot be told from their strengths.
 
-use super::{Conditions, Effect, Form, Grouping, Link, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place};
 use crate::numerics::real::Real;
 
 /// F_meas = g F.
@@ -41,6 +41,9 @@ impl Effect for ForceGain {
     }
     fn source(&self) -> &'static str {
         "JCGM 200:2012, 4.12 (sensitivity of a measuring system)"
+    }
+    fn argument(&self, _form: usize) -> Option<Argument> {
+        Some(Argument::Force)
     }
 }
 

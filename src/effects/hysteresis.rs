@@ -2,7 +2,7 @@
 //!
 //! Every amplitude is half of the loop, positive where the force is higher while venting, as friction makes it at a held length.
 
-use super::{Conditions, Effect, Form, Link, Need, Parameter, Place, within_tension};
+use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place, within_tension};
 use crate::models::P_620_KPA;
 use crate::numerics::real::Real;
 
@@ -90,6 +90,9 @@ impl Effect for Hysteresis {
     }
     fn source(&self) -> &'static str {
         "Chou and Hannaford 1996 (Coulomb friction of the braid); Vo-Minh et al., IEEE/ASME Trans. Mechatron. 16 (2011) 177"
+    }
+    fn argument(&self, _form: usize) -> Option<Argument> {
+        Some(Argument::Pressure)
     }
 }
 

@@ -3,7 +3,7 @@
 //! With d_r in place of d the error is in l_rest: the contraction (l_rest + d_r - l)/(l_rest + d_r) then changes nearly as by a length
 //! that is too short by d_r, so the two belong to one effect.
 
-use super::{Conditions, Effect, Form, Grouping, Link, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place};
 use crate::numerics::real::Real;
 
 /// l_m = l_nominal + d.
@@ -41,6 +41,9 @@ impl Effect for LengthOffset {
     }
     fn source(&self) -> &'static str {
         "knee paper, section on the actuator's length (end fittings)"
+    }
+    fn argument(&self, _form: usize) -> Option<Argument> {
+        Some(Argument::Contraction)
     }
 }
 

@@ -3,7 +3,7 @@
 //! At first order in phi there is no trace, so the search looks for it near 10 degrees. It is a gain below one: an angle common to all
 //! readings hides in b1, one of a session or specimen is told from a gain by its sign alone.
 
-use super::{Conditions, Effect, Form, Grouping, Link, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place};
 use crate::numerics::real::Real;
 
 /// F_meas = F cos(phi).
@@ -41,6 +41,9 @@ impl Effect for Misalignment {
     }
     fn source(&self) -> &'static str {
         "knee paper, section on the load cell's direction"
+    }
+    fn argument(&self, _form: usize) -> Option<Argument> {
+        Some(Argument::Force)
     }
     fn near(&self) -> f64 {
         10.0

@@ -23,7 +23,7 @@ mod conditions;
 mod tests;
 
 pub use chain::{Actuator, Applied, force, scale};
-pub use conditions::{Conditions, Need};
+pub use conditions::{Argument, Conditions, Need};
 
 use crate::numerics::real::Real;
 
@@ -98,6 +98,10 @@ pub trait Effect: Sync {
     /// Value of the amplitude near which its trace is taken; other than 0 only where the trace vanishes to first order at 0.
     fn near(&self) -> f64 {
         0.0
+    }
+    /// Along what the size of a form may change, so that one number would not be enough for it.
+    fn argument(&self, _form: usize) -> Option<Argument> {
+        None
     }
 }
 

@@ -3,7 +3,7 @@
 //! A gain common to all readings is taken up by b1 and c0 of the base model (F* is linear in P* but for the relaxation, and both scale);
 //! a gain that differs between sessions is not.
 
-use super::{Conditions, Effect, Form, Grouping, Link, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place};
 use crate::numerics::real::Real;
 
 /// P = g P_meas.
@@ -41,6 +41,9 @@ impl Effect for PressureGain {
     }
     fn source(&self) -> &'static str {
         "JCGM 200:2012, 4.12 (sensitivity of a measuring system)"
+    }
+    fn argument(&self, _form: usize) -> Option<Argument> {
+        Some(Argument::Pressure)
     }
 }
 

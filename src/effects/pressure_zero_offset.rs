@@ -1,6 +1,6 @@
 //! The pressure sensor shows something at no pressure.
 
-use super::{Conditions, Effect, Form, Grouping, Link, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place};
 use crate::numerics::real::Real;
 
 /// P = P_meas - p.
@@ -38,6 +38,9 @@ impl Effect for PressureZeroOffset {
     }
     fn source(&self) -> &'static str {
         "JCGM 200:2012, 4.28 (zero error)"
+    }
+    fn argument(&self, _form: usize) -> Option<Argument> {
+        Some(Argument::Pressure)
     }
 }
 

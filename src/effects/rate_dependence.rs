@@ -1,6 +1,6 @@
 //! The force follows the rate of the pressure: flow through the inlet, viscosity of the bladder.
 
-use super::{Conditions, Effect, Form, Link, Need, Parameter, Place, within_tension};
+use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place, within_tension};
 use crate::numerics::real::Real;
 
 /// F_meas = F - r dP/dt.
@@ -35,6 +35,9 @@ impl Effect for RateDependence {
     }
     fn source(&self) -> &'static str {
         "Tondu and Lopez, IEEE Control Syst. Mag. 20 (2000) 15 (dynamic friction)"
+    }
+    fn argument(&self, _form: usize) -> Option<Argument> {
+        Some(Argument::Rate)
     }
 }
 

@@ -3,7 +3,7 @@
 //! Both forms have the slope k at the middle resting length: a straight line, and the first terms of an arc tangent for long
 //! actuators, atan(b x) = pi/2 - 1/(b x) (force paper, Eqs. 5 and 6).
 
-use super::{Conditions, Effect, Form, Link, Need, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place};
 use crate::numerics::real::Real;
 
 /// F_620 grows with l_rest.
@@ -50,6 +50,9 @@ impl Effect for RestLengthScaling {
     }
     fn source(&self) -> &'static str {
         "force paper, Eqs. 5 and 6"
+    }
+    fn argument(&self, _form: usize) -> Option<Argument> {
+        Some(Argument::RestLength)
     }
 }
 

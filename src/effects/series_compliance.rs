@@ -1,6 +1,6 @@
 //! The frame, a bracket or a tendon yields, so that the actuator is shorter than the set-up says, the more so the harder it pulls.
 
-use super::{Conditions, Effect, Form, Link, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Link, Parameter, Place};
 use crate::numerics::real::Real;
 
 /// l_m = l_nominal - C F.
@@ -35,6 +35,9 @@ impl Effect for SeriesCompliance {
     }
     fn source(&self) -> &'static str {
         "knee paper, section on the compliance of brackets and tendon"
+    }
+    fn argument(&self, _form: usize) -> Option<Argument> {
+        Some(Argument::Force)
     }
 }
 

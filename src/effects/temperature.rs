@@ -1,6 +1,6 @@
 //! The force, or the load cell, depends on temperature.
 
-use super::{Conditions, Effect, Form, Link, Need, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place};
 use crate::numerics::real::Real;
 
 /// F_meas = F (1 + k (T - T_ref)), with T_ref the campaign's mean.
@@ -54,6 +54,9 @@ impl Effect for Temperature {
     }
     fn source(&self) -> &'static str {
         "JCGM 200:2012, 2.52 (influence quantity)"
+    }
+    fn argument(&self, _form: usize) -> Option<Argument> {
+        Some(Argument::Temperature)
     }
 }
 

@@ -193,3 +193,33 @@ fn the_order_of_the_list_does_not_matter() {
         assert!((shown(&list, &at) - expected).abs() < 1e-9);
     }
 }
+
+#[test]
+fn arguments_are_known_where_their_form_is_and_scales_turn_back() {
+    for effect in all() {
+        for (k, form) in effect.forms().iter().enumerate() {
+            let Some(argument) = effect.argument(k) else {
+                continue;
+            };
+            let needed = match argument {
+                Argument::SinceStep => Some(Need::SinceStep),
+                Argument::LogTime => Some(Need::LogTime),
+                Argument::CampaignTime => Some(Need::CampaignTime),
+                Argument::Cycles => Some(Need::Cycles),
+                Argument::Temperature => Some(Need::Temperature),
+                Argument::Rate => Some(Need::Rate),
+                Argument::RestLength => Some(Need::RestLengths),
+                Argument::Force | Argument::Pressure | Argument::Contraction => None,
+            };
+            assert!(
+                needed.is_none_or(|n| form.needs.contains(&n)),
+                "{}",
+                effect.id()
+            );
+            for x in [0.0, 0.3, 40.0, 2e4] {
+                let back = argument.unscaled(argument.scaled(x));
+                assert!((back - x).abs() < 1e-9 * (1.0 + x), "{}", effect.id());
+            }
+        }
+    }
+}

@@ -178,7 +178,7 @@ pub struct EffectFinding {
     pub from: Option<String>,
     /// Its numbers, amplitude first.
     pub parameters: Vec<Parameter>,
-    /// Name of the form: "linear", "constant", "stiffening", …; "free" where a smooth function of its argument does better.
+    /// Name of the form: "linear", "constant", …
     pub form: String,
     /// Equation of the form.
     pub equation: String,
@@ -196,7 +196,7 @@ pub struct EffectFinding {
     pub by_specimen: BTreeMap<String, Estimate>,
     /// Profile of the marginal likelihood: amplitude, log-likelihood less its largest.
     pub profile: Vec<(f64, f64)>,
-    /// The smooth function in place of the plain form, where it was tested: argument, value.
+    /// Whether one number is enough for its size; none where it has no argument of its own, or where that hardly varies.
     pub free_form: Option<FreeForm>,
     /// Likelihood of each member of the class in its place: id, log-likelihood less that of the effect.
     pub in_its_place: Vec<(String, f64)>,
@@ -218,14 +218,31 @@ pub struct Estimate {
 /// The amplitude of an effect as a smooth function of its own argument.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FreeForm {
-    /// The argument: "force", "pressure".
+    /// The argument: "force_n", "pressure_kpa", …
     pub argument: String,
     /// Its unit.
     pub unit: String,
-    /// Probability of as large a departure from the plain form.
+    /// Gain in restricted log-likelihood over one number for all readings.
+    pub log_likelihood_gain: f64,
+    /// Probability, where one number is right for all effects of the campaign, of as large a gain of any of them.
     pub p: f64,
-    /// The function: argument, value in the amplitude's unit.
-    pub curve: Vec<(f64, f64)>,
+    /// Whether `p` is below the level of the loop: the size changes along the argument.
+    pub differs: bool,
+    /// The amplitude over the range of the argument.
+    pub curve: Vec<FormPoint>,
+}
+
+/// The amplitude of an effect at one value of its argument.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FormPoint {
+    /// The argument.
+    pub at: f64,
+    /// The amplitude, in the unit of the first parameter.
+    pub amplitude: f64,
+    /// Lower end of its 95% interval.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
 }
 
 /// A parameter with its 95% interval; an end that is `null` is unbounded.

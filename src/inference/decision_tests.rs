@@ -6,6 +6,7 @@
 //! A term along a unit vector u within groups therefore has the likelihood ratio (u'y)^2, the estimate u'y and the standard error 1.
 
 use crate::fit::{Fitted, Setting};
+use crate::form::{Answer, Bootstrap, GRID, answers};
 use crate::heldout::Unseen;
 use crate::problem::{Coefficient, Component, Direction, Linearised, Point, Problem, Term};
 use crate::profile::{Profile, profile};
@@ -981,5 +982,102 @@ fn only_what_calibrates_shortens_the_calibrated_errors() {
         unseen(calibrates, |unseen, node| {
             shortened(&unseen.errors_calibrated(node), by);
         });
+    }
+}
+
+/// What further columns gain; in draws of its own the response is `own`.
+fn further(observed: Coordinates, sets: &[&[Coordinates]], own: &Normal) -> Vec<Option<Answer>> {
+    let problem = line(observed, &[]);
+    let setting = Setting::new(&problem);
+    let sets: Vec<Vec<Vec<f64>>> = sets
+        .iter()
+        .map(|set| set.iter().map(|c| along(c)).collect())
+        .collect();
+    let bootstrap = Bootstrap {
+        level: 0.05,
+        draws: 19,
+    };
+    answers(&setting, &null(&setting), &sets, bootstrap, own)
+}
+
+#[test]
+fn further_columns_gain_from_the_mean_square_of_what_they_explain() {
+    // Two unit columns within groups with z = (a, b) and r = (a^2 + b^2)/2: the log-likelihood of tau is r t/(1 + t) - log(1 + t), t = tau^2, at
+    // its largest where 1 + t = r, and there r - 1 - log r; nothing from r = 1 downwards. Their size is that of their standard deviation only.
+    let nothing = normal(|_| along(&[]));
+    for (a, b) in [(3.0, 2.0), (0.5, 3.5), (1.2, 1.1), (1.1, 0.8), (0.3, 0.2)] {
+        let r: f64 = (a * a + b * b) / 2.0;
+        for size in [1.0, 3.0] {
+            let columns: [Coordinates; 2] = [&[(1, size)], &[(2, size)]];
+            let found = further(&[(0, 28.0), (1, a), (2, b)], &[&columns], &nothing);
+            let answer = found[0].as_ref().expect("they can be told from a constant");
+            let gain = if r > 1.0 { r - 1.0 - libm::log(r) } else { 0.0 };
+            close(answer.gain, gain, 1e-4);
+            if r > 1.5 {
+                close(answer.sd * size, (r - 1.0).sqrt(), 1e-2);
+            }
+            let unit = (r - 1.0).max(1.0).sqrt();
+            let (u, square) = averaged(a, r, unit);
+            close(answer.mean[0] * size, u, 2e-2);
+            let variance = answer.covariance.at(0, 0) * size * size;
+            close(variance, square - u * u, 2e-2);
+            // The constant: 5/16 of a squared standard error, whatever tau.
+            close(answer.mean[2], 0.0, 1e-9);
+            close(answer.covariance.at(2, 2), 5.0 / 16.0, 1e-9);
+        }
+    }
+}
+
+/// Mean and mean square of the coefficient of a unit column with the projection `z`, tau averaged over its likelihood.
+fn averaged(z: f64, r: f64, unit: f64) -> (f64, f64) {
+    let t = |k: usize| unit * unit * GRID[k] * GRID[k];
+    let last = GRID.len() - 1;
+    let weight = |k: usize| {
+        let t = t(k);
+        let width = GRID[last.min(k + 1)] - GRID[k.saturating_sub(1)];
+        width * libm::exp(r * t / (1.0 + t)) / (1.0 + t)
+    };
+    let all: f64 = (0..GRID.len()).map(weight).sum();
+    let of = |value: &dyn Fn(f64) -> f64| {
+        let terms = (0..GRID.len()).map(|k| weight(k) * value(t(k) / (1.0 + t(k))));
+        terms.sum::<f64>() / all
+    };
+    (of(&|kept| z * kept), of(&|kept| kept + z * z * kept * kept))
+}
+
+#[test]
+fn further_columns_are_asked_about_where_the_fixed_effects_leave_a_share() {
+    let nothing = normal(|_| along(&[]));
+    for (share, is_asked) in sides(IDENTIFIABLE) {
+        // The variance along the constant is 5.
+        let column: Coordinates = &[(0, (5.0 * (1.0 - share)).sqrt()), (1, share.sqrt())];
+        let found = further(&[(1, 3.0)], &[&[column]], &nothing);
+        assert_eq!(found[0].is_some(), is_asked, "{share}");
+    }
+    assert!(further(&[(1, 3.0)], &[&[]], &nothing)[0].is_none());
+}
+
+#[test]
+fn a_draw_counts_where_the_largest_gain_of_any_set_reaches_that_of_the_data() {
+    let data: Coordinates = &[(1, 3.0), (2, 2.0)];
+    let own: [Coordinates; 2] = [&[(1, 1.0)], &[(2, 1.0)]];
+    let other: [Coordinates; 2] = [&[(3, 1.0)], &[(5, 1.0)]];
+    for (factor, counts) in [(1.0 - 1e-3, false), (1.0 + 1e-3, true)] {
+        for (k, l) in [(1, 2), (3, 5)] {
+            let drawn = normal(move |draw| {
+                if draw == 7 {
+                    along(&[(k, 3.0 * factor), (l, 2.0 * factor)])
+                } else {
+                    along(&[])
+                }
+            });
+            let found = further(data, &[&own, &other], &drawn);
+            let p: Vec<f64> = found.iter().flatten().map(|a| a.p).collect();
+            assert_eq!(p, [if counts { 0.1 } else { 0.05 }, 1.0], "{factor} {k}");
+        }
+        // By itself the first set does not see a draw of the second.
+        let drawn = normal(move |_| along(&[(3, 3.0 * factor), (5, 2.0 * factor)]));
+        let found = further(data, &[&own], &drawn);
+        assert_eq!(found[0].as_ref().map(|a| a.p), Some(0.05));
     }
 }

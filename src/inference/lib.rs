@@ -12,6 +12,7 @@
 //! | [`statistic`], [`screen`] | what may be added, and how improbable the strongest candidate is: a bootstrap of the maximum |
 //! | [`search`] | forward, deletions, swaps; what does as well in the place of what was found |
 //! | [`profile`] | intervals |
+//! | [`form`] | whether a term's size is one number: gain and probability of further columns at the root with one variance |
 //! | [`query`] | of a fitted model: what a component gains and its interval, estimates by group, what rests on the misfit's prior |
 //! | [`heldout`] | predictive density, budget, and errors after a few readings of groups that took no part |
 //!
@@ -27,6 +28,7 @@ mod decision_tests;
 #[cfg(test)]
 mod dense_tests;
 pub mod fit;
+pub mod form;
 pub mod gram;
 pub mod heldout;
 pub mod problem;

@@ -52,6 +52,17 @@ impl Tree {
         self.widths.push(width);
     }
 
+    /// The same groups with further columns at the root, behind its own.
+    pub fn with_at_root(&self, block: Block) -> Self {
+        let mut blocks = self.blocks.iter().cloned();
+        let root = blocks.next().into_iter().flatten();
+        let mut tree = Self::new(root.chain([block]).collect());
+        for (parent, blocks) in self.parents.iter().skip(1).zip(blocks) {
+            tree.add(*parent, blocks);
+        }
+        tree
+    }
+
     /// Number of nodes.
     pub fn len(&self) -> usize {
         self.parents.len()
@@ -155,5 +166,9 @@ mod tests {
         assert_eq!(tree.columns_of(b, 3), Some((4, 3)));
         assert_eq!(tree.columns_of(c, 3), None);
         assert_eq!(tree.components_of(b).collect::<Vec<_>>(), [2, 3, 3, 3]);
+        let wider = tree.with_at_root(block(4, 2));
+        assert_eq!(wider.path_numbers(b), [0, 1, 2, 3, 4, 5, 6, 7, 8]);
+        assert_eq!(wider.columns_of(0, 4), Some((2, 2)));
+        assert_eq!(wider.parent(b), a);
     }
 }

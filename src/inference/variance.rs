@@ -27,7 +27,7 @@ pub enum Prior {
 
 impl Prior {
     /// Whether it is a variable of its own.
-    fn is_estimated(self) -> bool {
+    pub(crate) fn is_estimated(self) -> bool {
         !matches!(self, Prior::Fixed(_))
     }
 }

@@ -1,6 +1,7 @@
 //! The answers for a dozen fixed campaigns as one number, so that a test can say when the published table is out of date.
 //!
-//! The number is the SHA-256 of the findings with every number rounded to six significant digits.
+//! The number is the SHA-256 of the findings with every number rounded to six significant digits; the free forms of effects, which the table does
+//! not judge, are left out.
 
 use super::search::search;
 use pipeline::cache::hashing::Digest;
@@ -21,10 +22,11 @@ pub fn answers() -> String {
             let made = campaign(FIRST_SEED + k as u64, settings);
             let found = search(&made.rows, "new");
             let mut text = String::new();
-            canonical(
-                &serde_json::to_value(&found).expect("findings are JSON"),
-                &mut text,
-            );
+            let mut value = serde_json::to_value(&found).expect("findings are JSON");
+            for effect in value["effects"].as_array_mut().into_iter().flatten() {
+                effect["free_form"] = Value::Null;
+            }
+            canonical(&value, &mut text);
             text
         })
         .collect();

@@ -5,8 +5,8 @@ use crate::report::number::Rounding;
 use crate::report::wording::SIGNIFICANT;
 use crate::report::wording::name;
 use crate::report::wording::number::{
-    NONE, equals_probability, error_with_unit, gain, gain_or_none, percent, plain, probability,
-    rounded, size, with_unit,
+    NONE, error_with_unit, gain, gain_or_none, percent, plain, probability, rounded, size,
+    with_unit,
 };
 use crate::report::wording::sentence::plain_number;
 use crate::stages::torque::diagnose::terms::usual;
@@ -25,6 +25,8 @@ pub(super) struct Effect {
     acts_on: String,
     sizes: Vec<String>,
     others: Vec<String>,
+    /// Whether one number is enough for its size.
+    form: Option<String>,
     negligible: bool,
     facts: Vec<(&'static str, String)>,
     measurement: String,
@@ -39,6 +41,7 @@ pub(super) fn effect(found: &CampaignFindings, e: &EffectFinding) -> Effect {
         acts_on: name::acts_on(e),
         sizes: e.parameters.iter().map(size).collect(),
         others: crate::report::wording::sentence::alias_set(e),
+        form: crate::report::wording::sentence::form(e),
         negligible: e.negligible,
         facts: facts(found, e),
         measurement: e.measurement.clone(),
@@ -60,9 +63,6 @@ fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, Stri
         facts.insert(1, ("gain in log-likelihood", gain(log_likelihood)));
     }
     facts.extend(beyond_usual(found, e));
-    if let Some(free) = &e.free_form {
-        facts.push(("free form", format!("p {}", equals_probability(free.p))));
-    }
     let mut misfit = found.misfit.iter();
     if misfit.any(|m| m.sensitive.contains(&e.id)) {
         facts.push((

@@ -70,6 +70,12 @@ pub fn table(input: &ReportInput) -> Table {
                 Rounding::Decimals(1),
             )
         }),
+        number("p_form", "\\v{p} (form)", "", |r| {
+            effect(r, |e| {
+                let form = e.free_form.as_ref();
+                form.map_or(Cell::Empty, |f| finite(f.p, Rounding::Digits(2)))
+            })
+        }),
         number("found_in_folds", "In folds", "", |r| {
             effect(r, |e| {
                 let share = e.found_in_folds;
@@ -90,7 +96,8 @@ pub fn table(input: &ReportInput) -> Table {
         .for_machines(),
     ];
     of_all(input, ("findings", "What the model of every campaign lacks"), columns, rows).note(
-        "\\v{p}: probability of a candidate as strong as this anywhere. \\v{Gain}: in marginal log-likelihood, variances estimated again. \\v{In folds}: share of the \
+        "\\v{p}: probability of a candidate as strong as this anywhere. \\v{Gain}: in marginal log-likelihood, variances estimated again. \\v{p} (form): probability of as large a \
+         change of the size with the effect's own argument, where one size is enough. \\v{In folds}: share of the \
          held-out searches that find it too. \\v{RMS}: of what it does to the readings, in the unit of the errors. \\v{unexplained}: a dependence on a column for which the library has no effect.",
     )
 }

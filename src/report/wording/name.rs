@@ -88,6 +88,7 @@ pub fn column(column: &str) -> String {
         "since_step_s" => "time since the step",
         "pressure_rate" => "rate of the pressure",
         "temperature_c" => "temperature",
+        "temperature_less_mean" => "temperature less its mean",
         "cycles" => "cycles",
         "session_order" => "order of the sessions",
         "rest_length_m" => "resting length",

@@ -127,6 +127,18 @@ pub fn alias_set(effect: &EffectFinding) -> Vec<String> {
     others.map(|id| name::effect(id)).collect()
 }
 
+/// `Its size changes with the force: one number is not enough (p = 0.01).`, or that one number is enough; none where that was not asked.
+pub fn form(effect: &EffectFinding) -> Option<String> {
+    let free = effect.free_form.as_ref()?;
+    let along = name::column(&free.argument);
+    let p = equals_probability(free.p);
+    Some(if free.differs {
+        format!("Its size changes with the {along}: one number is not enough (p {p}).")
+    } else {
+        format!("One number is enough for its size, whatever the {along} (p {p}).")
+    })
+}
+
 /// `the error depends on humidity (p = 0.002), for which the library has no effect`.
 fn unexplained(found: &CampaignFindings) -> String {
     let columns: Vec<String> = found

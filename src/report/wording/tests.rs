@@ -221,3 +221,20 @@ fn an_id_without_a_name_is_spelled() {
     assert_eq!(name::effect("hose_inertia"), "hose inertia");
     assert_eq!(name::column("humidity"), "humidity");
 }
+
+#[test]
+fn a_free_form_says_whether_one_number_is_enough() {
+    let mut effect = example().effects.remove(0);
+    assert_eq!(
+        super::sentence::form(&effect).unwrap(),
+        "One number is enough for its size, whatever the force (p = 0.40)."
+    );
+    let free = effect.free_form.as_mut().unwrap();
+    (free.p, free.differs) = (0.01, true);
+    assert_eq!(
+        super::sentence::form(&effect).unwrap(),
+        "Its size changes with the force: one number is not enough (p = 0.010)."
+    );
+    effect.free_form = None;
+    assert_eq!(super::sentence::form(&effect), None);
+}

@@ -8,8 +8,8 @@ use super::tally;
 use super::unseen::HeldOut;
 use crate::effects;
 use crate::findings::{
-    ActsOn, Alternative, CoefficientChange, EffectFinding, Estimate, Level, Parameter, Residuals,
-    Scatter, Tested, Unexplained,
+    ActsOn, Alternative, CoefficientChange, EffectFinding, Estimate, FreeForm, Level, Parameter,
+    Residuals, Scatter, Tested, Unexplained,
 };
 use crate::inference::fit::{Fitted, Free, Setting};
 use crate::inference::problem::{Point, Problem};
@@ -25,7 +25,7 @@ use crate::numerics::statistics::median;
 use std::collections::BTreeMap;
 
 /// Two-sided 95% point of the normal distribution.
-const NORMAL_95: f64 = 1.959_963_984_540_054;
+pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// What the answers are made of.
 pub struct Work<'a> {
@@ -41,6 +41,8 @@ pub struct Work<'a> {
     pub found: &'a Found,
     /// What it says of unseen specimens.
     pub held: &'a HeldOut,
+    /// Free forms of the effects, by term.
+    pub forms: &'a BTreeMap<usize, FreeForm>,
     /// Smallest effect of interest, N.
     pub smallest_n: f64,
     /// Draws.
@@ -165,7 +167,7 @@ impl Work<'_> {
             rms: change,
             by_specimen: self.by_specimen(accepted.term),
             profile: points,
-            free_form: None,
+            free_form: self.forms.get(&accepted.term).cloned(),
             in_its_place,
             measurement: e.measurement().to_owned(),
             source: e.source().to_owned(),

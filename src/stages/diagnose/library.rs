@@ -154,6 +154,14 @@ impl Term {
         }
     }
 
+    /// The effect and its form, by their places in [`effects::all`] and its forms.
+    pub fn effect(&self) -> Option<(usize, usize)> {
+        match self.what {
+            What::Effect { effect, form, .. } => Some((effect, form)),
+            What::Column(_) => None,
+        }
+    }
+
     /// Id of the effect; none of a dependence on a column.
     pub fn id(&self) -> Option<&'static str> {
         match self.what {

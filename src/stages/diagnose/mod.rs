@@ -9,7 +9,8 @@
 //! 3. The null model has the gain of each specimen, the set length and the zero of the force of each session, and a smooth misfit of the law.
 //!    The search tests every term against the maximum over all of them in draws from it ([`crate::inference::search`]).
 //! 4. [`unseen`]: the same search without each specimen; [`tally`]: errors, predictive intervals, the budget of the expected error.
-//! 5. [`limits`]: what could have been seen, and what leaves the same trace. [`answer`]: the [`crate::findings`], as values.
+//! 5. [`form`]: whether one number is enough for the size of what was found.
+//! 6. [`limits`]: what could have been seen, and what leaves the same trace. [`answer`]: the [`crate::findings`], as values.
 //!
 //! The numbers on which decisions rest stand in [`settings`], each with its reason. No rule names an effect.
 //!
@@ -19,6 +20,7 @@ pub mod answer;
 pub mod base;
 pub mod black_box;
 pub mod data;
+pub mod form;
 pub mod labels;
 pub mod library;
 pub mod limits;
@@ -36,8 +38,8 @@ use crate::base::session::Role;
 use crate::config::{DiagnoseOptions, FitOptions};
 use crate::effects::{self, Conditions};
 use crate::findings::{
-    CampaignFindings, Design, EffectFinding, Errors, HeldOutBy, Level, Misfit, NotAssessed,
-    RecordingError, Residuals, Verdict,
+    CampaignFindings, Design, EffectFinding, Errors, FreeForm, HeldOutBy, Level, Misfit,
+    NotAssessed, RecordingError, Residuals, Verdict,
 };
 use crate::inference::fit::{Fitted, Setting};
 use crate::inference::search::{Decision, Found, Search};
@@ -46,7 +48,7 @@ use answer::Work;
 use base::Base;
 use data::Data;
 use problem::ForceProblem;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Raised when results change without a change of this stage's source files.
 pub const VERSION: u32 = 2;
@@ -185,6 +187,7 @@ fn assessed(
         library::What::Effect { effect, .. } => effects::all()[effect].id().to_owned(),
     };
     let held = unseen::held_out(&setting, problem, &found, decision, &normal, name);
+    let forms = free_forms(&setting, problem, &found.model, options);
     let work = Work {
         diameter_mm: group.diameter_mm,
         base,
@@ -192,6 +195,7 @@ fn assessed(
         setting: &setting,
         found: &found,
         held: &held,
+        forms: &forms,
         smallest_n: options.smallest_effect_n,
         normal: &normal,
     };
@@ -234,6 +238,20 @@ fn assessed(
         findings,
         residuals,
     }
+}
+
+/// Whether one number is enough for the size of each effect, by term; the draws are the question's own.
+fn free_forms(
+    setting: &Setting,
+    problem: &ForceProblem,
+    model: &Fitted,
+    options: &DiagnoseOptions,
+) -> BTreeMap<usize, FreeForm> {
+    let normal = |k: usize| -> Box<dyn FnMut() -> f64> {
+        let mut stream = Stream::new(options.seed, &["form", &k.to_string()]);
+        Box::new(move || stream.normal())
+    };
+    form::free_forms(setting, problem, model, options.draws, &normal)
 }
 
 /// A problem without the sessions that are kept out.

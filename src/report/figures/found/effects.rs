@@ -1,7 +1,7 @@
 //! Each effect's likelihood profile, each specimen's own estimate of it, and its free form where one was tested.
 
 use super::{HALF_MM, Shown, TEXT_MM, axis_label, group_names};
-use crate::findings::{EffectFinding, Estimate, FreeForm};
+use crate::findings::{EffectFinding, Estimate};
 use crate::report::plot::axis::Span;
 use crate::report::plot::{
     Axis, Dash, Figure, Ink, Layer, Legend, Mark, Panel, Series, Shape, Stroke,
@@ -39,22 +39,30 @@ pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
     let title = format!("Evidence for the effects, {}", shown.found.campaign);
     let width = if columns > 1 { TEXT_MM } else { HALF_MM };
     let mut figure = Figure::new(&title, width, 0.0).grid(columns);
+    let shown_rows = rows.len().min(fit);
     for panel in rows.into_iter().take(fit).flatten() {
         figure = figure.with(panel);
     }
+    // Below the rows, as many as the page holds, those whose size changes first.
+    let is_asked = |differs: bool| {
+        let asked = effects.iter().copied();
+        asked.filter(move |e| e.free_form.as_ref().is_some_and(|f| f.differs == differs))
+    };
+    let free = is_asked(true).chain(is_asked(false)).filter_map(free_form);
+    let free: Vec<Panel> = free.take(columns * (fit - shown_rows)).collect();
+    let drawn = free.len();
+    for panel in free {
+        figure = figure.with(panel);
+    }
     figure.height_mm = 2.0 + height * figure.panels.len().div_ceil(columns) as f64;
-    Some((caption(shown, fit), figure))
+    Some((caption(shown, fit, drawn), figure))
 }
 
 fn panels(effect: &EffectFinding, unit: &str) -> Vec<Panel> {
-    [
-        profile(effect),
-        own_estimates(effect, unit),
-        effect.free_form.as_ref().map(|f| free_form(effect, f)),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+    [profile(effect), own_estimates(effect, unit)]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// Symbol and unit of the amplitude.
@@ -143,36 +151,56 @@ fn own_estimates(effect: &EffectFinding, unit: &str) -> Option<Panel> {
     Some(panel.with(Series::marks("", points, mark).with_x_errors(ends)))
 }
 
-fn free_form(effect: &EffectFinding, free: &FreeForm) -> Panel {
+/// The size of an effect along its own argument, beside the constant.
+fn free_form(effect: &EffectFinding) -> Option<Panel> {
+    let free = effect.free_form.as_ref()?;
     let label = name::capitalised(&name::column(&free.argument));
-    let plain = effect.parameters.first().map_or(0.0, |p| p.value);
+    let plain = effect.parameters.first()?.value;
     let mut y = Axis::new(&amplitude(effect));
     y.span = Span::Around(vec![plain]);
-    Panel::new(Axis::new(&axis_label(&label, &free.unit)), y)
+    let curve = free.curve.iter();
+    let panel = Panel::new(Axis::new(&axis_label(&label, &free.unit)), y)
         .title(&format!(
-            "Free form, \\v{{p}} {}",
+            "{}, \\v{{p}} {}",
+            name::effect(&effect.id),
             equals_probability(free.p)
         ))
         .legend(Legend::None)
+        .with(Layer::Band {
+            name: String::new(),
+            points: curve.clone().map(|c| (c.at, c.low, c.high)).collect(),
+            ink: Ink::Vermilion,
+        })
         .with(Layer::Level {
             name: String::new(),
             at: plain,
             stroke: Stroke::hair(Ink::Black, Dash::Dashed),
-        })
-        .with(Series::line(
-            "",
-            free.curve.clone(),
-            Stroke::new(Ink::Vermilion, Dash::Solid),
-        ))
+        });
+    let line = curve.map(|c| (c.at, c.amplitude)).collect();
+    Some(panel.with(Series::line(
+        "",
+        line,
+        Stroke::new(Ink::Vermilion, Dash::Solid),
+    )))
 }
 
-fn caption(shown: &Shown, fit: usize) -> String {
+fn caption(shown: &Shown, fit: usize, drawn: usize) -> String {
     let nouns = nouns(shown.found);
     let effects = &shown.found.effects;
-    let free = if effects.iter().any(|e| e.free_form.is_some()) {
-        " Right: the size as a smooth function of its own argument, beside the constant."
-    } else {
-        ""
+    let asked = effects.iter().filter(|e| e.free_form.is_some()).count();
+    let free = match drawn {
+        0 => String::new(),
+        _ => {
+            let which = if drawn < asked {
+                format!(", {drawn} of {asked}")
+            } else {
+                String::new()
+            };
+            format!(
+                " Below{which}: the size as a smooth function of the effect's own argument, with its 95% band, and \\v{{p}} of such a change where one \
+                 size is enough."
+            )
+        }
     };
     let most = effects
         .iter()
