@@ -279,11 +279,11 @@ impl<'a> Plain<'a> {
         let effort = Effort::SHORT;
         let at = self.maximise(wider, &scales, &wider.gram, &from, effort, inverse);
         let factor = Factor::new(&wider.design.tree, &wider.gram, &at.variances);
-        let posterior = factor.posterior(Likelihood::Restricted);
+        let estimates = factor.estimates();
         let root = wider.design.tree.width(0);
         let first = root - wider.columns;
-        let own = posterior.random[first..root].iter().copied();
-        let open = &posterior.path_covariances[0];
+        let own = estimates.random[first..root].iter().copied();
+        let open = factor.covariance_at_root();
         let mut covariance = Square::zeros(open.n - first);
         for i in 0..covariance.n {
             for j in 0..covariance.n {
@@ -293,7 +293,7 @@ impl<'a> Plain<'a> {
         Point {
             sd,
             log_likelihood: at.log_likelihood,
-            mean: own.chain(posterior.fixed.iter().copied()).collect(),
+            mean: own.chain(estimates.fixed.iter().copied()).collect(),
             covariance,
         }
     }
