@@ -572,7 +572,7 @@ fn components(data: &Data, pooled: bool, strokes: usize) -> Vec<Component> {
         scatter(settings::USUAL_ZERO_N, sessions),
         component(Prior::Fixed(1.0), 1.0, true, true, false),
         component(Prior::Fixed(1.0), 1.0, true, true, false),
-        with_groups(misfit(settings::COMMON_MISFIT), data.specimens.len()),
+        misfit(settings::COMMON_MISFIT),
         with_groups(misfit(settings::SESSION_MISFIT), sessions),
         pool(settings::USUAL_GAIN),
         pool(settings::USUAL_ZERO_N),
