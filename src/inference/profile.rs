@@ -139,7 +139,7 @@ impl<'a> Along<'a> {
     /// nothing does not grow by itself where the value moves away from its estimate.
     fn ascend(&self, gram: &Gram) -> f64 {
         let own = &self.model.variances;
-        let near = self.ascend_near(gram, EFFORT);
+        let near = self.ascend_near(gram);
         let wide = self.setting.widened(own);
         if wide == *own {
             return near;
@@ -150,12 +150,12 @@ impl<'a> Along<'a> {
     }
 
     /// The same from the variances of the model alone: in draws these are the true ones.
-    fn ascend_near(&self, gram: &Gram, effort: Effort) -> f64 {
+    fn ascend_near(&self, gram: &Gram) -> f64 {
         let scales = self.setting.scales();
         let maximiser = self.setting.maximiser(&scales, Likelihood::Full);
         let (own, inverse) = (&self.model.variances, &self.model.inverse);
         maximiser
-            .maximise_with(gram, own, effort, Some(inverse))
+            .maximise_with(gram, own, EFFORT, Some(inverse))
             .log_likelihood
     }
 
@@ -197,8 +197,8 @@ impl<'a> Along<'a> {
                     .model
                     .design
                     .with_response_of(&self.model.gram, &[], &y);
-                let best = self.ascend_near(&free, Effort::SHORT);
-                let pinned = self.ascend_near(&self.respond(&y), Effort::SHORT);
+                let best = self.ascend_near(&free);
+                let pinned = self.ascend_near(&self.respond(&y));
                 (2.0 * (best - pinned)).max(0.0)
             })
             .collect();

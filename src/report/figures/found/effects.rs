@@ -197,7 +197,7 @@ fn caption(shown: &Shown, fit: usize, drawn: usize) -> String {
                 String::new()
             };
             format!(
-                " Below{which}: the size as a smooth function of the effect's own argument, with its 95% band, and \\v{{p}} of such a change where one \
+                " Below{which}: the size as a smooth function of the effect's own argument, with its 95% band, and the probability of such a change where one \
                  size is enough."
             )
         }
