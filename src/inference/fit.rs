@@ -526,9 +526,11 @@ impl Fitted {
     }
 
     fn estimated(&self, setting: &Setting, scales: &[Scale]) -> Variances {
+        // A component that has faded to nothing does not grow by itself.
+        let starts = [self.variances.clone(), setting.widened(&self.variances)];
         setting
             .maximiser(scales, Likelihood::Restricted)
-            .maximise(&self.gram, &self.variances, Effort::FULL)
+            .best(&self.gram, &starts, Effort::FULL)
             .variances
     }
 

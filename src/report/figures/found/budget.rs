@@ -14,7 +14,7 @@ use crate::report::wording::number::{error, error_with_unit};
 /// Height of a campaign's band, of the axis and of the legend, mm.
 const BAND_MM: f64 = 5.0;
 const AXIS_MM: f64 = 11.0;
-const LEGEND_MM: f64 = 9.0;
+const LEGEND_MM: f64 = 15.0;
 /// Half the height of a bar, in bands.
 const HALF: f64 = 0.34;
 /// Segments narrower than this share carry no number.
@@ -127,4 +127,26 @@ fn segment(
         });
     }
     layers
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_campaign_with_every_source_has_room() {
+        let entry = |source: &str| BudgetEntry {
+            source: source.to_owned(),
+            variance: 1.0,
+            rmse: 1.0,
+            unit: "N".to_owned(),
+        };
+        let sources = SOURCES.iter().map(|(ids, ..)| ids[0]).chain(["else"]);
+        let found = CampaignFindings {
+            budget: sources.map(entry).collect(),
+            unit: "N".to_owned(),
+            ..CampaignFindings::default()
+        };
+        assert!(figure(&[&found]).unwrap().figure.to_svg().is_ok());
+    }
 }
