@@ -132,6 +132,7 @@ fn segment(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::wording::tests::example;
 
     #[test]
     fn one_campaign_with_every_source_has_room() {
@@ -145,7 +146,7 @@ mod tests {
         let found = CampaignFindings {
             budget: sources.map(entry).collect(),
             unit: "N".to_owned(),
-            ..CampaignFindings::default()
+            ..example()
         };
         assert!(figure(&[&found]).unwrap().figure.to_svg().is_ok());
     }
