@@ -220,7 +220,8 @@ fn the_covariance_at_the_root_is_that_of_the_dense_covariance() {
     let components: Vec<usize> = design.tree.components_of(0).collect();
     let width = components.len();
     let of_column = |k: usize| -> Vec<f64> { design.z.iter().map(|z| z[k]).collect() };
-    let square = |k: usize| variances.components[components[k]].powf(2.0);
+    let square =
+        |k: usize| variances.components[components[k]] * variances.components[components[k]];
     for k in 0..width {
         let (left, _, theta) = projected(&design, &w, &of_column(k));
         for l in 0..width {

@@ -226,8 +226,7 @@ impl<'a> Setting<'a> {
             }
             let longest = if iteration > DAMPED_AFTER { 0.5 } else { 1.0 };
             let moved = self.step(
-                &point,
-                &linear.predicted,
+                (&point, &linear.predicted),
                 &design.z,
                 &free,
                 &estimates,
@@ -365,8 +364,7 @@ impl<'a> Setting<'a> {
     /// Moves from a point with these predictions to the estimates of the linear model, shortened until the penalised sum of squares does not rise.
     fn step(
         &self,
-        point: &Point,
-        predicted: &[f64],
+        (point, predicted): (&Point, &[f64]),
         z: &[Vec<f64>],
         free: &[Free],
         estimates: &Estimates,
