@@ -364,11 +364,9 @@ impl Search<'_> {
             let amplitudes = self.setting.problem.terms()[term].amplitudes;
             deviate(2.0 * (f.log_likelihood - below), amplitudes)
         };
-        if fits
-            .iter()
-            .any(|(f, t)| statistic(f, *t, model.log_likelihood) >= limit)
-        {
-            fits.retain(|(f, t)| statistic(f, *t, model.log_likelihood) >= limit);
+        let passes = |(f, t): &(Fitted, usize)| statistic(f, *t, model.log_likelihood) >= limit;
+        if fits.iter().any(passes) {
+            fits.retain(passes);
         }
         let Some((fitted, term)) = self.preferred(&fits, way) else {
             return Step::Nothing;

@@ -155,15 +155,8 @@ fn assessed(
     mut findings: CampaignFindings,
 ) -> Diagnosis {
     let library = library::terms(data);
-    let plain = ForceProblem::new(base, data, &library).with_reference();
-    let plain_null = start(&part_of(&plain, kept_out));
-    let with_strokes = plain.with_strokes();
-    let stroked = with_strokes.as_ref().and_then(|problem| {
-        let null = start(&part_of(problem, kept_out));
-        let gain = null.log_likelihood - plain_null.log_likelihood;
-        (gain > settings::ALIKE).then_some((problem, null))
-    });
-    let (problem, null) = stroked.unwrap_or((&plain, plain_null));
+    let (problem, null) = suited(base, data, &library, kept_out);
+    let problem = &problem;
     let setting = part_of(problem, kept_out);
     let decision = Decision {
         level: settings::LEVEL,
@@ -260,6 +253,33 @@ fn part_of<'a>(problem: &'a ForceProblem, kept_out: &BTreeSet<&str>) -> Setting<
     nodes
         .filter(|(_, id)| kept_out.contains(id.as_str()))
         .fold(Setting::new(problem), |part, (node, _)| part.without(*node))
+}
+
+/// The problem with the floor of the misfit under which the readings are most likely, and with a misfit of every stroke where they show it;
+/// and its model without any effect.
+pub fn suited<'a>(
+    base: &'a Base,
+    data: &'a Data,
+    library: &'a [library::Term],
+    kept_out: &BTreeSet<&str>,
+) -> (ForceProblem<'a>, Fitted) {
+    let with_null = |problem: ForceProblem<'a>| {
+        let null = start(&part_of(&problem, kept_out));
+        (problem, null)
+    };
+    let reference = ForceProblem::new(base, data, library).with_reference();
+    let mut best = with_null(reference.with_floor(settings::MISFIT_FLOORS[0]));
+    for share in &settings::MISFIT_FLOORS[1..] {
+        let other = with_null(reference.with_floor(*share));
+        if other.1.log_likelihood > best.1.log_likelihood {
+            best = other;
+        }
+    }
+    let (plain, null) = best;
+    let stroked = plain.with_strokes().map(with_null);
+    stroked
+        .filter(|(_, with)| with.log_likelihood - null.log_likelihood > settings::ALIKE)
+        .unwrap_or((plain, null))
 }
 
 /// The model without any effect.

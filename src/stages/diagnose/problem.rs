@@ -237,7 +237,7 @@ impl<'a> ForceProblem<'a> {
             },
             common_basis: data.conditions.iter().map(common_basis).collect(),
             reference: vec![0.0; data.len()],
-            floor: settings::MISFIT_FLOOR * largest,
+            floor: settings::MISFIT_FLOORS[0] * largest,
         }
     }
 
@@ -252,11 +252,22 @@ impl<'a> ForceProblem<'a> {
         self
     }
 
+    /// The same with another floor of the scale of the misfit, a share of the largest force.
+    pub fn with_floor(&self, share: f64) -> Self {
+        let largest = self.data.force.iter().copied().fold(0.0, f64::max);
+        Self {
+            reference: self.reference.clone(),
+            floor: share * largest,
+            ..Self::built(self.base, self.data, self.library, self.has_strokes())
+        }
+    }
+
     /// The same with a misfit of every stroke; none where no session has several strokes, whose own that would be.
     pub fn with_strokes(&self) -> Option<Self> {
         let strokes = self.data.strokes().into_iter().max()? + 1;
         (strokes > self.sessions.len()).then(|| Self {
             reference: self.reference.clone(),
+            floor: self.floor,
             ..Self::built(self.base, self.data, self.library, true)
         })
     }
@@ -268,6 +279,7 @@ impl<'a> ForceProblem<'a> {
     {
         ForceProblem {
             reference: self.reference.clone(),
+            floor: self.floor,
             ..ForceProblem::built(base, self.data, self.library, self.has_strokes())
         }
     }
