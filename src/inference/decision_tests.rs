@@ -807,8 +807,8 @@ fn an_interval_of_a_standard_deviation_has_no_end_beyond_its_range() {
 
 #[test]
 fn a_component_gains_nothing_where_the_groups_are_alike() {
-    // Full likelihood, four degrees: (B - B/5 - 4 log 5)/2, 0 for B = 5 log 5 = 8.047.
-    let zero = 5.0 * libm::log(5.0);
+    // Restricted likelihood, three degrees: (B - B/5 - 3 log 5)/2, 0 for B = 3.75 log 5 = 6.035.
+    let zero = 3.75 * libm::log(5.0);
     for (square, gain) in [(zero - 1.0, 0.0), (zero, 0.0), (zero + 1.0, 0.4)] {
         between(square, 1.0, |setting, model, _| {
             close(query::gain_of(setting, model, 0), gain, 1e-9);

@@ -75,22 +75,21 @@ pub fn is_too_small(
     LARGER.iter().any(|f| at(*f) > known + CUT)
 }
 
-/// Gain in log-likelihood over a model without a component, the other variances estimated again.
+/// Gain in restricted log-likelihood over a model without a component, the other variances estimated again.
 pub fn gain_of(setting: &Setting, model: &Fitted, component: usize) -> f64 {
     let mut scales = setting.scales();
-    let with = setting.maximiser(&scales, Likelihood::Full);
-    let best = with
-        .maximise(&model.gram, &model.variances, Effort::STEP)
-        .log_likelihood;
+    // A component that has faded to nothing in the full likelihood does not grow by itself.
+    let starts = [model.variances.clone(), setting.widened(&model.variances)];
+    let with = setting.maximiser(&scales, Likelihood::Restricted);
+    let best = with.best(&model.gram, &starts, Effort::FULL).log_likelihood;
     scales[component].prior = Prior::Fixed(0.0);
-    let mut from = model.variances.clone();
-    from.components[component] = 0.0;
-    let without = setting.maximiser(&scales, Likelihood::Full);
-    (best
-        - without
-            .maximise(&model.gram, &from, Effort::FULL)
-            .log_likelihood)
-        .max(0.0)
+    let starts = starts.map(|mut from| {
+        from.components[component] = 0.0;
+        from
+    });
+    let without = setting.maximiser(&scales, Likelihood::Restricted);
+    let rest = without.best(&model.gram, &starts, Effort::FULL);
+    (best - rest.log_likelihood).max(0.0)
 }
 
 /// Accepted terms that would not stand with the prior of the misfit halved or doubled.

@@ -48,6 +48,7 @@ use answer::Work;
 use base::Base;
 use data::Data;
 use problem::ForceProblem;
+use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Raised when results change without a change of this stage's source files.
@@ -267,19 +268,24 @@ pub fn suited<'a>(
         let null = start(&part_of(&problem, kept_out));
         (problem, null)
     };
-    let reference = ForceProblem::new(base, data, library).with_reference();
-    let mut best = with_null(reference.with_floor(settings::MISFIT_FLOORS[0]));
-    for share in &settings::MISFIT_FLOORS[1..] {
-        let other = with_null(reference.with_floor(*share));
+    // Whether strokes differ is asked first: their misfit has the same scale, and without it another floor would be the likelier one.
+    let plain = with_null(ForceProblem::new(base, data, library).with_reference());
+    let stroked = plain.0.with_strokes().map(with_null);
+    let gain = |(_, null): &(ForceProblem, Fitted)| null.log_likelihood - plain.1.log_likelihood;
+    let mut best = match stroked {
+        Some(stroked) if gain(&stroked) > settings::ALIKE => stroked,
+        _ => plain,
+    };
+    let others: Vec<(ForceProblem, Fitted)> = settings::OTHER_FLOORS
+        .into_par_iter()
+        .map(|share| with_null(best.0.with_floor(share)))
+        .collect();
+    for other in others {
         if other.1.log_likelihood > best.1.log_likelihood {
             best = other;
         }
     }
-    let (plain, null) = best;
-    let stroked = plain.with_strokes().map(with_null);
-    stroked
-        .filter(|(_, with)| with.log_likelihood - null.log_likelihood > settings::ALIKE)
-        .unwrap_or((plain, null))
+    best
 }
 
 /// The model without any effect.

@@ -112,6 +112,8 @@ pub struct ForceProblem<'a> {
     stroke_basis: Vec<Vec<f64>>,
     /// Cosines of the common misfit.
     common_basis: Vec<Vec<f64>>,
+    /// Largest force, N.
+    largest: f64,
     /// Floor of the scale of the misfit, N.
     floor: f64,
     /// The force by which the misfit is scaled, N: predictions of a fit without misfit. They are frozen, so that all models of a campaign have
@@ -237,7 +239,8 @@ impl<'a> ForceProblem<'a> {
             },
             common_basis: data.conditions.iter().map(common_basis).collect(),
             reference: vec![0.0; data.len()],
-            floor: settings::MISFIT_FLOORS[0] * largest,
+            floor: settings::MISFIT_FLOOR * largest,
+            largest,
         }
     }
 
@@ -254,10 +257,9 @@ impl<'a> ForceProblem<'a> {
 
     /// The same with another floor of the scale of the misfit, a share of the largest force.
     pub fn with_floor(&self, share: f64) -> Self {
-        let largest = self.data.force.iter().copied().fold(0.0, f64::max);
         Self {
             reference: self.reference.clone(),
-            floor: share * largest,
+            floor: share * self.largest,
             ..Self::built(self.base, self.data, self.library, self.has_strokes())
         }
     }
@@ -415,12 +417,12 @@ impl<'a> ForceProblem<'a> {
         self.force(i, at, &point.coefficients, random, &terms[..count])
     }
 
-    /// The scale of the misfit of reading `i`, N.
+    /// The scale of the misfit of reading `i`, N: at the largest force it is that force, whatever the floor.
     fn misfit_scale(&self, i: usize) -> f64 {
         match self.side[i] {
             Side::Slack => 0.0,
             Side::Pulls | Side::Corner | Side::AsPublished => {
-                self.reference[i].max(0.0) + self.floor
+                (self.reference[i].max(0.0) + self.floor) / (1.0 + self.floor / self.largest)
             }
         }
     }

@@ -338,7 +338,7 @@ impl<'a> Seen<'a> {
             usual_gain: usual(component::GAIN),
             usual_length_mm: usual(component::SET_LENGTH),
             noise: fit.variances.noise[campaign],
-            floor: settings::USUAL_FLOOR
+            floor: settings::MISFIT_FLOOR
                 * others
                     .filter(|(_, n)| setting.active[**n])
                     .map(|(f, _)| *f)
