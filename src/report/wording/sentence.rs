@@ -337,7 +337,8 @@ fn named_sources(found: &CampaignFindings, most: usize) -> (Vec<&BudgetEntry>, f
     (named, left.max(0.0).sqrt())
 }
 
-/// `of the 13.4 N expected on an unseen specimen, 12.0 come from set lengths (0.9 mm), 4.1 from specimen gain and 2.6 from noise`.
+/// `of the 13.4 N expected on an unseen specimen, 12.0 come from set lengths (0.9 mm), 4.1 from specimen gain and 2.6
+/// from noise (added in quadrature)`.
 fn budget(found: &CampaignFindings, most: usize) -> Option<String> {
     let (named, left) = named_sources(found, most);
     let from = |b: &&BudgetEntry| {
@@ -367,7 +368,7 @@ fn budget(found: &CampaignFindings, most: usize) -> Option<String> {
     let total = error_with_unit(found.expected_rmse_heldout?, &found.unit);
     let unit = nouns(found).unit;
     Some(format!(
-        "of the {total} expected on an unseen {unit}{}, {}",
+        "of the {total} expected on an unseen {unit}{}, {} (added in quadrature)",
         came_out(found),
         listed(&all)
     ))
