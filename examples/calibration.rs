@@ -79,7 +79,7 @@ fn tried(seed: u64, settings: &Settings, redrawn: bool) -> Outcome {
     let rows: Vec<&Row> = rows.iter().collect();
     let lengths: BTreeSet<u64> = rows.iter().map(|r| r.rest_length_m.to_bits()).collect();
     let base = Base::new(10, true, lengths.len(), &FitOptions::default());
-    let mut data = Data::new(&rows).with_placebo(seed);
+    let mut data = Data::new(&rows).beside(&base).with_placebo(seed);
     if redrawn {
         data.force = anew(&base, &data, seed);
     }

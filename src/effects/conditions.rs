@@ -19,6 +19,8 @@ pub enum Need {
     Cycles,
     /// More than one resting length.
     RestLengths,
+    /// A base law whose dependence on the resting length is not fitted: a fitted one is all that a handful of resting lengths can tell.
+    LengthLaw,
     /// Zeros of the force channel, of which some stand out from the others.
     Zeros,
 }
@@ -35,6 +37,7 @@ impl Need {
             Need::Temperature => "a temperature column that varies",
             Need::Cycles => "the number of cycles of each specimen",
             Need::RestLengths => "more than one resting length",
+            Need::LengthLaw => "a base law without a fitted dependence on the resting length",
             Need::Zeros => "zeros of the force channel that stand out from the others",
         }
     }

@@ -23,7 +23,7 @@ const FORMS: &[Form] = &[
         equation: "F -> F (1 + k (l_rest - l_mid))",
         amplitude: AMPLITUDE,
         shape: None,
-        needs: &[Need::RestLengths],
+        needs: &[Need::LengthLaw, Need::RestLengths],
     },
     Form {
         name: "saturating",
@@ -31,7 +31,7 @@ const FORMS: &[Form] = &[
         equation: "F -> F (1 + k l_mid (1 - l_mid/l_rest))",
         amplitude: AMPLITUDE,
         shape: None,
-        needs: &[Need::RestLengths],
+        needs: &[Need::LengthLaw, Need::RestLengths],
     },
 ];
 

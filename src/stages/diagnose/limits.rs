@@ -4,7 +4,7 @@
 use super::data::Data;
 use super::library::{Scope, Term, What};
 use super::problem::ForceProblem;
-use crate::effects;
+use crate::effects::{self, Need};
 use crate::findings::{Alias, DetectionLimit, NotMeasurable, WhyNot};
 use crate::inference::fit::{Fitted, Setting};
 use crate::inference::problem::{Direction, Problem};
@@ -114,11 +114,18 @@ fn missing(data: &Data) -> Vec<NotMeasurable> {
     effects::all()
         .iter()
         .filter_map(|e| Some((e.id(), lacks(e)??)))
-        .map(|(id, need)| NotMeasurable {
-            id: id.to_owned(),
-            reason: WhyNot::NoColumn,
-            by: Some(need.words().to_owned()),
-            form: None,
+        .map(|(id, need)| {
+            let is_of_base = need == Need::LengthLaw;
+            NotMeasurable {
+                id: id.to_owned(),
+                reason: if is_of_base {
+                    WhyNot::Absorbed
+                } else {
+                    WhyNot::NoColumn
+                },
+                by: (!is_of_base).then(|| need.words().to_owned()),
+                form: None,
+            }
         })
         .collect()
 }

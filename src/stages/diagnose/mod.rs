@@ -87,6 +87,7 @@ pub fn diagnose(
     let outside = rows.len() - answered.len();
     let (mistakes, answered) = without_mistakes(group, &base, answered);
     let data = Data::new(&answered)
+        .beside(&base)
         .with_placebo(options.seed)
         .thinned(options.most_readings);
     let kept_out: BTreeSet<&str> = answered

@@ -7,6 +7,7 @@ mod placebo;
 pub use extras::{Extra, ZERO_UNKNOWN};
 pub use placebo::PLACEBO;
 
+use super::base::Base;
 use super::labels;
 use crate::base::columns::TEMPERATURE;
 use crate::base::random::Stream;
@@ -212,6 +213,16 @@ impl Data {
             of[*s] = *k;
         }
         of
+    }
+
+    /// The same beside a base law: what it fits itself is no effect.
+    pub fn beside(mut self, base: &Base) -> Self {
+        if base.without_length_law().is_some() {
+            let need = Need::LengthLaw;
+            self.missing
+                .insert(need, format!("the search lacks {}", need.words()));
+        }
+        self
     }
 
     fn note_what_is_missing(&mut self, dated: bool) {
