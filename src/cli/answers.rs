@@ -48,7 +48,7 @@ fn fits(text: &str) -> bool {
     wrapped(&format!("{text}.")).len() <= LINES
 }
 
-/// The name of the campaign and what was found, at as great a length as leaves room for the errors.
+/// The name of the campaign and what was found, at as great a length as leaves room for the errors, and if it can for the mistakes of recording.
 fn first(found: &CampaignFindings, said: &Clauses, errors: Option<&str>) -> String {
     let limits = if said.limits {
         " (smallest detectable sizes: tables/detection_limits.csv)"
@@ -60,10 +60,17 @@ fn first(found: &CampaignFindings, said: &Clauses, errors: Option<&str>) -> Stri
     let short = format!("{name}: {}", said.found_in_short);
     let names = format!("{name}: {}", said.found_by_name);
     let verdict = format!("{name}: {}", name::verdict(found.verdict));
-    let with_errors = |first: &String| joined(&[Some(first.clone()), errors.map(str::to_owned)]);
-    let mut shorter = [long, short, names, verdict].into_iter();
-    let fitting = shorter.find(|first| fits(&with_errors(first)));
-    fitting.unwrap_or(name)
+    let lengths = [long, short, names, verdict];
+    let fitting = |recording: &Option<String>| {
+        let errors = errors.map(str::to_owned);
+        let with = |first: &&String| {
+            let all = [Some((*first).clone()), recording.clone(), errors.clone()];
+            fits(&joined(&all))
+        };
+        lengths.iter().find(with)
+    };
+    let found = fitting(&said.recording_errors).or_else(|| fitting(&None));
+    found.cloned().unwrap_or(name)
 }
 
 /// A text in lines, parted at blanks.

@@ -254,6 +254,7 @@ pub fn held_out_by(found: &CampaignFindings) -> String {
             "groups of specimens in turn, the whole search made without them".to_owned()
         }
         HeldOutBy::Actuator => "each actuator in turn, the whole search made without it".to_owned(),
+        HeldOutBy::None if found.design.specimens > 1 => "none: nothing was searched".to_owned(),
         HeldOutBy::None => format!("none: there is one {} only", nouns.unit),
     }
 }
@@ -267,12 +268,12 @@ pub fn campaign(found: &CampaignFindings) -> String {
     format!("{}{part}, {} mm", found.campaign, found.diameter_mm)
 }
 
-/// What an effect acts on.
+/// What an effect acts on, with its preposition.
 pub fn acts_on(effect: &EffectFinding) -> String {
     match (effect.acts_on, &effect.column, &effect.from) {
-        (ActsOn::Levels, Some(label), _) => format!("levels of {}", column(label)),
+        (ActsOn::Levels, Some(label), _) => format!("on levels of {}", column(label)),
         (ActsOn::From, _, Some(session)) => format!("from {session} on"),
-        (only, _, _) => acts_on_what(only).to_owned(),
+        (only, _, _) => format!("on {}", acts_on_what(only)),
     }
 }
 

@@ -168,14 +168,15 @@ pub fn amount(p: &Parameter) -> String {
 /// shape; of many values, one a level, the first stands for all.
 pub fn amounts(parameters: &[Parameter]) -> Option<String> {
     let first = parameters.first()?;
-    let alike = parameters.iter().filter(|p| p.unit == first.unit);
-    let values: Vec<String> = alike
+    let is_shift = parameters.iter().map(|p| p.name.as_str()).eq(["x", "y"]);
+    if !is_shift {
+        return Some(amount(first));
+    }
+    let values: Vec<String> = parameters
+        .iter()
         .map(|p| with_interval(p.value, p.ci_low, p.ci_high).0)
         .collect();
-    Some(match values.len() {
-        2 => with_unit(&format!("({})", values.join(", ")), &first.unit),
-        _ => amount(first),
-    })
+    Some(with_unit(&format!("({})", values.join(", ")), &first.unit))
 }
 
 /// A parameter with its interval and unit: `P_th = 60 [57, 63] kPa`.

@@ -84,7 +84,14 @@ fn answer(found: &CampaignFindings, of_effect: fn(&EffectFinding) -> String) -> 
     let weighty: Vec<&EffectFinding> = found.effects.iter().filter(|e| !e.negligible).collect();
     match found.verdict {
         Verdict::NotAssessed => format!("not assessed: {}", name::not_assessed(found)),
-        Verdict::None => "no effect detected".to_owned(),
+        Verdict::None if found.effects.is_empty() => "no effect detected".to_owned(),
+        Verdict::None => {
+            let all: Vec<String> = found.effects.iter().map(of_effect).collect();
+            format!(
+                "nothing beyond the smallest effect of interest; below it: {}",
+                all.join("; ")
+            )
+        }
         Verdict::Unexplained => unexplained(found),
         Verdict::EffectFound => {
             let all: Vec<String> = weighty.into_iter().map(of_effect).collect();
@@ -107,7 +114,11 @@ fn effect_with_size(effect: &EffectFinding) -> String {
 /// `threshold pressure of the bladder 60 kPa`.
 fn size_of(effect: &EffectFinding) -> String {
     let size = amounts(&effect.parameters).map_or_else(String::new, |amount| format!(" {amount}"));
-    called(effect) + &size
+    let from = match &effect.from {
+        Some(session) => format!(" from session {session} on"),
+        None => String::new(),
+    };
+    called(effect) + &size + &from
 }
 
 /// What an effect is called; with its form where its size has not the unit by which the effect is known: a compliance in mm.

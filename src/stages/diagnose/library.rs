@@ -110,7 +110,10 @@ fn parts(data: &Data) -> Vec<Scope> {
     let sessions = data.sessions.len();
     let mut parts = Vec::new();
     if !data.missing.contains_key(&Need::CampaignTime) && sessions >= 2 * FEWEST_ON_A_SIDE {
-        parts.extend((FEWEST_ON_A_SIDE..=sessions - FEWEST_ON_A_SIDE).map(Scope::From));
+        // Which of the sessions of one day came first is not known.
+        let places = FEWEST_ON_A_SIDE..=sessions - FEWEST_ON_A_SIDE;
+        let places = places.filter(|k| data.dates[k - 1] != data.dates[*k]);
+        parts.extend(places.map(Scope::From));
     }
     let groups = data.extras.iter().enumerate();
     parts.extend(

@@ -12,7 +12,8 @@ pub const STROKE_LENGTH_KPA: f64 = 200.0;
 /// Usual misfit of a stroke, share of the force.
 pub const USUAL_STROKE: f64 = 0.01;
 /// Length scale of the common misfit, in eps* and P*: the likelihood of the laboratory's campaigns is largest between 0.45 and 0.6 (10 mm: -3451.9,
-/// -3439.4, -3434.8, -3434.5 and -3437.3 at 0.2, 0.3, 0.45, 0.6 and 0.8; 20 mm: -5646.5 to -5636.7 at 0.6; pool: -3802.1 to -3783.2 at 0.6).
+/// -3439.4, -3434.8, -3434.5 and -3437.3 at 0.2, 0.3, 0.45, 0.6 and 0.8; 20 mm: -5646.5 to -5636.7 at 0.6; pool:
+/// -3802.1 to -3783.2 at 0.6; all with a floor of 0.2 and a prior that counted once a specimen).
 pub const SURFACE_LENGTH: f64 = 0.45;
 /// Length scale of the size of an effect along its own argument, share of the range of the readings: forms bend over most of it; what varies faster
 /// is more often a misfit of the law. In 23 simulated campaigns with a constant zero of the pressure of 45 kPa its size was called

@@ -39,6 +39,8 @@ pub struct Data {
     pub campaigns: Vec<String>,
     /// Session ids, in the order of time (date, then id).
     pub sessions: Vec<String>,
+    /// Date of each session; empty where it has none.
+    pub dates: Vec<String>,
     /// Specimen ids, by name.
     pub specimens: Vec<String>,
     /// Extra columns.
@@ -65,7 +67,9 @@ impl Data {
         by_time.sort_unstable();
         by_time.dedup();
         let sessions: Vec<String> = by_time.iter().map(|(_, id)| (*id).to_owned()).collect();
-        let dates: BTreeSet<&str> = by_time.iter().map(|(date, _)| *date).collect();
+        let dates: Vec<String> = by_time.iter().map(|(date, _)| (*date).to_owned()).collect();
+        // A session without a date has no place in time.
+        let is_dated = dates.iter().all(|d| !d.is_empty()) && dates.first() != dates.last();
         let campaigns: BTreeSet<&str> = rows.iter().map(|r| r.campaign.as_str()).collect();
         let campaigns: Vec<String> = campaigns.into_iter().map(str::to_owned).collect();
         let of_specimen: Vec<String> = rows
@@ -94,6 +98,7 @@ impl Data {
                 .collect(),
             campaigns,
             sessions,
+            dates,
             specimens,
             ..Data::default()
         };
@@ -102,7 +107,7 @@ impl Data {
             .zip(&data.session)
             .map(|(r, s)| logs[&(*s, r.log.as_str())])
             .collect();
-        data.conditions = conditions(rows, &data, dates.len() > 1);
+        data.conditions = conditions(rows, &data, is_dated);
         data.extras = extras::extras(rows, &data);
         data.extras.extend(extras::zero_unknown(rows, &data));
         data.zero_pressure_kpa = zero_pressures(rows, &data);
@@ -116,7 +121,7 @@ impl Data {
             *rest = rest.min(1e3 * r.rest_length_sd_m);
             *contracted = contracted.min(1e3 * r.contracted_length_sd_m);
         }
-        data.note_what_is_missing(dates.len() > 1);
+        data.note_what_is_missing(is_dated);
         let (labels, notes) = labels::labels(rows, &data);
         data.extras.extend(labels);
         data.notes = notes;
@@ -153,6 +158,7 @@ impl Data {
             campaign: pick(&self.campaign),
             campaigns: self.campaigns.clone(),
             sessions: self.sessions.clone(),
+            dates: self.dates.clone(),
             specimens: self.specimens.clone(),
             extras: self
                 .extras
