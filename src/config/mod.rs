@@ -268,7 +268,7 @@ impl Default for DiagnoseOptions {
         Self {
             base_model: "new".to_owned(),
             refit: true,
-            most_effects: 4,
+            most_effects: 6,
             most_readings: 4000,
             draws: 199,
             smallest_effect_n: 0.5,

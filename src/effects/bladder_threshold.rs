@@ -8,19 +8,34 @@ use crate::numerics::real::Real;
 /// P -> max(0, P - P_th).
 pub struct BladderThreshold;
 
-const FORMS: &[Form] = &[Form {
-    name: "sharp",
-    place: Place::Input,
-    equation: "P = max(0, P_meas - P_th)",
-    amplitude: Parameter {
-        name: "P_th",
-        unit: "kPa",
-        absent: 0.0,
-        bounds: (0.0, 200.0),
+const THRESHOLD: Parameter = Parameter {
+    name: "P_th",
+    unit: "kPa",
+    absent: 0.0,
+    bounds: (0.0, 200.0),
+};
+
+/// A threshold below which both forms are the same at any pressure that is set, kPa.
+const SMALLEST_KPA: f64 = 1e-3;
+
+const FORMS: &[Form] = &[
+    Form {
+        name: "sharp",
+        place: Place::Input,
+        equation: "P = max(0, P_meas - P_th)",
+        amplitude: THRESHOLD,
+        shape: None,
+        needs: &[],
     },
-    shape: None,
-    needs: &[],
-}];
+    Form {
+        name: "gradual",
+        place: Place::Input,
+        equation: "P = P_meas - P_th (1 - exp(-P_meas/P_th))",
+        amplitude: THRESHOLD,
+        shape: None,
+        needs: &[],
+    },
+];
 
 impl Effect for BladderThreshold {
     fn id(&self) -> &'static str {
@@ -44,6 +59,11 @@ impl Effect for BladderThreshold {
 }
 
 /// The operator.
-pub fn apply<R: Real>(_form: usize, [threshold, _]: [R; 2], _at: &Conditions, link: &mut Link<R>) {
-    link.pressure = (link.pressure - threshold).positive_part();
+pub fn apply<R: Real>(form: usize, [threshold, _]: [R; 2], _at: &Conditions, link: &mut Link<R>) {
+    let pressure = link.pressure;
+    link.pressure = if form == 0 || threshold.value() < SMALLEST_KPA {
+        (pressure - threshold).positive_part()
+    } else {
+        pressure - threshold * (R::constant(1.0) - (-(pressure / threshold)).exp())
+    };
 }

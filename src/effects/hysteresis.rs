@@ -36,7 +36,7 @@ const FORMS: &[Form] = &[
     form(
         "constant",
         Place::Sensor,
-        "F -> F - h s, |h s| at most F (s = +1 filling, -1 venting)",
+        "F -> F - h s/sqrt(1 + (h/F)^2) (s = +1 filling, -1 venting)",
         "h",
         "N",
         300.0,
@@ -60,7 +60,7 @@ const FORMS: &[Form] = &[
     form(
         "proportional to pressure",
         Place::Sensor,
-        "F -> F - h s P/620 kPa, the change at most F",
+        "F -> F - c s/sqrt(1 + (c/F)^2), c = h P/620 kPa",
         "h",
         "N",
         300.0,

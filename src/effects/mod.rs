@@ -116,16 +116,14 @@ pub struct Link<R> {
     pub force: R,
 }
 
-/// A change of the force that the tension itself causes, as friction does: no larger than the tension, so that the force is continuous where
-/// the actuator goes slack. A jump there would leave fits without a fixed point.
+/// A change of the force that the tension itself causes, as friction does: it stays below the tension, and does so smoothly. A jump or a corner
+/// where the actuator goes slack would leave fits without a fixed point.
 fn within_tension<R: Real>(change: R, tension: R) -> R {
     if tension.value() <= 0.0 {
-        R::constant(0.0)
-    } else if change.value().abs() <= tension.value() {
-        change
-    } else {
-        tension * change.value().signum()
+        return R::constant(0.0);
     }
+    let share = change / tension;
+    change / (share * share + 1.0).sqrt()
 }
 
 /// Declares the files and lists their effects, so that both stand in one line an effect.

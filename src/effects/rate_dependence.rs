@@ -9,7 +9,7 @@ pub struct RateDependence;
 const FORMS: &[Form] = &[Form {
     name: "linear",
     place: Place::Sensor,
-    equation: "F -> F - r dP/dt, the change at most F",
+    equation: "F -> F - c/sqrt(1 + (c/F)^2), c = r dP/dt",
     amplitude: Parameter {
         name: "r",
         unit: "N s/kPa",

@@ -574,9 +574,9 @@ pub struct Residuals {
     pub session: Vec<String>,
     /// Specimen ids.
     pub specimen: Vec<String>,
-    /// Measured less predicted without effects, random effects 0.
+    /// Measured less predicted without effects, random effects of groups 0; of forces with the misfit that all specimens share.
     pub before: Vec<f64>,
-    /// Measured less predicted with effects, random effects 0.
+    /// The same with effects.
     pub after: Vec<f64>,
     /// Measured less predicted with effects and predicted random effects.
     pub conditional: Vec<f64>,

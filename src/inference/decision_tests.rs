@@ -45,6 +45,8 @@ fn along(coordinates: Coordinates) -> Vec<f64> {
 struct Form {
     term: Term,
     columns: Vec<Vec<f64>>,
+    /// Where it acts by the square of its value, which no tangent at nothing shows: a value to start from.
+    far: Option<f64>,
 }
 
 /// A named term of one amplitude.
@@ -58,6 +60,7 @@ fn form(kind: usize, column: Coordinates) -> Form {
             usual: f64::INFINITY,
         },
         columns: vec![along(column)],
+        far: None,
     }
 }
 
@@ -74,6 +77,11 @@ impl Form {
 
     fn up_to(mut self, bound: f64) -> Self {
         self.term.bounds[0].1 = bound;
+        self
+    }
+
+    fn squared_from(mut self, far: f64) -> Self {
+        self.far = Some(far);
         self
     }
 
@@ -95,6 +103,17 @@ struct Line {
     observed: Vec<f64>,
     terms: Vec<Term>,
     columns: Vec<Vec<Vec<f64>>>,
+    far: Vec<Option<f64>>,
+}
+
+impl Line {
+    /// By what a term changes the predictions for a unit of its columns, and the derivative of that by its value.
+    fn acting(&self, term: usize, value: f64) -> (f64, f64) {
+        match self.far[term] {
+            Some(_) => (value * value, 2.0 * value),
+            None => (value, 1.0),
+        }
+    }
 }
 
 fn line(observed: Coordinates, forms: &[Form]) -> Line {
@@ -134,6 +153,7 @@ fn line(observed: Coordinates, forms: &[Form]) -> Line {
         observed: along(observed),
         terms: forms.iter().map(|f| f.term.clone()).collect(),
         columns: forms.iter().map(|f| f.columns.clone()).collect(),
+        far: forms.iter().map(|f| f.far).collect(),
     }
 }
 
@@ -166,19 +186,26 @@ impl Problem for Line {
         let mut predicted = vec![point.coefficients[0]; self.observed.len()];
         for (term, values) in &point.terms {
             for (value, column) in values.iter().zip(&self.columns[*term]) {
+                let (change, _) = self.acting(*term, *value);
                 for (p, x) in predicted.iter_mut().zip(column) {
-                    *p += value * x;
+                    *p += change * x;
                 }
             }
         }
         predicted
     }
     fn linearise(&self, point: &Point) -> Linearised {
-        let columns = point.terms.iter().flat_map(|(t, _)| &self.columns[*t]);
+        let columns = point.terms.iter().flat_map(|(t, values)| {
+            let scaled = move |(v, column): (&f64, &Vec<f64>)| {
+                let (_, slope) = self.acting(*t, *v);
+                column.iter().map(|x| slope * x).collect()
+            };
+            values.iter().zip(&self.columns[*t]).map(scaled)
+        });
         Linearised {
             predicted: self.predict(point),
             by_coefficients: vec![vec![1.0; self.observed.len()]],
-            by_terms: columns.cloned().collect(),
+            by_terms: columns.collect(),
             random: vec![vec![1.0]; self.observed.len()],
         }
     }
@@ -187,9 +214,20 @@ impl Problem for Line {
         let of = |term: usize| Direction {
             term,
             start: vec![1.0; self.columns[term].len()],
-            columns: self.columns[term].clone(),
+            columns: match self.far[term] {
+                Some(_) => vec![vec![0.0; self.observed.len()]; self.columns[term].len()],
+                None => self.columns[term].clone(),
+            },
         };
         (0..self.terms.len()).filter(is_new).map(of).collect()
+    }
+    fn far(&self, point: &Point) -> Vec<(usize, Vec<f64>)> {
+        let is_new = |t: &usize| point.terms.iter().all(|(known, _)| known != t);
+        let from = |t: usize| self.far[t].map(|value| (t, vec![value]));
+        (0..self.terms.len())
+            .filter(is_new)
+            .filter_map(from)
+            .collect()
     }
 }
 
@@ -580,6 +618,35 @@ fn a_search_ends_where_no_candidate_is_left() {
 }
 
 #[test]
+fn what_no_tangent_at_nothing_shows_is_found_from_afar() {
+    // The square of its value is along w1: the likelihood ratio of a term is that of w1, its value the root.
+    for (square, is_there) in sides(9.0) {
+        let problem = line(
+            &[(1, square.sqrt())],
+            &[form(0, &[(1, 1.0)]).squared_from(3.0)],
+        );
+        let found = found(&problem, DECISION, 9.0);
+        assert_eq!(!accepted(&found).is_empty(), is_there, "{square}");
+        if let Some(values) = found.model.values(0) {
+            close(values[0] * values[0], square.sqrt(), 1e-3);
+        }
+        assert!(accepted(&found_by(By::Run, &problem, QUICK, 9.0)).is_empty());
+    }
+}
+
+#[test]
+fn a_term_with_a_name_stands_for_one_without_where_only_its_far_start_shows_it() {
+    // Both lie along w1; the tangent shows the nameless one alone.
+    let forms = [
+        form(0, &[(1, 1.0)]).without_name(),
+        form(1, &[(1, 1.0)]).squared_from(3.0),
+    ];
+    let problem = line(&[(1, 10.0)], &forms);
+    assert_eq!(accepted(&found(&problem, DECISION, 9.0)), [1]);
+    assert_eq!(accepted(&found(&problem, QUICK, 9.0)), [0]);
+}
+
+#[test]
 fn there_are_no_more_than_most_terms() {
     let forms = [1, 2, 3].map(|w| form(w, &[(w, 1.0)]));
     let problem = line(&[(1, 10.0), (2, 12.0), (3, 11.0)], &forms);
@@ -628,14 +695,15 @@ fn two_forms_of_one_kind_never_stand_in_one_model() {
 }
 
 #[test]
-fn every_further_amplitude_has_to_be_worth_it_where_forms_are_exchanged() {
+fn every_further_amplitude_has_to_be_worth_it_where_terms_of_two_kinds_stand_for_one_another() {
     // Beside w1 alone the second amplitude gains e^2/2, against 2.
     for (square, is_worth_it) in sides(4.0) {
         let forms = [form(0, &[(1, 1.0)]).and(&[(2, 1.0)]), form(1, &[(1, 1.0)])];
         let problem = line(&[(1, 10.0), (2, square.sqrt())], &forms);
-        let exchanged = found_by(By::Exchanging, &problem, QUICK, 9.0);
-        assert_eq!(accepted(&exchanged), [usize::from(!is_worth_it)]);
-        assert_eq!(accepted(&found(&problem, QUICK, 9.0)), [0]);
+        for by in [By::Run, By::Exchanging] {
+            let found = found_by(by, &problem, QUICK, 9.0);
+            assert_eq!(accepted(&found), [usize::from(!is_worth_it)]);
+        }
     }
 }
 

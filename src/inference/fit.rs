@@ -20,6 +20,8 @@ const GLANCE: usize = 2;
 const CONVERGED: f64 = 0.05;
 /// The same for the log-likelihood; or the estimates stay twice in a row.
 const SETTLED: f64 = 0.05;
+/// Iterations in which estimates stay and the log-likelihood does not, after which it is taken to alternate.
+const ALTERNATES: usize = 3;
 /// After so many iterations steps are halved: readings that go slack and taut again in turn make the iteration alternate.
 const DAMPED_AFTER: usize = 8;
 /// Shortest part of a step that is tried.
@@ -202,11 +204,14 @@ impl<'a> Setting<'a> {
             let factor = Factor::new(&design.tree, &gram, &maximum.variances);
             let estimates = factor.estimates();
             let covariance = factor.fixed_covariance();
-            let settled = (maximum.log_likelihood - before).abs() < SETTLED;
+            let gained = maximum.log_likelihood - before;
+            let settled = gained.abs() < SETTLED;
             before = maximum.log_likelihood;
             iteration += 1;
-            let converged = stayed > 1 || (stayed == 1 && settled);
-            if (converged && settled) || iteration >= iterations {
+            // Readings in the corner to slackness may leave and enter it in turn while nothing else moves: it ends at the better of the two.
+            let alternates = stayed >= ALTERNATES && gained >= 0.0;
+            let converged = (stayed > 0 && settled) || alternates;
+            if converged || iteration >= iterations {
                 let at_bound = self.at_bound(&point);
                 let mut last = point.clone();
                 last.random = estimates.random;

@@ -120,6 +120,12 @@ pub trait Problem: Sync {
     /// How the terms that are not in the model would show at a point.
     fn directions(&self, point: &Point) -> Vec<Direction>;
 
+    /// Terms that are not in the model, with values at which they show in another form than at small ones, whatever the coefficients of the law:
+    /// where fits start as well. A tangent says little of these.
+    fn far(&self, _point: &Point) -> Vec<(usize, Vec<f64>)> {
+        Vec::new()
+    }
+
     /// How one term that is not in the model would show at a point: a problem may know a shorter way than to ask for all.
     fn directions_of(&self, point: &Point, term: usize) -> Vec<Direction> {
         let mut all = self.directions(point);

@@ -6,6 +6,7 @@ use crate::problem::Point;
 use crate::screen::{Normal, Screen, Shown};
 use crate::statistic::{critical, deviate, upper_tail};
 use crate::system::Variances;
+use rayon::prelude::*;
 
 /// The numbers on which a search decides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,6 +80,8 @@ const PROMISED: f64 = 0.8;
 const WORTH_A_SWAP: f64 = 0.1;
 /// How often a better optimum of the model without a further term is taken up.
 const MOST_BETTER: usize = 3;
+/// Most rounds of additions and deletions.
+const MOST_ROUNDS: usize = 3;
 /// Most choices of forms that are built anew.
 const MOST_CHOICES: usize = 8;
 
@@ -138,10 +141,17 @@ impl Search<'_> {
         let way = Way {
             drawn: known.map_or(Drawn::IfClose, |_| Drawn::IfDoubtful),
             named_only: false,
-            of_amplitude: 0.0,
+            of_amplitude: self.decision.alike,
         };
-        self.forward(&mut found, normal, way, self.decision.most_terms);
-        self.tidy(&mut found, way);
+        // What gave way to a term that then went itself may come back.
+        for _ in 0..MOST_ROUNDS {
+            self.forward(&mut found, normal, way, self.decision.most_terms);
+            let before = found.accepted.len();
+            self.tidy(&mut found, way);
+            if found.accepted.len() == before {
+                break;
+            }
+        }
         found
     }
 
@@ -359,12 +369,15 @@ impl Search<'_> {
         if self.decision.thorough && (found.accepted.is_empty() || fits.is_empty()) {
             fits.extend(self.fits_afresh(&model, way));
         }
-        // What would not be accepted keeps nothing out.
         let statistic = |f: &Fitted, term: usize, below: f64| {
             let amplitudes = self.setting.problem.terms()[term].amplitudes;
             deviate(2.0 * (f.log_likelihood - below), amplitudes)
         };
         let passes = |(f, t): &(Fitted, usize)| statistic(f, *t, model.log_likelihood) >= limit;
+        if self.decision.thorough {
+            fits.extend(self.fits_far(&model, way));
+        }
+        // What would not be accepted keeps nothing out.
         if fits.iter().any(passes) {
             fits.retain(passes);
         }
@@ -453,6 +466,29 @@ impl Search<'_> {
                 fits.push((fit, direction.term));
             }
         }
+        fits
+    }
+
+    /// Fits of the terms that a tangent may not show, from amplitudes that are far from nothing.
+    fn fits_far(&self, model: &Fitted, way: Way) -> Vec<(Fitted, usize)> {
+        let terms = self.setting.problem.terms();
+        let kinds: Vec<usize> = model
+            .point
+            .terms
+            .iter()
+            .map(|(t, _)| terms[*t].kind)
+            .collect();
+        let may_come =
+            |t: usize| !kinds.contains(&terms[t].kind) && (terms[t].named || !way.named_only);
+        let starts = self.setting.problem.far(&model.point);
+        let fits = starts.into_par_iter().filter(|(t, _)| may_come(*t));
+        let fits = fits.map(|(t, values)| {
+            let mut from = model.point.clone();
+            from.terms.push((t, values));
+            (self.setting.fit(&from, &[model.variances.clone()]), t)
+        });
+        let mut fits: Vec<(Fitted, usize)> = fits.collect();
+        fits.retain(|(f, t)| self.is_inside(f, *t));
         fits
     }
 
@@ -567,27 +603,41 @@ impl Search<'_> {
             let without = self.altered(&found.model, term, None);
             let gain = found.model.log_likelihood - without.log_likelihood;
             let amplitudes = self.setting.problem.terms()[term].amplitudes;
-            if deviate(2.0 * gain, amplitudes) < found.accepted[place].critical {
+            let is_improbable = deviate(2.0 * gain, amplitudes) >= found.accepted[place].critical;
+            // What has come to its bound beside later terms has no estimate.
+            if !is_improbable || !self.is_inside(&found.model, term) {
                 found.accepted.remove(place);
                 found.model = without;
                 place = 0;
                 continue;
             }
             found.accepted[place].gain = gain;
-            let others = if self.decision.thorough {
+            let is_named = |t: usize| self.setting.problem.terms()[t].named;
+            let mut others = if self.decision.thorough {
                 self.others(&found.model, &without, term, gain)
             } else {
                 Vec::new()
             };
+            if self.decision.thorough && !is_named(term) {
+                let far = self.fits_far(
+                    &without,
+                    Way {
+                        named_only: true,
+                        ..way
+                    },
+                );
+                let own = self.worth(&found.model, term, way) - self.decision.alike;
+                let far = far
+                    .into_iter()
+                    .filter(|(f, t)| self.worth(f, *t, way) > own);
+                others.extend(far.map(|(f, t)| (t, f)));
+            }
             let own = self.worth(&found.model, term, way);
             // A name gives way to none only where they are not alike.
-            let is_named = |t: usize| self.setting.problem.terms()[t].named;
-            let least = |other: usize| {
-                if is_named(term) && !is_named(other) {
-                    self.decision.alike
-                } else {
-                    WORTH_A_SWAP
-                }
+            let least = |other: usize| match (is_named(term), is_named(other)) {
+                (true, false) => self.decision.alike,
+                (false, true) => -self.decision.alike,
+                _ => WORTH_A_SWAP,
             };
             let better = others
                 .iter()
@@ -604,7 +654,10 @@ impl Search<'_> {
             let kind = self.setting.problem.terms()[term].kind;
             found.accepted[place].in_its_place = others
                 .into_iter()
-                .filter(|(t, _)| self.setting.problem.terms()[*t].kind != kind)
+                .filter(|(t, f)| {
+                    self.setting.problem.terms()[*t].kind != kind
+                        && f.log_likelihood > found.model.log_likelihood - self.decision.alike
+                })
                 .map(|(term, f)| Instead {
                     term,
                     log_likelihood: f.log_likelihood - found.model.log_likelihood,

@@ -5,7 +5,7 @@
 //! several maxima: callers that need the global one give several starts.
 
 use crate::gram::Gram;
-use crate::system::{Factor, Likelihood, Variances};
+use crate::system::{Factor, Likelihood, Variances, dot};
 use crate::tree::Tree;
 use rayon::prelude::*;
 use std::cmp::Ordering;
@@ -186,6 +186,24 @@ impl Maximiser<'_> {
         (value, gradient)
     }
 
+    /// Inverse of the largest curvature that the logarithms can have: each value of a component, and each reading of a class, adds at most 2.
+    fn least_inverse(&self, gram: &Gram) -> Vec<f64> {
+        let mut values = vec![0; self.components.len()];
+        let blocks = (0..self.tree.len()).flat_map(|n| self.tree.blocks(n));
+        blocks.for_each(|b| values[b.component] += b.columns);
+        let counts = values.iter().chain(&gram.counts).zip(self.scales());
+        let curvatures: Vec<f64> = counts
+            .filter(|(_, s)| s.prior.is_estimated())
+            .map(|(count, _)| 2.0 * (*count).max(1) as f64)
+            .collect();
+        let n = curvatures.len();
+        let mut inverse = vec![0.0; n * n];
+        for (k, curvature) in curvatures.iter().enumerate() {
+            inverse[k * n + k] = 1.0 / curvature;
+        }
+        inverse
+    }
+
     fn limits(&self) -> Vec<(f64, f64)> {
         self.scales()
             .filter(|s| s.prior.is_estimated())
@@ -211,18 +229,19 @@ impl Maximiser<'_> {
         let (mut value, mut gradient) = self.value_and_gradient(gram, &x);
         let n = x.len();
         let mut evaluations = 1;
-        let mut inverse = known
-            .filter(|k| k.len() == n * n)
-            .map_or_else(|| identity(n, &gradient), <[f64]>::to_vec);
+        let cautious = self.least_inverse(gram);
+        let known = known.filter(|k| k.len() == n * n);
+        let mut is_cautious = known.is_none();
+        let mut inverse = known.map_or_else(|| cautious.clone(), <[f64]>::to_vec);
         while evaluations < effort.evaluations {
             let direction = ascent(&inverse, &gradient, &x, &limits);
-            let slope: f64 = direction.iter().zip(&gradient).map(|(d, g)| d * g).sum();
-            if slope < effort.tolerance * 0.1 {
-                break;
-            }
+            let slope = dot(&direction, &gradient);
             let mut length = 1.0;
             let mut moved = None;
-            while evaluations < effort.evaluations && length > 1e-4 {
+            while slope >= effort.tolerance * 0.1
+                && evaluations < effort.evaluations
+                && length > 1e-4
+            {
                 let y = step(&x, &direction, length, &limits);
                 let (v, g) = self.value_and_gradient(gram, &y);
                 evaluations += 1;
@@ -232,13 +251,21 @@ impl Maximiser<'_> {
                 }
                 length *= 0.3;
             }
-            let Some((y, v, g)) = moved else { break };
-            update(&mut inverse, &x, &y, &gradient, &g);
-            let gain = v - value;
-            (x, value, gradient) = (y, v, g);
-            if gain < effort.tolerance {
-                break;
+            let mut gain = 0.0;
+            if let Some((y, v, g)) = moved {
+                update(&mut inverse, &x, &y, &gradient, &g);
+                gain = v - value;
+                (x, value, gradient) = (y, v, g);
             }
+            if gain < effort.tolerance {
+                // The curvature that was learnt elsewhere may hold it back.
+                let safe = ascent(&cautious, &gradient, &x, &limits);
+                if is_cautious || 0.5 * dot(&safe, &gradient) < effort.tolerance {
+                    break;
+                }
+                inverse.clone_from(&cautious);
+            }
+            is_cautious = gain < effort.tolerance;
         }
         Maximum {
             variances: self.variances(&x),
@@ -291,16 +318,6 @@ fn away(x: f64) -> (f64, f64) {
         libm::log(x / (1.0 + square)),
         (1.0 - square) / (1.0 + square),
     )
-}
-
-/// A first guess of the inverse curvature: a step of at most one half.
-fn identity(n: usize, gradient: &[f64]) -> Vec<f64> {
-    let largest = gradient.iter().fold(1.0_f64, |m, g| m.max(g.abs()));
-    let mut a = vec![0.0; n * n];
-    for k in 0..n {
-        a[k * n + k] = 0.5 / largest;
-    }
-    a
 }
 
 /// The quasi-Newton direction among the variables that do not press against a limit, bounded in length.

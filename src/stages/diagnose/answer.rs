@@ -90,18 +90,25 @@ impl Work<'_> {
         self.problem.predict(&bare)
     }
 
-    /// Root mean square error on the readings that were searched, as on unseen specimens: with the misfit that all share, without what groups have
-    /// of their own.
-    pub fn error_in_sample(&self, fitted: &Fitted) -> f64 {
+    /// What is left of every reading, as on unseen specimens: with the misfit that all share in the prediction, without what groups have of their
+    /// own.
+    fn left_as_unseen(&self, fitted: &Fitted) -> Vec<f64> {
         let predicted = self.unconditional(&fitted.point, None);
         let root = self.problem.tree().width(0);
         let common = &fitted.point.random[..root];
-        let left = |i: usize| {
+        let left = |(i, predicted): (usize, &f64)| {
             let misfit = fitted.design.z[i].iter().zip(common);
-            self.data().force[i] - predicted[i] - misfit.map(|(z, b)| z * b).sum::<f64>()
+            self.data().force[i] - predicted - misfit.map(|(z, b)| z * b).sum::<f64>()
         };
-        let active = (0..predicted.len()).filter(|i| self.setting.active[self.problem.node()[*i]]);
-        rms(&active.map(left).collect::<Vec<f64>>())
+        predicted.iter().enumerate().map(left).collect()
+    }
+
+    /// Root mean square of what is left of the readings that were searched.
+    pub fn error_in_sample(&self, fitted: &Fitted) -> f64 {
+        let left = self.left_as_unseen(fitted).into_iter();
+        let nodes = self.problem.node().iter();
+        let active = left.zip(nodes).filter(|(_, n)| self.setting.active[**n]);
+        rms(&active.map(|(e, _)| e).collect::<Vec<f64>>())
     }
 
     /// What a term does to the readings that it acts on.
@@ -459,12 +466,6 @@ impl Work<'_> {
     /// Residuals for the figures.
     pub fn residuals(&self) -> Residuals {
         let data = self.data();
-        let without = self.unconditional(&self.found.null.point, None);
-        let with = self.unconditional(&self.found.model.point, None);
-        let left = |predicted: &[f64]| -> Vec<f64> {
-            let pairs = data.force.iter().zip(predicted);
-            pairs.map(|(y, p)| y - p).collect()
-        };
         Residuals {
             session: data
                 .session
@@ -476,10 +477,10 @@ impl Work<'_> {
                 .iter()
                 .map(|k| data.specimens[*k].clone())
                 .collect(),
-            before: left(&without),
-            after: left(&with),
+            before: self.left_as_unseen(&self.found.null),
+            after: self.left_as_unseen(&self.found.model),
             conditional: query::conditional(&self.found.model),
-            predicted: without,
+            predicted: self.unconditional(&self.found.null.point, None),
             columns: columns(data),
         }
     }

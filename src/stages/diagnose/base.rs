@@ -198,7 +198,12 @@ const USUAL_F620_N: f64 = 500.0;
 /// Steps of the differences by which a published model gets its derivatives: kPa, m.
 const STEPS: (f64, f64) = (1.0, 1e-4);
 
-/// A published model with derivatives by central differences: by pressure, by length, and by resting and contracted length.
+/// Halvings by which the end of a model's domain is found on the way to a state outside.
+const HALVINGS: u32 = 12;
+
+/// A published model with derivatives by differences: by pressure, by length, and by resting and contracted length. Where random effects or
+/// effects lead out of the domain of the model, it goes on with the slopes that it has at the last state inside on the way there from what was
+/// set; not a number where that is outside itself.
 fn tangent<R: Real>(
     model: &dyn ForceModel,
     pressure: R,
@@ -216,22 +221,53 @@ fn tangent<R: Real>(
             pressure_kpa: pressure.max(0.0),
             direction: Direction::Isometric,
         };
-        model.predict(&state).force_n().unwrap_or(f64::NAN)
+        model.predict(&state).force_n()
     };
     let here = variables.map(|v| v.value());
-    let mut shown = R::constant(force(here));
+    let set = [
+        at.pressure_kpa,
+        at.length_m,
+        at.rest_length_m,
+        at.contracted_length_m,
+    ];
+    let on_the_way = |share: f64| std::array::from_fn(|k| set[k] + share * (here[k] - set[k]));
+    let mut share = 1.0;
+    if force(here).is_none() {
+        share = 0.0;
+        let mut part = 1.0;
+        for _ in 0..HALVINGS {
+            part *= 0.5;
+            if force(on_the_way(share + part)).is_some() {
+                share += part;
+            }
+        }
+    }
+    let inside: [f64; 4] = if share == 1.0 {
+        here
+    } else {
+        on_the_way(share)
+    };
+    let Some(middle) = force(inside) else {
+        return R::constant(f64::NAN);
+    };
+    let mut shown = R::constant(middle);
     for (k, v) in variables.into_iter().enumerate() {
-        if v.is_constant() {
+        if v.is_constant() && share == 1.0 {
             continue;
         }
         let step = if k == 0 { STEPS.0 } else { STEPS.1 };
         let moved = |by: f64| {
-            let mut there = here;
+            let mut there = inside;
             there[k] += by;
             force(there)
         };
-        let slope = (moved(step) - moved(-step)) / (2.0 * step);
-        shown = shown + (v - here[k]) * if slope.is_finite() { slope } else { 0.0 };
+        let slope = match (moved(-step), moved(step)) {
+            (Some(below), Some(above)) => (above - below) / (2.0 * step),
+            (Some(below), None) => (middle - below) / step,
+            (None, Some(above)) => (above - middle) / step,
+            (None, None) => 0.0,
+        };
+        shown = shown + (v - inside[k]) * slope;
     }
     shown
 }

@@ -49,6 +49,7 @@ use base::Base;
 use data::Data;
 use problem::ForceProblem;
 use rayon::prelude::*;
+use recording::Law;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Raised when results change without a change of this stage's source files.
@@ -85,118 +86,210 @@ pub fn diagnose(
         return None;
     }
     let outside = rows.len() - answered.len();
-    let (mistakes, answered) = without_mistakes(group, &base, answered);
-    let data = Data::new(&answered)
-        .beside(&base)
-        .with_placebo(options.seed)
-        .thinned(options.most_readings);
-    let kept_out: BTreeSet<&str> = answered
-        .iter()
-        .filter(|r| r.role == Some(Role::Holdout))
-        .map(|r| r.session.as_str())
-        .collect();
-    let mut findings = unassessed(group, &base, &data, outside, &kept_out);
-    findings.recording_errors = mistakes;
-    let train = data.session.iter();
-    let train = train.filter(|s| !kept_out.contains(data.sessions[**s].as_str()));
-    let reason = if train.count() < FEWEST_READINGS {
-        Some(NotAssessed::TooFewReadings)
-    } else if data.specimens.len() < 2 {
-        Some(NotAssessed::TooFewSpecimens)
-    } else {
-        None
+    let campaign = Campaign {
+        group,
+        base: &base,
+        rows: &answered,
+        outside,
+        options,
     };
-    if reason.is_some() {
-        return Some(Diagnosis {
-            findings: CampaignFindings {
-                not_assessed: reason,
-                ..findings
-            },
-            residuals: Residuals::default(),
-        });
+    let mut mistakes = mistakes_among(group, &Law::new(&base), &answered);
+    let mut again = true;
+    loop {
+        match campaign.assessed(&mistakes, again) {
+            Answer::Given(diagnosis) => return Some(*diagnosis),
+            Answer::OtherMistakes(others) => (mistakes, again) = (others, false),
+        }
     }
-    Some(assessed(group, &base, &data, &kept_out, options, findings))
 }
 
-/// What looks mistaken among the sessions that are searched, and the rows without what is set aside for it.
-fn without_mistakes<'a>(
-    group: &Group,
-    base: &Base,
-    rows: Vec<&'a Row>,
-) -> (Vec<RecordingError>, Vec<&'a Row>) {
-    let searched = rows
-        .iter()
-        .copied()
-        .filter(|r| r.role != Some(Role::Holdout));
-    let searched: Vec<&Row> = searched.collect();
+/// What looks mistaken beside a law among the sessions that are searched.
+fn mistakes_among(group: &Group, law: &Law, rows: &[&Row]) -> Vec<RecordingError> {
+    let searched = rows.iter().filter(|r| r.role != Some(Role::Holdout));
+    let searched: Vec<&Row> = searched.copied().collect();
     let specimens: BTreeSet<&str> = searched.iter().map(|r| r.specimen.as_str()).collect();
     if searched.len() < FEWEST_READINGS || specimens.len() < 2 {
-        return (Vec::new(), rows);
+        return Vec::new();
     }
     let data = Data::new(&searched);
-    let mistakes = recording::recording_errors(group.diameter_mm, base, &data, settings::LEVEL);
-    let is_aside = |row: &&Row| {
+    recording::recording_errors(group.diameter_mm, law, &data, settings::LEVEL)
+}
+
+/// The rows without what is set aside.
+fn without_mistakes<'a>(mistakes: &[RecordingError], rows: &[&'a Row]) -> Vec<&'a Row> {
+    let searched = rows.iter().filter(|r| r.role != Some(Role::Holdout));
+    let campaigns: BTreeSet<&str> = searched.map(|r| r.campaign.as_str()).collect();
+    let is_aside = |row: &&&Row| {
         mistakes.iter().any(|m| match m.level {
             Level::Specimen => {
-                m.set_aside && m.group == data::specimen_id(row, data.campaigns.len() > 1)
+                m.set_aside && m.group == data::specimen_id(row, campaigns.len() > 1)
             }
             _ => m.set_aside && m.group == row.session,
         })
     };
-    let rows = rows.into_iter().filter(|r| !is_aside(r)).collect();
-    (mistakes, rows)
+    rows.iter().filter(|r| !is_aside(r)).copied().collect()
 }
 
-/// The search and everything that is asked of its result.
-fn assessed(
+/// The readings of a group, to be assessed.
+struct Campaign<'a> {
+    group: &'a Group,
+    base: &'a Base,
+    rows: &'a [&'a Row],
+    /// Rows that the base law has no value for.
+    outside: usize,
+    options: &'a DiagnoseOptions,
+}
+
+/// What comes of an assessment.
+enum Answer {
+    Given(Box<Diagnosis>),
+    /// Beside the effects that were found, other sessions look mistaken than were set aside.
+    OtherMistakes(Vec<RecordingError>),
+}
+
+impl Campaign<'_> {
+    /// The search without what is set aside, and everything that is asked of its result; `again` if mistakes may be judged anew beside it.
+    fn assessed(&self, mistakes: &[RecordingError], again: bool) -> Answer {
+        let rows = without_mistakes(mistakes, self.rows);
+        let data = Data::new(&rows)
+            .beside(self.base)
+            .with_placebo(self.options.seed)
+            .thinned(self.options.most_readings);
+        let kept_out: BTreeSet<&str> = rows
+            .iter()
+            .filter(|r| r.role == Some(Role::Holdout))
+            .map(|r| r.session.as_str())
+            .collect();
+        let mut findings = unassessed(self.group, self.base, &data, self.outside, &kept_out);
+        findings.recording_errors = mistakes.to_vec();
+        let train = data.session.iter();
+        let train = train.filter(|s| !kept_out.contains(data.sessions[**s].as_str()));
+        let reason = if train.count() < FEWEST_READINGS {
+            Some(NotAssessed::TooFewReadings)
+        } else if data.specimens.len() < 2 {
+            Some(NotAssessed::TooFewSpecimens)
+        } else {
+            None
+        };
+        let not_assessed = |reason, findings| {
+            Answer::Given(Box::new(Diagnosis {
+                findings: CampaignFindings {
+                    not_assessed: Some(reason),
+                    ..findings
+                },
+                residuals: Residuals::default(),
+            }))
+        };
+        if let Some(reason) = reason {
+            return not_assessed(reason, findings);
+        }
+        let library = library::terms(&data);
+        let (problem, null) = suited(self.base, &data, &library, &kept_out);
+        if !null.log_likelihood.is_finite() {
+            return not_assessed(NotAssessed::NoConvergence, findings);
+        }
+        let setting = part_of(&problem, &kept_out);
+        let decision = Decision {
+            level: settings::LEVEL,
+            draws: self.options.draws,
+            alike: settings::ALIKE,
+            most_terms: self.options.most_effects,
+            thorough: true,
+        };
+        let seed = self.options.seed;
+        let normal = |k: usize| -> Box<dyn FnMut() -> f64> {
+            let mut stream = Stream::new(seed, &["draw", &k.to_string()]);
+            Box::new(move || stream.normal())
+        };
+        let search = Search {
+            setting: &setting,
+            decision,
+            tried: None,
+        };
+        let found = search.run(null, &normal, None);
+        let law = law_found(self.base, &problem, &found);
+        if again && !law.is_bare() {
+            let others = mistakes_among(self.group, &law, self.rows);
+            let groups = |of: &[RecordingError]| -> BTreeSet<String> {
+                of.iter().map(|m| m.group.clone()).collect()
+            };
+            if groups(&others) != groups(mistakes) {
+                return Answer::OtherMistakes(others);
+            }
+        }
+        let searched = Searched {
+            problem: &problem,
+            setting: &setting,
+            decision,
+            found: &found,
+            normal: &normal,
+        };
+        Answer::Given(Box::new(answered(
+            self.group,
+            self.base,
+            &searched,
+            self.options,
+            findings,
+        )))
+    }
+}
+
+/// The law with the effects that were found on all readings.
+fn law_found<'a>(base: &'a Base, problem: &ForceProblem, found: &Found) -> Law<'a> {
+    let whole = found.model.point.terms.iter().filter(|(t, _)| {
+        let term = &problem.library[*t];
+        term.scope == library::Scope::All && term.id().is_some()
+    });
+    whole.fold(Law::new(base), |law, (t, values)| {
+        law.with(problem.library[*t].what, values)
+    })
+}
+
+/// A search that is done.
+struct Searched<'a> {
+    problem: &'a ForceProblem<'a>,
+    setting: &'a Setting<'a>,
+    decision: Decision,
+    found: &'a Found,
+    normal: &'a (dyn Fn(usize) -> Box<dyn FnMut() -> f64> + Sync),
+}
+
+/// Everything that is asked of the result of a search.
+fn answered(
     group: &Group,
     base: &Base,
-    data: &Data,
-    kept_out: &BTreeSet<&str>,
+    searched: &Searched,
     options: &DiagnoseOptions,
     mut findings: CampaignFindings,
 ) -> Diagnosis {
-    let library = library::terms(data);
-    let (problem, null) = suited(base, data, &library, kept_out);
-    let problem = &problem;
-    let setting = part_of(problem, kept_out);
-    let decision = Decision {
-        level: settings::LEVEL,
-        draws: options.draws,
-        alike: settings::ALIKE,
-        most_terms: options.most_effects,
-        thorough: true,
-    };
-    let normal = |k: usize| -> Box<dyn FnMut() -> f64> {
-        let mut stream = Stream::new(options.seed, &["draw", &k.to_string()]);
-        Box::new(move || stream.normal())
-    };
-    let search = Search {
-        setting: &setting,
+    let Searched {
+        problem,
+        setting,
         decision,
-        tried: None,
-    };
-    let found = search.run(null, &normal, None);
+        found,
+        normal,
+    } = *searched;
+    let (library, data) = (problem.library, problem.data);
     let name = |t: usize| match library[t].what {
         library::What::Column(column) => column.name(data),
         library::What::Effect { effect, .. } => effects::all()[effect].id().to_owned(),
     };
-    let held = unseen::held_out(&setting, problem, &found, decision, &normal, name);
-    let forms = free_forms(&setting, problem, &found.model, options);
+    let held = unseen::held_out(setting, problem, found, decision, normal, name);
+    let forms = free_forms(setting, problem, &found.model, options);
     let work = Work {
         diameter_mm: group.diameter_mm,
         base,
         problem,
-        setting: &setting,
-        found: &found,
+        setting,
+        found,
         held: &held,
         forms: &forms,
         smallest_n: options.smallest_effect_n,
-        normal: &normal,
+        normal,
     };
     let residuals = work.residuals();
-    let variances = found.model.restricted(&setting);
-    let limits = limits::limits(&setting, problem, &found.model, found.critical);
+    let variances = found.model.restricted(setting);
+    let limits = limits::limits(setting, problem, &found.model, found.critical);
     findings.effects = work.effects();
     findings.unexplained = work.unexplained();
     findings.verdict = verdict(&findings.effects, !findings.unexplained.is_empty());
@@ -214,7 +307,7 @@ fn assessed(
         ..held.after.clone()
     };
     findings.design.held_out_by = held.by;
-    findings.next_measurement = next::next(&setting, problem, &found, &held.budget);
+    findings.next_measurement = next::next(setting, problem, found, &held.budget);
     findings.expected_rmse_heldout = expected(&held.budget);
     findings.inside_50 = held.inside.map(|i| i.0);
     findings.inside_95 = held.inside.map(|i| i.1);
@@ -225,8 +318,8 @@ fn assessed(
     findings.not_measurable = limits.not_measurable;
     findings.aliases = limits.aliases;
     findings.coefficients = work.coefficients();
-    findings.alternatives = alternatives(problem, &setting, &found, base);
-    findings.black_box_rmse_heldout = unseen::black_box(&setting, problem, &residuals.before);
+    findings.alternatives = alternatives(problem, setting, found, base);
+    findings.black_box_rmse_heldout = unseen::black_box(setting, problem, &residuals.predicted);
     findings.by_unit = held.units;
     findings.budget = held.budget;
     Diagnosis {

@@ -10,13 +10,18 @@
 //! The worst group goes first, for it spoils the fits that judge the others. What it is, its own readings say: each usual mistake is taken
 //! back, and of those that leave no more than is usual the likeliest explains it.
 //!
+//! What all sessions share is no mistake, but beside a law that lacks it the sessions in which it shows most look mistaken. So the question is
+//! asked again beside the effects that a search found without what was set aside, and that answer counts.
+//!
 //! Lengths are in mm, forces in N, in all that follows.
 
 use super::base::Base;
 use super::data::Data;
+use super::library::{Scope, Term, What};
 use super::problem::{ForceProblem, component};
 use super::settings;
-use crate::effects::{self, Conditions};
+use super::slack::{Side, Sided};
+use crate::effects::{self, Applied, Conditions};
 use crate::findings::{ErrorKind, Level, RecordingError};
 use crate::inference::fit::{Fitted, Setting};
 use crate::inference::problem::Problem;
@@ -36,11 +41,61 @@ const EXPLAINS: f64 = 2.0;
 /// Units that are taken for one another (lbf, kgf, psi, bar, and powers of ten), as factors; their inverses too.
 const UNITS: [f64; 6] = [4.448, 9.807, 6.895, 10.0, 100.0, 1000.0];
 
-/// The sessions and specimens of a campaign that look mistaken, worst first: those with a family-wise probability below `level`. They are
-/// to be set aside. Only readings of actuators of `group_diameter_mm` are judged.
+/// The law by which sessions are judged: effects on all readings, each with its form and the values from which a fit starts.
+pub struct Law<'a> {
+    base: &'a Base,
+    effects: Vec<(What, Vec<f64>)>,
+}
+
+impl<'a> Law<'a> {
+    /// The base law alone.
+    pub fn new(base: &'a Base) -> Self {
+        Self {
+            base,
+            effects: Vec::new(),
+        }
+    }
+
+    /// With an effect on all readings, and its amplitude and shape.
+    pub fn with(mut self, what: What, values: &[f64]) -> Self {
+        self.effects.push((what, values.to_vec()));
+        self
+    }
+
+    /// Whether nothing is beside the base law.
+    pub fn is_bare(&self) -> bool {
+        self.effects.is_empty()
+    }
+
+    /// The effects as terms of the readings that a fit is made to.
+    fn terms(&self, data: &Data) -> Vec<Term> {
+        let one = |(what, _): &(What, Vec<f64>)| Term::new(*what, Scope::All, data);
+        self.effects.iter().map(one).collect()
+    }
+
+    /// A fit from where all fits start: one from a fit to other readings may end anywhere, if those are far off.
+    fn fit(&self, problem: &ForceProblem, setting: &Setting) -> Fitted {
+        let mut from = problem.start();
+        let values = self.effects.iter().map(|(_, values)| values.clone());
+        from.terms = values.enumerate().collect();
+        setting.fit(&from, &setting.fresh()[..1])
+    }
+}
+
+/// The effects at the values of a fit.
+fn applied(problem: &ForceProblem, fit: &Fitted) -> Vec<Applied<f64>> {
+    let of = |(t, values): &(usize, Vec<f64>)| {
+        let shape = values.get(1).copied().unwrap_or(0.0);
+        problem.library[*t].applied([values[0], shape])
+    };
+    fit.point.terms.iter().filter_map(of).collect()
+}
+
+/// The sessions and specimens of a campaign that look mistaken beside a law, worst first: those with a family-wise probability below `level`.
+/// They are to be set aside. Only readings of actuators of `group_diameter_mm` are judged.
 pub fn recording_errors(
     group_diameter_mm: u32,
-    base: &Base,
+    law: &Law,
     data: &Data,
     level: f64,
 ) -> Vec<RecordingError> {
@@ -54,9 +109,9 @@ pub fn recording_errors(
     if (left.sessions.len() as f64) * MOST.1 < 1.0 {
         return errors;
     }
-    let mut ranked = Ranked::new(base, &data, &left);
+    let mut ranked = Ranked::new(law, &data, &left);
     while errors.len() < MOST.0 {
-        let judged = Judged::new(base, &data, &left, ranked.shortlist(&left));
+        let judged = Judged::new(law, &data, &left, ranked.shortlist(&left));
         let Some((group, seen, off)) = judged.worst(&left) else {
             break;
         };
@@ -65,7 +120,7 @@ pub fn recording_errors(
             break;
         }
         // The others without it: with it they would all be off, or the noise so large that nobody is.
-        let others = Ranked::new(base, &data, &rest);
+        let others = Ranked::new(law, &data, &rest);
         let Some(usual) = others.usual() else {
             break;
         };
@@ -164,16 +219,17 @@ struct Ranked {
 }
 
 impl Ranked {
-    fn new(base: &Base, data: &Data, left: &Left) -> Self {
+    fn new(law: &Law, data: &Data, left: &Left) -> Self {
         let rest = readings_of(data, left);
-        let problem = ForceProblem::new(base, &rest, &[]).with_reference();
+        let terms = law.terms(&rest);
+        let problem = ForceProblem::new(law.base, &rest, &terms).with_reference();
         let setting = Setting::new(&problem).usual();
-        let fit = fit(&problem, &setting);
+        let fit = law.fit(&problem, &setting);
         let off = |s: &usize| {
             let group = Group::Session(*s);
             (
                 *s,
-                Seen::new(base, data, (&problem, &setting, &fit), vec![*s], group).off,
+                Seen::new(law, data, (&problem, &setting, &fit), vec![*s], group).off,
             )
         };
         let mut sessions: Vec<(usize, f64)> = left.sessions.iter().map(off).collect();
@@ -214,18 +270,19 @@ struct Judged<'a> {
 }
 
 impl<'a> Judged<'a> {
-    fn new(base: &'a Base, data: &'a Data, left: &Left, groups: Vec<Group>) -> Self {
+    fn new(law: &Law<'a>, data: &'a Data, left: &Left, groups: Vec<Group>) -> Self {
         let rest = readings_of(data, left);
-        let problem = ForceProblem::new(base, &rest, &[]).with_reference();
+        let terms = law.terms(&rest);
+        let problem = ForceProblem::new(law.base, &rest, &terms).with_reference();
         let judge = |group: Group| {
             let node = match group {
                 Group::Session(s) => problem.sessions[s],
                 Group::Specimen(k) => problem.specimens[k],
             };
             let setting = Setting::new(&problem).usual().without(node);
-            let fit = fit(&problem, &setting);
+            let fit = law.fit(&problem, &setting);
             let by = (&problem, &setting, &fit);
-            (group, Seen::new(base, data, by, left.of(group), group))
+            (group, Seen::new(law, data, by, left.of(group), group))
         };
         Self {
             seen: groups.into_par_iter().map(judge).collect(),
@@ -256,11 +313,6 @@ impl<'a> Judged<'a> {
     }
 }
 
-/// A fit from where all fits start: one from a fit to other readings may end anywhere, if those are far off.
-fn fit(problem: &ForceProblem, setting: &Setting) -> Fitted {
-    setting.fit(&problem.start(), &setting.fresh()[..1])
-}
-
 /// A change that takes a mistake back: of the conditions and of the measured force, by a number.
 type Change = fn(&mut Conditions, &mut f64, f64);
 
@@ -286,6 +338,7 @@ struct Seen<'a> {
     /// Its sessions, each with the places of its readings.
     sessions: Vec<(usize, Vec<usize>)>,
     coefficients: Vec<f64>,
+    effects: Vec<Applied<f64>>,
     /// Factor on the force, of the specimen as its other sessions show it.
     factor: f64,
     /// Usual sizes of the gain of a specimen and of a set length, mm.
@@ -301,7 +354,7 @@ struct Seen<'a> {
 
 impl<'a> Seen<'a> {
     fn new(
-        base: &'a Base,
+        law: &Law<'a>,
         data: &'a Data,
         (problem, setting, fit): (&ForceProblem, &Setting, &Fitted),
         sessions: Vec<usize>,
@@ -329,11 +382,12 @@ impl<'a> Seen<'a> {
         let others = fit.predicted.iter().zip(problem.node());
         let usual = |c: usize| problem.components()[c].scale.usual;
         let mut seen = Self {
-            base,
+            base: law.base,
             data,
             level,
             sessions: sessions.into_iter().map(|s| (s, readings(s))).collect(),
             coefficients: fit.point.coefficients.clone(),
+            effects: applied(problem, fit),
             factor,
             usual_gain: usual(component::GAIN),
             usual_length_mm: usual(component::SET_LENGTH),
@@ -361,9 +415,11 @@ impl<'a> Seen<'a> {
             let (mut at, mut measured) = (self.data.conditions[*i], self.data.force[*i]);
             change(&mut at, &mut measured);
             at.length_m += 1e-3 * length_mm;
-            let law = effects::force(self.base, &self.coefficients, factor, &[], &at);
-            // Slack below 0, where the law of a fit goes on; not a number stays none.
-            let expected = if law < 0.0 { 0.0 } else { law };
+            let law = Sided {
+                base: self.base,
+                side: Side::AsPublished,
+            };
+            let expected = effects::force(&law, &self.coefficients, factor, &self.effects, &at);
             (measured - expected, self.usual_miss(measured))
         };
         readings.iter().map(one).collect()
@@ -633,7 +689,7 @@ mod tests {
     fn found(campaign: &Campaign) -> Vec<RecordingError> {
         let rows: Vec<_> = campaign.rows.iter().collect();
         let base = Base::new(DIAMETER_MM, true, 4, &FitOptions::default());
-        recording_errors(DIAMETER_MM, &base, &Data::new(&rows), 0.05)
+        recording_errors(DIAMETER_MM, &Law::new(&base), &Data::new(&rows), 0.05)
     }
 
     fn assert_pointed_at(mistake: Mistake, kind: ErrorKind, quantity: Option<&str>) {

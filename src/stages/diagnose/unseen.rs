@@ -258,21 +258,16 @@ fn source(component: usize) -> Option<&'static str> {
     }
 }
 
-/// Held-out error of a smooth black box on a residual, under the same folds, N.
-pub fn black_box(setting: &Setting, problem: &ForceProblem, residual: &[f64]) -> Option<f64> {
+/// Held-out error of a smooth black box on what is left of predictions, under the same folds, N.
+pub fn black_box(setting: &Setting, problem: &ForceProblem, predicted: &[f64]) -> Option<f64> {
     let (folds, _) = folds(setting, problem);
     if folds.is_empty() {
         return None;
     }
     let tree = problem.tree();
-    let predicted: Vec<f64> = problem
-        .data
-        .force
-        .iter()
-        .zip(residual)
-        .map(|(y, r)| y - r)
-        .collect();
-    let features = Features::new(problem.data, &predicted);
+    let forces = problem.data.force.iter().zip(predicted);
+    let residual: Vec<f64> = forces.map(|(y, p)| y - p).collect();
+    let features = Features::new(problem.data, predicted);
     let sums: Vec<Vec<f64>> = folds
         .par_iter()
         .map(|fold| {
@@ -289,7 +284,7 @@ pub fn black_box(setting: &Setting, problem: &ForceProblem, residual: &[f64]) ->
                     .map(|(i, p)| (residual[*i] - p) * (residual[*i] - p))
                     .sum()
             };
-            let answers = black_box::predict(&features, residual, &train, &held);
+            let answers = black_box::predict(&features, &residual, &train, &held);
             let mut sums: Vec<f64> = answers.iter().map(square).collect();
             sums.push(held.len() as f64);
             sums

@@ -310,8 +310,12 @@ fn caption(shown: &Shown, rows: &[OneResidual]) -> String {
         n => format!(" One reading in {n} is drawn, the medians are those of all."),
     };
     let misfit = match shown.found.kind.as_str() {
-        "knee-torque" => "",
-        _ => "; the errors on unseen specimens have the common misfit in the prediction",
+        "knee-torque" => {
+            "law and effects alone, without the common misfit and what is each group's own"
+        }
+        _ => {
+            "law, effects and the misfit that all specimens share, as in the errors on unseen specimens; without what is each group's own"
+        }
     };
     let units = match columns(shown).iter().any(Tried::is_of_the_log) {
         true => " Columns of the log without a unit here have that of their `session.toml`.",
@@ -327,6 +331,6 @@ fn caption(shown: &Shown, rows: &[OneResidual]) -> String {
     };
     format!(
         "Residual (measured minus predicted) of {readings} readings, before and after the effects, against the most telling columns; _p_ is that of the family-wise test of a \
-         smooth dependence, where the column was tested. _Before_ and _after_: law and effects alone, without the common misfit and what is each group's own{misfit}.{own}{units}{drawn}"
+         smooth dependence, where the column was tested. _Before_ and _after_: {misfit}.{own}{units}{drawn}"
     )
 }

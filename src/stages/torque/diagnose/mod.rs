@@ -240,16 +240,19 @@ fn one(
     }
     mistakes.extend(recording::without_odd_hands(&mut data));
     let mut findings = unassessed(campaign, simulated, group, &data);
+    let not_assessed = |reason, mistakes, findings| JointDiagnosis {
+        findings: CampaignFindings {
+            not_assessed: Some(reason),
+            recording_errors: mistakes,
+            ..findings
+        },
+        residuals: Residuals::default(),
+        tests: group.tests(&[0.0; SIZES], &[], None),
+        by_hand: Vec::new(),
+        curves: group.curves(&[0.0; SIZES], &[]),
+    };
     if !searchable(&data) {
-        findings.not_assessed = Some(NotAssessed::TooFewReadings);
-        findings.recording_errors = mistakes;
-        return JointDiagnosis {
-            findings,
-            residuals: Residuals::default(),
-            tests: group.tests(&[0.0; SIZES], &[], None),
-            by_hand: Vec::new(),
-            curves: group.curves(&[0.0; SIZES], &[]),
-        };
+        return not_assessed(NotAssessed::TooFewReadings, mistakes, findings);
     }
     let library = library::terms(&data);
     let problem = TorqueProblem::new(&data, &library).with_reference();
@@ -265,6 +268,9 @@ fn one(
         aside,
     } = &searched;
     mistakes.extend(aside.iter().map(|(_, error)| error.clone()));
+    if !found.null.log_likelihood.is_finite() {
+        return not_assessed(NotAssessed::NoConvergence, mistakes, findings);
+    }
     findings.recording_errors = mistakes;
     let held = unseen::held_out(setting, &problem, found, decision, &normal);
     let work = Work {

@@ -352,7 +352,7 @@ impl<'a> TorqueProblem<'a> {
         let size = self.rms_of_torques(&near);
         let mut directions = vec![direction(vec![near])];
         if size > 0.0 && size.is_finite() {
-            let target = shared::LARGE_CHANGE * self.rms_of_torques(base);
+            let target = shared::LARGE_CHANGES[0] * self.rms_of_torques(base);
             let large = (target / size).min(0.5 * high);
             let mut far = vec![large];
             if low < 0.0 {
