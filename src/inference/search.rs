@@ -416,25 +416,17 @@ impl Search<'_> {
         let known = |t: usize| model.point.terms.iter().any(|(k, _)| kind(*k) == kind(t));
         let starts = [tried.variances.clone(), model.variances.clone()];
         let new = tried.point.terms.iter().filter(|(t, _)| !known(*t));
-        let glances: Vec<(Point, usize, f64)> = new
-            .map(|(t, values)| {
-                let mut from = model.point.clone();
-                for (k, c) in tried.point.coefficients.iter().enumerate() {
-                    if !self.setting.pinned.contains(&Free::Coefficient(k)) {
-                        from.coefficients[k] = *c;
-                    }
+        let fits = new.map(|(t, values)| {
+            let mut from = model.point.clone();
+            for (k, c) in tried.point.coefficients.iter().enumerate() {
+                if !self.setting.pinned.contains(&Free::Coefficient(k)) {
+                    from.coefficients[k] = *c;
                 }
-                from.terms.push((*t, values.clone()));
-                let value = self.setting.glance(&from, &starts[..1]).log_likelihood;
-                (from, *t, value - model.log_likelihood)
-            })
-            .collect();
-        let most = glances.iter().fold(0.0_f64, |m, (.., gain)| m.max(*gain));
-        let promising = glances.iter().filter(|(.., gain)| *gain >= PROMISED * most);
-        promising
-            .map(|(from, t, _)| (self.setting.fit(from, &starts), *t))
-            .filter(|(fit, t)| self.is_inside(fit, *t))
-            .collect()
+            }
+            from.terms.push((*t, values.clone()));
+            (self.setting.fit(&from, &starts), *t)
+        });
+        fits.filter(|(fit, t)| self.is_inside(fit, *t)).collect()
     }
 
     /// Fits of the terms that gain most beside a model whose components have their usual sizes: where a law is far off, scatter and misfit have
