@@ -8,6 +8,7 @@
 use crate::fit::{Fitted, Setting};
 use crate::form::{Answer, Bootstrap, GRID, answers};
 use crate::heldout::Unseen;
+use crate::power::Power;
 use crate::problem::{Coefficient, Component, Direction, Linearised, Point, Problem, Term};
 use crate::profile::{Profile, profile};
 use crate::query;
@@ -644,6 +645,42 @@ fn a_term_with_a_name_stands_for_one_without_where_only_its_far_start_shows_it()
     let problem = line(&[(1, 10.0)], &forms);
     assert_eq!(accepted(&found(&problem, DECISION, 9.0)), [1]);
     assert_eq!(accepted(&found(&problem, QUICK, 9.0)), [0]);
+}
+
+#[test]
+fn the_smallest_size_found_is_that_of_students_test() {
+    // Without intercepts the noise alone is estimated, from 16 readings with a sum of squares of 16: the likelihood ratio of a size a along w1 is
+    // 16 ln(1 + a^2/16), and at the smallest size that is found it is (3 + 0.84)^2.
+    let scale = |prior| Scale {
+        prior,
+        usual: 1.0,
+        groups: GROUPS,
+    };
+    let of = |along_w1: f64| {
+        let mut problem = line(&[(1, along_w1), (2, 4.0)], &[form(0, &[(1, 1.0)])]);
+        problem.components[0].scale = scale(Prior::Fixed(0.0));
+        problem.noise = vec![scale(Prior::Free)];
+        problem
+    };
+    let problem = of(0.0);
+    let setting = Setting::new(&problem);
+    let nothing = null(&setting);
+    close(nothing.variances.noise[0], 1.0, 1e-3);
+    let size = Power::new(&setting, &nothing).smallest(&along(&[(1, 1.0)]), 1.0, 9.0);
+    let wanted = (3.0 + 0.841_621_233_6) * (3.0 + 0.841_621_233_6);
+    close(size * size, 16.0 * ((wanted / 16.0_f64).exp() - 1.0), 0.01);
+    let problem = of(size);
+    let setting = Setting::new(&problem);
+    let mut from = problem.start();
+    from.terms.push((0, vec![size]));
+    let with = setting.fit(&from, &setting.fresh()).log_likelihood;
+    let ratio = 2.0 * (with - null(&setting).log_likelihood);
+    close(ratio, wanted, 0.02);
+    // Where all variances are known it is that of the normal test.
+    let problem = line(&[(2, 4.0)], &[form(0, &[(1, 1.0)])]);
+    let setting = Setting::new(&problem);
+    let size = Power::new(&setting, &null(&setting)).smallest(&along(&[(1, 1.0)]), 1.0, 9.0);
+    close(size * size, wanted, 1e-6);
 }
 
 #[test]

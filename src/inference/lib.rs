@@ -11,6 +11,7 @@
 //! | [`fit`] | the nonlinear model: linearise, estimate, move, again |
 //! | [`statistic`], [`screen`] | what may be added, and how improbable the strongest candidate is: a bootstrap of the maximum |
 //! | [`search`] | forward, deletions, swaps; what does as well in the place of what was found |
+//! | [`power`] | how strong a direction has to be to be found |
 //! | [`profile`] | intervals |
 //! | [`form`] | whether a term's size is one number: gain and probability of further columns at the root with one variance |
 //! | [`query`] | of a fitted model: what a component gains and its interval, estimates by group, what rests on the misfit's prior |
@@ -31,6 +32,7 @@ pub mod fit;
 pub mod form;
 pub mod gram;
 pub mod heldout;
+pub mod power;
 pub mod problem;
 pub mod profile;
 pub mod query;

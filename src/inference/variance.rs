@@ -130,7 +130,7 @@ impl Maximiser<'_> {
         self.components.iter().chain(self.noise)
     }
 
-    fn variables(&self, at: &Variances) -> Vec<f64> {
+    pub(crate) fn variables(&self, at: &Variances) -> Vec<f64> {
         let values = at.components.iter().chain(&at.noise);
         let free = self.scales().zip(values);
         free.filter(|(s, _)| s.prior.is_estimated())
@@ -167,7 +167,8 @@ impl Maximiser<'_> {
             .sum()
     }
 
-    fn value_and_gradient(&self, gram: &Gram, variables: &[f64]) -> (f64, Vec<f64>) {
+    /// The same with its derivatives by the variables: logarithms of the standard deviations that are estimated.
+    pub(crate) fn value_and_gradient(&self, gram: &Gram, variables: &[f64]) -> (f64, Vec<f64>) {
         let at = self.variances(variables);
         let factor = Factor::new(self.tree, gram, &at);
         let value = factor.log_likelihood(self.likelihood) + self.log_prior(&at);

@@ -7,13 +7,16 @@ use super::problem::ForceProblem;
 use crate::effects::{self, Need};
 use crate::findings::{Alias, DetectionLimit, NotMeasurable, WhyNot};
 use crate::inference::fit::{Fitted, Setting};
+use crate::inference::power::Power;
 use crate::inference::problem::{Direction, Problem};
 use crate::inference::screen::{IDENTIFIABLE, Screen};
 use crate::inference::statistic::likelihood_ratio;
 use crate::inference::system::{Factor, Panel};
+use std::collections::BTreeMap;
 
-/// Normal deviate of a power of 80%.
-const POWER: f64 = 0.841_621_233_572_914;
+/// How often a size is sought again with the column that an effect has at the size before. Halfway between the two, for what shows as the square
+/// of its size would alternate.
+const SETTLING: usize = 6;
 /// Cosine from which two sensitivities are reported as nearly one.
 const NEARLY_ONE: f64 = 0.9;
 
@@ -29,68 +32,77 @@ pub struct Limits {
 
 /// The limits beside a model, for a critical value of the family-wise test.
 pub fn limits(setting: &Setting, problem: &ForceProblem, model: &Fitted, critical: f64) -> Limits {
-    let wanted = likelihood_ratio(critical, 1).sqrt() + POWER;
+    let power = Power::new(setting, model);
     let all: Vec<Direction> = problem
         .directions(&model.point)
         .into_iter()
-        .filter(|d| problem.library[d.term].scope == Scope::All)
+        .filter(|d| {
+            let term = &problem.library[d.term];
+            term.scope == Scope::All && term.form().is_some()
+        })
         .collect();
     let screen = Screen::of(setting, model, all);
-    let shown = screen.shown(0);
+    let mut sizes = sizes(&screen, &power, critical);
+    for _ in 0..SETTLING {
+        let at = |(t, (size, _)): (&usize, &(f64, f64))| {
+            let within = size.min(largest(&problem.library[*t]));
+            problem.direction_at(&model.point, *t, within)
+        };
+        let there = Screen::of(setting, model, sizes.iter().map(at).collect());
+        let mut next = self::sizes(&there, &power, critical);
+        for (t, (size, _)) in &mut next {
+            *size = sizes
+                .get(t)
+                .map_or(*size, |(before, _)| (before * *size).sqrt());
+        }
+        sizes = next;
+    }
     let mut smallest: Vec<DetectionLimit> = Vec::new();
     let mut not_measurable = missing(problem.data);
     for (effect, e) in effects::all().iter().enumerate() {
         let of = |term: &Term| matches!(term.what, What::Effect { effect: k, .. } if k == effect);
-        let in_model = model
-            .point
-            .terms
+        let mine: Vec<_> = sizes
             .iter()
-            .any(|(t, _)| of(&problem.library[*t]));
-        let mine: Vec<_> = shown
-            .iter()
-            .filter(|s| of(&problem.library[screen.directions[s.direction].term]))
+            .filter(|(t, _)| of(&problem.library[**t]))
             .collect();
+        let mut refuse = |reason| {
+            not_measurable.push(NotMeasurable {
+                id: e.id().to_owned(),
+                reason,
+                by: None,
+                form: None,
+            });
+        };
         if mine.is_empty() {
             let asked = problem.library.iter().any(of);
-            if asked && !in_model {
-                not_measurable.push(NotMeasurable {
-                    id: e.id().to_owned(),
-                    reason: WhyNot::Absorbed,
-                    by: None,
-                    form: None,
-                });
+            let mut in_model = model.point.terms.iter().map(|(t, _)| *t);
+            if asked && !in_model.any(|t| of(&problem.library[t])) {
+                refuse(WhyNot::Absorbed);
             }
             continue;
         }
         let before = smallest.len();
-        for s in mine {
-            let term = &problem.library[screen.directions[s.direction].term];
+        for (t, (size, share)) in mine {
+            let term = &problem.library[*t];
             let Some(form) = term.form() else { continue };
-            let size = wanted / s.length;
-            let (low, high) = form.amplitude.bounds;
-            if size > high.abs().max(low.abs()) {
+            if *size > largest(term) {
                 continue;
             }
             let limit = DetectionLimit {
                 id: e.id().to_owned(),
                 form: form.name.to_owned(),
-                smallest: size,
+                smallest: *size,
                 unit: form.amplitude.unit.to_owned(),
-                identifiable_share: s.share,
+                identifiable_share: *share,
             };
             match smallest[before..].iter_mut().find(|l| l.form == form.name) {
-                Some(known) if known.smallest > size => *known = limit,
+                Some(known) if known.smallest > *size => *known = limit,
                 Some(_) => {}
                 None => smallest.push(limit),
             }
         }
         if smallest.len() == before {
-            not_measurable.push(NotMeasurable {
-                id: e.id().to_owned(),
-                reason: WhyNot::Bound,
-                by: None,
-                form: None,
-            });
+            refuse(WhyNot::Bound);
         }
     }
     let aliases = aliases(setting, problem, model, &screen);
@@ -99,6 +111,30 @@ pub fn limits(setting: &Setting, problem: &ForceProblem, model: &Fitted, critica
         not_measurable,
         aliases,
     }
+}
+
+/// The smallest size of every term that is found, by that of its directions in which it shows most, and the share that the fixed effects leave of
+/// it.
+fn sizes(screen: &Screen, power: &Power, critical: f64) -> BTreeMap<usize, (f64, f64)> {
+    let mut sizes: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
+    for s in screen.shown(0) {
+        let direction = &screen.directions[s.direction];
+        let ratio = likelihood_ratio(critical, 1);
+        let size = power.smallest(&direction.columns[0], s.length, ratio);
+        let known = sizes
+            .entry(direction.term)
+            .or_insert((f64::INFINITY, s.share));
+        if size < known.0 {
+            *known = (size, s.share);
+        }
+    }
+    sizes
+}
+
+/// The largest size that a term can have.
+fn largest(term: &Term) -> f64 {
+    let bounds = term.form().map_or((0.0, 0.0), |f| f.amplitude.bounds);
+    bounds.0.abs().max(bounds.1.abs())
 }
 
 /// Effects that lack a quantity.

@@ -952,6 +952,17 @@ impl ForceProblem<'_> {
         far
     }
 
+    /// The change of the force by a term on all readings at an amplitude, per unit of it.
+    pub fn direction_at(&self, point: &Point, t: usize, amplitude: f64) -> Direction {
+        let term = &self.library[t];
+        let base = self.predict(point);
+        Direction {
+            term: t,
+            start: term.start(1.0),
+            columns: vec![self.change(point, &base, t, &term.start(amplitude), amplitude)],
+        }
+    }
+
     fn change(&self, point: &Point, base: &[f64], t: usize, values: &[f64], unit: f64) -> Vec<f64> {
         let mut with = point.clone();
         with.terms.push((t, values.to_vec()));

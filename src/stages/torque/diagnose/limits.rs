@@ -4,13 +4,12 @@ use super::problem::TorqueProblem;
 use super::terms::{ALL, Term, place};
 use crate::findings::{Alias, DetectionLimit, NotMeasurable, WhyNot};
 use crate::inference::fit::{Fitted, Setting};
+use crate::inference::power::Power;
 use crate::inference::problem::Problem;
-use crate::inference::screen::{IDENTIFIABLE, Screen};
+use crate::inference::screen::{IDENTIFIABLE, Screen, Shown};
 use crate::inference::statistic::likelihood_ratio;
 use crate::inference::system::{Factor, Panel};
 
-/// Normal deviate of a power of 80%.
-const POWER: f64 = 0.841_621_233_572_914;
 /// Cosine from which two sensitivities are reported as nearly one.
 const NEARLY_ONE: f64 = 0.9;
 
@@ -30,6 +29,7 @@ pub fn limits(setting: &Setting, problem: &TorqueProblem, model: &Fitted, critic
     directions.retain(|d| problem.library[d.term].form().is_some());
     let screen = Screen::of(setting, model, directions);
     let shown = screen.shown(0);
+    let power = Power::new(setting, model);
     let form_of = |d: usize| problem.library[screen.directions[d].term].form();
     let mut smallest: Vec<DetectionLimit> = Vec::new();
     let mut not_measurable = Vec::new();
@@ -59,8 +59,11 @@ pub fn limits(setting: &Setting, problem: &TorqueProblem, model: &Fitted, critic
         }
         let mine = shown.iter().filter(|s| is(form_of(s.direction)));
         // For two amplitudes the length is that of the first.
-        let wanted = |k: usize| likelihood_ratio(critical, k).sqrt() + POWER;
-        let best = mine.map(|s| (wanted(s.amplitudes) / s.length, s.share));
+        let size = |s: &Shown| {
+            let column = &screen.directions[s.direction].columns[0];
+            power.smallest(column, s.length, likelihood_ratio(critical, s.amplitudes))
+        };
+        let best = mine.map(|s| (size(s), s.share));
         let best = best
             .filter(|(size, _)| size.is_finite())
             .min_by(|a, b| a.0.total_cmp(&b.0));
