@@ -668,7 +668,7 @@ fn the_smallest_size_found_is_that_of_students_test() {
     close(nothing.variances.noise[0], 1.0, 1e-3);
     let size = Power::new(&setting, &nothing).smallest(&along(&[(1, 1.0)]), 1.0, 9.0);
     let wanted = (3.0 + 0.841_621_233_6) * (3.0 + 0.841_621_233_6);
-    close(size * size, 16.0 * ((wanted / 16.0_f64).exp() - 1.0), 0.01);
+    close(size * size, 16.0 * libm::expm1(wanted / 16.0), 0.01);
     let problem = of(size);
     let setting = Setting::new(&problem);
     let mut from = problem.start();

@@ -71,9 +71,14 @@ impl<'a> Power<'a> {
     /// Size of a direction that is found with a probability of 80%, where likelihood ratios from `ratio` on are accepted. `length` is that of
     /// its whitened column after projection, per unit of size.
     pub fn smallest(&self, column: &[f64], length: f64, ratio: f64) -> f64 {
-        let wanted = ratio.sqrt() + POWER;
-        needed(wanted * wanted, self.values(column, length)).sqrt() / length
+        let left = at_known_variances(ratio, 1.0);
+        needed(left * left, self.values(column, length)).sqrt() / length
     }
+}
+
+/// Size of a direction that is found with a probability of 80% where the variances are known.
+pub fn at_known_variances(ratio: f64, length: f64) -> f64 {
+    (ratio.sqrt() + POWER) / length
 }
 
 /// The likelihood ratio at known variances of which `left` is left with variances from `values` independent values.

@@ -477,7 +477,8 @@ impl Search<'_> {
         let fits = fits.map(|(t, values)| {
             let mut from = model.point.clone();
             from.terms.push((t, values));
-            (self.setting.fit(&from, &[model.variances.clone()]), t)
+            let starts = std::slice::from_ref(&model.variances);
+            (self.setting.fit(&from, starts), t)
         });
         let mut fits: Vec<(Fitted, usize)> = fits.collect();
         fits.retain(|(f, t)| self.is_inside(f, *t));

@@ -4,7 +4,7 @@ use super::problem::TorqueProblem;
 use super::terms::{ALL, Term, place};
 use crate::findings::{Alias, DetectionLimit, NotMeasurable, WhyNot};
 use crate::inference::fit::{Fitted, Setting};
-use crate::inference::power::Power;
+use crate::inference::power::at_known_variances;
 use crate::inference::problem::Problem;
 use crate::inference::screen::{IDENTIFIABLE, Screen, Shown};
 use crate::inference::statistic::likelihood_ratio;
@@ -29,7 +29,6 @@ pub fn limits(setting: &Setting, problem: &TorqueProblem, model: &Fitted, critic
     directions.retain(|d| problem.library[d.term].form().is_some());
     let screen = Screen::of(setting, model, directions);
     let shown = screen.shown(0);
-    let power = Power::new(setting, model);
     let form_of = |d: usize| problem.library[screen.directions[d].term].form();
     let mut smallest: Vec<DetectionLimit> = Vec::new();
     let mut not_measurable = Vec::new();
@@ -59,10 +58,9 @@ pub fn limits(setting: &Setting, problem: &TorqueProblem, model: &Fitted, critic
         }
         let mine = shown.iter().filter(|s| is(form_of(s.direction)));
         // For two amplitudes the length is that of the first.
-        let size = |s: &Shown| {
-            let column = &screen.directions[s.direction].columns[0];
-            power.smallest(column, s.length, likelihood_ratio(critical, s.amplitudes))
-        };
+        // One test has variances of its own that nothing but their priors holds: what these leave of a likelihood ratio has no simple form.
+        let size =
+            |s: &Shown| at_known_variances(likelihood_ratio(critical, s.amplitudes), s.length);
         let best = mine.map(|s| (size(s), s.share));
         let best = best
             .filter(|(size, _)| size.is_finite())
