@@ -8,7 +8,7 @@
 use crate::fit::{Fitted, Setting};
 use crate::form::{Answer, Bootstrap, GRID, answers};
 use crate::heldout::Unseen;
-use crate::power::Power;
+use crate::power::{Power, strength};
 use crate::problem::{Coefficient, Component, Direction, Linearised, Point, Problem, Term};
 use crate::profile::{Profile, profile};
 use crate::query;
@@ -78,6 +78,11 @@ impl Form {
 
     fn up_to(mut self, bound: f64) -> Self {
         self.term.bounds[0].1 = bound;
+        self
+    }
+
+    fn within(mut self, bound: f64) -> Self {
+        self.term.bounds.fill((-bound, bound));
         self
     }
 
@@ -676,11 +681,46 @@ fn the_smallest_size_found_is_that_of_students_test() {
     let with = setting.fit(&from, &setting.fresh()).log_likelihood;
     let ratio = 2.0 * (with - null(&setting).log_likelihood);
     close(ratio, wanted, 0.02);
+    // The same by a fit to readings that hold it.
+    let problem = of(0.0);
+    let setting = Setting::new(&problem);
+    let nothing = null(&setting);
+    for values in [vec![vec![size]], vec![vec![size], vec![-size]]] {
+        let shown = strength(&setting, &nothing, 0, &values);
+        close(shown * shown, wanted, 0.02);
+    }
     // Where all variances are known it is that of the normal test.
     let problem = line(&[(2, 4.0)], &[form(0, &[(1, 1.0)])]);
     let setting = Setting::new(&problem);
     let size = Power::new(&setting, &null(&setting)).smallest(&along(&[(1, 1.0)]), 1.0, 9.0);
     close(size * size, wanted, 1e-6);
+}
+
+#[test]
+fn an_amplitude_that_cannot_be_a_standard_error_within_its_bounds_is_no_candidate() {
+    // A standard error of an amplitude along w1 is 1.
+    for (bound, candidates) in [(0.99, 0), (1.01, 1)] {
+        let problem = line(&[(1, 10.0)], &[form(0, &[(1, 1.0)]).within(bound)]);
+        let setting = Setting::new(&problem);
+        let shown = Screen::new(&setting, &null(&setting)).shown(0);
+        assert_eq!(shown.len(), candidates, "{bound}");
+        let directions = problem.directions(&problem.start());
+        assert_eq!(
+            Screen::of(&setting, &null(&setting), directions)
+                .shown(0)
+                .len(),
+            1
+        );
+    }
+    // Of two nearly parallel columns the second shows beside the first only by w2, a hundredth of it.
+    for (bound, amplitudes) in [(99.0, 1), (101.0, 2)] {
+        let two = form(0, &[(1, 1.0)]).and(&[(1, 1.0), (2, 0.01)]);
+        let problem = line(&[(1, 10.0)], &[two.within(bound)]);
+        let setting = Setting::new(&problem);
+        let shown = Screen::new(&setting, &null(&setting)).shown(0);
+        assert_eq!(shown[0].amplitudes, amplitudes, "{bound}");
+        assert_eq!(shown[0].estimate.len(), 2);
+    }
 }
 
 #[test]

@@ -190,7 +190,7 @@ impl Design {
     }
 
     /// Sums of some or all of this design's nodes, with further fixed effects behind its own and another response.
-    pub fn with_response_of(&self, gram: &Gram, extra: &[Vec<f64>], y: &[f64]) -> Gram {
+    pub fn with_response_of(&self, gram: &Gram, extra: &[&[f64]], y: &[f64]) -> Gram {
         let members = self.members();
         let mut answer = gram.clone();
         for part in &mut answer.parts {
@@ -201,7 +201,12 @@ impl Design {
             for &i in places {
                 let (of_path, others) = part.response.split_at_mut(path);
                 add_times(of_path, y[i], &self.z[i]);
-                for (s, column) in others.iter_mut().zip(self.x.iter().chain(extra)) {
+                for (s, column) in others.iter_mut().zip(
+                    self.x
+                        .iter()
+                        .map(Vec::as_slice)
+                        .chain(extra.iter().copied()),
+                ) {
                     *s += column[i] * y[i];
                 }
                 part.response[last] += y[i] * y[i];

@@ -4,10 +4,15 @@
 //! fewer values there are from which they are estimated. With a likelihood ratio r at known variances and n independent values of one variance
 //! what is left is n ln(1 + r/n), as in Student's test. Where several variances take part, n follows from the second order: a direction of unit
 //! length has the score s by the logarithms of the standard deviations, these have the curvature H, and the ratio falls by r^2 s'H^-1 s.
+//!
+//! The coefficients of a nonlinear law take up more than its tangent says. [`strength`] puts a term into the readings and fits the model without
+//! it again.
 
 use crate::fit::{Fitted, Setting};
+use crate::problem::{Coefficient, Component, Direction, Linearised, Point, Problem, Term};
 use crate::system::{Likelihood, dot};
-use crate::variance::Maximiser;
+use crate::tree::Tree;
+use crate::variance::{Maximiser, Scale};
 use pipeline_numerics::cholesky::Cholesky;
 use pipeline_numerics::matrix::Matrix;
 
@@ -76,9 +81,86 @@ impl<'a> Power<'a> {
     }
 }
 
+/// By how many standard errors a term would show, were it in the readings with some values: the model without it is fitted again to readings that
+/// hold it. With values of either sign, what the readings as they are show by chance cancels.
+pub fn strength(setting: &Setting, model: &Fitted, term: usize, values: &[Vec<f64>]) -> f64 {
+    let lost: f64 = values.iter().map(|v| lost(setting, model, term, v)).sum();
+    (lost / values.len() as f64).max(0.0).sqrt()
+}
+
+/// Twice what the log-likelihood of a model without a term falls by, if the term is put into the readings. With the term at these values it would be
+/// what it is.
+fn lost(setting: &Setting, model: &Fitted, term: usize, values: &[f64]) -> f64 {
+    let problem = setting.problem;
+    let mut with = model.point.clone();
+    with.terms.push((term, values.to_vec()));
+    let changed = problem.predict(&with).into_iter().zip(&model.predicted);
+    let readings = problem.observed().iter().zip(changed);
+    let altered = Altered {
+        observed: readings
+            .map(|(y, (with, without))| y + with - without)
+            .collect(),
+        problem,
+    };
+    let there = Setting {
+        problem: &altered,
+        ..setting.clone()
+    };
+    let starts = [model.variances.clone(), setting.widened(&model.variances)];
+    let fitted = there.fit(&model.point, &starts);
+    2.0 * (model.log_likelihood - fitted.log_likelihood)
+}
+
+/// A problem with other readings.
+struct Altered<'a> {
+    problem: &'a dyn Problem,
+    observed: Vec<f64>,
+}
+
+impl Problem for Altered<'_> {
+    fn tree(&self) -> &Tree {
+        self.problem.tree()
+    }
+    fn node(&self) -> &[usize] {
+        self.problem.node()
+    }
+    fn class(&self) -> &[usize] {
+        self.problem.class()
+    }
+    fn noise(&self) -> &[Scale] {
+        self.problem.noise()
+    }
+    fn observed(&self) -> &[f64] {
+        &self.observed
+    }
+    fn components(&self) -> &[Component] {
+        self.problem.components()
+    }
+    fn coefficients(&self) -> &[Coefficient] {
+        self.problem.coefficients()
+    }
+    fn terms(&self) -> &[Term] {
+        self.problem.terms()
+    }
+    fn predict(&self, point: &Point) -> Vec<f64> {
+        self.problem.predict(point)
+    }
+    fn linearise(&self, point: &Point) -> Linearised {
+        self.problem.linearise(point)
+    }
+    fn directions(&self, point: &Point) -> Vec<Direction> {
+        self.problem.directions(point)
+    }
+}
+
+/// How many standard errors a term must show to be found with a probability of 80%, where likelihood ratios from `ratio` on are accepted.
+pub fn wanted(ratio: f64) -> f64 {
+    ratio.sqrt() + POWER
+}
+
 /// Size of a direction that is found with a probability of 80% where the variances are known.
 pub fn at_known_variances(ratio: f64, length: f64) -> f64 {
-    (ratio.sqrt() + POWER) / length
+    wanted(ratio) / length
 }
 
 /// The likelihood ratio at known variances of which `left` is left with variances from `values` independent values.

@@ -29,9 +29,9 @@ pub type Normal<'n> = dyn Fn(usize) -> Box<dyn FnMut() -> f64> + Sync + 'n;
 pub struct Shown {
     /// Place in the list of directions.
     pub direction: usize,
-    /// Number of amplitudes.
+    /// Number of amplitudes that can show.
     pub amplitudes: usize,
-    /// Amplitudes by generalised least squares.
+    /// Amplitudes by generalised least squares; 0 of those that cannot show.
     pub estimate: Vec<f64>,
     /// Twice the gain in log-likelihood.
     pub likelihood_ratio: f64,
@@ -51,7 +51,9 @@ impl Shown {
 /// What the readings tell of a direction.
 struct Information {
     direction: usize,
-    /// C'P C.
+    /// The amplitudes that can show.
+    kept: Vec<usize>,
+    /// C'P C of their columns.
     matrix: Square,
     /// Share of the whitened sensitivity that the fixed effects leave.
     share: f64,
@@ -59,12 +61,17 @@ struct Information {
 
 impl Information {
     /// What the direction shows in P y.
-    fn shown(&self, columns: &[Vec<f64>], whitened_twice: &[f64]) -> Shown {
-        let scores: Vec<f64> = columns.iter().map(|c| dot(c, whitened_twice)).collect();
-        let (estimate, likelihood_ratio) = solve(&self.matrix, &scores);
+    fn shown(&self, direction: &Direction, whitened_twice: &[f64]) -> Shown {
+        let columns = self.kept.iter().map(|k| &direction.columns[*k]);
+        let scores: Vec<f64> = columns.map(|c| dot(c, whitened_twice)).collect();
+        let (values, likelihood_ratio) = solve(&self.matrix, &scores);
+        let mut estimate = vec![0.0; direction.columns.len()];
+        for (k, value) in self.kept.iter().zip(values) {
+            estimate[*k] = value;
+        }
         Shown {
             direction: self.direction,
-            amplitudes: columns.len(),
+            amplitudes: self.kept.len(),
             estimate,
             likelihood_ratio,
             share: self.share,
@@ -77,6 +84,8 @@ impl Information {
 pub struct Screen<'a> {
     setting: &'a Setting<'a>,
     null: &'a Fitted,
+    /// Whether amplitudes that cannot show within their bounds are left out.
+    bounded: bool,
     /// The directions.
     pub directions: Vec<Direction>,
     /// For each direction the number of its first column in the panel: its amplitudes, then the sums of their pairs (for the products between
@@ -86,7 +95,7 @@ pub struct Screen<'a> {
     extended: Vec<OnceLock<Gram>>,
     /// Value of the null's likelihood with the effort of a draw.
     null_value: f64,
-    /// At the variances of the null: draws take it for theirs, which are close.
+    /// Of the directions that can be told from the fixed effects, at the variances of the null: draws take it for theirs, which are close.
     information: OnceLock<Vec<Information>>,
     /// Standard deviations of the null by the restricted likelihood, from which responses are drawn: those of the full one are too small where
     /// fixed effects take their share, most of all where a component has few columns.
@@ -106,7 +115,14 @@ impl<'a> Screen<'a> {
             .collect();
         let mut directions = setting.problem.directions(&null.point);
         directions.retain(|d| !kinds.contains(&terms[d.term].kind));
-        Self::of(setting, null, directions)
+        Self::of(setting, null, directions).bounded()
+    }
+
+    /// Without amplitudes that, anywhere within their bounds, are smaller than their standard error beside the others of their direction. They
+    /// cannot be found, and the gain of an amplitude far outside its bounds would hide what can.
+    pub fn bounded(mut self) -> Self {
+        self.bounded = true;
+        self
     }
 
     /// These candidates only.
@@ -127,6 +143,7 @@ impl<'a> Screen<'a> {
         let mut screen = Self {
             setting,
             null,
+            bounded: false,
             extended: directions.iter().map(|_| OnceLock::new()).collect(),
             directions,
             first,
@@ -153,17 +170,23 @@ impl<'a> Screen<'a> {
         let variances = &self.null.variances;
         let factor = Factor::new(&self.null.design.tree, &self.null.gram, variances);
         let whitened = self.whitened_twice(&factor.estimates(), &self.null.design.y, variances);
-        let mut shown: Vec<Shown> = self
-            .informations(variances)
-            .iter()
-            .map(|of| of.shown(&self.directions[of.direction].columns, &whitened))
-            .collect();
+        self.shown_in(&whitened)
+    }
+
+    /// The directions by what they show in P y, strongest first.
+    fn shown_in(&self, whitened_twice: &[f64]) -> Vec<Shown> {
+        let of = |i: &Information| i.shown(&self.directions[i.direction], whitened_twice);
+        let mut shown: Vec<Shown> = self.information().iter().map(of).collect();
         shown.sort_by(|a, b| b.deviate().total_cmp(&a.deviate()));
         shown
     }
 
-    /// What the readings tell of every direction at some variances, of those that can be told from the fixed effects.
-    fn informations(&self, variances: &Variances) -> Vec<Information> {
+    fn information(&self) -> &[Information] {
+        self.information.get_or_init(|| self.informations())
+    }
+
+    fn informations(&self) -> Vec<Information> {
+        let variances = &self.null.variances;
         let factor = Factor::new(&self.null.design.tree, &self.null.gram, variances);
         let projected = factor.project(&self.panel);
         let mut all = Vec::with_capacity(self.directions.len());
@@ -188,33 +211,63 @@ impl<'a> Screen<'a> {
                     pair += 1;
                 }
             }
-            all.push(Information {
-                direction,
-                matrix,
-                share,
-            });
+            let kept = self.kept(direction, &matrix);
+            if !kept.is_empty() {
+                all.push(Information {
+                    direction,
+                    matrix: among(&matrix, &kept),
+                    kept,
+                    share,
+                });
+            }
         }
         all
+    }
+
+    /// The amplitudes of a direction that can show.
+    fn kept(&self, direction: usize, information: &Square) -> Vec<usize> {
+        let Direction { term, start, .. } = &self.directions[direction];
+        if !self.bounded {
+            return (0..information.n).collect();
+        }
+        let bounds = &self.setting.problem.terms()[*term].bounds;
+        let mut kept = Vec::new();
+        for i in 0..information.n {
+            let (low, high) = bounds[i];
+            let most = low.abs().max(high.abs()) / start[i].abs();
+            kept.push(i);
+            if most * beside_others(&among(information, &kept)).sqrt() < 1.0 {
+                kept.pop();
+            }
+        }
+        kept
     }
 
     /// Gain of a direction with the variances estimated again.
     fn refined(&self, shown: &Shown, y: Option<&[f64]>, null_value: f64, from: &Variances) -> f64 {
         let gram = self.extended[shown.direction].get_or_init(|| {
             let mut design = self.null.design.clone();
-            design
-                .x
-                .extend(self.directions[shown.direction].columns.iter().cloned());
+            design.x.extend(self.columns(shown).cloned());
             self.setting.sums(&design)
         });
         let value = match y {
             None => self.value(gram, from).1,
             Some(y) => {
-                let extra = &self.directions[shown.direction].columns;
-                let gram = self.null.design.with_response_of(gram, extra, y);
+                let extra: Vec<&[f64]> = self.columns(shown).map(Vec::as_slice).collect();
+                let gram = self.null.design.with_response_of(gram, &extra, y);
                 self.value(&gram, from).1
             }
         };
         2.0 * (value - null_value)
+    }
+
+    /// The columns of a direction's amplitudes that can show.
+    fn columns(&self, shown: &Shown) -> impl Iterator<Item = &Vec<f64>> {
+        let of = |i: &&Information| i.direction == shown.direction;
+        let found = self.information().iter().find(of);
+        let kept = found.map_or(&[][..], |i| i.kept.as_slice());
+        let columns = &self.directions[shown.direction].columns;
+        kept.iter().map(|k| &columns[*k])
     }
 
     /// The candidates in the data, strongest first; the first few with the variances estimated again.
@@ -265,14 +318,7 @@ impl<'a> Screen<'a> {
         let (variances, value) = self.value(&gram, &self.null.variances);
         let factor = Factor::new(&self.null.design.tree, &gram, &variances);
         let whitened = self.whitened_twice(&factor.estimates(), &y, &variances);
-        let information = self
-            .information
-            .get_or_init(|| self.informations(&self.null.variances));
-        let mut shown: Vec<Shown> = information
-            .iter()
-            .map(|of| of.shown(&self.directions[of.direction].columns, &whitened))
-            .collect();
-        shown.sort_by(|a, b| b.deviate().total_cmp(&a.deviate()));
+        let shown = self.shown_in(&whitened);
         let best = shown.iter().take(REFINED).map(|s| {
             let gain = self.refined(s, Some(&y), value, &variances);
             deviate(gain, s.amplitudes)
@@ -325,6 +371,26 @@ pub fn draw(model: &Fitted, variances: &Variances, normal: &mut dyn FnMut() -> f
             own + variances.noise[model.design.class[i]] * normal()
         })
         .collect()
+}
+
+/// The rows and columns of a small symmetric matrix that are kept.
+fn among(matrix: &Square, kept: &[usize]) -> Square {
+    let mut part = Square::zeros(kept.len());
+    for (i, from) in kept.iter().enumerate() {
+        for (j, to) in kept.iter().enumerate() {
+            *part.at_mut(i, j) = matrix.at(*from, *to);
+        }
+    }
+    part
+}
+
+/// Information of the last amplitude beside the others.
+fn beside_others(information: &Square) -> f64 {
+    let last = information.n - 1;
+    let others: Vec<usize> = (0..last).collect();
+    let cross: Vec<f64> = (0..last).map(|i| information.at(i, last)).collect();
+    let (_, taken) = solve(&among(information, &others), &cross);
+    (information.at(last, last) - taken).max(0.0)
 }
 
 /// Solution of a small symmetric system and half of it times the right side; directions without a pivot are left at 0.

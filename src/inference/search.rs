@@ -59,6 +59,8 @@ pub struct Found {
     pub model: Fitted,
     /// Its terms, in the order in which they came in.
     pub accepted: Vec<Accepted>,
+    /// Models on the way to it: a deletion leads back to one of them, if a fit from the larger model does not come as far.
+    stages: Vec<Fitted>,
     /// The candidates beside the null, strongest first, with the number of the term.
     pub tested: Vec<(usize, Shown)>,
     /// Maxima of the draws from the null.
@@ -144,13 +146,16 @@ impl Search<'_> {
             of_amplitude: self.decision.alike,
         };
         // What gave way to a term that then went itself may come back.
+        let mut ended = Vec::new();
         for _ in 0..MOST_ROUNDS {
             self.forward(&mut found, normal, way, self.decision.most_terms);
             let before = found.accepted.len();
             self.tidy(&mut found, way);
-            if found.accepted.len() == before {
+            let terms: Vec<usize> = found.accepted.iter().map(|a| a.term).collect();
+            if found.accepted.len() == before || terms == ended {
                 break;
             }
+            ended = terms;
         }
         found
     }
@@ -204,7 +209,7 @@ impl Search<'_> {
             let terms = setting.problem.terms();
             let mut directions = std::mem::take(&mut screen.directions);
             directions.retain(|d| terms[d.term].named);
-            screen = Screen::of(setting, model, directions);
+            screen = Screen::of(setting, model, directions).bounded();
         }
         screen
     }
@@ -226,6 +231,7 @@ impl Search<'_> {
             model: null.clone(),
             null: null.clone(),
             accepted: Vec::new(),
+            stages: Vec::new(),
             draws,
         }
     }
@@ -332,7 +338,9 @@ impl Search<'_> {
                 gain: next.fitted.log_likelihood - found.model.log_likelihood,
                 in_its_place: Vec::new(),
             });
-            found.model = next.fitted;
+            found
+                .stages
+                .push(std::mem::replace(&mut found.model, next.fitted));
         }
     }
 
@@ -478,7 +486,14 @@ impl Search<'_> {
             let mut from = model.point.clone();
             from.terms.push((t, values));
             let starts = std::slice::from_ref(&model.variances);
-            (self.setting.fit(&from, starts), t)
+            let fit = self.setting.fit(&from, starts);
+            if fit.converged {
+                return (fit, t);
+            }
+            // The coefficients of the model without it may be too far off.
+            let again = self.setting.fit_afresh(&from);
+            let is_better = again.log_likelihood > fit.log_likelihood;
+            (if is_better { again } else { fit }, t)
         });
         let mut fits: Vec<(Fitted, usize)> = fits.collect();
         fits.retain(|(f, t)| self.is_inside(f, *t));
@@ -587,13 +602,40 @@ impl Search<'_> {
         self.setting.fit(&from, &self.starts(model))
     }
 
+    /// The model without one of its terms: no worse than the models on the way to it that have none but its other terms.
+    fn without(&self, found: &Found, term: usize) -> Fitted {
+        let refitted = self.altered(&found.model, term, None);
+        let others = &refitted.point.terms;
+        let is_other = |t: usize| others.iter().any(|(o, _)| *o == t);
+        let is_within = |stage: &&Fitted| stage.point.terms.iter().all(|(t, _)| is_other(*t));
+        let within = found.stages.iter().filter(is_within);
+        let best = within.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood));
+        let Some(stage) = best.filter(|s| s.log_likelihood > refitted.log_likelihood) else {
+            return refitted;
+        };
+        let mut from = stage.point.clone();
+        let more = others.iter().filter(|(t, _)| stage.values(*t).is_none());
+        from.terms.extend(more.cloned());
+        if from.terms.len() == stage.point.terms.len() {
+            return stage.clone();
+        }
+        let again = self
+            .setting
+            .fit(&from, std::slice::from_ref(&stage.variances));
+        if again.log_likelihood > refitted.log_likelihood {
+            again
+        } else {
+            refitted
+        }
+    }
+
     /// Deletions and swaps, and the alternatives to every term.
     fn tidy(&self, found: &mut Found, way: Way) {
         let mut place = 0;
         let mut swaps = found.accepted.len();
         while place < found.accepted.len() {
             let term = found.accepted[place].term;
-            let without = self.altered(&found.model, term, None);
+            let without = self.without(found, term);
             let gain = found.model.log_likelihood - without.log_likelihood;
             let amplitudes = self.setting.problem.terms()[term].amplitudes;
             let is_improbable = deviate(2.0 * gain, amplitudes) >= found.accepted[place].critical;

@@ -80,6 +80,20 @@ fn a_threshold_is_found_or_its_alias_and_both_are_named() {
     assert_eq!(found.effects.len(), 1, "{:?}", names(&found));
 }
 
+/// Two sessions show a large threshold most. Beside the law alone they look mistaken, and without them it hardly shows.
+#[test]
+fn what_an_effect_of_all_sessions_explains_is_no_mistake_of_two() {
+    let settings = Settings {
+        effects: put("bladder_threshold", "sharp", 150.0, 0.0),
+        ..Settings::default()
+    };
+    let found = search(&campaign(2, &settings).rows, "new");
+    assert_eq!(names(&found), ["bladder_threshold"]);
+    assert!(found.recording_errors.is_empty());
+    let size = &found.effects[0].parameters[0];
+    assert!((size.value - 150.0).abs() < 5.0, "{size:?}");
+}
+
 #[test]
 fn what_the_library_does_not_know_is_unexplained_and_names_its_column() {
     let (found, _) = searched(214, put("humidity", "gain", 0.01, 0.0));

@@ -563,15 +563,15 @@ fn the_loop_finds_the_length_that_the_simulated_legs_lack() {
         ("pinned knee, flexor", 10),
         ("pinned knee, extensor", 10),
         ("biomimetic knee, flexor", 10),
+        ("biomimetic knee, extensor", 10),
         ("biomimetic knee, flexor", 20),
         ("described knee, flexor", 10),
     ] {
         let ids = ids(&joint(&findings(&bench), part, diameter));
         assert!(!ids.is_empty(), "{part}");
-        assert!(ids.iter().all(is_length_or_yields), "{part}: {ids:?}");
+        let is_there = |id: &String| id == "length_offset" || id == "series_compliance";
+        assert!(ids.iter().all(is_there), "{part}: {ids:?}");
     }
-    let doubtful = ids(&joint(&findings(&bench), "biomimetic knee, extensor", 10));
-    assert!(doubtful.iter().all(is_length_or_yields), "{doubtful:?}");
     let found = joint(&findings(&bench), "pinned knee, flexor", 10);
     assert_eq!(
         ids(&found),
@@ -585,21 +585,6 @@ fn the_loop_finds_the_length_that_the_simulated_legs_lack() {
         found["after"]["rmse_heldout"].as_f64().unwrap() < 0.4,
         "{found}"
     );
-}
-
-fn is_length_or_yields(id: &String) -> bool {
-    id == "length_offset" || id == "series_compliance"
-}
-
-#[test]
-#[ignore = "not reached: twelve readings of one test show the length with a deviate of 3.86, and the family-wise test asks for 3.91 (p = 0.055)"]
-fn the_loop_finds_the_length_of_the_biomimetic_extensor() {
-    let bench = Bench::empty();
-    let raw = Path::new(env!("CARGO_MANIFEST_DIR")).join("raw/simulated-knee");
-    let said = bench.run(&["run", "--raw", raw.to_str().unwrap()]);
-    assert_eq!(said.code, 0, "{}", said.err);
-    let ids = ids(&joint(&findings(&bench), "biomimetic knee, extensor", 10));
-    assert!(!ids.is_empty());
 }
 
 /// The length itself, in every leg and inside its interval.

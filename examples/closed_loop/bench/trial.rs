@@ -201,7 +201,9 @@ impl Sizing<'_> {
             let own = l.id == case.id && (case.plain.is_empty() || l.form == case.plain);
             own || (case.plain.is_empty() && column(&l.id) && l.form == case.form)
         };
-        match self.limits.iter().find(of_case) {
+        // The findings' limits are of effects that act on all readings.
+        let stated = self.limits.iter().find(of_case);
+        match stated.filter(|_| case.from == 0.0) {
             Some(limit) => (limit.smallest, true),
             None => (self.of_strength(case, GENERATING_LIMIT), false),
         }

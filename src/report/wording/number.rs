@@ -50,6 +50,7 @@ pub fn unit(unit: &str) -> &str {
         "1" => "",
         "N.m" => "N\u{a0}m",
         "um/N" => "µm/N",
+        "N s/kPa" => "N\u{a0}s/kPa",
         "degC" => "°C",
         "deg" => "°",
         other => other,

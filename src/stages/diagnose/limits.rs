@@ -7,16 +7,21 @@ use super::problem::ForceProblem;
 use crate::effects::{self, Need};
 use crate::findings::{Alias, DetectionLimit, NotMeasurable, WhyNot};
 use crate::inference::fit::{Fitted, Setting};
-use crate::inference::power::Power;
+use crate::inference::power::{Power, strength, wanted};
 use crate::inference::problem::{Direction, Problem};
 use crate::inference::screen::{IDENTIFIABLE, Screen};
 use crate::inference::statistic::likelihood_ratio;
 use crate::inference::system::{Factor, Panel};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// How often a size is sought again with the column that an effect has at the size before. Halfway between the two, for what shows as the square
 /// of its size would alternate.
 const SETTLING: usize = 6;
+/// How often a size is sought again by fits, halfway as well: some effects hardly show below a size, and soon above it.
+const REFITS: usize = 5;
+/// Share of a sensitivity below which it is: what other coefficients take up depends on the size.
+const TAKEN_UP: f64 = 0.7;
 /// Cosine from which two sensitivities are reported as nearly one.
 const NEARLY_ONE: f64 = 0.9;
 
@@ -57,6 +62,7 @@ pub fn limits(setting: &Setting, problem: &ForceProblem, model: &Fitted, critica
         }
         sizes = next;
     }
+    refit(setting, problem, model, critical, &mut sizes);
     let mut smallest: Vec<DetectionLimit> = Vec::new();
     let mut not_measurable = missing(problem.data);
     for (effect, e) in effects::all().iter().enumerate() {
@@ -129,6 +135,51 @@ fn sizes(screen: &Screen, power: &Power, critical: f64) -> BTreeMap<usize, (f64,
         }
     }
     sizes
+}
+
+/// The sizes anew, by fits of the model without the term to readings that hold it: of those that the other coefficients take up in part.
+fn refit(
+    setting: &Setting,
+    problem: &ForceProblem,
+    model: &Fitted,
+    critical: f64,
+    sizes: &mut BTreeMap<usize, (f64, f64)>,
+) {
+    let wanted = wanted(likelihood_ratio(critical, 1));
+    let again = |t: usize, first: f64| {
+        let term = &problem.library[t];
+        let mut size = first;
+        for _ in 0..REFITS {
+            let within = size.min(largest(term));
+            let signs = [within, -within]
+                .into_iter()
+                .filter(|s| is_possible(term, *s));
+            let values: Vec<Vec<f64>> = signs.map(|s| term.start(s)).collect();
+            let shown = strength(setting, model, t, &values);
+            size = within * (wanted / shown).clamp(0.25, 4.0).sqrt();
+        }
+        size
+    };
+    let taken_up: Vec<usize> = sizes
+        .iter()
+        .filter(|(_, (size, share))| *share < TAKEN_UP && size.is_finite())
+        .map(|(t, _)| *t)
+        .collect();
+    let anew: Vec<(usize, f64)> = taken_up
+        .into_par_iter()
+        .map(|t| (t, again(t, sizes[&t].0)))
+        .collect();
+    for (t, size) in anew {
+        if let Some(known) = sizes.get_mut(&t) {
+            known.0 = size;
+        }
+    }
+}
+
+/// Whether a term can have a size of this sign.
+fn is_possible(term: &Term, size: f64) -> bool {
+    let bounds = term.form().map_or((0.0, 0.0), |f| f.amplitude.bounds);
+    size > bounds.0 || size > 0.0
 }
 
 /// The largest size that a term can have.

@@ -86,21 +86,39 @@ pub fn diagnose(
         return None;
     }
     let outside = rows.len() - answered.len();
+    let beside_law = mistakes_among(group, &Law::new(&base), &answered);
     let campaign = Campaign {
         group,
         base: &base,
         rows: &answered,
         outside,
+        beside_law: &beside_law,
         options,
     };
-    let mut mistakes = mistakes_among(group, &Law::new(&base), &answered);
-    let mut again = true;
+    // What all sessions share shows most in those that are measured where it is largest: if it explains what looks mistaken beside the law alone,
+    // nothing is set aside.
+    let (mut mistakes, mut again) = match campaign.assessed(&[], true) {
+        Answer::Given(diagnosis) => return Some(*diagnosis),
+        Answer::OtherMistakes(fewer) if is_part(&fewer, &beside_law) => (fewer, false),
+        Answer::OtherMistakes(_) => (beside_law.clone(), true),
+    };
     loop {
         match campaign.assessed(&mistakes, again) {
             Answer::Given(diagnosis) => return Some(*diagnosis),
             Answer::OtherMistakes(others) => (mistakes, again) = (others, false),
         }
     }
+}
+
+/// Groups that look mistaken.
+fn groups_of(mistakes: &[RecordingError]) -> BTreeSet<&str> {
+    mistakes.iter().map(|m| m.group.as_str()).collect()
+}
+
+/// Whether some mistakes are among others, and fewer.
+fn is_part(mistakes: &[RecordingError], of: &[RecordingError]) -> bool {
+    let (part, whole) = (groups_of(mistakes), groups_of(of));
+    part.len() < whole.len() && part.is_subset(&whole)
 }
 
 /// What looks mistaken beside a law among the sessions that are searched.
@@ -137,6 +155,8 @@ struct Campaign<'a> {
     rows: &'a [&'a Row],
     /// Rows that the base law has no value for.
     outside: usize,
+    /// What looks mistaken beside the base law.
+    beside_law: &'a [RecordingError],
     options: &'a DiagnoseOptions,
 }
 
@@ -186,7 +206,11 @@ impl Campaign<'_> {
         let library = library::terms(&data);
         let (problem, null) = suited(self.base, &data, &library, &kept_out);
         if !null.log_likelihood.is_finite() {
-            return not_assessed(NotAssessed::NoConvergence, findings);
+            return if again && groups_of(self.beside_law) != groups_of(mistakes) {
+                Answer::OtherMistakes(self.beside_law.to_vec())
+            } else {
+                not_assessed(NotAssessed::NoConvergence, findings)
+            };
         }
         let setting = part_of(&problem, &kept_out);
         let decision = Decision {
@@ -208,12 +232,13 @@ impl Campaign<'_> {
         };
         let found = search.run(null, &normal, None);
         let law = law_found(self.base, &problem, &found);
-        if again && !law.is_bare() {
-            let others = mistakes_among(self.group, &law, self.rows);
-            let groups = |of: &[RecordingError]| -> BTreeSet<String> {
-                of.iter().map(|m| m.group.clone()).collect()
+        if again {
+            let others = if law.is_bare() {
+                self.beside_law.to_vec()
+            } else {
+                mistakes_among(self.group, &law, self.rows)
             };
-            if groups(&others) != groups(mistakes) {
+            if groups_of(&others) != groups_of(mistakes) {
                 return Answer::OtherMistakes(others);
             }
         }
