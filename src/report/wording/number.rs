@@ -50,7 +50,7 @@ pub fn unit(unit: &str) -> &str {
         "1" => "",
         "N.m" => "N\u{a0}m",
         "um/N" => "µm/N",
-        "N s/kPa" => "N\u{a0}s/kPa",
+        "N s/kPa" => "N\u{a0}s/\u{2060}kPa",
         "degC" => "°C",
         "deg" => "°",
         other => other,
