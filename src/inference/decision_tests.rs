@@ -1101,6 +1101,27 @@ fn an_unseen_group_has_its_intercept_the_mean_and_the_noise_for_variance() {
     });
 }
 
+#[test]
+fn new_readings_of_a_class_that_is_held_have_the_noise_that_it_shows() {
+    // The noise is held at 3 for the fit. By itself, from 16 readings about their mean with a sum of squares S, its restricted likelihood with the
+    // prior has the slope S/s^2 - 15 - 9 s^2/3^2 + (1 - s^2)/(1 + s^2) by ln s: 0 at s = 1 where S is 16.
+    let scale = |prior, groups| Scale {
+        prior,
+        usual: 1.0,
+        groups,
+    };
+    let mut problem = line(&[(2, 4.0)], &[]);
+    problem.components[0].scale = scale(Prior::Fixed(0.0), GROUPS);
+    problem.noise = vec![scale(Prior::Held(3.0), 9)];
+    let setting = Setting::new(&problem);
+    let model = null(&setting);
+    close(model.variances.noise[0], 3.0, 1e-12);
+    let shown = model.noise_shown(&setting, &model.variances);
+    close(shown[0], 1.0, 1e-3);
+    let unseen = Unseen::new(&setting, &model);
+    close(unseen.variance_in_new_groups(0), shown[0] * shown[0], 1e-9);
+}
+
 /// Errors on the unseen readings, each by so much less than that of the prediction.
 fn shortened(errors: &[(usize, f64)], by: f64) {
     assert_eq!(errors.len(), EACH);

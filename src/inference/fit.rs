@@ -164,7 +164,7 @@ impl<'a> Setting<'a> {
         let mut wide = from.clone();
         for (value, scale) in wide.components.iter_mut().zip(self.scales()) {
             *value = match scale.prior {
-                Prior::Fixed(sd) => sd,
+                Prior::Fixed(sd) | Prior::Held(sd) => sd,
                 _ => value.max(0.5 * scale.usual),
             };
         }
@@ -535,6 +535,28 @@ impl Fitted {
             .maximiser(scales, Likelihood::Restricted)
             .best(&self.gram, &starts, Effort::FULL)
             .variances
+    }
+
+    /// Noise of new readings, beside variances of the model: where a class is held ([`Prior::Held`]), what it shows as, everything else as it is.
+    pub fn noise_shown(&self, setting: &Setting, variances: &Variances) -> Vec<f64> {
+        let at = |scale: Scale, sd: &f64| Scale {
+            prior: match scale.prior {
+                Prior::Held(sd) => Prior::Away(sd),
+                _ => Prior::Fixed(*sd),
+            },
+            ..scale
+        };
+        let components = setting.scales().into_iter().zip(&variances.components);
+        let components: Vec<Scale> = components.map(|(scale, sd)| at(scale, sd)).collect();
+        let classes = setting.problem.noise().iter().zip(&variances.noise);
+        let noise: Vec<Scale> = classes.map(|(scale, sd)| at(*scale, sd)).collect();
+        let maximiser = Maximiser {
+            noise: &noise,
+            ..setting.maximiser(&components, Likelihood::Restricted)
+        };
+        let starts = std::slice::from_ref(variances);
+        let best = maximiser.best(&self.gram, starts, Effort::FULL);
+        best.variances.noise
     }
 
     /// Covariance of the fixed effects at some variances.

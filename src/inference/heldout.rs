@@ -17,6 +17,8 @@ pub struct Unseen<'a> {
     setting: &'a Setting<'a>,
     model: &'a Fitted,
     variances: Variances,
+    /// Standard deviations of the noise of new readings: that of a class which is held while models are fitted is what it shows as.
+    noise: Vec<f64>,
     /// Means of the root's random effects.
     root_mean: Vec<f64>,
     /// Square root of the covariance of the root's random effects and the fixed effects.
@@ -47,6 +49,7 @@ impl<'a> Unseen<'a> {
         let root_mean = factor.estimates().random[..width].to_vec();
         let root = square_root(&factor.covariance_at_root());
         Self {
+            noise: model.noise_shown(setting, &variances),
             setting,
             model,
             variances,
@@ -150,7 +153,10 @@ impl<'a> Unseen<'a> {
         let places = self.readings(node, keep);
         let errors: Vec<f64> = places.iter().map(|&i| self.error(i)).collect();
         let design = self.design(&places, &errors, |k| &self.model.design.z[places[k]]);
-        let variances = self.with_parameters();
+        let variances = Variances {
+            noise: self.noise.clone(),
+            ..self.with_parameters()
+        };
         let gram = design.gram();
         let log_density =
             Factor::new(&design.tree, &gram, &variances).log_likelihood(Likelihood::Full);
@@ -187,7 +193,7 @@ impl<'a> Unseen<'a> {
     pub fn variance_in_new_groups(&self, i: usize) -> f64 {
         let design = &self.model.design;
         let tree = &design.tree;
-        let noise = self.variances.noise[design.class[i]];
+        let noise = self.noise[design.class[i]];
         let path = tree.path(design.node[i]);
         let components = path.iter().flat_map(|n| tree.components_of(*n));
         let below = components.zip(&design.z[i]).skip(tree.width(0));

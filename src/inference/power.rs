@@ -76,7 +76,7 @@ impl<'a> Power<'a> {
     /// Size of a direction that is found with a probability of 80%, where likelihood ratios from `ratio` on are accepted. `length` is that of
     /// its whitened column after projection, per unit of size.
     pub fn smallest(&self, column: &[f64], length: f64, ratio: f64) -> f64 {
-        let left = at_known_variances(ratio, 1.0);
+        let left = wanted(ratio);
         needed(left * left, self.values(column, length)).sqrt() / length
     }
 }

@@ -17,6 +17,9 @@ pub enum Prior {
     Free,
     /// It is this: declared, or a convention such as rounding to 1 mm.
     Fixed(f64),
+    /// This while models are compared and sizes are estimated: no reading of the class may say more, however small its noise. Readings that
+    /// take no part are predicted with what those that do show, [`Prior::Away`] from nothing with this scale.
+    Held(f64),
     /// Every group's own size is half-normal with this scale, and all are alike: the prior counts once a group.
     HalfNormal(f64),
     /// The same, away from 0: times x/(1 + x^2), x the standard deviation over its usual size (after Chung et al., Psychometrika 78 (2013) 685). A
@@ -28,7 +31,7 @@ pub enum Prior {
 impl Prior {
     /// Whether it is a variable of its own.
     pub(crate) fn is_estimated(self) -> bool {
-        !matches!(self, Prior::Fixed(_))
+        !matches!(self, Prior::Fixed(_) | Prior::Held(_))
     }
 }
 
@@ -115,7 +118,7 @@ impl Maximiser<'_> {
     pub fn start(&self, factor: f64) -> Variances {
         let of = |scales: &[Scale], factor: f64| -> Vec<f64> {
             let value = |s: &Scale| match s.prior {
-                Prior::Fixed(sd) => sd,
+                Prior::Fixed(sd) | Prior::Held(sd) => sd,
                 _ => s.usual * factor,
             };
             scales.iter().map(value).collect()
@@ -141,7 +144,7 @@ impl Maximiser<'_> {
     fn variances(&self, variables: &[f64]) -> Variances {
         let mut next = variables.iter();
         let mut all = self.scales().map(|s| match s.prior {
-            Prior::Fixed(sd) => sd,
+            Prior::Fixed(sd) | Prior::Held(sd) => sd,
             _ => next.next().map_or(s.usual, |v| libm::exp(*v)),
         });
         let components = all.by_ref().take(self.components.len()).collect();
@@ -162,7 +165,7 @@ impl Maximiser<'_> {
             .map(|(s, v)| match s.prior {
                 Prior::HalfNormal(scale) => half_normal(s, scale, *v),
                 Prior::Away(scale) => half_normal(s, scale, *v) + away(v / s.usual).0,
-                Prior::Free | Prior::Fixed(_) => 0.0,
+                Prior::Free | Prior::Fixed(_) | Prior::Held(_) => 0.0,
             })
             .sum()
     }
@@ -181,7 +184,7 @@ impl Maximiser<'_> {
             .map(|((s, slope), v)| match s.prior {
                 Prior::HalfNormal(scale) => slope + 2.0 * half_normal(s, scale, *v),
                 Prior::Away(scale) => slope + 2.0 * half_normal(s, scale, *v) + away(v / s.usual).1,
-                Prior::Free | Prior::Fixed(_) => *slope,
+                Prior::Free | Prior::Fixed(_) | Prior::Held(_) => *slope,
             })
             .collect();
         (value, gradient)

@@ -4,7 +4,7 @@
 //! For each campaign and diameter, and each small pool of campaigns of one diameter:
 //!
 //! 1. [`data`]: the readings with everything that is known of each ([`labels`] are words); [`base`]: the law to which effects are added.
-//!    [`recording`]: what looks mistaken is set aside first, and said.
+//!    [`recording`]: sessions and specimens that look mistaken beside what all readings show are set aside and reported.
 //! 2. [`library`]: the terms that may be added: forms of effects, and smooth functions of columns.
 //! 3. The null model has the gain of each specimen, the set length and the zero of the force of each session, and a smooth misfit of the law.
 //!    The search tests every term against the maximum over all of them in draws from it ([`crate::inference::search`]).
@@ -611,7 +611,7 @@ mod tests {
         assert!(contracted.is_nan());
     }
 
-    /// Two campaigns in one pool, the second of which is read with 8 N more noise and a load cell of 6% less.
+    /// Two campaigns in one pool, the second of which is read with 8 N more noise and a load cell of 20% less: five times what the means of four specimens differ by.
     #[test]
     fn campaigns_of_a_pool_have_a_gain_and_a_noise_of_their_own() {
         let settings = rig_like::Settings {
@@ -624,7 +624,7 @@ mod tests {
         for row in &mut others {
             row.campaign = "other".to_owned();
             row.session = format!("other {}", row.session);
-            row.force_n = 0.94 * row.force_n + 8.0 * stream.normal();
+            row.force_n = 0.8 * row.force_n + 8.0 * stream.normal();
         }
         rows.extend(others);
         let rows: Vec<&Row> = rows.iter().collect();
@@ -643,6 +643,6 @@ mod tests {
         assert!(noise[0] < both && both < noise[1], "{both}");
         let variances = null.restricted(&setting);
         let gain = variances.components[component::CAMPAIGN_GAIN];
-        assert!((0.005..0.2).contains(&gain), "{gain}");
+        assert!((0.05..0.3).contains(&gain), "{gain}");
     }
 }

@@ -245,7 +245,7 @@ impl<'a> ForceProblem<'a> {
             components: components(data, pooled, nodes.len()),
             noise: vec![Prior::Free; corner]
                 .into_iter()
-                .chain([Prior::Fixed(settings::CORNER_WIDTH * largest)])
+                .chain([Prior::Held(settings::CORNER_WIDTH * largest)])
                 .map(|prior| Scale {
                     prior,
                     usual: 0.01 * largest,

@@ -1,8 +1,7 @@
 //! Mistakes of recording: sessions and specimens whose readings are too improbable under the model fitted without them.
 //!
-//! An effect is a property of a rig or of actuators; a value for one session alone is a mistake or scatter. Before anything is searched,
-//! the sessions that a fit to all puts furthest off, and their specimens, are left out in turn, and their readings are held against the
-//! model of the others. How far off a group is, is one number: the root mean square of its misses in units of noise and misfit, at the set
+//! An effect is a property of a rig or of actuators; a value for one session alone is a mistake or scatter. The sessions that a fit to all
+//! puts furthest off, and their specimens, are left out in turn, and their readings are held against the model of the others. How far off a group is, is one number: the root mean square of its misses in units of noise and misfit, at the set
 //! lengths that suit it best, of which each counts in units of its usual size. A session that is merely set 1 mm off is then about 1 off,
 //! one set 10 mm off about 10, and one with swapped columns more. Rigs scatter more or less than usual, so the yardstick is the median of
 //! the other sessions of the same campaign, by a model without the group.
@@ -11,7 +10,7 @@
 //! back, and of those that leave no more than is usual the likeliest explains it.
 //!
 //! What all sessions share is no mistake, but beside a law that lacks it the sessions in which it shows most look mistaken. So the question is
-//! asked again beside the effects that a search found without what was set aside, and that answer counts.
+//! asked beside the effects that a search of all readings found; beside the law alone only where it found none.
 //!
 //! Lengths are in mm, forces in N, in all that follows.
 

@@ -3,8 +3,8 @@
 //! A law of the force ends in a corner where the actuator goes slack. There a linearised model has no fixed point: on one side a reading pulls
 //! with all its weight, on the other it says nothing, and the likelihood jumps by tens from one iteration to the next. Real actuators go
 //! slack gradually besides. So every reading is on one side of the corner from the start: with a force that is clearly not zero it is on the
-//! law, which is then smooth; with none, where the law says that it is slack by far, the law is 0; in between the corner is rounded, and the
-//! noise is that of the rounding.
+//! law, which is then smooth; with none, or with less than half of what the law would push there, where the law says that it is slack by far,
+//! the law is 0; in between the corner is rounded, and the noise is that of the rounding.
 
 use super::base::Base;
 use super::settings;
@@ -27,9 +27,13 @@ pub enum Side {
 
 /// The side of a reading of `force` N where the largest of the campaign is `largest`.
 pub fn side(force: f64, largest: f64, at: &Conditions) -> Side {
-    if force.abs() >= settings::NEAR_SLACK * largest {
+    let below = -surface(at);
+    // Where the law would push by `below`, the zero of a load cell alone is no pull: on the law it would be a miss of `below` and bend the
+    // whole surface. On the law are readings that are as near to it, in size, as to 0.
+    let halfway = below / 2.0;
+    if force.abs() >= settings::NEAR_SLACK.max(halfway) * largest {
         Side::Pulls
-    } else if surface(at) < -settings::SURELY_SLACK {
+    } else if below > settings::SURELY_SLACK {
         Side::Slack
     } else {
         Side::Corner
@@ -92,11 +96,16 @@ mod tests {
         assert_eq!(side(20.0, 1300.0, &thick), Side::Slack);
         thick.diameter_mm = 20.0;
         assert_eq!(side(20.0, 1300.0, &thick), Side::Corner);
-        // Clearly a force, of either sign, wherever the law is.
-        assert_eq!(side(20.0, 450.0, &at(0.25, 0.0)), Side::Pulls);
-        assert_eq!(side(-20.0, 450.0, &at(0.25, 0.0)), Side::Pulls);
-        // None, at full contraction and without pressure: slack by far.
-        assert_eq!(side(1.0, 450.0, &at(0.25, 0.0)), Side::Slack);
+        // A force where the law pulls, of either sign.
+        assert_eq!(side(20.0, 450.0, &at(0.3, 620.0)), Side::Pulls);
+        assert_eq!(side(-20.0, 450.0, &at(0.3, 620.0)), Side::Pulls);
+        // Full contraction without pressure, where the law would push by 0.56 of 450 N: slack, whatever the zero of the load cell, unless the
+        // force is as large as half of that.
+        for zero in [1.0, -20.0, 20.0, 125.0] {
+            assert_eq!(side(zero, 450.0, &at(0.25, 0.0)), Side::Slack);
+        }
+        assert_eq!(side(127.0, 450.0, &at(0.25, 0.0)), Side::Pulls);
+        assert_eq!(side(-127.0, 450.0, &at(0.25, 0.0)), Side::Pulls);
         // None, at the resting length, where a millimetre decides.
         assert_eq!(side(1.0, 450.0, &at(0.3, 0.0)), Side::Corner);
         assert_eq!(side(13.4, 450.0, &at(0.3, 0.0)), Side::Corner);

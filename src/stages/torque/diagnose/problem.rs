@@ -454,7 +454,7 @@ fn noise(data: &Data, lengths: usize, arms: usize) -> Vec<Scale> {
     let torque = 0.01 * data.largest_nm;
     vec![
         scale(Prior::Free, torque),
-        scale(Prior::Fixed(settings::NEAR_SLACK * data.largest_nm), torque),
+        scale(Prior::Held(settings::NEAR_SLACK * data.largest_nm), torque),
         by_hand(
             lengths,
             data.declared_sd_mm(|h| h.length_sd_m),
