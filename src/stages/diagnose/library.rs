@@ -2,7 +2,7 @@
 //! or from a change point on; and smooth functions of every column.
 
 use super::data::Data;
-use crate::effects::{self, Applied, Form, Grouping, Need, Place};
+use crate::effects::{self, Applied, Conditions, Form, Grouping, Need, Place};
 use crate::inference::problem;
 use crate::models::P_620_KPA;
 use crate::numerics::real::Real;
@@ -233,8 +233,14 @@ impl Term {
 }
 
 impl Column {
-    /// The force with the dependence, of reading `i`.
-    pub fn apply<R: Real>(self, force: R, [a, b]: [R; 2], data: &Data, i: usize) -> R {
+    /// The force with the dependence, of reading `i` under conditions that may be other than those recorded.
+    pub fn apply<R: Real>(
+        self,
+        force: R,
+        [a, b]: [R; 2],
+        at: &Conditions,
+        (data, i): (&Data, usize),
+    ) -> R {
         match self {
             Column::Gain(column) => {
                 let x = data.extras[column].values[i];
@@ -249,9 +255,22 @@ impl Column {
                 force * ((b * x + a) * x + 1.0)
             }
             Column::Pressure => {
-                let x = data.conditions[i].pressure_kpa / P_620_KPA;
+                let x = at.pressure_kpa / P_620_KPA;
                 force * ((b * x + a) * x + 1.0)
             }
+        }
+    }
+
+    /// The same dependence for other data of the same rows' columns; none where these lack the column.
+    pub fn of(self, data: &Data, other: &Data) -> Option<Self> {
+        let place = |k: usize| {
+            let name = &data.extras[k].name;
+            other.extras.iter().position(|e| e.name == *name)
+        };
+        match self {
+            Column::Gain(k) => place(k).map(Column::Gain),
+            Column::Offset(k) => place(k).map(Column::Offset),
+            Column::Force | Column::Pressure => Some(self),
         }
     }
 

@@ -47,6 +47,7 @@ use crate::stages::fit::{Group, is_fitted, is_usable};
 use answer::Work;
 use base::Base;
 use data::Data;
+use library::What;
 use problem::ForceProblem;
 use rayon::prelude::*;
 use recording::Law;
@@ -86,12 +87,14 @@ pub fn diagnose(
         return None;
     }
     let outside = rows.len() - answered.len();
-    let beside_law = mistakes_among(group, &Law::new(&base), &answered);
+    let judged = judged(&answered);
+    let beside_law = mistakes_among(group, &Law::new(&base), &judged);
     let campaign = Campaign {
         group,
         base: &base,
         rows: &answered,
         outside,
+        judged: &judged,
         beside_law: &beside_law,
         options,
     };
@@ -122,15 +125,18 @@ fn is_part(mistakes: &[RecordingError], of: &[RecordingError]) -> bool {
 }
 
 /// What looks mistaken beside a law among the sessions that are searched.
-fn mistakes_among(group: &Group, law: &Law, rows: &[&Row]) -> Vec<RecordingError> {
-    let searched = rows.iter().filter(|r| r.role != Some(Role::Holdout));
-    let searched: Vec<&Row> = searched.copied().collect();
-    let specimens: BTreeSet<&str> = searched.iter().map(|r| r.specimen.as_str()).collect();
-    if searched.len() < FEWEST_READINGS || specimens.len() < 2 {
+fn mistakes_among(group: &Group, law: &Law, data: &Data) -> Vec<RecordingError> {
+    if data.len() < FEWEST_READINGS || data.specimens.len() < 2 {
         return Vec::new();
     }
-    let data = Data::new(&searched);
-    recording::recording_errors(group.diameter_mm, law, &data, settings::LEVEL)
+    recording::recording_errors(group.diameter_mm, law, data, settings::LEVEL)
+}
+
+/// The readings whose sessions and specimens may be mistaken: those that are searched.
+fn judged(rows: &[&Row]) -> Data {
+    let searched = rows.iter().filter(|r| r.role != Some(Role::Holdout));
+    let searched: Vec<&Row> = searched.copied().collect();
+    Data::new(&searched)
 }
 
 /// The rows without what is set aside.
@@ -155,6 +161,8 @@ struct Campaign<'a> {
     rows: &'a [&'a Row],
     /// Rows that the base law has no value for.
     outside: usize,
+    /// The readings among which mistakes are looked for.
+    judged: &'a Data,
     /// What looks mistaken beside the base law.
     beside_law: &'a [RecordingError],
     options: &'a DiagnoseOptions,
@@ -231,12 +239,12 @@ impl Campaign<'_> {
             tried: None,
         };
         let found = search.run(null, &normal, None);
-        let law = law_found(self.base, &problem, &found);
+        let law = law_found(self.base, self.judged, &problem, &found);
         if again {
             let others = if law.is_bare() {
                 self.beside_law.to_vec()
             } else {
-                mistakes_among(self.group, &law, self.rows)
+                mistakes_among(self.group, &law, self.judged)
             };
             if groups_of(&others) != groups_of(mistakes) {
                 return Answer::OtherMistakes(others);
@@ -259,14 +267,19 @@ impl Campaign<'_> {
     }
 }
 
-/// The law with the effects that were found on all readings.
-fn law_found<'a>(base: &'a Base, problem: &ForceProblem, found: &Found) -> Law<'a> {
-    let whole = found.model.point.terms.iter().filter(|(t, _)| {
-        let term = &problem.library[*t];
-        term.scope == library::Scope::All && term.id().is_some()
-    });
+/// The law with what was found on all readings, for the data that is judged.
+fn law_found<'a>(base: &'a Base, judged: &Data, problem: &ForceProblem, found: &Found) -> Law<'a> {
+    let terms = found.model.point.terms.iter();
+    let whole = terms.filter(|(t, _)| problem.library[*t].scope == library::Scope::All);
     whole.fold(Law::new(base), |law, (t, values)| {
-        law.with(problem.library[*t].what, values)
+        let what = match problem.library[*t].what {
+            What::Column(column) => column.of(problem.data, judged).map(What::Column),
+            effect @ What::Effect { .. } => Some(effect),
+        };
+        match what {
+            Some(what) => law.with(what, values),
+            None => law,
+        }
     })
 }
 

@@ -432,7 +432,7 @@ impl<'a> ForceProblem<'a> {
         let mut force = effects::force(&law, &parameters[..known + 2], gain, list, at);
         for (t, values) in terms {
             if let What::Column(column) = self.library[*t].what {
-                force = column.apply(force, *values, self.data, i);
+                force = column.apply(force, *values, at, (self.data, i));
             }
         }
         force

@@ -16,7 +16,7 @@
 
 use super::base::Base;
 use super::data::Data;
-use super::library::{Scope, Term, What};
+use super::library::{Column, Scope, Term, What};
 use super::problem::{ForceProblem, component};
 use super::settings;
 use super::slack::{Side, Sided};
@@ -40,7 +40,7 @@ const EXPLAINS: f64 = 2.0;
 /// Units that are taken for one another (lbf, kgf, psi, bar, and powers of ten), as factors; their inverses too.
 const UNITS: [f64; 6] = [4.448, 9.807, 6.895, 10.0, 100.0, 1000.0];
 
-/// The law by which sessions are judged: effects on all readings, each with its form and the values from which a fit starts.
+/// The law by which sessions are judged: what acts on all readings, named or a dependence on a column, with the values from which a fit starts.
 pub struct Law<'a> {
     base: &'a Base,
     effects: Vec<(What, Vec<f64>)>,
@@ -86,6 +86,15 @@ fn applied(problem: &ForceProblem, fit: &Fitted) -> Vec<Applied<f64>> {
     let of = |(t, values): &(usize, Vec<f64>)| {
         let shape = values.get(1).copied().unwrap_or(0.0);
         problem.library[*t].applied([values[0], shape])
+    };
+    fit.point.terms.iter().filter_map(of).collect()
+}
+
+/// The dependences on columns at the values of a fit.
+fn columns(problem: &ForceProblem, fit: &Fitted) -> Vec<(Column, [f64; 2])> {
+    let of = |(t, values): &(usize, Vec<f64>)| match problem.library[*t].what {
+        What::Column(column) => Some((column, [values[0], values[1]])),
+        What::Effect { .. } => None,
     };
     fit.point.terms.iter().filter_map(of).collect()
 }
@@ -338,6 +347,8 @@ struct Seen<'a> {
     sessions: Vec<(usize, Vec<usize>)>,
     coefficients: Vec<f64>,
     effects: Vec<Applied<f64>>,
+    /// Dependences on columns.
+    columns: Vec<(Column, [f64; 2])>,
     /// Factor on the force, of the specimen as its other sessions show it.
     factor: f64,
     /// Usual sizes of the gain of a specimen and of a set length, mm.
@@ -387,6 +398,7 @@ impl<'a> Seen<'a> {
             sessions: sessions.into_iter().map(|s| (s, readings(s))).collect(),
             coefficients: fit.point.coefficients.clone(),
             effects: applied(problem, fit),
+            columns: columns(problem, fit),
             factor,
             usual_gain: usual(component::GAIN),
             usual_length_mm: usual(component::SET_LENGTH),
@@ -418,7 +430,10 @@ impl<'a> Seen<'a> {
                 base: self.base,
                 side: Side::AsPublished,
             };
-            let expected = effects::force(&law, &self.coefficients, factor, &self.effects, &at);
+            let named = effects::force(&law, &self.coefficients, factor, &self.effects, &at);
+            let expected = self.columns.iter().fold(named, |force, (column, values)| {
+                column.apply(force, *values, &at, (self.data, *i))
+            });
             (measured - expected, self.usual_miss(measured))
         };
         readings.iter().map(one).collect()
