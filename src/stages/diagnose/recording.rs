@@ -1,16 +1,17 @@
 //! Mistakes of recording: sessions and specimens whose readings are too improbable under the model fitted without them.
 //!
 //! An effect is a property of a rig or of actuators; a value for one session alone is a mistake or scatter. The sessions that a fit to all
-//! puts furthest off, and their specimens, are left out in turn, and their readings are held against the model of the others. How far off a group is, is one number: the root mean square of its misses in units of noise and misfit, at the set
-//! lengths that suit it best, of which each counts in units of its usual size. A session that is merely set 1 mm off is then about 1 off,
-//! one set 10 mm off about 10, and one with swapped columns more. Rigs scatter more or less than usual, so the yardstick is the median of
+//! puts furthest off, and their specimens, are left out in turn, and their readings are held against the model of the others. How far off a
+//! group is, is one number: the root mean square of its misses in units of noise and misfit, at the set lengths that suit it best, of which
+//! each counts in units of its usual size. A session that is merely set 1 mm off is then about 1 off, one set 10 mm off about 10, and one with
+//! swapped columns more. Rigs scatter more or less than usual, so the yardstick is the median of
 //! the other sessions of the same campaign, by a model without the group.
 //!
 //! The worst group goes first, for it spoils the fits that judge the others. What it is, its own readings say: each usual mistake is taken
 //! back, and of those that leave no more than is usual the likeliest explains it.
 //!
 //! What all sessions share is no mistake, but beside a law that lacks it the sessions in which it shows most look mistaken. So the question is
-//! asked beside the effects that a search of all readings found; beside the law alone only where it found none.
+//! asked beside the effects and dependences on columns that a search of all readings found; beside the law alone only where it found none.
 //!
 //! Lengths are in mm, forces in N, in all that follows.
 
@@ -760,6 +761,31 @@ mod tests {
         assert_eq!(errors.len(), 1, "{errors:?}");
         assert_eq!((&errors[0].group, errors[0].kind), (&id, ErrorKind::Unit));
         assert_eq!(errors[0].value, Some(UNITS[0]));
+    }
+
+    #[test]
+    fn sessions_of_an_extreme_column_are_no_mistake_beside_a_law_that_has_it() {
+        let mut campaign = simulated(None);
+        // One session is twice as humid as the others are at most; humidity lowers all forces in proportion.
+        let id = campaign.rows[0].session.clone();
+        for (k, row) in campaign.rows.iter_mut().enumerate() {
+            let humidity = if row.session == id {
+                2.0
+            } else {
+                (k % 7) as f64 / 6.0
+            };
+            row.extras.insert("moisture".to_owned(), humidity);
+            row.force_n *= 1.0 - 0.3 * humidity;
+        }
+        let rows: Vec<_> = campaign.rows.iter().collect();
+        let data = Data::new(&rows);
+        let base = Base::new(DIAMETER_MM, true, 4, &FitOptions::default());
+        let judged = |law: &Law| recording_errors(DIAMETER_MM, law, &data, 0.05);
+        let bare = judged(&Law::new(&base));
+        assert!(bare.iter().any(|e| e.group == id), "{bare:?}");
+        let place = data.extras.iter().position(|e| e.name == "moisture");
+        let column = What::Column(Column::Gain(place.unwrap()));
+        assert_eq!(judged(&Law::new(&base).with(column, &[0.0, 0.0])), []);
     }
 
     #[test]
