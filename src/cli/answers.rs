@@ -115,7 +115,7 @@ mod tests {
             lines,
             [
                 "iso10, 10 mm: threshold pressure of the bladder 60.0 kPa (indistinguishable from zero of the",
-                "  pressure sensor); recording error: session s05 (set length, \u{2212}10.0 mm; set aside); the error on",
+                "  pressure sensor); recording error: session s05 (set length, \u{2212}10.0 mm; set aside here only); the error",
                 "  unseen specimens goes from 18.7 to 15.8 N; knowing set lengths to 0.2 mm is worth 6.0 N.",
             ]
         );

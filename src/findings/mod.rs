@@ -383,8 +383,8 @@ pub struct RecordingError {
 /// Errors of a model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
-    /// On the readings it was fitted to, random effects 0.
-    pub rmse_train: f64,
+    /// On the readings it was fitted to, random effects 0; none for a unit that was held out.
+    pub rmse_train: Option<f64>,
     /// On readings that took no part, random effects 0; none with one specimen.
     pub rmse_heldout: Option<f64>,
     /// Largest of them.

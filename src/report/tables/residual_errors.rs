@@ -30,9 +30,7 @@ pub fn table(input: &ReportInput) -> Table {
             Cell::Integer(r.one.unit.map_or(r.found.design.readings, |u| u.readings) as i64)
         }),
         text("model", "Model", |r| Cell::text(r.one.model)),
-        number("rmse_train", "Training", "", |r| {
-            error(r, |e| Some(e.rmse_train))
-        }),
+        number("rmse_train", "Training", "", |r| error(r, |e| e.rmse_train)),
         number("rmse_heldout", "Unseen", "", |r| {
             error(r, |e| e.rmse_heldout)
         }),

@@ -543,7 +543,7 @@ pub fn plain_number(value: f64, unit: &str) -> String {
     with_unit(&rounded(value, text.unwrap_or(Rounding::Digits(3))), unit)
 }
 
-/// `recording error: session s05 (set length, −10 mm; set aside)`; of lengths and arms by hand these alone are set aside.
+/// `recording error: session s05 (set length, −10 mm; set aside here only)`; of lengths and arms by hand these alone are set aside.
 fn recording_errors(all: &[RecordingError]) -> Option<String> {
     let mut order: Vec<&RecordingError> = all.iter().collect();
     order.sort_by_key(|e| !e.set_aside);
@@ -564,6 +564,10 @@ fn recording_error(e: &RecordingError) -> String {
     let aside = match set_aside(e) {
         _ if !e.set_aside => String::new(),
         Some(alone) => format!("; {alone} set aside, its torques stay"),
+        // The paper's tables are fits that came before the search.
+        None if matches!(e.level, Level::Session | Level::Specimen) => {
+            "; set aside here only".to_owned()
+        }
         None => "; set aside".to_owned(),
     };
     let kind = name::recording_error(e.kind, e.quantity.as_deref());

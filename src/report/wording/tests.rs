@@ -34,7 +34,7 @@ fn the_answer_of_the_issue() {
             "Of the 13.4 N expected on an unseen specimen, 12.0 come from set lengths (0.90 mm), 4.1 from specimen gain (4.2%), 3.0 from \
              estimation, 1.4 from all else and 2.6 from noise (added in quadrature); knowing set lengths to 0.2 mm is worth 6.0 N; three readings of each session of a \
              new specimen bring the error to 5.1 N.",
-            "Recording error: session s05 (set length, \u{2212}10.0 mm; set aside).",
+            "Recording error: session s05 (set length, \u{2212}10.0 mm; set aside here only).",
         ]
     );
 }

@@ -337,11 +337,11 @@ fn answered(
         ..answer::misfit(&variances, problem)
     });
     findings.before = Errors {
-        rmse_train: work.error_in_sample(&found.null),
+        rmse_train: Some(work.error_in_sample(&found.null)),
         ..held.before.clone()
     };
     findings.after = Errors {
-        rmse_train: work.error_in_sample(&found.model),
+        rmse_train: Some(work.error_in_sample(&found.model)),
         ..held.after.clone()
     };
     findings.design.held_out_by = held.by;

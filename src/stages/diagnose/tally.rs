@@ -124,7 +124,7 @@ impl Tally {
         let mean = |sum: f64| any.then(|| (sum / n).sqrt());
         let after = self.after.iter().filter(|(_, (_, n))| *n > 0);
         Errors {
-            rmse_train: 0.0,
+            rmse_train: None,
             rmse_heldout: mean(self.squares),
             max_abs_error_heldout: any.then_some(self.largest),
             rmse_heldout_calibrated: mean(self.calibrated),

@@ -290,11 +290,11 @@ fn one(
     findings.scatter = work.scatter(&variances);
     findings.misfit = Some(work.misfit(&variances));
     findings.before = Errors {
-        rmse_train: rms(&residuals.before),
+        rmse_train: Some(rms(&residuals.before)),
         ..held.before.clone()
     };
     findings.after = Errors {
-        rmse_train: rms(&residuals.after),
+        rmse_train: Some(rms(&residuals.after)),
         ..held.after.clone()
     };
     findings.design.held_out_by = held.by;
