@@ -115,8 +115,8 @@ mod tests {
             lines,
             [
                 "iso10, 10 mm: threshold pressure of the bladder 60.0 kPa (indistinguishable from zero of the",
-                "  pressure sensor); recording error: session s05 (set length, \u{2212}10.0 mm; set aside here only); the error",
-                "  unseen specimens goes from 18.7 to 15.8 N; knowing set lengths to 0.2 mm is worth 6.0 N.",
+                "  pressure sensor); recording error: session s05 (set length, \u{2212}10.0 mm; set aside here only); the",
+                "  error on unseen specimens goes from 18.7 to 15.8 N; knowing set lengths to 0.2 mm is worth 6.0 N.",
             ]
         );
         assert!(lines.iter().all(|l| letters(l) <= WIDTH));
@@ -129,7 +129,9 @@ mod tests {
         found.effects = vec![one; 4];
         found.after.log_density_heldout = Some(-5.0);
         let lines = lines(&found);
-        let text = lines.join(" ").replace("  ", " ");
+        let all = lines.join(" ");
+        let words: Vec<&str> = all.split(' ').filter(|w| !w.is_empty()).collect();
+        let text = words.join(" ");
         assert!(lines.len() <= LINES && lines.iter().all(|l| letters(l) <= WIDTH));
         assert!(
             text.contains("goes from 18.7 to 15.8 N, but its stated uncertainty gets worse"),
