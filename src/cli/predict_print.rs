@@ -9,6 +9,7 @@ use crate::predict::interval::CONFIDENCE;
 use crate::predict::muscle::mm;
 use crate::predict::sweep::{Axis, TABLE_KPA};
 use crate::predict::{Answer, Law, Predictor};
+use crate::report::wording::sentence::in_doubt;
 use serde_json::{Value, json};
 
 const LEFT: Align = Align::Left;
@@ -168,6 +169,13 @@ pub fn head(predictor: &Predictor) {
     if !predictor.choice.why.is_empty() {
         line(format!("         {}", predictor.choice.why));
     }
+    if let Law::Fitted(fit, _) = law {
+        warnings(
+            &in_doubt(fit.doubtful.iter())
+                .into_iter()
+                .collect::<Vec<_>>(),
+        );
+    }
 }
 
 fn force(answer: &Answer) -> String {
@@ -308,6 +316,7 @@ pub fn with_head(predictor: &Predictor, key: &str, value: Value) -> Value {
             "readings": fit.rows,
             "ranges": fit.ranges,
             "scatter": fit.scatter,
+            "doubtful": fit.doubtful,
         });
     }
     object[key] = value;

@@ -331,7 +331,7 @@ pub struct Unexplained {
     pub log_likelihood_gain: Option<f64>,
     /// Share of the variance of what the model without it leaves.
     pub share_of_variance: f64,
-    /// The empirical correction: value of the column, correction.
+    /// The empirical correction: value of the column, correction. A zero of the force that was found beside an offset is in it.
     pub curve: Vec<(f64, f64)>,
 }
 
@@ -364,7 +364,7 @@ pub struct RecordingError {
     pub kind: ErrorKind,
     /// The column or quantity concerned: "length", "rest_length", "force", "pressure", …
     pub quantity: Option<String>,
-    /// Its size: true less recorded, or the factor of a unit.
+    /// Its size: true less recorded, or the factor of a unit; of exchanged columns the zero of the force that is then left.
     pub value: Option<f64>,
     /// Unit of `value`.
     pub unit: String,

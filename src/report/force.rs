@@ -12,6 +12,7 @@ use crate::report::render::{Renderer, typst::Typst};
 use crate::report::table::Table;
 use crate::report::tables;
 use crate::report::typeset::{Document, Pdf};
+use crate::report::wording::{name::capitalised, sentence::in_doubt};
 use crate::stages::compare::NEW;
 use crate::stages::fit::equations::JOINT;
 use serde::Serialize;
@@ -350,7 +351,12 @@ fn group(input: &GroupInput, figures: &[Drawn]) -> Group {
         borrowed: fit
             .equation(JOINT)
             .is_some_and(|e| e.folds.iter().any(|f| !f.held.is_empty())),
-        notes: fit.notes.clone(),
+        notes: fit
+            .notes
+            .iter()
+            .cloned()
+            .chain(in_doubt(input.doubtful()).map(|s| capitalised(&s)))
+            .collect(),
         domain: domain(input),
         figures: figures
             .iter()

@@ -4,7 +4,7 @@ use crate::base::diagnostics::Diagnostic;
 use crate::base::frame::Frame;
 use crate::base::reject::Reject;
 use crate::base::row::Row;
-use crate::findings::CampaignFindings;
+use crate::findings::{CampaignFindings, RecordingError};
 use crate::report::figures::Drawn;
 use crate::report::figures::found::Kind;
 use crate::report::left_out::LeftOut;
@@ -53,6 +53,15 @@ pub struct GroupInput {
     pub predictions: Predictions,
     /// What the base model lacks; none for groups that were not asked.
     pub diagnosis: Option<Diagnosis>,
+}
+
+impl GroupInput {
+    /// Sessions and specimens that the fit holds and that the search for effects set aside, because they look mistaken.
+    pub fn doubtful(&self) -> impl Iterator<Item = &RecordingError> {
+        let found = self.diagnosis.iter().map(|d| &d.findings);
+        let all = found.flat_map(|f| &f.recording_errors);
+        all.filter(|e| e.set_aside)
+    }
 }
 
 /// The figures of one group, as drawn.

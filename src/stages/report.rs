@@ -95,11 +95,10 @@ fn json_bytes(value: &impl Serialize) -> Result<Vec<u8>> {
 /// A table that cannot be written as Parquet or JSON.
 pub fn tables(input: &ReportInput, config: &Config) -> Result<Outputs> {
     let rows = row::to_frame(&input.rows).with_units(units_of_extras(input));
-    let fits: Vec<&GroupFit> = input.groups.iter().map(|g| &g.fit).collect();
     let mut outputs = Outputs::from([
         ("derived/rows.parquet".to_owned(), rows.to_parquet()?),
         ("derived/split.csv".to_owned(), split_csv(input, config)),
-        ("derived/fits.json".to_owned(), fits_json(&fits)?),
+        ("derived/fits.json".to_owned(), fits_json(input)?),
         ("reports/findings.json".to_owned(), findings_json(input)?),
     ]);
     if input.knee.is_some() {
@@ -278,9 +277,14 @@ fn findings_json(input: &ReportInput) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// `derived/fits.json`: every fit with its refits, for `pipeline predict` and for other programs.
-fn fits_json(fits: &[&GroupFit]) -> Result<Vec<u8>> {
-    let mut bytes = serde_json::to_vec_pretty(fits).map_err(Error::internal)?;
+/// `derived/fits.json`: every fit with its refits and with what is in doubt of its readings, for `pipeline predict` and for other programs.
+fn fits_json(input: &ReportInput) -> Result<Vec<u8>> {
+    let fit = |g: &GroupInput| GroupFit {
+        doubtful: g.doubtful().cloned().collect(),
+        ..g.fit.clone()
+    };
+    let fits: Vec<GroupFit> = input.groups.iter().map(fit).collect();
+    let mut bytes = serde_json::to_vec_pretty(&fits).map_err(Error::internal)?;
     bytes.push(b'\n');
     Ok(bytes)
 }

@@ -65,6 +65,7 @@ fn fitted(rows: &[Row]) -> GroupFit {
         equations: vec![joint],
         cap_length_m: cap_length_m(10, &options),
         notes: Vec::new(),
+        doubtful: Vec::new(),
     }
 }
 

@@ -6,8 +6,8 @@ use super::number::{
 };
 use crate::effects;
 use crate::findings::{
-    BudgetEntry, CampaignFindings, EffectFinding, Level, NextKind, NextMeasurement, RecordingError,
-    Scatter, Verdict,
+    BudgetEntry, CampaignFindings, EffectFinding, ErrorKind, Level, NextKind, NextMeasurement,
+    RecordingError, Scatter, Verdict,
 };
 use crate::report::number::Rounding;
 
@@ -574,6 +574,26 @@ fn recording_error(e: &RecordingError) -> String {
     format!("{} {} ({kind}{size}{aside})", name::level(e.level), e.group)
 }
 
+/// What a fit holds that looks mistaken, and what to do, a sentence without its full stop; none where nothing does.
+pub fn in_doubt<'a>(all: impl Iterator<Item = &'a RecordingError>) -> Option<String> {
+    let named = |e: &RecordingError| {
+        let kind = name::recording_error(e.kind, e.quantity.as_deref());
+        format!("{} {} ({kind})", name::level(e.level), e.group)
+    };
+    let all: Vec<String> = all.map(named).collect();
+    let (verb, them) = if all.len() == 1 {
+        ("looks", "it")
+    } else {
+        ("look", "them")
+    };
+    (!all.is_empty()).then(|| {
+        format!(
+            "{} {verb} mistaken, and this fit holds {them}: mend session.toml or exclude {them} there (exclude = \"why\"), and run again",
+            listed(&all)
+        )
+    })
+}
+
 /// What of a group was set aside where that is not all of its readings: lengths or arms that were measured by hand beside its torques.
 pub fn set_aside(e: &RecordingError) -> Option<&'static str> {
     match e.quantity.as_deref() {
@@ -589,7 +609,8 @@ pub fn recorded_size(e: &RecordingError) -> Option<String> {
     let value = e.value?;
     let number = rounded(value, Rounding::Digits(3));
     Some(match e.kind {
-        crate::findings::ErrorKind::Unit => format!("factor {number}"),
+        ErrorKind::Unit => format!("factor {number}"),
+        ErrorKind::SwappedColumns => format!("then a zero of {}", with_unit(&number, &e.unit)),
         _ => with_unit(&number, &e.unit),
     })
 }

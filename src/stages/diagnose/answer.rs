@@ -124,10 +124,17 @@ impl Work<'_> {
             .collect()
     }
 
-    /// The accepted effects.
+    /// The accepted terms.
+    fn accepted(&self) -> Vec<usize> {
+        self.found.accepted.iter().map(|a| a.term).collect()
+    }
+
+    /// The accepted effects. A constant beside an offset that goes with a column is part of that dependence ([`Self::unexplained`]).
     pub fn effects(&self) -> Vec<EffectFinding> {
+        let all = self.accepted();
         let accepted = self.found.accepted.iter();
-        let mut effects: Vec<EffectFinding> = accepted.filter_map(|a| self.effect(a)).collect();
+        let named = accepted.filter(|a| !self.problem.is_origin(a.term, &all));
+        let mut effects: Vec<EffectFinding> = named.filter_map(|a| self.effect(a)).collect();
         effects.sort_by(|a, b| {
             let gain = |e: &EffectFinding| e.log_likelihood_gain.unwrap_or(0.0);
             gain(b).total_cmp(&gain(a))
@@ -241,6 +248,12 @@ impl Work<'_> {
             .zip(&self.data().force)
             .map(|(p, y)| y - p)
             .collect();
+        let all = self.accepted();
+        let origin = all.iter().filter(|t| self.problem.is_origin(**t, &all));
+        // Of two offsets the first to come in has it: which one nobody can know.
+        let mut constant = origin
+            .filter_map(|t| self.found.model.values(*t)?.first().copied())
+            .next();
         let accepted = self.found.accepted.iter();
         accepted
             .filter_map(|a| {
@@ -249,13 +262,18 @@ impl Work<'_> {
                 };
                 let values = point.terms.iter().find(|(t, _)| *t == a.term)?.1.clone();
                 let share = rms(&self.change(a.term)) / rms(&before).max(f64::MIN_POSITIVE);
+                let mut curve = column.curve(self.data(), [values[0], values[1]]);
+                if !column.is_gain() {
+                    let constant = constant.take().unwrap_or(0.0);
+                    curve.iter_mut().for_each(|(_, y)| *y += constant);
+                }
                 Some(Unexplained {
                     column: column.name(self.data()),
                     shape: if column.is_gain() { "gain" } else { "offset" }.to_owned(),
                     p_familywise: a.p,
                     log_likelihood_gain: Some(a.gain),
                     share_of_variance: (share * share).min(1.0),
-                    curve: column.curve(self.data(), [values[0], values[1]]),
+                    curve,
                 })
             })
             .collect()

@@ -396,6 +396,16 @@ impl<'a> ForceProblem<'a> {
         self.stroke_basis.iter().any(|b| !b.is_empty())
     }
 
+    /// Whether a term is no more than where the dependence on a column that is among others has its origin, which nobody knows: a zero of the force
+    /// on all readings beside an offset that goes with the column.
+    pub fn is_origin(&self, term: usize, others: &[usize]) -> bool {
+        let zero = self.library[term].scope == Scope::All
+            && self.library[term].effect() == Some((self.operators.zero, 0));
+        let is_offset =
+            |t: &usize| matches!(self.library[*t].what, What::Column(c) if !c.is_gain());
+        zero && others.iter().any(is_offset)
+    }
+
     /// The force of reading `i`, misfit left out: by coefficients, gain, set length, zero, what resting and contracted length are longer than noted,
     /// mm, and terms.
     fn force<R: Real>(

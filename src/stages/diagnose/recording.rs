@@ -36,8 +36,11 @@ const READINGS: usize = 16;
 const SHORTLIST: usize = 4;
 /// Most groups, and the share of the sessions and of the specimens that can be mistaken: the others are who says what is right.
 const MOST: (usize, f64, f64) = (3, 1.0 / 3.0, 1.0 / 2.0);
-/// A mistake explains a group if what is left is within so many standard deviations of the others.
+/// A mistake explains a group if what is left is within so many standard deviations of the others; or, where these scatter less than rigs
+/// usually do, if it is this share of what it was and no more than is usual.
 const EXPLAINS: f64 = 2.0;
+/// See [`EXPLAINS`].
+const EXPLAINS_SHARE: f64 = 0.1;
 /// Units that are taken for one another (lbf, kgf, psi, bar, and powers of ten), as factors; their inverses too.
 const UNITS: [f64; 6] = [4.448, 9.807, 6.895, 10.0, 100.0, 1000.0];
 
@@ -521,7 +524,8 @@ impl<'a> Seen<'a> {
     /// The likeliest of the mistakes that leave no more than is usual.
     fn explanation(&self, usual: &Usual) -> Option<Taken> {
         let all = self.mistakes().into_iter();
-        all.filter(|t| t.off <= EXPLAINS * usual.scale)
+        let most = (EXPLAINS * usual.scale).max((EXPLAINS_SHARE * self.off).min(1.0));
+        all.filter(|t| t.off <= most)
             .max_by(|a, b| a.likelihood.total_cmp(&b.likelihood))
     }
 
@@ -546,7 +550,11 @@ impl<'a> Seen<'a> {
         let zero: Change = |_, f, n| *f += n;
         let on_force: Change = |_, f, times| *f *= times;
         let on_pressure: Change = |at, _, times| at.pressure_kpa *= times;
-        let swap: Change = |at, f, _| std::mem::swap(&mut at.pressure_kpa, f);
+        // What a session took off as the zero of its force was then that of its pressure.
+        let swap: Change = |at, f, n| {
+            std::mem::swap(&mut at.pressure_kpa, f);
+            *f += n;
+        };
         let given = |kind, quantity, change: Change, value: Option<f64>| {
             let x = value.unwrap_or(-1.0);
             let off = self.off_by(&|at, f| change(at, f, x), None);
@@ -554,7 +562,10 @@ impl<'a> Seen<'a> {
         };
         let (value, square) = self.at_best_length(readings, &|_, _| {}, self.factor, true);
         let mut all = vec![
-            given(ErrorKind::SwappedColumns, None, swap, None),
+            Taken {
+                quantity: None,
+                ..self.number(ErrorKind::SwappedColumns, "force", "N", swap, largest)
+            },
             given(ErrorKind::Sign, Some("force"), on_force, None),
             self.number(ErrorKind::Zero, "force", "N", zero, largest),
             self.taken(
@@ -667,7 +678,7 @@ fn least((low, high): (f64, f64), steps: usize, of: impl Fn(f64) -> f64) -> (f64
     let section = 0.5 * (5.0_f64.sqrt() - 1.0);
     let (mut c, mut d) = (b - section * (b - a), a + section * (b - a));
     let (mut of_c, mut of_d) = (of(c), of(d));
-    for _ in 0..10 {
+    for _ in 0..16 {
         if of_c < of_d {
             (b, d, of_d) = (d, c, of_c);
             c = b - section * (b - a);
@@ -731,6 +742,45 @@ mod tests {
     #[test]
     fn swapped_columns_are_swapped_columns_and_no_unit() {
         assert_pointed_at(Mistake::SwappedColumns, ErrorKind::SwappedColumns, None);
+    }
+
+    #[test]
+    fn swapped_columns_of_a_log_have_the_zero_of_the_load_cell_left() {
+        let settings = rig_like::Settings {
+            specimens: Some(4),
+            scatter: rig_like::Scatter::Clean,
+            mistake: Some(Mistake::SwappedColumns),
+            ..rig_like::Settings::default()
+        };
+        let mut campaign = rig_like::campaign(1, &settings);
+        let id = campaign.truth.mistaken.clone().unwrap().group;
+        for row in campaign.rows.iter_mut().filter(|r| r.session == id) {
+            // The force, with what the load cell showed vented.
+            row.pressure_kpa += 6.0;
+        }
+        let errors = found(&campaign);
+        assert_eq!(errors.len(), 1, "{errors:?}");
+        assert_eq!(errors[0].group, id);
+        assert_eq!(errors[0].kind, ErrorKind::SwappedColumns);
+        let zero = errors[0].value.unwrap();
+        assert!((zero + 6.0).abs() < 1.0, "{zero}");
+    }
+
+    #[test]
+    fn forces_twenty_times_too_large_are_no_unit() {
+        let settings = rig_like::Settings {
+            specimens: Some(4),
+            scatter: rig_like::Scatter::Clean,
+            ..rig_like::Settings::default()
+        };
+        let mut campaign = rig_like::campaign(1, &settings);
+        let id = campaign.rows[0].session.clone();
+        for row in campaign.rows.iter_mut().filter(|r| r.session == id) {
+            row.force_n *= 20.0;
+        }
+        let errors = found(&campaign);
+        assert_eq!(errors.len(), 1, "{errors:?}");
+        assert_eq!(errors[0].kind, ErrorKind::Outlier, "{errors:?}");
     }
 
     #[test]

@@ -174,9 +174,14 @@ fn answer(
         let [before, after] = [&models[0], &models[1]].map(|m| tally(m, *node, problem, false));
         (unit.clone(), before, after)
     });
+    let accepted: Vec<usize> = inner.accepted.iter().map(|a| a.term).collect();
     FoldAnswer {
         units: units.collect(),
-        terms: inner.accepted.iter().map(|a| a.term).collect(),
+        terms: accepted
+            .iter()
+            .copied()
+            .filter(|t| !problem.is_origin(*t, &accepted))
+            .collect(),
     }
 }
 

@@ -35,6 +35,7 @@ mod tests_of_refits;
 use crate::base::row::Row;
 use crate::base::session::{Kind, Role};
 use crate::config::FitOptions;
+use crate::findings::RecordingError;
 use engine::EquationFit;
 use maxima::Maximum;
 use scatter::Scatter;
@@ -127,6 +128,10 @@ pub struct GroupFit {
     pub scatter: Option<Scatter>,
     /// What could not be fitted, and why.
     pub notes: Vec<String>,
+    /// Sessions and specimens whose readings it holds and that look mistaken. The search for effects finds them, after the fit: the report fills
+    /// them in for whoever reads `derived/fits.json`.
+    #[serde(default)]
+    pub doubtful: Vec<RecordingError>,
 }
 
 impl GroupFit {
@@ -210,6 +215,7 @@ pub fn fit_group(group: &Group, rows: &[Row], options: &FitOptions) -> GroupFit 
         specimens: summaries(&fitted, &maxima),
         equations,
         notes,
+        doubtful: Vec::new(),
     }
 }
 
