@@ -1116,10 +1116,14 @@ fn new_readings_of_a_class_that_is_held_have_the_noise_that_it_shows() {
     let setting = Setting::new(&problem);
     let model = null(&setting);
     close(model.variances.noise[0], 3.0, 1e-12);
-    let shown = model.noise_shown(&setting, &model.variances);
-    close(shown[0], 1.0, 1e-3);
+    let shown = model.shown(&setting, &model.variances);
+    close(shown.noise[0], 1.0, 1e-3);
     let unseen = Unseen::new(&setting, &model);
-    close(unseen.variance_in_new_groups(0), shown[0] * shown[0], 1e-9);
+    close(
+        unseen.variance_in_new_groups(0),
+        shown.noise[0] * shown.noise[0],
+        1e-9,
+    );
 }
 
 /// Errors on the unseen readings, each by so much less than that of the prediction.

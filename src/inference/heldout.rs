@@ -3,7 +3,7 @@
 //! Coefficients, amplitudes and common columns enter with their posterior mean and covariance given the readings that were fitted; random
 //! effects below the root as their components have them. The restricted likelihood gives the variances.
 
-use crate::fit::{Fitted, Setting};
+use crate::fit::{Fitted, Setting, Shown};
 use crate::gram::{Design, Square};
 use crate::problem::Point;
 use crate::system::{Estimates, Factor, Likelihood, Variances, add_times, dot};
@@ -17,8 +17,8 @@ pub struct Unseen<'a> {
     setting: &'a Setting<'a>,
     model: &'a Fitted,
     variances: Variances,
-    /// Standard deviations of the noise of new readings: that of a class which is held while models are fitted is what it shows as.
-    noise: Vec<f64>,
+    /// Mean and noise of new readings: of a class that is held while models are fitted as its readings show them.
+    shown: Shown,
     /// Means of the root's random effects.
     root_mean: Vec<f64>,
     /// Square root of the covariance of the root's random effects and the fixed effects.
@@ -49,7 +49,7 @@ impl<'a> Unseen<'a> {
         let root_mean = factor.estimates().random[..width].to_vec();
         let root = square_root(&factor.covariance_at_root());
         Self {
-            noise: model.noise_shown(setting, &variances),
+            shown: model.shown(setting, &variances),
             setting,
             model,
             variances,
@@ -145,7 +145,7 @@ impl<'a> Unseen<'a> {
     fn error(&self, i: usize) -> f64 {
         let design = &self.model.design;
         let root = design.tree.width(0);
-        design.y[i] - dot(&design.z[i][..root], &self.root_mean)
+        design.y[i] - dot(&design.z[i][..root], &self.root_mean) - self.shown.means[design.class[i]]
     }
 
     /// The prediction of some of the readings below a node that took no part: those of one quantity, where a problem has several.
@@ -154,7 +154,7 @@ impl<'a> Unseen<'a> {
         let errors: Vec<f64> = places.iter().map(|&i| self.error(i)).collect();
         let design = self.design(&places, &errors, |k| &self.model.design.z[places[k]]);
         let variances = Variances {
-            noise: self.noise.clone(),
+            noise: self.shown.noise.clone(),
             ..self.with_parameters()
         };
         let gram = design.gram();
@@ -193,7 +193,7 @@ impl<'a> Unseen<'a> {
     pub fn variance_in_new_groups(&self, i: usize) -> f64 {
         let design = &self.model.design;
         let tree = &design.tree;
-        let noise = self.noise[design.class[i]];
+        let noise = self.shown.noise[design.class[i]];
         let path = tree.path(design.node[i]);
         let components = path.iter().flat_map(|n| tree.components_of(*n));
         let below = components.zip(&design.z[i]).skip(tree.width(0));
@@ -344,7 +344,8 @@ impl<'a> Unseen<'a> {
     fn at_point(&self, predicted: f64, row: &[f64], i: usize) -> f64 {
         let problem = self.setting.problem;
         let root = problem.tree().width(0);
-        problem.observed()[i] - predicted - dot(&row[..root], &self.root_mean)
+        let mean = self.shown.means[problem.class()[i]];
+        problem.observed()[i] - predicted - dot(&row[..root], &self.root_mean) - mean
     }
 
     /// The response of the linear model at a point: nonlinear random effects below the root added back.

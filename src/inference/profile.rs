@@ -74,6 +74,15 @@ pub fn profile(
     let mut points: Vec<(f64, f64)> = below.iter().rev().copied().collect();
     points.push((estimate, 0.0));
     points.extend(above);
+    // With a handful of groups an end may lie beyond the last step.
+    for end in ends.into_iter().flatten() {
+        let (first, last) = (points[0].0, points[points.len() - 1].0);
+        if end < first {
+            points.insert(0, (end, along.at(end) - best));
+        } else if end > last {
+            points.push((end, along.at(end) - best));
+        }
+    }
     Some(Profile {
         value: estimate,
         low: ends[0],

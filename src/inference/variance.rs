@@ -18,7 +18,8 @@ pub enum Prior {
     /// It is this: declared, or a convention such as rounding to 1 mm.
     Fixed(f64),
     /// This while models are compared and sizes are estimated: no reading of the class may say more, however small its noise. Readings that
-    /// take no part are predicted with what those that do show, [`Prior::Away`] from nothing with this scale.
+    /// take no part are predicted with what those that do show: the mean of what the model leaves of them, and the noise about it,
+    /// [`Prior::Away`] from nothing with this scale.
     Held(f64),
     /// Every group's own size is half-normal with this scale, and all are alike: the prior counts once a group.
     HalfNormal(f64),

@@ -6,10 +6,8 @@ use crate::report::wording::SIGNIFICANT;
 use crate::report::wording::name;
 use crate::report::wording::number::{
     NONE, error_with_unit, gain, gain_or_none, percent, plain, probability, rounded, size,
-    with_unit,
 };
-use crate::report::wording::sentence::plain_number;
-use crate::stages::torque::diagnose::terms::usual;
+use crate::report::wording::sentence::{beyond_usual, plain_number};
 use serde::Serialize;
 
 /// The column whose values were shuffled.
@@ -62,7 +60,8 @@ fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, Stri
     if let Some(log_likelihood) = e.log_likelihood_gain {
         facts.insert(1, ("gain in log-likelihood", gain(log_likelihood)));
     }
-    facts.extend(beyond_usual(found, e));
+    let most = beyond_usual(found, e);
+    facts.extend(most.map(|most| ("implausibly large", format!("such parts have up to {most}"))));
     let mut misfit = found.misfit.iter();
     if misfit.any(|m| m.sensitive.contains(&e.id)) {
         facts.push((
@@ -71,19 +70,6 @@ fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, Stri
         ));
     }
     facts
-}
-
-/// Of an effect of a joint that it is larger than such parts were measured to be: something else is probably in it.
-fn beyond_usual(found: &CampaignFindings, e: &EffectFinding) -> Option<(&'static str, String)> {
-    let size = e.parameters.first()?;
-    let (most, unit) = usual(&e.id, &e.form).filter(|_| found.kind == "knee-torque")?;
-    let words = || {
-        format!(
-            "such parts have up to {}",
-            with_unit(&format!("{most}"), unit)
-        )
-    };
-    (size.value.abs() > most).then(|| ("implausibly large", words()))
 }
 
 /// An alias set: its effect, and the likelihood of each other member in its place.

@@ -6,10 +6,11 @@ use super::number::{
 };
 use crate::effects;
 use crate::findings::{
-    BudgetEntry, CampaignFindings, EffectFinding, ErrorKind, Level, NextKind, NextMeasurement,
-    RecordingError, Scatter, Verdict,
+    ActsOn, BudgetEntry, CampaignFindings, EffectFinding, ErrorKind, Level, NextKind,
+    NextMeasurement, RecordingError, Scatter, Verdict,
 };
 use crate::report::number::Rounding;
+use crate::stages::torque::diagnose::terms::usual;
 
 /// A source that makes less than this share of the expected variance is summed up with others; noise is always named.
 const NAMED_SHARE: f64 = 0.02;
@@ -82,6 +83,11 @@ pub fn clauses(found: &CampaignFindings) -> Clauses {
 /// What was found, without the errors.
 fn answer(found: &CampaignFindings, of_effect: fn(&EffectFinding) -> String) -> String {
     let weighty: Vec<&EffectFinding> = found.effects.iter().filter(|e| !e.negligible).collect();
+    let of_effect = |e: &EffectFinding| {
+        let large = beyond_usual(found, e).map_or("", |_| " (implausibly large)");
+        let one = of_one_group(found, e).map_or_else(String::new, |one| format!(" ({one})"));
+        of_effect(e) + large + &one
+    };
     match found.verdict {
         Verdict::NotAssessed => format!("not assessed: {}", name::not_assessed(found)),
         Verdict::None if found.effects.is_empty() => "no effect detected".to_owned(),
@@ -98,6 +104,21 @@ fn answer(found: &CampaignFindings, of_effect: fn(&EffectFinding) -> String) -> 
             all.join("; ")
         }
     }
+}
+
+/// Of an effect of a joint that it is larger than such parts were measured to be, and what these have up to: something else is probably in it.
+pub fn beyond_usual(found: &CampaignFindings, e: &EffectFinding) -> Option<String> {
+    let size = e.parameters.first()?;
+    let (most, unit) = usual(&e.id, &e.form).filter(|_| found.kind == "knee-torque")?;
+    (size.value.abs() > most).then(|| with_unit(&most.to_string(), unit))
+}
+
+/// Of an effect of which groups scatter as well, where there is but one of them: its own value and the effect are one number.
+fn of_one_group(found: &CampaignFindings, e: &EffectFinding) -> Option<String> {
+    let scatters = |s: &&Scatter| s.id == e.id && s.values.len() == 1;
+    let own = found.scatter.iter().find(scatters)?;
+    let level = name::level(own.level);
+    (e.acts_on == ActsOn::All).then(|| format!("not told apart from that of the one {level}"))
 }
 
 /// `threshold pressure of the bladder 60 kPa (indistinguishable from zero of the pressure sensor)`.

@@ -227,11 +227,12 @@ impl<'a> ForceProblem<'a> {
         let forces = data.force.iter().zip(&data.conditions);
         let side: Vec<Side> = forces.map(|(f, at)| slack::side(*f, largest, at)).collect();
         let corner = data.campaigns.len();
-        let class_of = |(side, campaign): (&Side, &usize)| match side {
-            Side::Corner => corner,
-            _ => *campaign,
+        let class_of = |i: usize| match side[i] {
+            Side::Corner => corner + slack::band(&data.conditions[i]),
+            _ => data.campaign[i],
         };
-        let class = side.iter().zip(&data.campaign).map(class_of).collect();
+        let class = (0..data.len()).map(class_of).collect();
+        let in_corner = Prior::Held(settings::CORNER_WIDTH * largest);
         Self {
             base,
             data,
@@ -245,7 +246,7 @@ impl<'a> ForceProblem<'a> {
             components: components(data, pooled, nodes.len()),
             noise: vec![Prior::Free; corner]
                 .into_iter()
-                .chain([Prior::Held(settings::CORNER_WIDTH * largest)])
+                .chain([in_corner; slack::BANDS])
                 .map(|prior| Scale {
                     prior,
                     usual: 0.01 * largest,

@@ -40,6 +40,17 @@ pub fn side(force: f64, largest: f64, at: &Conditions) -> Side {
     }
 }
 
+/// Parts of the corner, by the distance from where the law is 0: what rounding leaves grows towards it, and with it the noise that readings show.
+pub const BANDS: usize = BAND_ENDS.len() + 1;
+/// Where they end, in widths of the rounding, which is wrong by 1/2 of a width at the corner, by 0.31, 0.15 and 0.08 at these.
+const BAND_ENDS: [f64; 3] = [0.5, 1.5, 3.0];
+
+/// The band of a reading in the corner, the nearest first.
+pub fn band(at: &Conditions) -> usize {
+    let distance = surface(at).abs() / settings::CORNER_WIDTH;
+    BAND_ENDS.iter().filter(|end| distance > **end).count()
+}
+
 /// The published law of the diameter, relative to the force at 620 kPa and not cut off where it is negative; of another diameter, that of 10 mm.
 fn surface(at: &Conditions) -> f64 {
     let known = new::NewPublished.coefficients(at.diameter_mm as u32);
