@@ -1116,8 +1116,9 @@ fn new_readings_of_a_class_that_is_held_have_the_noise_that_it_shows() {
     let setting = Setting::new(&problem);
     let model = null(&setting);
     close(model.variances.noise[0], 3.0, 1e-12);
+    // Readings of a group are alike: their mean is that of 4 groups, and new readings scatter about it by a factor of 5/3 more.
     let shown = model.shown(&setting, &model.variances);
-    close(shown.noise[0], 1.0, 1e-3);
+    close(shown.noise[0], (5.0_f64 / 3.0).sqrt(), 1e-3);
     let unseen = Unseen::new(&setting, &model);
     close(
         unseen.variance_in_new_groups(0),
@@ -1147,8 +1148,8 @@ fn what_is_known_of_an_unseen_group_shrinks_its_errors() {
 
 #[test]
 fn only_what_calibrates_shortens_the_calibrated_errors() {
-    // The intercept alone: 4/v = 12/20 of the mean error 3.
-    for (calibrates, by) in [(true, 1.8), (false, 0.0)] {
+    // The intercept alone, the mean as fitted: 1/(1 + 1/4) of the mean error 3.
+    for (calibrates, by) in [(true, 2.4), (false, 0.0)] {
         unseen(calibrates, |unseen, node| {
             shortened(&unseen.errors_calibrated(node), by);
         });

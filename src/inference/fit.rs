@@ -11,6 +11,7 @@ use crate::system::{Estimates, Factor, Likelihood, Variances, dot};
 use crate::variance::{Effort, Maximiser, Maximum, Prior, Scale};
 use pipeline_numerics::cholesky::Cholesky;
 use pipeline_numerics::matrix::Matrix;
+use std::collections::BTreeSet;
 
 /// Most outer iterations.
 const MOST_ITERATIONS: usize = 24;
@@ -82,7 +83,7 @@ pub struct Fitted {
 pub struct Shown {
     /// Mean beside the prediction.
     pub means: Vec<f64>,
-    /// Standard deviation about it.
+    /// Standard deviation about it, with that of an estimated mean.
     pub noise: Vec<f64>,
 }
 
@@ -556,11 +557,18 @@ impl Fitted {
             return Shown { means, noise };
         }
         let left = self.left(variances);
+        let mut of_mean = vec![1.0; classes.len()];
         for (class, mean) in means.iter_mut().enumerate().filter(|(c, _)| is_held(*c)) {
             let of =
                 |i: &usize| self.design.class[*i] == class && setting.active[self.design.node[*i]];
-            let of: Vec<f64> = (0..self.design.len()).filter(of).map(|i| left[i]).collect();
-            *mean = of.iter().sum::<f64>() / of.len().max(1) as f64;
+            let of: Vec<usize> = (0..self.design.len()).filter(of).collect();
+            // Readings of one group are alike: as many means as there are groups were averaged.
+            let groups: BTreeSet<usize> = of.iter().map(|i| self.design.node[*i]).collect();
+            let count = groups.len() as f64;
+            if count > 1.0 {
+                *mean = of.iter().map(|i| left[*i]).sum::<f64>() / of.len() as f64;
+                of_mean[class] = ((count + 1.0) / (count - 1.0)).sqrt();
+            }
         }
         let readings = self.design.y.iter().zip(&self.design.class);
         let about: Vec<f64> = readings.map(|(y, class)| y - means[*class]).collect();
@@ -582,9 +590,10 @@ impl Fitted {
         };
         let starts = std::slice::from_ref(variances);
         let best = maximiser.best(&gram, starts, Effort::FULL);
+        let noise = best.variances.noise.iter().zip(&of_mean);
         Shown {
             means,
-            noise: best.variances.noise,
+            noise: noise.map(|(sd, more)| sd * more).collect(),
         }
     }
 

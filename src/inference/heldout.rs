@@ -8,9 +8,14 @@ use crate::gram::{Design, Square};
 use crate::problem::Point;
 use crate::system::{Estimates, Factor, Likelihood, Variances, add_times, dot};
 use crate::tree::{Block, Tree};
+use std::collections::BTreeSet;
 
-/// Steps by which the mode of a group's random effects is found.
-const GAUSS_NEWTON: usize = 4;
+/// Most steps by which the mode of a group's random effects is found.
+const MOST_STEPS: usize = 12;
+/// Shortest part of a step that is tried.
+const SHORTEST: f64 = 1.0 / 256.0;
+/// A step by which the penalised sum of squares falls by less is the last.
+const SETTLED: f64 = 1e-3;
 
 /// What a fitted model says of a group that it has not seen.
 pub struct Unseen<'a> {
@@ -148,18 +153,22 @@ impl<'a> Unseen<'a> {
         design.y[i] - dot(&design.z[i][..root], &self.root_mean) - self.shown.means[design.class[i]]
     }
 
-    /// The prediction of some of the readings below a node that took no part: those of one quantity, where a problem has several.
+    /// The prediction of some of the readings below a node that took no part: those of one quantity, where a problem has several. Errors and their
+    /// standard deviations are those of somebody who knows nothing of the group; the joint density is Gaussian about the mode of its random effects,
+    /// as the fit has it of the groups that take part: at 0 the model of a short group whose length is far off says little of it.
     pub fn predict_where(&self, node: usize, keep: impl Fn(usize) -> bool) -> Predicted {
         let places = self.readings(node, keep);
         let errors: Vec<f64> = places.iter().map(|&i| self.error(i)).collect();
-        let design = self.design(&places, &errors, |k| &self.model.design.z[places[k]]);
         let variances = Variances {
             noise: self.shown.noise.clone(),
             ..self.with_parameters()
         };
+        let all: Vec<usize> = (0..places.len()).collect();
+        let design = self.mode(&places, &all, &variances).design;
         let gram = design.gram();
         let log_density =
             Factor::new(&design.tree, &gram, &variances).log_likelihood(Likelihood::Full);
+        let design = self.design(&places, &errors, |k| &self.model.design.z[places[k]]);
         let count = variances.components.len();
         let mut sources = vec![0.0; count + 1];
         let mut sd = Vec::with_capacity(places.len());
@@ -252,77 +261,161 @@ impl<'a> Unseen<'a> {
 
     /// Errors on the readings below a node once some of them are known: measured less the mode of all readings given those at `known`.
     pub fn errors_after(&self, node: usize, known: &[usize]) -> Vec<(usize, f64)> {
-        self.errors_given(node, Some(known))
+        self.errors_given(node, known, &self.with_parameters())
     }
 
-    /// Errors on the readings below a node with the random effects that calibrate as all of its readings show them, coefficients and misfit
-    /// as predicted: in sample in these.
+    /// Errors on the readings below a node with the random effects that calibrate as all of its readings show them, were there neither misfit nor
+    /// other coefficients to take their place: in sample in these.
     pub fn errors_calibrated(&self, node: usize) -> Vec<(usize, f64)> {
-        self.errors_given(node, None)
+        self.errors_given(
+            node,
+            &self.below(node),
+            &self.calibrating(&self.with_parameters()),
+        )
     }
 
-    /// The mode is found by Gauss-Newton steps: the forward model is linearised at the random effects found so far.
-    fn errors_given(&self, node: usize, known: Option<&[usize]>) -> Vec<(usize, f64)> {
-        let places = self.below(node);
-        let problem = self.setting.problem;
-        let tree = problem.tree();
-        let components = problem.components();
-        let root = tree.width(0);
-        let mut point: Point = self.model.point.clone();
-        let mut errors = Vec::new();
-        for _ in 0..GAUSS_NEWTON {
-            let (predicted, rows) = problem.linearise_some(&point, &places);
-            let response: Vec<f64> = (0..places.len())
-                .map(|k| self.response(&point, predicted[k], &rows[k], places[k]))
-                .collect();
-            let design = self.design(&places, &response, |k| &rows[k]);
-            let posterior = self.given(&design, &places, known.unwrap_or(&places));
-            let parameters = &posterior.random[..self.root.n];
-            let mut of_parameters = Vec::with_capacity(places.len());
-            for (k, &i) in places.iter().enumerate() {
-                let from = design.tree.path_numbers(design.node[k]);
-                let to = tree.path_numbers(self.model.design.node[i]);
-                let path = tree.path(self.model.design.node[i]);
-                let of: Vec<usize> = path.iter().flat_map(|n| tree.components_of(*n)).collect();
-                let own = from[self.root.n..].iter().zip(&to[root..]).zip(&of[root..]);
-                for ((f, t), c) in own {
-                    if known.is_some() || components[*c].calibrates {
-                        point.random[*t] = posterior.random[*f];
-                    }
-                }
-                let row = &design.z[k][..self.root.n];
-                of_parameters.push(if known.is_some() {
-                    dot(row, parameters)
-                } else {
-                    0.0
-                });
+    /// The same variances with nothing but what calibrates.
+    fn calibrating(&self, variances: &Variances) -> Variances {
+        let mut alone = variances.clone();
+        let components = self.setting.problem.components();
+        let calibrates = components.iter().map(|c| c.calibrates).chain([false]);
+        for (sd, calibrates) in alone.components.iter_mut().zip(calibrates) {
+            if !calibrates {
+                *sd = 0.0;
             }
-            let predicted = problem.predict_some(&point, &places);
-            errors = (0..places.len())
-                .map(|k| self.left(&point, predicted[k], &rows[k], places[k]) - of_parameters[k])
-                .collect();
         }
-        places.into_iter().zip(errors).collect()
+        alone
     }
 
-    /// The posterior of the group's random effects given some of its readings.
-    fn given(&self, design: &Design, places: &[usize], known: &[usize]) -> Estimates {
-        // What is not known takes no part, but keeps its place in the tree.
+    fn errors_given(
+        &self,
+        node: usize,
+        known: &[usize],
+        variances: &Variances,
+    ) -> Vec<(usize, f64)> {
+        let places = self.below(node);
         let list: Vec<usize> = (0..places.len())
             .filter(|k| known.contains(&places[*k]))
             .collect();
-        let part = Design {
-            tree: design.tree.clone(),
-            node: list.iter().map(|&k| design.node[k]).collect(),
-            class: list.iter().map(|&k| design.class[k]).collect(),
-            classes: design.classes,
-            z: list.iter().map(|&k| design.z[k].clone()).collect(),
-            x: Vec::new(),
-            y: list.iter().map(|&k| design.y[k]).collect(),
+        let mode = self.mode(&places, &list, variances);
+        places.into_iter().zip(mode.left).collect()
+    }
+
+    /// The mode of what is not known of a group given some of its readings, numbers in `places`; nothing is known of what `variances` has no scatter
+    /// of. It is looked for from nothing and from what the group shows without misfit: far from its mode a length that is off by millimetres is
+    /// not straight, and the misfit takes its place.
+    fn mode(&self, places: &[usize], known: &[usize], variances: &Variances) -> Mode {
+        let nothing = &self.model.point;
+        let alone = self.descend(nothing, places, known, &self.calibrating(variances));
+        let first = self.descend(&alone.point, places, known, variances);
+        let second = self.descend(nothing, places, known, variances);
+        if second.value < first.value {
+            second
+        } else {
+            first
+        }
+    }
+
+    /// Gauss-Newton steps from the random effects of a point, shortened until the penalised sum of squares falls.
+    fn descend(
+        &self,
+        from: &Point,
+        places: &[usize],
+        known: &[usize],
+        variances: &Variances,
+    ) -> Mode {
+        let problem = self.setting.problem;
+        let tree = problem.tree();
+        let root = tree.width(0);
+        let mut point = from.clone();
+        let mut parameters = vec![0.0; self.root.n];
+        let mut value = f64::INFINITY;
+        let mut steps = 0;
+        loop {
+            let (predicted, rows) = problem.linearise_some(&point, places);
+            let response: Vec<f64> = (0..places.len())
+                .map(|k| self.response(&point, predicted[k], &rows[k], places[k]))
+                .collect();
+            let design = self.design(places, &response, |k| &rows[k]);
+            let left_at = |point: &Point, parameters: &[f64], predicted: &[f64]| -> Vec<f64> {
+                let left = |k: usize| {
+                    let own = dot(&design.z[k][..self.root.n], parameters);
+                    self.left(point, predicted[k], &rows[k], places[k]) - own
+                };
+                (0..places.len()).map(left).collect()
+            };
+            let penalised = |point: &Point, parameters: &[f64], left: &[f64]| -> f64 {
+                let readings = known.iter().map(|&k| {
+                    let noise = variances.noise[design.class[k]];
+                    (left[k] / noise) * (left[k] / noise)
+                });
+                let own = self.penalty(point, places, variances);
+                readings.sum::<f64>() + own + dot(parameters, parameters)
+            };
+            if steps == 0 {
+                let left = left_at(&point, &parameters, &predicted);
+                value = penalised(&point, &parameters, &left);
+            }
+            let posterior = given(&design, known, variances);
+            let mut length = 1.0;
+            let moved = loop {
+                let mut next = point.clone();
+                for (k, &i) in places.iter().enumerate() {
+                    let from = design.tree.path_numbers(design.node[k]);
+                    let to = tree.path_numbers(self.model.design.node[i]);
+                    for (f, t) in from[self.root.n..].iter().zip(&to[root..]) {
+                        let old = point.random[*t];
+                        next.random[*t] = old + length * (posterior.random[*f] - old);
+                    }
+                }
+                let to = &posterior.random[..self.root.n];
+                let own = parameters.iter().zip(to);
+                let own: Vec<f64> = own.map(|(old, new)| old + length * (new - old)).collect();
+                let left = left_at(&next, &own, &problem.predict_some(&next, places));
+                let at = penalised(&next, &own, &left);
+                if at < value {
+                    break Some((next, own, at));
+                }
+                length *= 0.5;
+                if length < SHORTEST {
+                    break None;
+                }
+            };
+            steps += 1;
+            let fall = moved.as_ref().map_or(0.0, |(_, _, at)| value - at);
+            if let Some(moved) = moved {
+                (point, parameters, value) = moved;
+            }
+            if fall < SETTLED || steps >= MOST_STEPS {
+                let left = left_at(&point, &parameters, &problem.predict_some(&point, places));
+                return Mode {
+                    point,
+                    value,
+                    design,
+                    left,
+                };
+            }
+        }
+    }
+
+    /// Sum of squares of the random effects of some readings' groups below the root, in standard deviations.
+    fn penalty(&self, point: &Point, places: &[usize], variances: &Variances) -> f64 {
+        let tree = self.setting.problem.tree();
+        let nodes = places.iter().map(|&i| self.model.design.node[i]);
+        let nodes: BTreeSet<usize> = nodes
+            .flat_map(|n| tree.path(n))
+            .filter(|n| *n > 0)
+            .collect();
+        let of = |node: usize| {
+            let first = tree.first_column(node);
+            let components = tree.components_of(node).enumerate();
+            components.map(move |(k, c)| {
+                let b = point.random[first + k];
+                let u = b / variances.components[c].max(f64::MIN_POSITIVE);
+                if b == 0.0 { 0.0 } else { u * u }
+            })
         };
-        let variances = self.with_parameters();
-        let gram = part.gram();
-        Factor::new(&part.tree, &gram, &variances).estimates()
+        nodes.into_iter().flat_map(of).sum()
     }
 
     /// Sum over the random effects below the root of a reading that are linear in the forward model, or that are not.
@@ -357,6 +450,32 @@ impl<'a> Unseen<'a> {
     fn left(&self, point: &Point, predicted: f64, row: &[f64], i: usize) -> f64 {
         self.at_point(predicted, row, i) - self.below_root(point, row, i, true)
     }
+}
+
+/// The linear model of a group where its random effects have their mode.
+struct Mode {
+    point: Point,
+    /// The penalised sum of squares there.
+    value: f64,
+    design: Design,
+    /// Measured less the mode.
+    left: Vec<f64>,
+}
+
+/// The posterior of a group's random effects given some of its readings.
+fn given(design: &Design, known: &[usize], variances: &Variances) -> Estimates {
+    // What is not known takes no part, but keeps its place in the tree.
+    let part = Design {
+        tree: design.tree.clone(),
+        node: known.iter().map(|&k| design.node[k]).collect(),
+        class: known.iter().map(|&k| design.class[k]).collect(),
+        classes: design.classes,
+        z: known.iter().map(|&k| design.z[k].clone()).collect(),
+        x: Vec::new(),
+        y: known.iter().map(|&k| design.y[k]).collect(),
+    };
+    let gram = part.gram();
+    Factor::new(&part.tree, &gram, variances).estimates()
 }
 
 /// A lower triangular L with L L' = A for a matrix that is not negative.
