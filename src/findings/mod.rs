@@ -389,7 +389,8 @@ pub struct Errors {
     pub rmse_heldout: Option<f64>,
     /// Largest of them.
     pub max_abs_error_heldout: Option<f64>,
-    /// With the gain and the lengths of the held-out specimen as all its readings show them: in sample in these.
+    /// With the gain, the lengths and the zeros of the held-out specimen that fit all its readings best, law and effects as they were fitted without
+    /// it: in sample in these.
     pub rmse_heldout_calibrated: Option<f64>,
     /// After the first 1, 2, 3, 5 readings of each session in time order, scored on the others.
     pub rmse_heldout_after: BTreeMap<String, f64>,

@@ -12,6 +12,7 @@ use crate::variance::{Effort, Maximiser, Maximum, Prior, Scale};
 use pipeline_numerics::cholesky::Cholesky;
 use pipeline_numerics::matrix::Matrix;
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 /// Most outer iterations.
 const MOST_ITERATIONS: usize = 24;
@@ -193,6 +194,7 @@ impl<'a> Setting<'a> {
     fn fit_within(&self, from: &Point, starts: &[Variances], iterations: usize) -> Fitted {
         let scales = self.scales();
         let maximiser = self.maximiser(&scales, Likelihood::Full);
+        let linear_columns = LinearColumns::of(self.problem);
         let mut point = self.inside(from);
         let mut known: Option<Maximum> = None;
         let mut held: Vec<Free> = Vec::new();
@@ -241,7 +243,7 @@ impl<'a> Setting<'a> {
             let longest = if iteration > DAMPED_AFTER { 0.5 } else { 1.0 };
             let moved = self.step(
                 (&point, &linear.predicted),
-                &design.z,
+                (&design.z, &linear_columns),
                 &free,
                 &estimates,
                 &maximum.variances,
@@ -345,25 +347,18 @@ impl<'a> Setting<'a> {
         &self,
         point: &Point,
         predicted: &[f64],
-        z: &[Vec<f64>],
+        (z, linear): (&[Vec<f64>], &LinearColumns),
         variances: &Variances,
     ) -> f64 {
         let problem = self.problem;
         let tree = problem.tree();
-        let nonlinear = self.nonlinear_columns();
-        let paths: Vec<Vec<usize>> = (0..tree.len()).map(|n| tree.path_numbers(n)).collect();
         let mut sum = 0.0;
         for (i, p) in predicted.iter().enumerate() {
             let node = problem.node()[i];
             if !self.active[node] {
                 continue;
             }
-            let fixed: f64 = paths[node]
-                .iter()
-                .zip(&z[i])
-                .filter(|(c, _)| !nonlinear[**c])
-                .map(|(c, z)| z * point.random[*c])
-                .sum();
+            let fixed = linear.value(node, &z[i], &point.random);
             let r = (problem.observed()[i] - p - fixed) / variances.noise[problem.class()[i]];
             sum += r * r;
         }
@@ -379,7 +374,7 @@ impl<'a> Setting<'a> {
     fn step(
         &self,
         (point, predicted): (&Point, &[f64]),
-        z: &[Vec<f64>],
+        z: (&[Vec<f64>], &LinearColumns),
         free: &[Free],
         estimates: &Estimates,
         variances: &Variances,
@@ -453,6 +448,43 @@ impl<'a> Setting<'a> {
         values
             .map(|(x, c)| c.free && (*x <= c.bounds.0 || *x >= c.bounds.1))
             .collect()
+    }
+}
+
+/// For each node of a problem where the columns of linear components stand: in the rows of its readings, and among all columns of the tree.
+struct LinearColumns {
+    runs: Vec<Vec<(Range<usize>, Range<usize>)>>,
+}
+
+impl LinearColumns {
+    fn of(problem: &dyn Problem) -> Self {
+        let tree = problem.tree();
+        let components = problem.components();
+        let runs_of = |node: usize| {
+            let mut runs = Vec::new();
+            let mut place = 0;
+            for n in tree.path(node) {
+                let mut column = tree.first_column(n);
+                for block in tree.blocks(n) {
+                    if components[block.component].linear {
+                        runs.push((place..place + block.columns, column..column + block.columns));
+                    }
+                    place += block.columns;
+                    column += block.columns;
+                }
+            }
+            runs
+        };
+        Self {
+            runs: (0..tree.len()).map(runs_of).collect(),
+        }
+    }
+
+    /// What linear components make of a reading of a node with this row.
+    fn value(&self, node: usize, row: &[f64], random: &[f64]) -> f64 {
+        let runs = self.runs[node].iter();
+        runs.map(|(places, columns)| dot(&row[places.clone()], &random[columns.clone()]))
+            .sum()
     }
 }
 

@@ -174,12 +174,11 @@ impl<'a> Unseen<'a> {
         let mut sd = Vec::with_capacity(places.len());
         for (row, &i) in design.z.iter().zip(&places) {
             let node = design.node[sd.len()];
-            let path = design.tree.path(node);
-            let components = path.iter().flat_map(|n| design.tree.components_of(*n));
+            let components = design.tree.path_components(node);
             let noise = variances.noise[self.model.design.class[i]];
             let mut total = noise * noise;
             sources[count] += noise * noise;
-            for (z, c) in row.iter().zip(components) {
+            for (z, &c) in row.iter().zip(components) {
                 let variance = z * z * variances.components[c] * variances.components[c];
                 sources[c] += variance;
                 total += variance;
@@ -203,10 +202,9 @@ impl<'a> Unseen<'a> {
         let design = &self.model.design;
         let tree = &design.tree;
         let noise = self.shown.noise[design.class[i]];
-        let path = tree.path(design.node[i]);
-        let components = path.iter().flat_map(|n| tree.components_of(*n));
+        let components = tree.path_components(design.node[i]).iter();
         let below = components.zip(&design.z[i]).skip(tree.width(0));
-        let below = below.map(|(c, z)| z * self.variances.components[c]);
+        let below = below.map(|(c, z)| z * self.variances.components[*c]);
         noise * noise + below.map(|x| x * x).sum::<f64>()
     }
 
@@ -425,8 +423,7 @@ impl<'a> Unseen<'a> {
         let root = tree.width(0);
         let node = problem.node()[i];
         let numbers = tree.path_numbers(node);
-        let path = tree.path(node);
-        let of: Vec<usize> = path.iter().flat_map(|n| tree.components_of(*n)).collect();
+        let of = tree.path_components(node);
         (root..numbers.len())
             .filter(|k| problem.components()[of[*k]].linear == linear)
             .map(|k| row[k] * point.random[numbers[k]])

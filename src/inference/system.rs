@@ -66,9 +66,8 @@ pub struct Estimates {
 /// Scales of the columns of a part: standard deviations of the path, 1 for the rest; all divided by the noise.
 fn scales(tree: &Tree, variances: &Variances, part: &Part, fixed: usize) -> Vec<f64> {
     let noise = variances.noise[part.class];
-    let path = tree.path(part.node);
-    let of = path.iter().flat_map(|n| tree.components_of(*n));
-    let random = of.map(|c| variances.components[c] / noise);
+    let of = tree.path_components(part.node).iter();
+    let random = of.map(|c| variances.components[*c] / noise);
     random
         .chain(std::iter::repeat_n(1.0 / noise, fixed + 1))
         .collect()
@@ -660,9 +659,8 @@ fn own_rows(
             }
         }
     }
-    let path = tree.path(node);
-    let of = path.iter().flat_map(|n| tree.components_of(*n));
-    let mut scale: Vec<f64> = of.map(|c| variances.components[c]).collect();
+    let of = tree.path_components(node).iter();
+    let mut scale: Vec<f64> = of.map(|c| variances.components[*c]).collect();
     scale.resize(n, 1.0);
     for k in 0..width {
         let row = &mut rows.a[k * n..(k + 1) * n];

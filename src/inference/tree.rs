@@ -23,6 +23,8 @@ pub struct Tree {
     widths: Vec<usize>,
     /// Number of a node's first column among all.
     first: Vec<usize>,
+    /// For each column of the path of a node: its component.
+    components: Vec<Vec<usize>>,
 }
 
 impl Tree {
@@ -45,6 +47,11 @@ impl Tree {
 
     fn push(&mut self, parent: usize, above: usize, blocks: Vec<Block>) {
         let width = blocks.iter().map(|b| b.columns).sum();
+        let own = blocks
+            .iter()
+            .flat_map(|b| std::iter::repeat_n(b.component, b.columns));
+        let path = self.components.get(parent).cloned().unwrap_or_default();
+        self.components.push(path.into_iter().chain(own).collect());
         self.first.push(self.columns());
         self.parents.push(parent);
         self.blocks.push(blocks);
@@ -128,8 +135,12 @@ impl Tree {
 
     /// For each of a node's own columns: its component.
     pub fn components_of(&self, node: usize) -> impl Iterator<Item = usize> + '_ {
-        let blocks = self.blocks[node].iter();
-        blocks.flat_map(|b| std::iter::repeat_n(b.component, b.columns))
+        self.components[node][self.above[node]..].iter().copied()
+    }
+
+    /// For each column of the path of a node: its component.
+    pub fn path_components(&self, node: usize) -> &[usize] {
+        &self.components[node]
     }
 
     /// The number of a node's first column of a component among all columns, and how many there are.

@@ -75,7 +75,7 @@ pub fn table(input: &ReportInput) -> Table {
     of_all(input, ("residual_errors", caption), columns, rows)
         .span("After so many readings", "rmse_heldout_after_1", "rmse_heldout_after_5")
         .note(
-            "Root-mean-square errors. \\v{Own values}: gain and lengths of the held-out unit as all its readings show them, in sample in these. \\v{After so many readings} of each session \
+            "Root-mean-square errors. \\v{Own values}: gain, lengths and zeros of the held-out unit that fit all its readings best, in sample in these. \\v{After so many readings} of each session \
              (test), scored on the others. \\v{Realised}: mean squared error over the expected one.",
         )
 }

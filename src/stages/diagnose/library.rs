@@ -40,8 +40,8 @@ pub enum Column {
 /// S: the scale of the force in [`Column::Force`], N.
 const FORCE_SCALE_N: f64 = 500.0;
 
-/// A correction is small beside the law: else it would be the law.
-const LARGEST_GAIN: f64 = 0.5;
+/// A correction is no larger than what it corrects. With half of it curves that were there ended at the bound, and the answer was none.
+const LARGEST_GAIN: f64 = 1.0;
 /// The same of an offset, N.
 const LARGEST_OFFSET_N: f64 = 200.0;
 
