@@ -60,7 +60,11 @@ fn first(found: &CampaignFindings, said: &Clauses, errors: Option<&str>) -> Stri
     let short = format!("{name}: {}", said.found_in_short);
     let names = format!("{name}: {}", said.found_by_name);
     let verdict = format!("{name}: {}", name::verdict(found.verdict));
-    let lengths = [long, short, names, verdict];
+    let in_part = said.found_in_part.iter();
+    let in_part = in_part.map(|part| format!("{name}: {part}"));
+    let mut lengths = vec![long, short, names];
+    lengths.extend(in_part);
+    lengths.push(verdict);
     let fitting = |recording: &Option<String>| {
         let errors = errors.map(str::to_owned);
         let with = |first: &&String| {

@@ -42,6 +42,8 @@ pub struct Clauses {
     pub found_in_short: String,
     /// The names of the effects alone.
     pub found_by_name: String,
+    /// The first of the names and how many more there are, with ever fewer names.
+    pub found_in_part: Vec<String>,
     /// Whether "the smallest detectable sizes are in" a table belongs behind what was found.
     pub limits: bool,
     /// What stays without a name beside an effect.
@@ -67,6 +69,7 @@ pub fn clauses(found: &CampaignFindings) -> Clauses {
         found: answer(found, effect_with_size),
         found_in_short: answer(found, size_of),
         found_by_name: answer(found, called),
+        found_in_part: in_part(found),
         limits: found.verdict == Verdict::None && !found.detection_limits.is_empty(),
         unexplained: (found.verdict == Verdict::EffectFound)
             .then(|| beside(found))
@@ -104,6 +107,21 @@ fn answer(found: &CampaignFindings, of_effect: fn(&EffectFinding) -> String) -> 
             all.join("; ")
         }
     }
+}
+
+/// The first names of the effects and how many more there are.
+fn in_part(found: &CampaignFindings) -> Vec<String> {
+    let weighty = found.effects.iter().filter(|e| !e.negligible);
+    let names: Vec<String> = weighty.map(called).collect();
+    let first = |shown: usize| {
+        let more = match names.len() - shown {
+            1 => "one more effect".to_owned(),
+            n => format!("{} more effects", count(n)),
+        };
+        let said: Vec<&str> = names[..shown].iter().map(String::as_str).collect();
+        listed(&[&said[..], &[&more]].concat())
+    };
+    (1..names.len()).rev().map(first).collect()
 }
 
 /// Of an effect of a joint that it is larger than such parts were measured to be, and what these have up to: something else is probably in it.
