@@ -14,19 +14,19 @@ const NO_BREAK: char = '\u{a0}';
 /// What the lines after the first begin with.
 const INDENT: &str = "  ";
 
-/// The lines of one campaign: what was found and the errors in any case, of the rest as much as there is room for.
+/// The lines of one campaign: what was found, what was set aside and the errors in any case, of the rest as much as there is room for.
 pub(super) fn lines(found: &CampaignFindings) -> Vec<String> {
     let said = clauses(found);
     let errors = said.errors_in_short.clone();
-    let first = first(found, &said, errors.as_deref());
+    let (first, recording) = first(found, &said, errors.as_deref());
     // In the order in which they are said; the errors are chosen before all others.
-    let mut chosen = vec![Some(first), None, errors, None, None, None, None];
+    let mut chosen = vec![Some(first), recording, None, errors, None, None, None, None];
     let others = [
-        (1, &said.recording_errors),
-        (3, &said.unexplained),
-        (4, &said.budget_in_short),
-        (5, &said.worth),
-        (6, &said.readings),
+        (2, &said.contradicted),
+        (4, &said.unexplained),
+        (5, &said.budget_in_short),
+        (6, &said.worth),
+        (7, &said.readings),
     ];
     for (place, clause) in others {
         chosen[place].clone_from(clause);
@@ -48,33 +48,41 @@ fn fits(text: &str) -> bool {
     wrapped(&format!("{text}.")).len() <= LINES
 }
 
-/// The name of the campaign and what was found, at as great a length as leaves room for the errors, and if it can for the mistakes of recording.
-fn first(found: &CampaignFindings, said: &Clauses, errors: Option<&str>) -> String {
+/// The name of the campaign and what was found, and the mistakes of recording: both at as great a length as leaves room for the errors; of the mistakes at
+/// least how many there are.
+fn first(
+    found: &CampaignFindings,
+    said: &Clauses,
+    errors: Option<&str>,
+) -> (String, Option<String>) {
     let limits = if said.limits {
         " (smallest detectable sizes: tables/detection_limits.csv)"
     } else {
         ""
     };
     let name = name::campaign(found);
-    let long = format!("{name}: {}{limits}", said.found);
-    let short = format!("{name}: {}", said.found_in_short);
-    let names = format!("{name}: {}", said.found_by_name);
-    let verdict = format!("{name}: {}", name::verdict(found.verdict));
-    let in_part = said.found_in_part.iter();
-    let in_part = in_part.map(|part| format!("{name}: {part}"));
-    let mut lengths = vec![long, short, names];
-    lengths.extend(in_part);
-    lengths.push(verdict);
+    let mut lengths = vec![
+        format!("{}{limits}", said.found),
+        said.found_in_short.clone(),
+        said.found_by_name.clone(),
+    ];
+    lengths.extend(said.found_in_part.iter().cloned());
+    lengths.push(name::verdict(found.verdict).to_owned());
     let fitting = |recording: &Option<String>| {
+        let mut with = lengths.iter().map(|what| format!("{name}: {what}"));
         let errors = errors.map(str::to_owned);
-        let with = |first: &&String| {
-            let all = [Some((*first).clone()), recording.clone(), errors.clone()];
-            fits(&joined(&all))
+        let fits_in = |first: &String| {
+            fits(&joined(&[
+                Some(first.clone()),
+                recording.clone(),
+                errors.clone(),
+            ]))
         };
-        lengths.iter().find(with)
+        with.find(fits_in).map(|first| (first, recording.clone()))
     };
-    let found = fitting(&said.recording_errors).or_else(|| fitting(&None));
-    found.cloned().unwrap_or(name)
+    let short = &said.recording_errors_in_short;
+    let found = fitting(&said.recording_errors).or_else(|| fitting(short));
+    found.unwrap_or_else(|| (name.clone(), short.clone()))
 }
 
 /// A text in lines, parted at blanks.

@@ -146,6 +146,14 @@ impl<'a> Unseen<'a> {
         variances
     }
 
+    /// The same with the noise that new readings show.
+    fn as_shown(&self) -> Variances {
+        Variances {
+            noise: self.shown.noise.clone(),
+            ..self.with_parameters()
+        }
+    }
+
     /// Measured less expected of a reading, random effects below the root 0.
     fn error(&self, i: usize) -> f64 {
         let design = &self.model.design;
@@ -159,12 +167,14 @@ impl<'a> Unseen<'a> {
     pub fn predict_where(&self, node: usize, keep: impl Fn(usize) -> bool) -> Predicted {
         let places = self.readings(node, keep);
         let errors: Vec<f64> = places.iter().map(|&i| self.error(i)).collect();
-        let variances = Variances {
-            noise: self.shown.noise.clone(),
-            ..self.with_parameters()
-        };
+        let variances = self.as_shown();
         let all: Vec<usize> = (0..places.len()).collect();
-        let design = self.mode(&places, &all, &variances).design;
+        let asked = Asked {
+            places: &places,
+            known: &all,
+            variances: &variances,
+        };
+        let design = self.mode(&asked).1;
         let gram = design.gram();
         let log_density =
             Factor::new(&design.tree, &gram, &variances).log_likelihood(Likelihood::Full);
@@ -259,17 +269,49 @@ impl<'a> Unseen<'a> {
 
     /// Errors on the readings below a node once some of them are known: measured less the mode of all readings given those at `known`.
     pub fn errors_after(&self, node: usize, known: &[usize]) -> Vec<(usize, f64)> {
-        self.errors_given(node, known, &self.with_parameters())
+        let places = self.below(node);
+        let list: Vec<usize> = (0..places.len())
+            .filter(|k| known.contains(&places[*k]))
+            .collect();
+        let asked = Asked {
+            places: &places,
+            known: &list,
+            variances: &self.with_parameters(),
+        };
+        let left = self.mode(&asked).0.left;
+        places.into_iter().zip(left).collect()
     }
 
     /// Errors on the readings below a node with the random effects that calibrate as all of its readings show them, were there neither misfit nor
     /// other coefficients to take their place: in sample in these.
     pub fn errors_calibrated(&self, node: usize) -> Vec<(usize, f64)> {
-        self.errors_given(
-            node,
-            &self.below(node),
-            &self.calibrating(&self.with_parameters()),
-        )
+        let places = self.below(node);
+        let all: Vec<usize> = (0..places.len()).collect();
+        // What is held while models are fitted is no reason to overlook a reading here.
+        let variances = self.as_shown();
+        let asked = Asked {
+            places: &places,
+            known: &all,
+            variances: &variances,
+        };
+        let calibrating = self.calibrating(&variances);
+        let alone = Asked {
+            variances: &calibrating,
+            ..asked
+        };
+        // From nothing, and from where the misfit led: from nothing lengths that are far off may end anywhere.
+        let mut led = self.mode(&asked).0.point;
+        let tree = self.setting.problem.tree();
+        let components = (0..tree.len()).flat_map(|n| tree.components_of(n));
+        for (b, c) in led.random.iter_mut().zip(components) {
+            if calibrating.components[c] == 0.0 {
+                *b = 0.0;
+            }
+        }
+        let ends = [&self.model.point, &led].map(|from| self.descend(from, &alone).0);
+        let best = ends.into_iter().min_by(|a, b| a.value.total_cmp(&b.value));
+        let left = best.map(|best| best.left).unwrap_or_default();
+        places.into_iter().zip(left).collect()
     }
 
     /// The same variances with nothing but what calibrates.
@@ -285,121 +327,118 @@ impl<'a> Unseen<'a> {
         alone
     }
 
-    fn errors_given(
-        &self,
-        node: usize,
-        known: &[usize],
-        variances: &Variances,
-    ) -> Vec<(usize, f64)> {
-        let places = self.below(node);
-        let list: Vec<usize> = (0..places.len())
-            .filter(|k| known.contains(&places[*k]))
-            .collect();
-        let mode = self.mode(&places, &list, variances);
-        places.into_iter().zip(mode.left).collect()
-    }
-
-    /// The mode of what is not known of a group given some of its readings, numbers in `places`; nothing is known of what `variances` has no scatter
-    /// of. It is looked for from nothing and from what the group shows without misfit: far from its mode a length that is off by millimetres is
-    /// not straight, and the misfit takes its place.
-    fn mode(&self, places: &[usize], known: &[usize], variances: &Variances) -> Mode {
+    /// The mode of what is not known of a group, and the linear model about it. It is looked for from nothing and from what the group shows without
+    /// misfit: far from its mode a length that is off by millimetres is not straight, and the misfit takes its place.
+    fn mode(&self, asked: &Asked) -> (Stand, Design) {
         let nothing = &self.model.point;
-        let alone = self.descend(nothing, places, known, &self.calibrating(variances));
-        let first = self.descend(&alone.point, places, known, variances);
-        let second = self.descend(nothing, places, known, variances);
-        if second.value < first.value {
+        let calibrating = self.calibrating(asked.variances);
+        let alone = Asked {
+            variances: &calibrating,
+            ..*asked
+        };
+        let alone = self.descend(nothing, &alone).0;
+        let first = self.descend(&alone.point, asked);
+        let second = self.descend(nothing, asked);
+        if second.0.value < first.0.value {
             second
         } else {
             first
         }
     }
 
-    /// Gauss-Newton steps from the random effects of a point, shortened until the penalised sum of squares falls.
-    fn descend(
+    /// Gauss-Newton steps from the random effects of a point.
+    fn descend(&self, from: &Point, asked: &Asked) -> (Stand, Design) {
+        let (mut design, mut rows) = self.linear(from, asked);
+        let nothing = vec![0.0; self.root.n];
+        let mut here = self.stand(from.clone(), nothing, asked, (&design, &rows));
+        for _ in 0..MOST_STEPS {
+            let to = given(&design, asked);
+            let next = self.step(&here, &to, asked, (&design, &rows));
+            let fall = next.as_ref().map_or(0.0, |next| here.value - next.value);
+            here = next.unwrap_or(here);
+            if fall < SETTLED {
+                break;
+            }
+            (design, rows) = self.linear(&here.point, asked);
+            here = self.stand(here.point, here.parameters, asked, (&design, &rows));
+        }
+        (here, design)
+    }
+
+    /// The linear model of the readings at a point, and their rows of random effects.
+    fn linear(&self, point: &Point, asked: &Asked) -> (Design, Vec<Vec<f64>>) {
+        let (predicted, rows) = self.setting.problem.linearise_some(point, asked.places);
+        let readings = asked.places.iter().zip(&predicted).zip(&rows);
+        let response: Vec<f64> = readings
+            .map(|((&i, predicted), row)| self.response(point, *predicted, row, i))
+            .collect();
+        (self.design(asked.places, &response, |k| &rows[k]), rows)
+    }
+
+    /// A point with what it leaves of the readings; linear components act by their columns in a linear model close by.
+    fn stand(
         &self,
-        from: &Point,
-        places: &[usize],
-        known: &[usize],
-        variances: &Variances,
-    ) -> Mode {
-        let problem = self.setting.problem;
-        let tree = problem.tree();
-        let root = tree.width(0);
-        let mut point = from.clone();
-        let mut parameters = vec![0.0; self.root.n];
-        let mut value = f64::INFINITY;
-        let mut steps = 0;
-        loop {
-            let (predicted, rows) = problem.linearise_some(&point, places);
-            let response: Vec<f64> = (0..places.len())
-                .map(|k| self.response(&point, predicted[k], &rows[k], places[k]))
-                .collect();
-            let design = self.design(places, &response, |k| &rows[k]);
-            let left_at = |point: &Point, parameters: &[f64], predicted: &[f64]| -> Vec<f64> {
-                let left = |k: usize| {
-                    let own = dot(&design.z[k][..self.root.n], parameters);
-                    self.left(point, predicted[k], &rows[k], places[k]) - own
-                };
-                (0..places.len()).map(left).collect()
-            };
-            let penalised = |point: &Point, parameters: &[f64], left: &[f64]| -> f64 {
-                let readings = known.iter().map(|&k| {
-                    let noise = variances.noise[design.class[k]];
-                    (left[k] / noise) * (left[k] / noise)
-                });
-                let own = self.penalty(point, places, variances);
-                readings.sum::<f64>() + own + dot(parameters, parameters)
-            };
-            if steps == 0 {
-                let left = left_at(&point, &parameters, &predicted);
-                value = penalised(&point, &parameters, &left);
-            }
-            let posterior = given(&design, known, variances);
-            let mut length = 1.0;
-            let moved = loop {
-                let mut next = point.clone();
-                for (k, &i) in places.iter().enumerate() {
-                    let from = design.tree.path_numbers(design.node[k]);
-                    let to = tree.path_numbers(self.model.design.node[i]);
-                    for (f, t) in from[self.root.n..].iter().zip(&to[root..]) {
-                        let old = point.random[*t];
-                        next.random[*t] = old + length * (posterior.random[*f] - old);
-                    }
-                }
-                let to = &posterior.random[..self.root.n];
-                let own = parameters.iter().zip(to);
-                let own: Vec<f64> = own.map(|(old, new)| old + length * (new - old)).collect();
-                let left = left_at(&next, &own, &problem.predict_some(&next, places));
-                let at = penalised(&next, &own, &left);
-                if at < value {
-                    break Some((next, own, at));
-                }
-                length *= 0.5;
-                if length < SHORTEST {
-                    break None;
-                }
-            };
-            steps += 1;
-            let fall = moved.as_ref().map_or(0.0, |(_, _, at)| value - at);
-            if let Some(moved) = moved {
-                (point, parameters, value) = moved;
-            }
-            if fall < SETTLED || steps >= MOST_STEPS {
-                let left = left_at(&point, &parameters, &problem.predict_some(&point, places));
-                return Mode {
-                    point,
-                    value,
-                    design,
-                    left,
-                };
-            }
+        point: Point,
+        parameters: Vec<f64>,
+        asked: &Asked,
+        (design, rows): (&Design, &[Vec<f64>]),
+    ) -> Stand {
+        let predicted = self.setting.problem.predict_some(&point, asked.places);
+        let left_of = |k: usize| {
+            let own = dot(&design.z[k][..self.root.n], &parameters);
+            self.left(&point, predicted[k], &rows[k], asked.places[k]) - own
+        };
+        let left: Vec<f64> = (0..asked.places.len()).map(left_of).collect();
+        let readings = asked.known.iter().map(|&k| {
+            let deviate = left[k] / asked.variances.noise[design.class[k]];
+            deviate * deviate
+        });
+        let value =
+            readings.sum::<f64>() + self.penalty(&point, asked) + dot(&parameters, &parameters);
+        Stand {
+            point,
+            parameters,
+            left,
+            value,
         }
     }
 
-    /// Sum of squares of the random effects of some readings' groups below the root, in standard deviations.
-    fn penalty(&self, point: &Point, places: &[usize], variances: &Variances) -> f64 {
+    /// The step to the estimates of the linear model, shortened until the penalised sum of squares falls; none if it does not.
+    fn step(
+        &self,
+        here: &Stand,
+        to: &Estimates,
+        asked: &Asked,
+        (design, rows): (&Design, &[Vec<f64>]),
+    ) -> Option<Stand> {
         let tree = self.setting.problem.tree();
-        let nodes = places.iter().map(|&i| self.model.design.node[i]);
+        let (own, root) = (self.root.n, tree.width(0));
+        let mut length = 1.0;
+        while length >= SHORTEST {
+            let between = |old: f64, new: f64| old + length * (new - old);
+            let mut point = here.point.clone();
+            for (k, &i) in asked.places.iter().enumerate() {
+                let from = design.tree.path_numbers(design.node[k]);
+                let numbers = tree.path_numbers(self.model.design.node[i]);
+                for (f, t) in from[own..].iter().zip(&numbers[root..]) {
+                    point.random[*t] = between(here.point.random[*t], to.random[*f]);
+                }
+            }
+            let parameters = here.parameters.iter().zip(&to.random);
+            let parameters = parameters.map(|(old, new)| between(*old, *new)).collect();
+            let next = self.stand(point, parameters, asked, (design, rows));
+            if next.value < here.value {
+                return Some(next);
+            }
+            length *= 0.5;
+        }
+        None
+    }
+
+    /// Sum of squares of the random effects of some readings' groups below the root, in standard deviations.
+    fn penalty(&self, point: &Point, asked: &Asked) -> f64 {
+        let tree = self.setting.problem.tree();
+        let nodes = asked.places.iter().map(|&i| self.model.design.node[i]);
         let nodes: BTreeSet<usize> = nodes
             .flat_map(|n| tree.path(n))
             .filter(|n| *n > 0)
@@ -409,7 +448,7 @@ impl<'a> Unseen<'a> {
             let components = tree.components_of(node).enumerate();
             components.map(move |(k, c)| {
                 let b = point.random[first + k];
-                let u = b / variances.components[c].max(f64::MIN_POSITIVE);
+                let u = b / asked.variances.components[c].max(f64::MIN_POSITIVE);
                 if b == 0.0 { 0.0 } else { u * u }
             })
         };
@@ -449,30 +488,41 @@ impl<'a> Unseen<'a> {
     }
 }
 
-/// The linear model of a group where its random effects have their mode.
-struct Mode {
-    point: Point,
-    /// The penalised sum of squares there.
-    value: f64,
-    design: Design,
-    /// Measured less the mode.
-    left: Vec<f64>,
+/// Readings of a group, which of them are known (numbers in `places`), and how everything scatters that is not: nothing is known of what has no
+/// scatter.
+#[derive(Clone, Copy)]
+struct Asked<'q> {
+    places: &'q [usize],
+    known: &'q [usize],
+    variances: &'q Variances,
 }
 
-/// The posterior of a group's random effects given some of its readings.
-fn given(design: &Design, known: &[usize], variances: &Variances) -> Estimates {
+/// A place on the way to the mode of a group's random effects.
+struct Stand {
+    point: Point,
+    /// Root and fixed effects, in units of independent standard normal numbers.
+    parameters: Vec<f64>,
+    /// Measured less what is expected there.
+    left: Vec<f64>,
+    /// The penalised sum of squares of the readings that are known.
+    value: f64,
+}
+
+/// The posterior of a group's random effects given what is known of its readings.
+fn given(design: &Design, asked: &Asked) -> Estimates {
     // What is not known takes no part, but keeps its place in the tree.
+    let known = asked.known.iter();
     let part = Design {
         tree: design.tree.clone(),
-        node: known.iter().map(|&k| design.node[k]).collect(),
-        class: known.iter().map(|&k| design.class[k]).collect(),
+        node: known.clone().map(|&k| design.node[k]).collect(),
+        class: known.clone().map(|&k| design.class[k]).collect(),
         classes: design.classes,
-        z: known.iter().map(|&k| design.z[k].clone()).collect(),
+        z: known.clone().map(|&k| design.z[k].clone()).collect(),
         x: Vec::new(),
-        y: known.iter().map(|&k| design.y[k]).collect(),
+        y: known.map(|&k| design.y[k]).collect(),
     };
     let gram = part.gram();
-    Factor::new(&part.tree, &gram, variances).estimates()
+    Factor::new(&part.tree, &gram, asked.variances).estimates()
 }
 
 /// A lower triangular L with L L' = A for a matrix that is not negative.

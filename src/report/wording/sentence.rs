@@ -36,6 +36,10 @@ const READINGS_GIVEN: &str = "3";
 pub struct Clauses {
     /// Recording errors; none where there are none.
     pub recording_errors: Option<String>,
+    /// Uncertainties that were declared and are contradicted: what was found may be no more than what they leave out.
+    pub contradicted: Option<String>,
+    /// How many recording errors there are.
+    pub recording_errors_in_short: Option<String>,
     /// What was found.
     pub found: String,
     /// The same without what each effect is indistinguishable from.
@@ -66,6 +70,12 @@ pub struct Clauses {
 pub fn clauses(found: &CampaignFindings) -> Clauses {
     Clauses {
         recording_errors: recording_errors(&found.recording_errors),
+        contradicted: contradicted(found),
+        recording_errors_in_short: match found.recording_errors.len() {
+            0 => None,
+            1 => Some("one recording error, see residual.pdf".to_owned()),
+            n => Some(format!("{} recording errors, see residual.pdf", count(n))),
+        },
         found: answer(found, effect_with_size),
         found_in_short: answer(found, size_of),
         found_by_name: answer(found, called),
@@ -107,6 +117,22 @@ fn answer(found: &CampaignFindings, of_effect: fn(&EffectFinding) -> String) -> 
             all.join("; ")
         }
     }
+}
+
+/// `the set lengths scatter by more than the 0.10 mm that were declared`.
+fn contradicted(found: &CampaignFindings) -> Option<String> {
+    let of_sessions = found.scatter.iter().filter(|s| s.declared_contradicted);
+    let list: Vec<String> = of_sessions
+        .filter(|s| matches!(s.level, Level::Session | Level::Test))
+        .filter_map(|s| {
+            let declared = plain(s.declared?, &s.unit);
+            Some(format!(
+                "the {} scatters by more than the {declared} that were declared, and effects may be no more than that",
+                name::scatter(&s.id, s.level)
+            ))
+        })
+        .collect();
+    (!list.is_empty()).then(|| list.join("; "))
 }
 
 /// The first names of the effects and how many more there are.
@@ -692,9 +718,15 @@ fn said(c: Clauses) -> Answer {
         .flatten()
         .collect();
     let second = (!second.is_empty()).then(|| second.join("; "));
-    let rest = [apart, c.unexplained, second, c.recording_errors]
-        .into_iter()
-        .flatten();
+    let rest = [
+        c.contradicted,
+        apart,
+        c.unexplained,
+        second,
+        c.recording_errors,
+    ]
+    .into_iter()
+    .flatten();
     Answer {
         opening: capitalised(&opening.join(": ")),
         limits: c.limits,

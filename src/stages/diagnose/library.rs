@@ -40,8 +40,10 @@ pub enum Column {
 /// S: the scale of the force in [`Column::Force`], N.
 const FORCE_SCALE_N: f64 = 500.0;
 
-/// A correction is no larger than what it corrects. With half of it curves that were there ended at the bound, and the answer was none.
+/// A dependence on a logged column is no larger than what it corrects. With half of it those that were there ended at the bound, and the answer was none.
 const LARGEST_GAIN: f64 = 1.0;
+/// A channel of force or pressure that is less straight than this is broken, and such a curve would be another law.
+const LARGEST_CURVE: f64 = 0.5;
 /// The same of an offset, N.
 const LARGEST_OFFSET_N: f64 = 200.0;
 
@@ -191,7 +193,8 @@ impl Term {
     pub fn for_engine(&self, columns: usize) -> problem::Term {
         let amplitude = match self.what {
             What::Effect { .. } => self.form().map_or((0.0, 0.0), |f| f.amplitude.bounds),
-            What::Column(column) if column.is_gain() => (-LARGEST_GAIN, LARGEST_GAIN),
+            What::Column(Column::Force | Column::Pressure) => (-LARGEST_CURVE, LARGEST_CURVE),
+            What::Column(Column::Gain(_)) => (-LARGEST_GAIN, LARGEST_GAIN),
             What::Column(_) => (-LARGEST_OFFSET_N, LARGEST_OFFSET_N),
         };
         let mut bounds = vec![amplitude; self.amplitudes];

@@ -4,8 +4,8 @@
 //! puts furthest off, and their specimens, are left out in turn, and their readings are held against the model of the others. How far off a
 //! group is, is one number: the root mean square of its misses in units of noise and misfit, at the set lengths that suit it best, of which
 //! each counts in units of its usual size. A session that is merely set 1 mm off is then about 1 off, one set 10 mm off about 10, and one with
-//! swapped columns more. Rigs scatter more or less than usual, so the yardstick is the median of
-//! the other sessions of the same campaign, by a model without the group.
+//! swapped columns more. Rigs scatter more or less than usual, so the yardstick is the standard deviation of
+//! the other sessions of the same campaign (by their median), by a model without the group.
 //!
 //! The worst group goes first, for it spoils the fits that judge the others. What it is, its own readings say: each usual mistake is taken
 //! back, and of those that leave no more than is usual the likeliest explains it.
@@ -43,6 +43,9 @@ const EXPLAINS: f64 = 2.0;
 const EXPLAINS_SHARE: f64 = 0.1;
 /// Units that are taken for one another (lbf, kgf, psi, bar, and powers of ten), as factors; their inverses too.
 const UNITS: [f64; 6] = [4.448, 9.807, 6.895, 10.0, 100.0, 1000.0];
+
+/// Median of the size of a standard normal number.
+const MEDIAN_SIZE: f64 = 0.674_489_750_196_082;
 
 /// The law by which sessions are judged: what acts on all readings, named or a dependence on a column, with the values from which a fit starts.
 pub struct Law<'a> {
@@ -205,7 +208,8 @@ impl Left {
 
 /// How far off the other sessions are.
 struct Usual {
-    /// Their median. A root mean square of several numbers has its median near their standard deviation, and lighter tails than each.
+    /// Their standard deviation, by their median: where one set length makes nearly all of it, the number is the size of a normal one. Of a root mean
+    /// square of several it is an upper bound.
     scale: f64,
     /// Number of sessions.
     sessions: f64,
@@ -253,7 +257,7 @@ impl Ranked {
     fn usual(&self) -> Option<Usual> {
         let off: Vec<f64> = self.sessions.iter().map(|(_, off)| *off).collect();
         (off.len() > 1).then(|| Usual {
-            scale: median(&off),
+            scale: median(&off) / MEDIAN_SIZE,
             sessions: off.len() as f64,
         })
     }
