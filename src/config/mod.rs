@@ -244,7 +244,7 @@ pub struct DiagnoseOptions {
     /// Whether its coefficients are fitted anew with every effect (of a published model: a factor on its force; those of "new_published" are
     /// held in any case).
     pub refit: bool,
-    /// Most effects in one answer, at most 5.
+    /// Most effects in one answer, at most 6.
     pub most_effects: usize,
     /// The search looks at so many readings of a campaign, an equal share of each session.
     pub most_readings: usize,

@@ -3,7 +3,8 @@
 use crate::models::{Direction, ForceModel, Prediction, State, festo_tool::FestoTool, new};
 use crate::numerics::jackknife;
 use crate::report::figures::formatting::symbol;
-use crate::stages::fit::engine::EquationFit;
+use crate::report::wording::name::coefficient_state;
+use crate::stages::fit::engine::{CoefficientState, EquationFit};
 
 /// The published coefficients of these names, for a diameter that has them all.
 pub fn published<const N: usize>(diameter_mm: u32, symbols: [&str; N]) -> Option<[f64; N]> {
@@ -45,13 +46,9 @@ pub fn festo(diameter_mm: u32, contraction: f64, pressure_kpa: f64) -> f64 {
 ///
 /// A coefficient at a bound or held is no result: with `b_2` at its upper bound the law of length is a step.
 pub fn misleading(fit: &EquationFit) -> Option<String> {
-    let wrong = |state: &str| {
-        ["at its ", "not identified", "held"]
-            .iter()
-            .any(|w| state.starts_with(w))
-    };
-    let of = fit.coefficients.iter().find(|c| wrong(&c.state))?;
-    Some(format!("{} is {}", symbol(&of.symbol), of.state))
+    let of = fit.coefficients.iter().find(|c| c.state.is_no_result())?;
+    let state = coefficient_state(&of.state);
+    Some(format!("{} is {state}", symbol(&of.symbol)))
 }
 
 /// Whether all coefficients have an interval from the refits: none is open and no refit held one.
@@ -61,7 +58,7 @@ pub fn has_band(fit: &EquationFit) -> bool {
         && fit
             .coefficients
             .iter()
-            .all(|c| c.state == "ok" || c.state == "unmoved")
+            .all(|c| matches!(c.state, CoefficientState::Ok | CoefficientState::Unmoved))
 }
 
 /// A band: `x`, lower and upper value.

@@ -9,6 +9,7 @@ use crate::report::plot::units::pt;
 use crate::report::wording::tests::example;
 use crate::stages::compare::compare;
 use crate::stages::diagnose::Diagnosis;
+use crate::stages::fit::engine::CoefficientState;
 use crate::stages::fit::{Group, fit_group};
 use std::collections::BTreeMap;
 
@@ -204,7 +205,7 @@ fn a_law_at_a_bound_is_named_and_not_drawn() {
         .equations
         .iter_mut()
         .find(|e| e.id == "F_620(l_rest)");
-    law.unwrap().coefficients[1].state = "at its upper bound".to_owned();
+    law.unwrap().coefficients[1].state = CoefficientState::AtUpperBound;
     let (caption, is_drawn) = drawn(&group);
     assert!(!is_drawn);
     assert!(

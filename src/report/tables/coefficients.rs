@@ -4,8 +4,9 @@ use crate::report::figures::slug;
 use crate::report::input::{GroupInput, ReportInput};
 use crate::report::symbols;
 use crate::report::table::{Audience, Cell, Column, Rounding, Table};
+use crate::report::wording::name::coefficient_state;
 use crate::stages::compare::NEW;
-use crate::stages::fit::engine::{CoefficientFit, EquationFit};
+use crate::stages::fit::engine::{CoefficientFit, CoefficientState, EquationFit};
 
 /// All groups.
 pub fn table(input: &ReportInput) -> Table {
@@ -82,10 +83,10 @@ fn row(group: &GroupInput, equation: &EquationFit, c: &CoefficientFit) -> Vec<Ce
         Cell::number(c.published, Rounding::Digits(4)),
         inside,
         Cell::text(&group.fit.group.campaign),
-        if c.state == "ok" {
+        if c.state == CoefficientState::Ok {
             Cell::Empty
         } else {
-            Cell::text(&c.state)
+            Cell::text(&coefficient_state(&c.state))
         },
         Cell::Integer(equation.n as i64),
         finite(equation.rmse, Rounding::Digits(4)),

@@ -7,7 +7,8 @@ use crate::report::figures::slug;
 use crate::report::input::GroupInput;
 use crate::report::symbols;
 use crate::report::table::{Audience, Cell, Column, Rounding, Table};
-use crate::stages::fit::engine::{Compatible, EquationFit, Goodness};
+use crate::report::wording::name::coefficient_state;
+use crate::stages::fit::engine::{CoefficientState, Compatible, EquationFit, Goodness};
 
 /// Adjusted R2, RMSE and largest error of one half of the table.
 #[derive(Clone, Copy, Debug, Default)]
@@ -189,11 +190,13 @@ fn set(
         ];
         row.extend(side(Some(model), block.percent).map(once));
         row.extend(side(compared, block.percent).map(once));
-        row.push(if name == "honest" && coefficient.state != "ok" {
-            Cell::text(&coefficient.state)
-        } else {
-            Cell::Empty
-        });
+        row.push(
+            if name == "honest" && coefficient.state != CoefficientState::Ok {
+                Cell::text(&coefficient_state(&coefficient.state))
+            } else {
+                Cell::Empty
+            },
+        );
         table.push(row);
     }
 }

@@ -5,6 +5,7 @@ use crate::findings::{
     ActsOn, CampaignFindings, EffectFinding, ErrorKind, HeldOutBy, Level, NotAssessed,
     NotMeasurable, Verdict, WhyNot,
 };
+use crate::stages::fit::engine::CoefficientState;
 
 /// Effects that the registry of the force chain does not have or calls otherwise.
 const CALLED: [(&str, &str); 10] = [
@@ -372,6 +373,19 @@ pub fn listed<S: AsRef<str>>(words: &[S]) -> String {
         [] => String::new(),
         [only] => (*only).to_owned(),
         [others @ .., last] => format!("{} and {last}", others.join(", ")),
+    }
+}
+
+/// What became of a coefficient, for a remark beside its value.
+pub fn coefficient_state(state: &CoefficientState) -> String {
+    match state {
+        CoefficientState::Ok => "ok".to_owned(),
+        CoefficientState::Unmoved => "unmoved".to_owned(),
+        CoefficientState::AtLowerBound => "at its lower bound".to_owned(),
+        CoefficientState::AtUpperBound => "at its upper bound".to_owned(),
+        CoefficientState::NotIdentified => "not identified".to_owned(),
+        CoefficientState::Held => "held: not determined by these specimens".to_owned(),
+        CoefficientState::OpenWithout(id) => format!("interval open: not determined without {id}"),
     }
 }
 

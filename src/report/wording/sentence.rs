@@ -126,8 +126,13 @@ fn contradicted(found: &CampaignFindings) -> Option<String> {
         .filter(|s| matches!(s.level, Level::Session | Level::Test))
         .filter_map(|s| {
             let declared = plain(s.declared?, &s.unit);
+            let more = if has_effects(found) {
+                ", and effects may be no more than that"
+            } else {
+                ""
+            };
             Some(format!(
-                "the {} scatters by more than the {declared} that were declared, and effects may be no more than that",
+                "the {} scatters by more than the {declared} that were declared{more}",
                 name::scatter(&s.id, s.level)
             ))
         })
@@ -561,10 +566,10 @@ pub fn worth_words(next: &NextMeasurement) -> Option<String> {
     };
     let verb = if several { "are worth" } else { "is worth" };
     Some(match next.kind {
-        NextKind::Separate => format!(
-            "{verb} {} in log-likelihood",
-            rounded(worth, Rounding::Decimals(1))
-        ),
+        NextKind::Separate => match rounded(worth, Rounding::Decimals(1)).as_str() {
+            "0.0" => "hardly tell them apart, and no other set point does better".to_owned(),
+            worth => format!("{verb} {worth} in log-likelihood"),
+        },
         _ => format!("{verb} {}", error_with_unit(worth, &next.unit)),
     })
 }

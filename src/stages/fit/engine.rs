@@ -59,6 +59,38 @@ pub struct Equation<'a, const N: usize> {
     pub model: Model<'a, N>,
 }
 
+/// What became of a coefficient.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CoefficientState {
+    /// Determined by the rows.
+    Ok,
+    /// Determined, and exactly where it started.
+    Unmoved,
+    /// It ended at its lower bound.
+    AtLowerBound,
+    /// It ended at its upper bound.
+    AtUpperBound,
+    /// The rows do not tell it from others.
+    NotIdentified,
+    /// Held: these specimens do not determine it.
+    Held,
+    /// Determined, but not without this specimen: its interval is open.
+    OpenWithout(String),
+}
+
+impl CoefficientState {
+    /// Whether it ended at a bound.
+    pub fn is_at_bound(&self) -> bool {
+        matches!(self, Self::AtLowerBound | Self::AtUpperBound)
+    }
+
+    /// Whether it is no result: at a bound, not identified, held.
+    pub fn is_no_result(&self) -> bool {
+        self.is_at_bound() || matches!(self, Self::NotIdentified | Self::Held)
+    }
+}
+
 /// One fitted coefficient.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CoefficientFit {
@@ -74,8 +106,8 @@ pub struct CoefficientFit {
     pub ci_high: Option<f64>,
     /// The intervals by every method that applies.
     pub intervals: Vec<Interval>,
-    /// "ok", or what is wrong with it: at a bound, not identified, held.
-    pub state: String,
+    /// What became of it.
+    pub state: CoefficientState,
     /// Published value.
     pub published: Option<f64>,
     /// Published 95% interval.
@@ -450,28 +482,24 @@ impl<const N: usize> Equation<'_, N> {
     }
 }
 
-/// "ok", or what a reader of the coefficient must know.
-fn remark<const N: usize>(k: usize, full: &Solution<N>, refits: &Refits<N>) -> String {
-    let of = |state: ParameterState| match state {
-        ParameterState::Ok => "ok",
-        ParameterState::AtLowerBound => "at its lower bound",
-        ParameterState::AtUpperBound => "at its upper bound",
-        ParameterState::NotIdentified => "not identified",
-        ParameterState::Unmoved => "unmoved",
-    };
+/// What became of a coefficient in the fit and in its refits.
+fn remark<const N: usize>(k: usize, full: &Solution<N>, refits: &Refits<N>) -> CoefficientState {
     match full.state(k) {
-        None => "held: not determined by these specimens".to_owned(),
+        None => CoefficientState::Held,
+        Some(ParameterState::AtLowerBound) => CoefficientState::AtLowerBound,
+        Some(ParameterState::AtUpperBound) => CoefficientState::AtUpperBound,
+        Some(ParameterState::NotIdentified) => CoefficientState::NotIdentified,
+        Some(ParameterState::Unmoved) => CoefficientState::Unmoved,
         Some(ParameterState::Ok) => {
             let lost = refits
                 .iter()
                 .find(|(_, r)| r.as_ref().is_some_and(|r| !r.determined[k]));
             match lost {
                 Some((id, _)) if refits.len() >= 3 => {
-                    format!("interval open: not determined without {id}")
+                    CoefficientState::OpenWithout((*id).to_owned())
                 }
-                _ => "ok".to_owned(),
+                _ => CoefficientState::Ok,
             }
         }
-        Some(state) => of(state).to_owned(),
     }
 }

@@ -78,11 +78,7 @@ pub fn fit_all(
     // A law that ran to a bound is none: it would scale every force by a constant.
     let f620 = by_length
         .as_ref()
-        .filter(|fit| {
-            !fit.coefficients
-                .iter()
-                .any(|c| c.state.starts_with("at its"))
-        })
+        .filter(|fit| !fit.coefficients.iter().any(|c| c.state.is_at_bound()))
         .map(|fit| fit.values());
     let cap = cap_length_m(diameter_mm, options);
     let printed = force_at_rest_offset_m(diameter_mm, options);

@@ -247,7 +247,10 @@ fn panel(shown: &Shown, row: &OneResidual, column: &Tried, first: bool) -> Panel
     let values = column.shown();
     let ends = range(values.iter().copied());
     let both = shown.residuals;
-    let (low, high) = range(both.before.iter().chain(&both.after).copied());
+    let all = both.before.iter().chain(&both.after);
+    // What is left with own values may be on the other side of the rest, where an effect took the wrong share.
+    let all = all.chain(&both.conditional).copied();
+    let (low, high) = range(all.chain([0.0]));
     let margin = 0.04 * (high - low);
     let y = Axis::new(&format!("{} ({})", row.name, shown.unit()));
     let y = y.fixed(low - margin, high + 3.0 * margin);
