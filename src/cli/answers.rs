@@ -68,7 +68,7 @@ fn first(
     ];
     lengths.extend(said.found_in_part.iter().cloned());
     lengths.push(name::verdict(found.verdict).to_owned());
-    let fitting = |recording: &Option<String>| {
+    let fitting = |lengths: &[String], recording: &Option<String>| {
         let mut with = lengths.iter().map(|what| format!("{name}: {what}"));
         let errors = errors.map(str::to_owned);
         let fits_in = |first: &String| {
@@ -80,8 +80,10 @@ fn first(
         };
         with.find(fits_in).map(|first| (first, recording.clone()))
     };
+    // Rather the names of effects and how many mistakes than a verdict and what the mistakes are.
     let short = &said.recording_errors_in_short;
-    let found = fitting(&said.recording_errors).or_else(|| fitting(short));
+    let named = &lengths[..lengths.len() - 1];
+    let found = fitting(named, &said.recording_errors).or_else(|| fitting(&lengths, short));
     found.unwrap_or_else(|| (name.clone(), short.clone()))
 }
 

@@ -36,16 +36,15 @@ const READINGS: usize = 16;
 const SHORTLIST: usize = 4;
 /// Most groups, and the share of the sessions and of the specimens that can be mistaken: the others are who says what is right.
 const MOST: (usize, f64, f64) = (3, 1.0 / 3.0, 1.0 / 2.0);
-/// A mistake explains a group if what is left is within so many standard deviations of the others; or, where these scatter less than rigs
-/// usually do, if it is this share of what it was and no more than is usual.
+/// A mistake explains a group if what is left is within so many standard deviations of the others.
 const EXPLAINS: f64 = 2.0;
-/// See [`EXPLAINS`].
-const EXPLAINS_SHARE: f64 = 0.1;
 /// Units that are taken for one another (lbf, kgf, psi, bar, and powers of ten), as factors; their inverses too.
 const UNITS: [f64; 6] = [4.448, 9.807, 6.895, 10.0, 100.0, 1000.0];
 
 /// Median of the size of a standard normal number.
 const MEDIAN_SIZE: f64 = 0.674_489_750_196_082;
+/// Least standard deviation, in usual ones: where the others happen to agree better, a specimen that is a few percent stronger than they is no mistake.
+const LEAST_SCALE: f64 = 0.5;
 
 /// The law by which sessions are judged: what acts on all readings, named or a dependence on a column, with the values from which a fit starts.
 pub struct Law<'a> {
@@ -257,7 +256,7 @@ impl Ranked {
     fn usual(&self) -> Option<Usual> {
         let off: Vec<f64> = self.sessions.iter().map(|(_, off)| *off).collect();
         (off.len() > 1).then(|| Usual {
-            scale: median(&off) / MEDIAN_SIZE,
+            scale: (median(&off) / MEDIAN_SIZE).max(LEAST_SCALE),
             sessions: off.len() as f64,
         })
     }
@@ -528,7 +527,7 @@ impl<'a> Seen<'a> {
     /// The likeliest of the mistakes that leave no more than is usual.
     fn explanation(&self, usual: &Usual) -> Option<Taken> {
         let all = self.mistakes().into_iter();
-        let most = (EXPLAINS * usual.scale).max((EXPLAINS_SHARE * self.off).min(1.0));
+        let most = EXPLAINS * usual.scale;
         all.filter(|t| t.off <= most)
             .max_by(|a, b| a.likelihood.total_cmp(&b.likelihood))
     }
