@@ -86,7 +86,7 @@ fn row(group: &GroupInput, equation: &EquationFit, c: &CoefficientFit) -> Vec<Ce
         if c.state == CoefficientState::Ok {
             Cell::Empty
         } else {
-            Cell::text(&coefficient_state(&c.state))
+            Cell::text(coefficient_state(&c.state))
         },
         Cell::Integer(equation.n as i64),
         finite(equation.rmse, Rounding::Digits(4)),

@@ -192,7 +192,7 @@ fn set(
         row.extend(side(compared, block.percent).map(once));
         row.push(
             if name == "honest" && coefficient.state != CoefficientState::Ok {
-                Cell::text(&coefficient_state(&coefficient.state))
+                Cell::text(coefficient_state(&coefficient.state))
             } else {
                 Cell::Empty
             },
