@@ -1,10 +1,11 @@
 //! The profile of the marginal likelihood along one value of a term, and the interval that it gives.
 //!
-//! Along the profile the forward model is exact in the value itself; coefficients, other amplitudes and variances are estimated again in the
-//! linear model of the fit. The cut is that of chi-squared with one degree, stretched by the mean of the likelihood ratio in draws from the
-//! fitted model (Bartlett's correction by simulation; Rocke, JASA 84 (1989) 597): with a handful of groups it is wider.
+//! With the value held, the whole model is fitted again: coefficients, other amplitudes, shapes and variances. On either side each fit starts from
+//! the one before it. The cut is that of chi-squared with one degree, stretched by the mean of the likelihood ratio in draws from the
+//! fitted model (Bartlett's correction by simulation; Rocke, JASA 84 (1989) 597): with a handful of groups it is wider. In the draws the model is
+//! linear.
 
-use crate::fit::{Fitted, Setting};
+use crate::fit::{Fitted, Free, Setting};
 use crate::gram::Gram;
 use crate::screen::{Normal, draw};
 use crate::system::Likelihood;
@@ -26,7 +27,7 @@ pub struct Profile {
 
 /// Upper 5% point of chi-squared with one degree.
 const CHI_SQUARED: f64 = 3.841_458_820_694_124;
-/// How hard the variances are looked for along the profile.
+/// How hard the variances are looked for in draws.
 const EFFORT: Effort = Effort {
     evaluations: 10,
     tolerance: 1e-3,
@@ -35,6 +36,11 @@ const EFFORT: Effort = Effort {
 const DRAWS: usize = 40;
 /// Steps to either side, in standard errors.
 const STEPS: [f64; 7] = [0.5, 1.0, 1.5, 2.0, 2.6, 3.4, 4.5];
+
+/// How often an end is looked for beyond the last step.
+const BEYOND: usize = 2;
+/// An end beyond the last step holds where the likelihood has fallen by this share of the cut.
+const NEARLY: f64 = 0.9;
 
 /// The profile of a value of a term in a fitted model; none where the value was not free.
 pub fn profile(
@@ -49,44 +55,55 @@ pub fn profile(
     if !(error > 0.0 && error.is_finite()) {
         return None;
     }
-    let along = Along::new(setting, model, term, value, place);
+    let along = Along::new(setting, model, term, value, place)?;
     let estimate = model.values(term)?[value];
     let (low, high) = setting.problem.terms()[term].bounds[value];
-    let best = along.best;
-    let side = |sign: f64| -> Vec<(f64, f64)> {
-        let points = STEPS
+    let cut = -0.5 * CHI_SQUARED * along.stretch(normal);
+    let side = |sign: f64| -> (Vec<(f64, f64)>, Option<f64>) {
+        let steps = STEPS
             .iter()
             .map(|s| (estimate + sign * s * error).clamp(low, high));
-        let mut points: Vec<f64> = points.collect();
-        points.dedup();
-        points
-            .into_par_iter()
-            .filter(|a| *a != estimate)
-            .map(|a| (a, along.at(a) - best))
-            .collect()
+        let mut steps: Vec<f64> = steps.collect();
+        steps.dedup();
+        steps.retain(|a| *a != estimate);
+        let mut points = Vec::new();
+        let mut last = model.clone();
+        for a in steps {
+            last = along.at(a, &last);
+            points.push((a, last.log_likelihood - model.log_likelihood));
+            if points.len() > 1 && points[points.len() - 1].1 < 2.0 * cut {
+                break;
+            }
+        }
+        // With a handful of groups an end may lie beyond the last step; where the likelihood stays up, there is none.
+        let within = |a: &f64| (low..=high).contains(a);
+        let mut end = crossing(estimate, &points, cut).filter(within);
+        for tries in 0.. {
+            let (Some(sought), Some((furthest, _))) = (end, points.last()) else {
+                break;
+            };
+            if (sought - estimate).abs() <= (furthest - estimate).abs() {
+                break;
+            }
+            last = along.at(sought, &last);
+            let there = last.log_likelihood - model.log_likelihood;
+            points.push((sought, there));
+            if there < NEARLY * cut {
+                break;
+            }
+            let again = crossing(estimate, &points, cut).filter(within);
+            end = again.filter(|_| tries < BEYOND);
+        }
+        (points, end)
     };
-    let (below, above) = (side(-1.0), side(1.0));
-    let cut = -0.5 * CHI_SQUARED * along.stretch(normal);
-    let ends = [&below, &above].map(|points| {
-        let end = crossing(estimate, points, cut);
-        end.filter(|a| (low..=high).contains(a))
-    });
+    let ((below, lower), (above, upper)) = rayon::join(|| side(-1.0), || side(1.0));
     let mut points: Vec<(f64, f64)> = below.iter().rev().copied().collect();
     points.push((estimate, 0.0));
     points.extend(above);
-    // With a handful of groups an end may lie beyond the last step.
-    for end in ends.into_iter().flatten() {
-        let (first, last) = (points[0].0, points[points.len() - 1].0);
-        if end < first {
-            points.insert(0, (end, along.at(end) - best));
-        } else if end > last {
-            points.push((end, along.at(end) - best));
-        }
-    }
     Some(Profile {
         value: estimate,
-        low: ends[0],
-        high: ends[1],
+        low: lower,
+        high: upper,
         points,
     })
 }
@@ -111,6 +128,8 @@ fn crossing(estimate: f64, points: &[(f64, f64)], cut: f64) -> Option<f64> {
 }
 
 struct Along<'a> {
+    /// The setting with the value held.
+    held: Setting<'a>,
     setting: &'a Setting<'a>,
     model: &'a Fitted,
     term: usize,
@@ -118,7 +137,6 @@ struct Along<'a> {
     place: usize,
     /// The sums without the column of the value.
     pinned: Gram,
-    best: f64,
 }
 
 impl<'a> Along<'a> {
@@ -128,71 +146,45 @@ impl<'a> Along<'a> {
         term: usize,
         value: usize,
         place: usize,
-    ) -> Self {
+    ) -> Option<Self> {
         let mut design = model.design.clone();
         design.x.remove(place);
-        let mut along = Self {
+        let number = model.point.terms.iter().position(|(t, _)| *t == term)?;
+        let mut held = setting.clone();
+        held.pinned.push(Free::Value(number, value));
+        Some(Self {
+            held,
             setting,
             model,
             term,
             value,
             place,
             pinned: setting.sums(&design),
-            best: 0.0,
-        };
-        along.best = along.ascend(&model.gram);
-        along
+        })
     }
 
-    /// The likelihood with the variances estimated again: from those of the model, and from wider ones, because a component that has faded to
-    /// nothing does not grow by itself where the value moves away from its estimate.
-    fn ascend(&self, gram: &Gram) -> f64 {
-        let own = &self.model.variances;
-        let near = self.ascend_near(gram);
-        let wide = self.setting.widened(own);
-        if wide == *own {
-            return near;
+    /// The model with the value held, from one beside it: from its variances, and from wider ones, because a component that has faded to nothing
+    /// does not grow by itself where the value moves away from its estimate.
+    fn at(&self, value: f64, beside: &Fitted) -> Fitted {
+        let mut point = beside.point.clone();
+        for (t, values) in &mut point.terms {
+            if *t == self.term {
+                values[self.value] = value;
+            }
         }
-        let scales = self.setting.scales();
-        let maximiser = self.setting.maximiser(&scales, Likelihood::Full);
-        near.max(maximiser.maximise(gram, &wide, EFFORT).log_likelihood)
+        let own = &beside.variances;
+        let starts = [own.clone(), self.setting.widened(own)];
+        self.held.fit(&point, &starts)
     }
 
-    /// The same from the variances of the model alone: in draws these are the true ones.
-    fn ascend_near(&self, gram: &Gram) -> f64 {
+    /// The likelihood of a response in the linear model, the variances estimated again: in draws their starts are the true ones.
+    fn ascend(&self, gram: &Gram) -> f64 {
         let scales = self.setting.scales();
         let maximiser = self.setting.maximiser(&scales, Likelihood::Full);
         let (own, inverse) = (&self.model.variances, &self.model.inverse);
         maximiser
             .maximise_with(gram, own, EFFORT, Some(inverse))
             .log_likelihood
-    }
-
-    /// The likelihood with the value held.
-    fn at(&self, value: f64) -> f64 {
-        let mut point = self.model.point.clone();
-        for (t, values) in &mut point.terms {
-            if *t == self.term {
-                values[self.value] = value;
-            }
-        }
-        let there = self.setting.problem.predict(&point);
-        let here = self.setting.problem.predict(&self.model.point);
-        let y: Vec<f64> = self
-            .model
-            .design
-            .y
-            .iter()
-            .zip(there.iter().zip(&here))
-            .map(|(y, (a, b))| y - (a - b))
-            .collect();
-        self.ascend(&self.respond(&y))
-    }
-
-    fn respond(&self, y: &[f64]) -> Gram {
-        let mut design = self.model.design.clone();
-        design.x.remove(self.place);
-        design.with_response_of(&self.pinned, &[], y)
     }
 
     /// Mean of the likelihood ratio of the true value in draws from the model; at least 1.
@@ -202,12 +194,11 @@ impl<'a> Along<'a> {
             .into_par_iter()
             .map(|k| {
                 let y = draw(self.model, &variances, &mut *normal(k));
-                let free = self
-                    .model
-                    .design
-                    .with_response_of(&self.model.gram, &[], &y);
-                let best = self.ascend_near(&free);
-                let pinned = self.ascend_near(&self.respond(&y));
+                let design = &self.model.design;
+                let best = self.ascend(&design.with_response_of(&self.model.gram, &[], &y));
+                let mut rest = design.clone();
+                rest.x.remove(self.place);
+                let pinned = self.ascend(&rest.with_response_of(&self.pinned, &[], &y));
                 (2.0 * (best - pinned)).max(0.0)
             })
             .collect();
