@@ -295,9 +295,9 @@ pub struct Scatter {
     pub ci_high: Option<f64>,
     /// Unit.
     pub unit: String,
-    /// Standard deviation declared or fixed beforehand; it was then not estimated.
+    /// Standard deviation declared or fixed beforehand. It is not estimated unless the readings contradict it.
     pub declared: Option<f64>,
-    /// Whether the readings contradict the declared value (probability below the level of the loop).
+    /// Whether the readings contradict the declared value (probability below the level of the loop). Declared set lengths are then estimated.
     pub declared_contradicted: bool,
     /// Gain in log-likelihood over a model without it; none where it was fixed.
     pub log_likelihood_gain: Option<f64>,

@@ -629,6 +629,14 @@ impl Search<'_> {
         }
     }
 
+    /// Whether a term can be told from the fixed effects of a model by its tangent.
+    fn shows(&self, model: &Fitted, term: usize) -> bool {
+        let directions = self.setting.problem.directions_of(&model.point, term);
+        !Screen::of(self.setting, model, directions)
+            .shown(0)
+            .is_empty()
+    }
+
     /// Deletions and swaps, and the alternatives to every term.
     fn tidy(&self, found: &mut Found, way: Way) {
         let mut place = 0;
@@ -653,7 +661,8 @@ impl Search<'_> {
             } else {
                 Vec::new()
             };
-            if self.decision.thorough && !is_named(term) {
+            // What no tangent shows has alternatives that none shows either.
+            if self.decision.thorough && !(is_named(term) && self.shows(&without, term)) {
                 let far = self.fits_far(
                     &without,
                     Way {
@@ -662,9 +671,9 @@ impl Search<'_> {
                     },
                 );
                 let own = self.worth(&found.model, term, way) - self.decision.alike;
-                let far = far
-                    .into_iter()
-                    .filter(|(f, t)| self.worth(f, *t, way) > own);
+                let far = far.into_iter().filter(|(f, t)| {
+                    *t != term && self.worth(f, *t, way) > own
+                });
                 others.extend(far.map(|(f, t)| (t, f)));
             }
             let own = self.worth(&found.model, term, way);

@@ -36,7 +36,7 @@ const READINGS_GIVEN: &str = "3";
 pub struct Clauses {
     /// Recording errors; none where there are none.
     pub recording_errors: Option<String>,
-    /// Uncertainties that were declared and are contradicted: what was found may be no more than what they leave out.
+    /// Uncertainties that were declared and are contradicted.
     pub contradicted: Option<String>,
     /// How many recording errors there are.
     pub recording_errors_in_short: Option<String>,
@@ -119,21 +119,17 @@ fn answer(found: &CampaignFindings, of_effect: fn(&EffectFinding) -> String) -> 
     }
 }
 
-/// `the set lengths scatter by more than the 0.10 mm that were declared`.
+/// `the set length scatters by 0.83 mm and not by the 0.10 mm that were declared`.
 fn contradicted(found: &CampaignFindings) -> Option<String> {
     let of_sessions = found.scatter.iter().filter(|s| s.declared_contradicted);
     let list: Vec<String> = of_sessions
         .filter(|s| matches!(s.level, Level::Session | Level::Test))
         .filter_map(|s| {
             let declared = plain(s.declared?, &s.unit);
-            let more = if has_effects(found) {
-                ", and effects may be no more than that"
-            } else {
-                ""
-            };
             Some(format!(
-                "the {} scatters by more than the {declared} that were declared{more}",
-                name::scatter(&s.id, s.level)
+                "the {} scatters by {} and not by the {declared} that were declared",
+                name::scatter(&s.id, s.level),
+                plain(s.sd, &s.unit)
             ))
         })
         .collect();

@@ -404,9 +404,10 @@ impl Work<'_> {
             return None;
         }
         let unit_sd = median(&units);
-        let is_declared = matches!(self.problem.components()[c].scale.prior, Prior::Fixed(_));
+        let is_fixed = matches!(self.problem.components()[c].scale.prior, Prior::Fixed(_));
+        let is_declared = self.problem.is_declared(c);
         let sd = unit_sd * variances.components[c];
-        let (ci_low, ci_high) = if is_declared {
+        let (ci_low, ci_high) = if is_fixed {
             (None, None)
         } else {
             let (low, high) = query::interval(self.setting, &self.found.model, variances, c);
@@ -420,10 +421,11 @@ impl Work<'_> {
             ci_low,
             ci_high,
             unit: unit.to_owned(),
-            declared: is_declared.then_some(sd),
+            declared: (is_declared || is_fixed).then_some(unit_sd),
             declared_contradicted: is_declared
-                && query::is_too_small(self.setting, &self.found.model, variances, c),
-            log_likelihood_gain: (!is_declared)
+                && (!is_fixed
+                    || query::is_too_small(self.setting, &self.found.model, variances, c)),
+            log_likelihood_gain: (!is_fixed)
                 .then(|| query::gain_of(self.setting, &self.found.model, c)),
             values,
         })

@@ -212,7 +212,7 @@ impl Campaign<'_> {
             return not_assessed(reason, findings);
         }
         let library = library::terms(&data);
-        let (problem, null) = suited(self.base, &data, &library, &kept_out);
+        let (mut problem, null) = suited(self.base, &data, &library, &kept_out);
         if !null.log_likelihood.is_finite() {
             return if again && groups_of(self.beside_law) != groups_of(mistakes) {
                 Answer::OtherMistakes(self.beside_law.to_vec())
@@ -220,7 +220,6 @@ impl Campaign<'_> {
                 not_assessed(NotAssessed::NoConvergence, findings)
             };
         }
-        let setting = part_of(&problem, &kept_out);
         let decision = Decision {
             level: settings::LEVEL,
             draws: self.options.draws,
@@ -233,12 +232,22 @@ impl Campaign<'_> {
             let mut stream = Stream::new(seed, &["draw", &k.to_string()]);
             Box::new(move || stream.normal())
         };
-        let search = Search {
-            setting: &setting,
-            decision,
-            tried: None,
+        let searched = |problem: &ForceProblem, null: Fitted| {
+            let search = Search {
+                setting: &part_of(problem, &kept_out),
+                decision,
+                tried: None,
+            };
+            search.run(null, &normal, None)
         };
-        let found = search.run(null, &normal, None);
+        let mut found = searched(&problem, null);
+        // An effect that was accepted beside too little scatter may be no more than the rest of that scatter.
+        if problem.contradicts_declared(&part_of(&problem, &kept_out), &found.model) {
+            problem = problem.with_declared_estimated();
+            let null = start(&part_of(&problem, &kept_out));
+            found = searched(&problem, null);
+        }
+        let setting = part_of(&problem, &kept_out);
         let law = law_found(self.base, self.judged, &problem, &found);
         if again {
             let others = if law.is_bare() {
@@ -354,6 +363,9 @@ fn answered(
     findings.tested = work.tested();
     findings.detection_limits = limits.smallest;
     findings.not_measurable = limits.not_measurable;
+    // What cannot be seen while it is small may have been found, or stand beside what was.
+    let is_named = |id: &String| findings.effects.iter().any(|e| e.class.contains(id));
+    findings.not_measurable.retain(|n| !is_named(&n.id));
     findings.aliases = limits.aliases;
     findings.coefficients = work.coefficients();
     findings.alternatives = alternatives(problem, setting, found, base);
@@ -607,7 +619,10 @@ mod tests {
         assert_eq!(right.declared, Some(0.8));
         assert!(!right.declared_contradicted);
         assert_eq!(right.values.len(), 16);
-        assert!(scatter_of(0.1).declared_contradicted);
+        let wrong = scatter_of(0.1);
+        assert!(wrong.declared_contradicted);
+        assert_eq!(wrong.declared, Some(0.1));
+        assert!((0.5..1.3).contains(&wrong.sd), "{}", wrong.sd);
     }
 
     #[test]

@@ -20,9 +20,10 @@ use super::library::{Term, What};
 use super::settings;
 use super::slack::{self, Side, Sided};
 use crate::effects::{self, Applied, Conditions};
-use crate::inference::fit::Setting;
+use crate::inference::fit::{Fitted, Setting};
 use crate::inference::problem::Term as EngineTerm;
 use crate::inference::problem::{Coefficient, Component, Direction, Linearised, Point, Problem};
+use crate::inference::query;
 use crate::inference::system::Variances;
 use crate::inference::tree::{Block, Tree};
 use crate::inference::variance::{Prior, Scale};
@@ -30,6 +31,7 @@ use crate::models::P_620_KPA;
 use crate::numerics::matrix::Matrix;
 use crate::numerics::qr::PivotedQr;
 use crate::numerics::real::{Dual, Real};
+use crate::numerics::statistics::median;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -361,6 +363,41 @@ impl<'a> ForceProblem<'a> {
         })
     }
 
+    /// The same with the scatter of the declared set lengths estimated, for readings that contradict what was declared.
+    pub fn with_declared_estimated(mut self) -> Self {
+        let declared = self.data.set_length_sd_mm.iter().copied();
+        let declared: Vec<f64> = declared.filter(|sd| sd.is_finite()).collect();
+        let usual = settings::USUAL_SET_LENGTH_MM / median(&declared);
+        self.components[component::DECLARED_LENGTH].scale = Scale {
+            prior: Prior::HalfNormal(settings::LARGEST_SCATTER * usual),
+            usual,
+            groups: declared.len(),
+        };
+        self
+    }
+
+    /// Whether somebody declared the standard deviations of a component.
+    pub fn is_declared(&self, c: usize) -> bool {
+        let of_specimens = |k: usize| {
+            let mut all = self.data.specimen_lengths_sd_mm.iter();
+            all.any(|sd| sd[k].is_finite())
+        };
+        match c {
+            component::DECLARED_LENGTH => {
+                self.data.set_length_sd_mm.iter().any(|sd| sd.is_finite())
+            }
+            component::REST_LENGTH => of_specimens(0),
+            component::CONTRACTED_LENGTH => of_specimens(1),
+            _ => false,
+        }
+    }
+
+    /// Whether the readings contradict the set lengths that were declared, beside a model.
+    pub fn contradicts_declared(&self, setting: &Setting, model: &Fitted) -> bool {
+        let c = component::DECLARED_LENGTH;
+        self.is_declared(c) && query::is_too_small(setting, model, &model.restricted(setting), c)
+    }
+
     /// The same readings and terms with another form of the base law.
     pub fn with_base<'b>(&self, base: &'b Base) -> ForceProblem<'b>
     where
@@ -371,6 +408,7 @@ impl<'a> ForceProblem<'a> {
             slopes: self.slopes.clone(),
             common_misfit: self.common_misfit.clone(),
             floor: self.floor,
+            components: self.components.clone(),
             ..ForceProblem::built(base, self.data, self.library, self.has_strokes())
         }
     }
