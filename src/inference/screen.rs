@@ -46,6 +46,14 @@ impl Shown {
     pub fn deviate(&self) -> f64 {
         deviate(self.likelihood_ratio, self.amplitudes)
     }
+
+    /// The amplitude, of a direction that has no other.
+    pub fn only_amplitude(&self) -> Option<f64> {
+        match self.estimate[..] {
+            [only] => Some(only),
+            _ => None,
+        }
+    }
 }
 
 /// What the readings tell of a direction.

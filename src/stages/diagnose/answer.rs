@@ -289,7 +289,7 @@ impl Work<'_> {
             if tested.iter().any(|k| k.id == id && k.form == form_name) {
                 continue;
             }
-            let amplitude = form.and_then(|f| Some(f.amplitude.absent + shown.estimate.first()?));
+            let amplitude = form.and_then(|f| Some(f.amplitude.absent + shown.only_amplitude()?));
             tested.push(Tested {
                 is_column: form.is_none(),
                 form: form_name.to_owned(),

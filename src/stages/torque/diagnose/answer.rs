@@ -198,7 +198,7 @@ impl Work<'_> {
                 form: form_name.to_owned(),
                 acts_on: ActsOn::All,
                 log_likelihood_gain: 0.5 * shown.likelihood_ratio,
-                amplitude: form.and_then(|_| shown.estimate.first().copied()),
+                amplitude: form.and_then(|_| shown.only_amplitude()),
                 unit: form.map_or("1", |f| f.unit).to_owned(),
                 p_familywise: upper_tail(&self.found.draws, shown.deviate()),
                 id,
