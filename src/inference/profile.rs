@@ -8,7 +8,7 @@
 use crate::fit::{Fitted, Free, Setting};
 use crate::gram::Gram;
 use crate::screen::{Normal, draw};
-use crate::system::Likelihood;
+use crate::system::{Likelihood, Variances};
 use crate::variance::Effort;
 use rayon::prelude::*;
 
@@ -29,7 +29,7 @@ pub struct Profile {
 const CHI_SQUARED: f64 = 3.841_458_820_694_124;
 /// How hard the variances are looked for in draws.
 const EFFORT: Effort = Effort {
-    evaluations: 10,
+    evaluations: 20,
     tolerance: 1e-3,
 };
 /// Draws of the correction.
@@ -37,8 +37,9 @@ const DRAWS: usize = 40;
 /// Steps to either side, in standard errors.
 const STEPS: [f64; 7] = [0.5, 1.0, 1.5, 2.0, 2.6, 3.4, 4.5];
 
-/// How often an end is looked for beyond the last step.
-const BEYOND: usize = 2;
+/// How often an end is looked for beyond the last step, and how much further at least each time.
+const BEYOND: usize = 6;
+const WIDER: f64 = 1.25;
 /// An end beyond the last step holds where the likelihood has fallen by this share of the cut.
 const NEARLY: f64 = 0.9;
 
@@ -76,24 +77,24 @@ pub fn profile(
             }
         }
         // With a handful of groups an end may lie beyond the last step; where the likelihood stays up, there is none.
-        let within = |a: &f64| (low..=high).contains(a);
-        let mut end = crossing(estimate, &points, cut).filter(within);
-        for tries in 0.. {
-            let (Some(sought), Some((furthest, _))) = (end, points.last()) else {
+        for _ in 0..BEYOND {
+            let Some(&(furthest, there)) = points.last() else {
                 break;
             };
-            if (sought - estimate).abs() <= (furthest - estimate).abs() {
+            let sought = crossing(estimate, &points, cut).unwrap_or(furthest);
+            if there < NEARLY * cut || furthest == low || furthest == high {
                 break;
             }
+            let further = (sought - estimate)
+                .abs()
+                .max(WIDER * (furthest - estimate).abs());
+            let sought = (estimate + sign * further).clamp(low, high);
             last = along.at(sought, &last);
-            let there = last.log_likelihood - model.log_likelihood;
-            points.push((sought, there));
-            if there < NEARLY * cut {
-                break;
-            }
-            let again = crossing(estimate, &points, cut).filter(within);
-            end = again.filter(|_| tries < BEYOND);
+            points.push((sought, last.log_likelihood - model.log_likelihood));
         }
+        let has_fallen = points.last().is_some_and(|(_, v)| *v < NEARLY * cut);
+        let end =
+            crossing(estimate, &points, cut).filter(|a| has_fallen && (low..=high).contains(a));
         (points, end)
     };
     let ((below, lower), (above, upper)) = rayon::join(|| side(-1.0), || side(1.0));
@@ -177,17 +178,16 @@ impl<'a> Along<'a> {
         self.held.fit(&point, &starts)
     }
 
-    /// The likelihood of a response in the linear model, the variances estimated again: in draws their starts are the true ones.
-    fn ascend(&self, gram: &Gram) -> f64 {
+    /// The likelihood of a response in the linear model, the variances estimated again.
+    fn ascend(&self, gram: &Gram, from: &Variances) -> f64 {
         let scales = self.setting.scales();
         let maximiser = self.setting.maximiser(&scales, Likelihood::Full);
-        let (own, inverse) = (&self.model.variances, &self.model.inverse);
         maximiser
-            .maximise_with(gram, own, EFFORT, Some(inverse))
+            .maximise_with(gram, from, EFFORT, Some(&self.model.inverse))
             .log_likelihood
     }
 
-    /// Mean of the likelihood ratio of the true value in draws from the model; at least 1.
+    /// Mean of the likelihood ratio of the true value in draws from the model; at least 1. The variances are looked for from the true ones.
     fn stretch(&self, normal: &Normal) -> f64 {
         let variances = self.model.predictive(self.setting);
         let ratios: Vec<f64> = (0..DRAWS)
@@ -195,10 +195,13 @@ impl<'a> Along<'a> {
             .map(|k| {
                 let y = draw(self.model, &variances, &mut *normal(k));
                 let design = &self.model.design;
-                let best = self.ascend(&design.with_response_of(&self.model.gram, &[], &y));
+                let best = self.ascend(
+                    &design.with_response_of(&self.model.gram, &[], &y),
+                    &variances,
+                );
                 let mut rest = design.clone();
                 rest.x.remove(self.place);
-                let pinned = self.ascend(&rest.with_response_of(&self.pinned, &[], &y));
+                let pinned = self.ascend(&rest.with_response_of(&self.pinned, &[], &y), &variances);
                 (2.0 * (best - pinned)).max(0.0)
             })
             .collect();

@@ -671,9 +671,9 @@ impl Search<'_> {
                     },
                 );
                 let own = self.worth(&found.model, term, way) - self.decision.alike;
-                let far = far.into_iter().filter(|(f, t)| {
-                    *t != term && self.worth(f, *t, way) > own
-                });
+                let far = far
+                    .into_iter()
+                    .filter(|(f, t)| *t != term && self.worth(f, *t, way) > own);
                 others.extend(far.map(|(f, t)| (t, f)));
             }
             let own = self.worth(&found.model, term, way);

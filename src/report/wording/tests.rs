@@ -29,7 +29,7 @@ fn the_answer_of_the_issue() {
         [
             "Threshold pressure of the bladder 60.0 kPa (indistinguishable from zero of the pressure sensor): the error on unseen specimens \
              goes from 18.7 to 15.8 N.",
-            "The zero of the force scatters by more than the 0.20 N that were declared, and effects may be no more than that.",
+            "The zero of the force scatters by 0.60 N and not by the 0.20 N that were declared.",
             "What the effects leave is not all chance: the error depends on humidity (p = 0.0020), for which the library has no effect \
              (12% of its variance).",
             "Of the 13.4 N expected on an unseen specimen, 12.0 come from set lengths (0.90 mm), 4.1 from specimen gain (4.2%), 3.0 from \
@@ -114,7 +114,7 @@ fn nothing_found_points_to_the_detection_limits() {
     assert_eq!(
         broken(&said.rest)[..2],
         [
-            "The zero of the force scatters by more than the 0.20 N that were declared.",
+            "The zero of the force scatters by 0.60 N and not by the 0.20 N that were declared.",
             "The error on unseen specimens is 18.7 N."
         ]
     );
