@@ -50,7 +50,9 @@
 //! | [`cli`] | arguments, and all printing: run, status, explain, graph, check, predict, simulate, new-session, gc, export, completions, man | |
 //!
 //! # Invariants
-//! - **Directions**: `main -> cli -> run -> stages -> {formats, effects, knee, models, numerics, report, audit, simulate} -> base`, and `run -> cache -> base`;
+//! - **Directions**: folders with a `Cargo.toml` are crates, and the compiler holds what they may use: `base` nothing, `numerics` nothing, `mechanics` (models,
+//!   effects, knee) these two, `inference` numerics, `formats`, `config` and `simulate` these and mechanics, `cache` base, `findings` nothing. Above them
+//!   `main -> cli -> run -> stages -> {report, audit}`, and `run -> cache`;
 //!   beside `run`, `cli -> predict -> {stages::fit, knee, models, numerics}`, drawn by `report`, `cli -> draft -> formats`, drawn by
 //!   `report` too, `cli -> golden -> base`, `cli -> export -> run`;
 //!   `formats -> knee`, which reads the description of a leg.
@@ -71,23 +73,22 @@
 //! - **One unit a quantity inside** ([`base::units`]): N, kPa, m, rad, s, N.m, degrees Celsius; and one home of column names
 //!   ([`base::columns`]).
 
-pub mod audit;
-pub mod base;
-pub mod cache;
-pub mod cli;
-pub mod config;
-pub mod draft;
-pub mod effects;
-pub mod export;
-pub mod findings;
-pub mod formats;
-pub mod golden;
-pub mod knee;
-pub mod models;
+pub use pipeline_base as base;
+pub use pipeline_cache as cache;
+pub use pipeline_config as config;
+pub use pipeline_findings as findings;
+pub use pipeline_formats as formats;
 pub use pipeline_inference as inference;
+pub use pipeline_mechanics::{effects, knee, models};
 pub use pipeline_numerics as numerics;
+pub use pipeline_simulate as simulate;
+
+pub mod audit;
+pub mod cli;
+pub mod draft;
+pub mod export;
+pub mod golden;
 pub mod predict;
 pub mod report;
 pub mod run;
-pub mod simulate;
 pub mod stages;

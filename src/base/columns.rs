@@ -4,7 +4,7 @@
 //! name that a user gives is an extra column: it keeps its name, its unit and its values, numbers or words (labels), and travels through
 //! every stage.
 
-use crate::base::units::Quantity;
+use crate::units::Quantity;
 
 /// A quantity that `session.toml` may name, and the column that holds it inside.
 #[derive(Clone, Copy, Debug)]
@@ -181,7 +181,7 @@ pub fn is_reserved(name: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::units::UNITS;
+    use crate::units::UNITS;
 
     #[test]
     fn the_unit_in_a_known_columns_name_is_the_one_used_inside() {

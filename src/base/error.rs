@@ -1,6 +1,6 @@
 //! Why a command could not do its work, and which exit code says so.
 
-use crate::base::diagnostics::Diagnostic;
+use crate::diagnostics::Diagnostic;
 use std::any::Any;
 use std::fmt;
 use std::path::{Path, PathBuf};

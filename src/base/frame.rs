@@ -4,8 +4,8 @@
 //! `derived/` as it is. A missing number is NaN here and null there. The units stand in the file too, under the key `units`, as a JSON object
 //! from column to unit.
 
-use crate::base::columns;
-use crate::base::error::{Error, Result};
+use crate::columns;
+use crate::error::{Error, Result};
 use polars::prelude::*;
 use std::collections::BTreeMap;
 use std::io::Cursor;

@@ -3,7 +3,7 @@
 //! A number that is not finite is written as `null`, for JSON has no other word for it. serde takes such a `null` for a mistake when
 //! it reads a number back; [`from_slice`] takes it for NaN, so that what a stage has left behind can be read whatever it holds.
 
-use crate::base::error::{self, Error};
+use crate::error::{self, Error};
 use serde::de::value::{MapDeserializer, SeqDeserializer};
 use serde::de::{DeserializeOwned, Deserializer, IntoDeserializer, Visitor};
 use serde_json::Value;

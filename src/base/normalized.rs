@@ -3,10 +3,10 @@
 //! eps = (l_rest - l)/l_rest (Eq. 2), eps_620 the same of l_620 (Eq. 3), eps* = eps/eps_620 (Eq. 4), P* = P/620 kPa. The stage
 //! normalize makes its rows here, and so does the software rig that skips the files: both have the same arithmetic.
 
-use crate::base::columns::{self, FORCE, LENGTH, MUSCLE_LENGTH, PRESSURE, TIME};
-use crate::base::reading::Reading;
-use crate::base::row::Row;
-use crate::base::session::{Constant, Kind, Session};
+use crate::columns::{self, FORCE, LENGTH, MUSCLE_LENGTH, PRESSURE, TIME};
+use crate::reading::Reading;
+use crate::row::Row;
+use crate::session::{Constant, Kind, Session};
 
 /// Gauge pressure that pressures are normalised by, kPa (90 psi, the supply of the force paper's rig).
 pub const P_620_KPA: f64 = 620.0;

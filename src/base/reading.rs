@@ -1,9 +1,9 @@
 //! One steady reading: a plateau of a time series, or a row of points.
 
-use crate::base::columns::{self, derived};
-use crate::base::error::{Error, Result};
-use crate::base::frame::{Frame, Values};
-use crate::base::session::Phase;
+use crate::columns::{self, derived};
+use crate::error::{Error, Result};
+use crate::frame::{Frame, Values};
+use crate::session::Phase;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A steady reading as cleaned: the force zero taken off, nothing normalised yet.

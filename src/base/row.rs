@@ -1,10 +1,10 @@
 //! One measured row, normalised: what fits, comparisons and the residual search work on.
 
-use crate::base::columns::{self, derived};
-use crate::base::error::{Error, Result};
-use crate::base::frame::{Frame, Values};
-use crate::base::reading::phase_named;
-use crate::base::session::{Kind, Phase, Role};
+use crate::columns::{self, derived};
+use crate::error::{Error, Result};
+use crate::frame::{Frame, Values};
+use crate::reading::phase_named;
+use crate::session::{Kind, Phase, Role};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A steady reading with everything that is known of its specimen and session. Lengths in m, forces in N, pressures in kPa.

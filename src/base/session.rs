@@ -73,7 +73,7 @@ pub struct Joint {
     pub description: Option<Description>,
 }
 
-/// A file that describes a leg ([`crate::knee::description`]).
+/// A file that describes a leg (`knee::description`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Description {
     /// Path relative to the session's folder, with forward slashes.

@@ -4,7 +4,7 @@
 //! them. A [`Reader`] collects; the caller asks for typed values and at the end closes each table, which reports unknown keys with
 //! the nearest known one.
 
-use crate::base::diagnostics::{Diagnostic, nearest};
+use crate::diagnostics::{Diagnostic, nearest};
 use std::cell::RefCell;
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};

@@ -1,12 +1,12 @@
 //! Throws away what the present state does not need.
 //!
-//! Live are the entries that the last run used ([`crate::cache`], `state.jsonl`) and the objects that a kept entry names. Everything else is
+//! Live are the entries that the last run used ([`crate`], `state.jsonl`) and the objects that a kept entry names. Everything else is
 //! kept for a while, because going back to earlier options or data is then free.
 
-use crate::base::error::{Error, Result};
-use crate::cache::hashing::Digest;
-use crate::cache::sealed;
-use crate::cache::store::{Entry, Store, UNFINISHED};
+use crate::hashing::Digest;
+use crate::sealed;
+use crate::store::{Entry, Store, UNFINISHED};
+use pipeline_base::error::{Error, Result};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
@@ -176,8 +176,8 @@ fn files(store: &Store, folder: &str, now: SystemTime) -> Result<Vec<(File, Dura
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cache::key::KeyParts;
-    use crate::cache::store::Outputs;
+    use crate::key::KeyParts;
+    use crate::store::Outputs;
 
     fn put(store: &Store, stage: &str, outputs: &[(&str, &[u8])]) -> Digest {
         let parts = KeyParts {

@@ -9,7 +9,7 @@
 //!
 //! Not: times of change, absolute paths, the machine, the number of jobs, the order of discovery.
 
-use crate::cache::hashing::Digest;
+use crate::hashing::Digest;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

@@ -4,7 +4,7 @@
 //! its description (which no program sets back) is another. A file that was changed within two seconds of being hashed, or in the future
 //! of a clock that went back, is not remembered: it may change again without a new time. Git is as careful with its index.
 
-use crate::cache::hashing::{self, Digest};
+use crate::hashing::{self, Digest};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::Metadata;

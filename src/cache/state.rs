@@ -1,8 +1,8 @@
 //! What the last run left, unit by unit.
 
-use crate::cache::hashing::Digest;
-use crate::cache::seen;
-use crate::cache::store::Objects;
+use crate::hashing::Digest;
+use crate::seen;
+use crate::store::Objects;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

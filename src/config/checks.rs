@@ -1,7 +1,7 @@
 //! What is wrong with a configuration: keys that are no options, values of a wrong type, values that make no sense.
 
 use super::Config;
-use crate::base::diagnostics::{Diagnostic, nearest};
+use pipeline_base::diagnostics::{Diagnostic, nearest};
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
@@ -51,7 +51,7 @@ impl Config {
         if self
             .fit
             .loss
-            .parse::<crate::numerics::loss::Loss>()
+            .parse::<pipeline_numerics::loss::Loss>()
             .is_err()
         {
             mistakes.push(mistake(
@@ -61,7 +61,10 @@ impl Config {
                 "huber, least_squares, lar, bisquare or cauchy",
             ));
         }
-        let ids: Vec<&str> = crate::models::published().iter().map(|m| m.id()).collect();
+        let ids: Vec<&str> = pipeline_mechanics::models::published()
+            .iter()
+            .map(|m| m.id())
+            .collect();
         for id in self
             .compare
             .models
@@ -88,7 +91,7 @@ impl Config {
                 "diagnose.most_effects",
                 d.most_effects,
                 1,
-                crate::stages::diagnose::problem::MOST_TERMS,
+                crate::MOST_EFFECTS,
             ),
             ("diagnose.most_readings", d.most_readings, 100, 100_000),
             ("diagnose.draws", d.draws, 19, 100_000),

@@ -1,7 +1,7 @@
 //! A table that is held in memory, for the formats whose readers give all of it at once.
 
 use super::table::{Cells, Table, Wanted, quoted};
-use crate::base::diagnostics::Diagnostic;
+use pipeline_base::diagnostics::Diagnostic;
 
 /// Columns with their names; they may differ in length, which is for the caller to judge.
 #[derive(Debug, Default)]

@@ -5,8 +5,8 @@
 
 use super::dialect::Dialect;
 use super::table::{Cells, LogFormat, Source, Table, Wanted, quoted, unreadable};
-use crate::base::diagnostics::Diagnostic;
-use crate::base::frame;
+use pipeline_base::diagnostics::Diagnostic;
+use pipeline_base::frame;
 use polars::prelude::*;
 use std::borrow::Cow;
 use std::io::Cursor;

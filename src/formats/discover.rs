@@ -1,8 +1,8 @@
 //! Finding sessions: every folder below a raw directory that holds a `session.toml`, in sorted order.
 
-use crate::base::diagnostics::{Diagnostic, Severity};
-use crate::base::session::{Session, Specimen};
-use crate::formats::{leg, session_toml};
+use crate::{leg, session_toml};
+use pipeline_base::diagnostics::{Diagnostic, Severity};
+use pipeline_base::session::{Session, Specimen};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! Files of other programs that are known by their first bytes and not read: a message can say what to do with each.
 
 use super::table::unreadable;
-use crate::base::diagnostics::Diagnostic;
+use pipeline_base::diagnostics::Diagnostic;
 
 /// First bytes, what they are, and how to get from there to a log.
 const FOREIGN: &[(&[u8], &str, &str)] = &[

@@ -2,8 +2,8 @@
 
 use super::log_file;
 use super::table::{LARGEST_LOG, unreadable};
-use crate::base::diagnostics::Diagnostic;
 use flate2::read::MultiGzDecoder;
+use pipeline_base::diagnostics::Diagnostic;
 use std::borrow::Cow;
 use std::io::{BufReader, Read};
 

@@ -1,9 +1,9 @@
 //! The leg of a torque session: the file of a laboratory's own leg is read along with `session.toml`, and the route has to be there.
 
 use super::discover::{SESSION_FILE, read_text};
-use crate::base::diagnostics::Diagnostic;
-use crate::base::session::Session;
-use crate::knee::choice;
+use pipeline_base::diagnostics::Diagnostic;
+use pipeline_base::session::Session;
+use pipeline_mechanics::knee::choice;
 use std::path::Path;
 
 /// The session with the text of its own leg, if it has one.

@@ -6,8 +6,8 @@
 use super::table::{Cells as Column, LogFormat, Source, Table, Wanted, unreadable};
 use super::words::{are_words, number, words};
 use super::{FORMATS, foreign, gzip, list_of_formats};
-use crate::base::diagnostics::Diagnostic;
-use crate::base::session::{Cells, Part, Position};
+use pipeline_base::diagnostics::Diagnostic;
+use pipeline_base::session::{Cells, Part, Position};
 use polars::prelude::StringChunked;
 use std::collections::BTreeMap;
 

@@ -4,7 +4,7 @@ use super::foreign;
 use super::gzip;
 use super::table::{LARGEST_LOG, unreadable};
 use super::{FORMATS, csv};
-use crate::base::diagnostics::Diagnostic;
+use pipeline_base::diagnostics::Diagnostic;
 use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
 

@@ -6,9 +6,9 @@
 
 use super::table::{LARGEST_LOG, LogFormat, Source, Table, unreadable};
 use super::workspace::{self, Value, Variable};
-use crate::base::diagnostics::Diagnostic;
-use crate::base::session::PartKind;
 use flate2::read::ZlibDecoder;
+use pipeline_base::diagnostics::Diagnostic;
+use pipeline_base::session::PartKind;
 use std::io::Read;
 
 /// MATLAB files of level 5.

@@ -5,11 +5,11 @@
 
 use super::table::{LARGEST_LOG, LogFormat, Source, Table, unreadable};
 use super::workspace::{self, Value, Variable};
-use crate::base::diagnostics::Diagnostic;
-use crate::base::session::PartKind;
 use hdf5_reader::error::Error;
 use hdf5_reader::group::Group;
 use hdf5_reader::{Dataset, Datatype, H5Type, Hdf5File, OpenOptions};
+use pipeline_base::diagnostics::Diagnostic;
+use pipeline_base::session::PartKind;
 
 /// MATLAB files of version 7.3.
 pub const FORMAT: LogFormat = LogFormat {

@@ -2,8 +2,8 @@
 
 use super::log::{self, RawLog, Request};
 use super::table::Table;
-use crate::base::diagnostics::Diagnostic;
-use crate::base::session::{Cells, Part, Position};
+use pipeline_base::diagnostics::Diagnostic;
+use pipeline_base::session::{Cells, Part, Position};
 use std::collections::BTreeSet;
 
 /// A column that nobody has described yet.

@@ -3,8 +3,8 @@
 use super::columns::Columns;
 use super::guard::guarded;
 use super::table::{Cells, LARGEST_LOG, LogFormat, Source, Table, quoted, unreadable};
-use crate::base::diagnostics::Diagnostic;
-use crate::base::frame;
+use pipeline_base::diagnostics::Diagnostic;
+use pipeline_base::frame;
 use polars::prelude::*;
 use polars_buffer::Buffer;
 use polars_parquet::parquet::page::CompressedPage;

@@ -1,9 +1,9 @@
 //! `[columns]` of a `session.toml`: which quantity stands where in the logs, and how it becomes a column inside.
 
-use crate::base::columns::{self, KnownColumn};
-use crate::base::diagnostics::nearest;
-use crate::base::session::{Cells, ColumnSpec, Phase, Position};
-use crate::base::toml_reader::{Entry, Section};
+use pipeline_base::columns::{self, KnownColumn};
+use pipeline_base::diagnostics::nearest;
+use pipeline_base::session::{Cells, ColumnSpec, Phase, Position};
+use pipeline_base::toml_reader::{Entry, Section};
 use std::collections::BTreeMap;
 
 /// The columns of the table, in the order of the file; mistakes go to the table's reader.

@@ -2,8 +2,8 @@
 
 use super::session_sd;
 use super::session_toml::path_below;
-use crate::base::session::{Description, Joint, Kind};
-use crate::base::toml_reader::{Entry, Section};
+use pipeline_base::session::{Description, Joint, Kind};
+use pipeline_base::toml_reader::{Entry, Section};
 
 /// The table, which a torque session needs and no other may have; mistakes go to the reader.
 pub fn joint(root: &Section, kind: Option<Kind>, entry: Option<Entry>) -> Option<Joint> {

@@ -12,8 +12,8 @@
 //! noise of what was measured by hand. 0 is refused: no length is measured exactly, and a model that believes one to be
 //! would put its error down to something else.
 
-use crate::base::session::Kind;
-use crate::base::toml_reader::{Entry, Section};
+use pipeline_base::session::Kind;
+use pipeline_base::toml_reader::{Entry, Section};
 
 /// Key of the resting length's, in `[specimen]`.
 pub const REST_LENGTH: &str = "rest_length_sd_mm";

@@ -2,15 +2,15 @@
 //!
 //! `README.md` has the format by example. How well the lengths of a session are known may be declared: `super::session_sd` has the keys.
 
-use crate::base::columns::{self, KnownColumn};
-use crate::base::diagnostics::Diagnostic;
-use crate::base::session::{
+use crate::{session_columns, session_joint, session_sd};
+use pipeline_base::columns::{self, KnownColumn};
+use pipeline_base::diagnostics::Diagnostic;
+use pipeline_base::session::{
     ColumnSpec, Constant, Kind, LogSpec, Part, PartKind, Position, Role, Sampling, Session,
     Specimen,
 };
-use crate::base::toml_reader::{Entry, Reader, Section, parse};
-use crate::base::units::{Quantity, Unit};
-use crate::formats::{session_columns, session_joint, session_sd};
+use pipeline_base::toml_reader::{Entry, Reader, Section, parse};
+use pipeline_base::units::{Quantity, Unit};
 use std::collections::BTreeMap;
 
 /// The only schema that is understood.

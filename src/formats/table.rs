@@ -1,7 +1,7 @@
 //! What a log format is: bytes in, a table of columns out.
 
-use crate::base::diagnostics::{Diagnostic, Severity};
-use crate::base::session::{Part, PartKind};
+use pipeline_base::diagnostics::{Diagnostic, Severity};
+use pipeline_base::session::{Part, PartKind};
 use polars::prelude::StringChunked;
 
 /// No log is larger than this once it is decompressed, bytes: what claims to be is a mistake or an attack.

@@ -34,8 +34,8 @@ pub fn words(texts: &StringChunked) -> Vec<Option<String>> {
 
 #[cfg(test)]
 mod tests {
-    use crate::base::session::{Cells, Position};
-    use crate::formats::log::{Request, read};
+    use crate::log::{Request, read};
+    use pipeline_base::session::{Cells, Position};
 
     #[test]
     fn a_column_of_words_is_one_where_most_cells_are_words_or_where_it_is_declared() {

@@ -2,7 +2,7 @@
 
 use super::columns::{Columns, texts};
 use super::table::{Cells, Source, Table, unreadable};
-use crate::base::diagnostics::Diagnostic;
+use pipeline_base::diagnostics::Diagnostic;
 
 /// A variable of a workspace, or a field of a structure.
 #[derive(Clone, Debug)]

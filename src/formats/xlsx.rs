@@ -2,9 +2,9 @@
 
 use super::columns::{Columns, texts};
 use super::table::{Cells, LARGEST_LOG, LogFormat, Source, Table, unreadable};
-use crate::base::diagnostics::Diagnostic;
-use crate::base::session::PartKind;
 use calamine::{DataRef, Reader, Xlsx, XlsxError};
+use pipeline_base::diagnostics::Diagnostic;
+use pipeline_base::session::PartKind;
 use std::io::Cursor;
 
 /// Excel workbooks.

@@ -7,8 +7,8 @@
 //! ```
 
 use super::rig_settings::within;
-use crate::base::random::Stream;
-use crate::base::toml_reader::{Entry, Section};
+use pipeline_base::random::Stream;
+use pipeline_base::toml_reader::{Entry, Section};
 use serde::Serialize;
 
 /// The order of the sessions.

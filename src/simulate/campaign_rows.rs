@@ -1,16 +1,16 @@
 //! A campaign as normalised rows, without files: what ingest, clean and normalize would make of it, in a few milliseconds.
 //!
-//! The readings are those of [`super::steady`]; the row of a reading is made by [`crate::base::normalized`], as in the stage normalize.
+//! The readings are those of [`super::steady`]; the row of a reading is made by [`pipeline_base::normalized`], as in the stage normalize.
 
 use super::draw::{DrawnSession, DrawnTruth};
 use super::session_file::{log_name, notes};
 use super::steady::{self, SteadyRow, sample_sd};
 use super::truth::Truth;
-use crate::base::columns::{FORCE, LENGTH, PRESSURE, TIME};
-use crate::base::normalized;
-use crate::base::reading::Reading;
-use crate::base::row::Row;
-use crate::base::session::{Constant, Kind, Sampling, Session, Specimen};
+use pipeline_base::columns::{FORCE, LENGTH, PRESSURE, TIME};
+use pipeline_base::normalized;
+use pipeline_base::reading::Reading;
+use pipeline_base::row::Row;
+use pipeline_base::session::{Constant, Kind, Sampling, Session, Specimen};
 use std::collections::BTreeMap;
 
 /// A campaign as rows.

@@ -13,9 +13,9 @@
 use super::effects::{Form, Given, Link, MOST_PARAMETERS};
 use super::logged_columns::LogColumns;
 use super::moment::Moment;
-use crate::base::random::Stream;
-use crate::models::new;
-use crate::models::{Direction, State};
+use pipeline_base::random::Stream;
+use pipeline_mechanics::models::new;
+use pipeline_mechanics::models::{Direction, State};
 
 /// One specimen, as far as its static force is concerned.
 #[derive(Clone, Copy, Debug)]

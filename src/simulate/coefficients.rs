@@ -1,9 +1,9 @@
 //! The coefficients of a simulated campaign: published, or written out in the truth file.
 
 use super::rig_settings::within;
-use crate::base::toml_reader::{Entry, Section};
-use crate::models::new::{PUBLISHED_10, PUBLISHED_20, f620};
-use crate::models::values;
+use pipeline_base::toml_reader::{Entry, Section};
+use pipeline_mechanics::models::new::{PUBLISHED_10, PUBLISHED_20, f620};
+use pipeline_mechanics::models::values;
 use serde::Serialize;
 
 /// Coefficients of the new model (force paper, Eqs. 5, 6 and 8).

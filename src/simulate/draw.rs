@@ -5,8 +5,8 @@ use super::effect_draws::{DrawnEffect, effects};
 use super::staircase::Air;
 use super::truth::{Run, SpecimenTruth, Truth};
 use super::truth_lists::contraction_label;
-use crate::base::random::Stream;
-use crate::base::session::Sampling;
+use pipeline_base::random::Stream;
+use pipeline_base::session::Sampling;
 use serde::Serialize;
 
 /// Schema of the file that tells the truth.

@@ -5,7 +5,7 @@ use super::effect_places::Place;
 use super::effect_tables::{EffectTruth, Scatter};
 use super::effects::Per;
 use super::truth::{Run, Truth};
-use crate::base::random::Stream;
+use pipeline_base::random::Stream;
 use serde::Serialize;
 
 /// One effect of a campaign.

@@ -3,7 +3,7 @@
 use super::logged_columns::ColumnTruth;
 use super::truth::SpecimenTruth;
 use super::truth_lists::contraction_label;
-use crate::base::toml_reader::{Entry, Section};
+use pipeline_base::toml_reader::{Entry, Section};
 use serde::Serialize;
 
 /// Where an effect acts: everywhere, unless one of these confines it.

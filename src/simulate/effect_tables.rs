@@ -23,7 +23,7 @@
 use super::effect_places::{Named, Place, place};
 use super::effects::{self, Column, Effect, Form, MOST_PARAMETERS, Per};
 use super::rig_settings::within;
-use crate::base::toml_reader::{Entry, Section};
+use pipeline_base::toml_reader::{Entry, Section};
 use serde::Serialize;
 use std::collections::BTreeMap;
 

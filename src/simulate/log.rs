@@ -13,8 +13,8 @@ use super::number::{five_digits, fixed};
 use super::rig_settings::LogUnit;
 use super::setting::{Setting, Whose};
 use super::staircase::Staircase;
-use crate::base::random::Stream;
-use crate::base::session::Phase;
+use pipeline_base::random::Stream;
+use pipeline_base::session::Phase;
 use std::fmt::Write;
 
 /// Time that one more digit takes on the line, ms (ten bits at 117,647 baud).

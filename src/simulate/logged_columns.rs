@@ -21,9 +21,9 @@
 use super::draw::{DrawnSession, DrawnTruth};
 use super::rig_settings::within;
 use super::schedule::OWN_COLUMNS;
-use crate::base::columns;
-use crate::base::random::Stream;
-use crate::base::toml_reader::{Entry, Section};
+use pipeline_base::columns;
+use pipeline_base::random::Stream;
+use pipeline_base::toml_reader::{Entry, Section};
 use serde::Serialize;
 
 /// One logged column.
@@ -142,7 +142,7 @@ fn name(entry: &Entry) -> Option<String> {
 #[derive(Debug, Default)]
 pub struct LogColumns {
     /// Value at the beginning and change to the end.
-    pub(in crate::simulate) lines: Vec<(f64, f64)>,
+    pub(crate) lines: Vec<(f64, f64)>,
 }
 
 impl LogColumns {

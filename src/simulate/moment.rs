@@ -1,6 +1,6 @@
 //! The moment of a reading: everything beside the length and a logged column that an effect may look at.
 
-use crate::base::session::Phase;
+use pipeline_base::session::Phase;
 
 /// What changes within a log.
 #[derive(Clone, Copy, Debug, PartialEq)]

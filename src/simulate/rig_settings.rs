@@ -3,7 +3,7 @@
 //! The defaults are what was read off the real logs (`isometric-10mm-2022-11`, `isometric-20mm-2022-01`): one set for each of the
 //! two rigs. No 40 mm rig has been seen; it gets the 20 mm rig with a coarser force channel.
 
-use crate::base::toml_reader::{Entry, Section};
+use pipeline_base::toml_reader::{Entry, Section};
 use serde::Serialize;
 
 /// In which unit the logs hold force and pressure.

@@ -14,8 +14,8 @@
 use super::moment::Instant;
 use super::rig_settings::within;
 use super::truth::Run;
-use crate::base::session::{Phase, Sampling};
-use crate::base::toml_reader::{Entry, Section};
+use pipeline_base::session::{Phase, Sampling};
+use pipeline_base::toml_reader::{Entry, Section};
 use serde::Serialize;
 
 /// Column of the time since the step, s.

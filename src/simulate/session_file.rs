@@ -6,8 +6,8 @@ use super::logged_columns::ColumnTruth;
 use super::number::{five_digits, fixed};
 use super::rig_settings::LogUnit;
 use super::truth::Truth;
-use crate::base::columns;
-use crate::base::session::{Role, Sampling};
+use pipeline_base::columns;
+use pipeline_base::session::{Role, Sampling};
 use std::fmt::Write;
 
 /// How the notes of every simulated session begin.

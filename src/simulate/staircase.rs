@@ -21,8 +21,8 @@
 
 use super::moment::Instant;
 use super::rig_settings::Rig;
-use crate::base::random::Stream;
-use crate::base::session::Phase;
+use pipeline_base::random::Stream;
+use pipeline_base::session::Phase;
 use std::f64::consts::TAU;
 
 /// Time from one opening of the valve to the next, s.

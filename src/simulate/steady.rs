@@ -13,8 +13,8 @@ use super::moment::Instant;
 use super::setting::{Setting, Whose};
 use super::staircase::{STEP_S, Staircase};
 use super::truth::{Run, Truth};
-use crate::base::random::Stream;
-use crate::base::session::{Phase, Sampling};
+use pipeline_base::random::Stream;
+use pipeline_base::session::{Phase, Sampling};
 
 /// The part of a step, counted from its beginning, over which a reading is averaged, s.
 const WINDOW_S: (f64, f64) = (0.25, STEP_S);

@@ -45,9 +45,9 @@ use super::logged_columns::{self, ColumnTruth};
 use super::rig_settings::Rig;
 use super::schedule::Schedule;
 use super::truth_lists;
-use crate::base::diagnostics::Diagnostic;
-use crate::base::session::{Role, Sampling};
-use crate::base::toml_reader::{Entry, Reader, Section, parse};
+use pipeline_base::diagnostics::Diagnostic;
+use pipeline_base::session::{Role, Sampling};
+use pipeline_base::toml_reader::{Entry, Reader, Section, parse};
 use serde::Serialize;
 
 /// The only schema that is understood.

@@ -3,9 +3,9 @@
 use super::chain::TOP_COUNT;
 use super::rig_settings::within;
 use super::truth::{Run, SpecimenTruth, Truth};
-use crate::base::session::{Role, Sampling};
-use crate::base::toml_reader::{Entry, Section};
-use crate::models::P_620_KPA;
+use pipeline_base::session::{Role, Sampling};
+use pipeline_base::toml_reader::{Entry, Section};
+use pipeline_mechanics::models::P_620_KPA;
 
 /// A name that can be a folder on every system: letters, digits, `-`, `_`.
 pub fn identifier(table: &Section, key: &'static str, expected: &str) -> Option<String> {

@@ -2,7 +2,7 @@
 
 use super::Campaign;
 use super::session_file::NOTES;
-use crate::base::error::{Error, Result};
+use pipeline_base::error::{Error, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -2,7 +2,7 @@
 
 The paper prints theta0 = 28.6 deg + delta with delta = -0.1 (10 mm) and -0.073 (20 mm) and no usable unit. This script shows that
 radians reproduce the claimed accuracy with the nominal geometry and degrees do not, and prints the geometries that
-src/models/martens_geometry.rs and src/models/martens2017.rs carry. Run from the root of the crate: python3 tests/scripts/fit_martens_geometry.py
+src/mechanics/models/martens_geometry.rs and src/mechanics/models/martens2017.rs carry. Run from the root of the crate: python3 tests/scripts/fit_martens_geometry.py
 Needs numpy and scipy. A miss is the largest |model - map| over the map's largest force, with negative forces set to zero.
 """
 
@@ -31,7 +31,7 @@ def force(c, theta, geometry, length, pressure_pa):
 
 def main():
     for diameter, actuator in ACTUATORS.items():
-        length, pressure, measured = np.loadtxt("src/models/data/" + actuator["file"], delimiter=",", skiprows=1).T
+        length, pressure, measured = np.loadtxt("src/mechanics/models/data/" + actuator["file"], delimiter=",", skiprows=1).T
         largest = measured.max()
         readings = {
             "degrees": np.radians(28.6 + actuator["delta"]),

@@ -5,7 +5,7 @@
 tests/data/knee_load_cell holds what the measurers of the knee paper's Figures 12 and 13 read, as their laboratory's files have it: the force in
 the load cell, its direction in the tibia's frame, and where it pulls on the tibia as distance and direction from the linkage's joint theta1;
 lengths and arms measured by hand. Torque about the knee is the moment of that force about the instantaneous centre, which moves in the tibia
-with the knee angle (its knots are read from src/knee/data/biomimetic.toml). What was not recorded is said in the notes of each session.
+with the knee angle (its knots are read from src/mechanics/knee/data/biomimetic.toml). What was not recorded is said in the notes of each session.
 
 The file calls all loads newtons. Those of the extensor are taken as pounds-force: by lengths and arms that were measured by hand the law of the
 knee paper gives 3.7 to 5.4 times the torque of newtons at eight of nine angles (median 4.2), and 0.94 times that of pounds-force; for the 20 mm flexor, of
@@ -65,7 +65,7 @@ moment_arm = { name = "moment_arm_m", unit = "m" }
 
 def centre():
     """The instantaneous centre in the tibia's frame at theta1, by knee angle in rad."""
-    joint = tomllib.loads(pathlib.Path("src/knee/data/biomimetic.toml").read_text())["joint"]
+    joint = tomllib.loads(pathlib.Path("src/mechanics/knee/data/biomimetic.toml").read_text())["joint"]
     spline = lambda column: CubicSpline(joint["angle_rad"], joint[column], bc_type="not-a-knot")
     return spline("tibia_x_m"), spline("tibia_y_m")
 

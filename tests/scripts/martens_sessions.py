@@ -12,8 +12,8 @@ import csv
 import pathlib
 
 MAPS = [
-    ("dmsp-10-250", "src/models/data/martens_a2_dmsp10_250.csv", 10, 250, "A2"),
-    ("dmsp-20-300", "src/models/data/martens_a1_dmsp20_300.csv", 20, 300, "A1"),
+    ("dmsp-10-250", "src/mechanics/models/data/martens_a2_dmsp10_250.csv", 10, 250, "A2"),
+    ("dmsp-20-300", "src/mechanics/models/data/martens_a1_dmsp20_300.csv", 20, 300, "A1"),
 ]
 
 SESSION = """schema = "bpa-session/1"

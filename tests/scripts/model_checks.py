@@ -82,7 +82,7 @@ def martens(d, rest, eps, eps620, p, s):
 
 
 def festo(d, rest, eps, eps620, p, s):
-    table = np.loadtxt(f"src/models/data/festo_tool_{d}mm.csv", delimiter=",", skiprows=1)
+    table = np.loadtxt(f"src/mechanics/models/data/festo_tool_{d}mm.csv", delimiter=",", skiprows=1)
     levels = np.unique(table[:, 1])
     i = min(max(np.searchsorted(levels, p, side="right") - 1, 0), len(levels) - 2)
     ends = []

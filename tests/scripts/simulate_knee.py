@@ -24,7 +24,7 @@ FEMUR_PINS = ((0.027891, -0.410941), (0.010199, -0.395676))
 TIBIA_PINS = ((0.0, 0.0), (0.03979, 0.000992))
 LINKS = (0.046751, 0.051683)
 
-OWN_LEG = """# A laboratory's own leg: the description of the program's manual, src/knee/description/mod.rs. Simulated.
+OWN_LEG = """# A laboratory's own leg: the description of the program's manual, src/mechanics/knee/description/mod.rs. Simulated.
 [joint]
 kind = "pinned"
 range_deg = [-110, 10]

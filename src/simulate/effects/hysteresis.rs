@@ -11,7 +11,7 @@
 //! Mechatronics 16 (2011) 177 (play operators).
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
-use crate::base::session::Phase;
+use pipeline_base::session::Phase;
 
 /// The effect.
 pub static EFFECT: Effect = Effect {

@@ -1,10 +1,10 @@
 //! Each effect's closed form on one reading, and how far the other forms lie from the plain one.
 
 use super::*;
-use crate::base::session::Phase;
-use crate::simulate::chain::{Acting, Actuator, Chain};
-use crate::simulate::logged_columns::LogColumns;
-use crate::simulate::moment::Instant;
+use crate::chain::{Acting, Actuator, Chain};
+use crate::logged_columns::LogColumns;
+use crate::moment::Instant;
+use pipeline_base::session::Phase;
 
 const ACTUATOR: Actuator = Actuator {
     surface: [0.5682, 4.254, 0.5597],

@@ -15,7 +15,7 @@
 use super::families::Family;
 use super::misfit::Misfit;
 use super::{CAMPAIGN, Scatter, Settings};
-use crate::simulate::coefficients::Coefficients;
+use crate::coefficients::Coefficients;
 
 /// Relative contractions of the sessions of a specimen.
 pub const CONTRACTIONS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
@@ -156,7 +156,8 @@ fn sizes(seed: u64, family: Family, scatter: Scatter) -> Sizes {
 }
 
 fn law(seed: u64, family: Family) -> Coefficients {
-    let published = crate::models::values(&crate::models::new::PUBLISHED_10);
+    let published =
+        pipeline_mechanics::models::values(&pipeline_mechanics::models::new::PUBLISHED_10);
     let [b1, b2, l_0, _, _, _, c0, c1, c2] = published;
     let mut stream = family.stream(seed, &["law"]);
     let mut near = |x: f64| x * (1.0 + family.law_scatter() * stream.normal());

@@ -2,7 +2,7 @@
 //! that what was designed with one can be judged on the other.
 
 use super::misfit::Shape;
-use crate::base::random::Stream;
+use pipeline_base::random::Stream;
 
 /// A set of constants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

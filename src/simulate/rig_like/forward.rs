@@ -2,12 +2,12 @@
 
 use super::draw::{COLUMNS, Drawn};
 use super::{DIAMETER_MM, Put, Settings};
-use crate::models::P_620_KPA;
-use crate::simulate::chain::{Acting, Actuator, Chain};
-use crate::simulate::coefficients::Coefficients;
-use crate::simulate::effects::{self, Column, MOST_PARAMETERS};
-use crate::simulate::logged_columns::LogColumns;
-use crate::simulate::moment::{Instant, Moment};
+use crate::chain::{Acting, Actuator, Chain};
+use crate::coefficients::Coefficients;
+use crate::effects::{self, Column, MOST_PARAMETERS};
+use crate::logged_columns::LogColumns;
+use crate::moment::{Instant, Moment};
+use pipeline_mechanics::models::P_620_KPA;
 
 /// How a reading departs from what a stranger expects of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -9,7 +9,7 @@ use super::draw::Drawn;
 use super::forward::{Departure, Forward};
 use super::rows::Taken;
 use super::{Campaign, Put, Settings};
-use crate::simulate::coefficients::Coefficients;
+use crate::coefficients::Coefficients;
 
 /// The generating model of a campaign.
 pub struct Generating<'a> {
@@ -113,7 +113,7 @@ impl<'a> Generating<'a> {
         list.extend((0..self.functions()).map(|f| {
             each(&|t| {
                 let setup = &self.drawn.setups[t.place.setup];
-                let rel = t.place.at.pressure_kpa / crate::models::P_620_KPA;
+                let rel = t.place.at.pressure_kpa / pipeline_mechanics::models::P_620_KPA;
                 let values = self.drawn.misfit.over(setup.contraction_rel, rel);
                 size * values[f] * nothing.force(&t.place, &still)
             })

@@ -6,9 +6,9 @@
 //! known exactly.
 
 use super::families::Family;
-use crate::base::random::Stream;
-use crate::models::P_620_KPA;
-use crate::numerics::distributions::normal_quantile;
+use pipeline_base::random::Stream;
+use pipeline_mechanics::models::P_620_KPA;
+use pipeline_numerics::distributions::normal_quantile;
 
 /// Of which functions a misfit is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

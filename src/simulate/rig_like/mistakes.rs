@@ -2,8 +2,8 @@
 
 use super::draw::Drawn;
 use super::families::Family;
-use crate::base::row::Row;
-use crate::models::P_620_KPA;
+use pipeline_base::row::Row;
+use pipeline_mechanics::models::P_620_KPA;
 
 /// A mistake.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

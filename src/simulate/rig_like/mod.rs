@@ -31,8 +31,8 @@ pub use generating::Generating;
 pub use mistakes::{Mistake, Mistaken};
 pub use schedule::Pace;
 
-use crate::base::row::Row;
-use crate::stages::fit::Group;
+use pipeline_base::group::Group;
+use pipeline_base::row::Row;
 
 /// Name of every campaign.
 pub const CAMPAIGN: &str = "rig-like";

@@ -4,11 +4,11 @@ use super::draw::{COLUMNS, Drawn, SetUp};
 use super::forward::{Departure, Forward, Place};
 use super::schedule::instants;
 use super::{CAMPAIGN, DIAMETER_MM, Settings};
-use crate::base::columns::{FORCE, LENGTH, PRESSURE, TIME};
-use crate::base::normalized;
-use crate::base::reading::Reading;
-use crate::base::row::Row;
-use crate::base::session::{Constant, Kind, Sampling, Session, Specimen};
+use pipeline_base::columns::{FORCE, LENGTH, PRESSURE, TIME};
+use pipeline_base::normalized;
+use pipeline_base::reading::Reading;
+use pipeline_base::row::Row;
+use pipeline_base::session::{Constant, Kind, Sampling, Session, Specimen};
 use std::collections::BTreeMap;
 
 /// One reading.

@@ -2,9 +2,9 @@
 
 use super::families::Family;
 use super::{CAMPAIGN, Settings};
-use crate::base::random::Stream;
-use crate::base::session::Phase;
-use crate::simulate::moment::Instant;
+use crate::moment::Instant;
+use pipeline_base::random::Stream;
+use pipeline_base::session::Phase;
 
 /// How set points are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

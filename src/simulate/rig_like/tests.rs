@@ -1,7 +1,7 @@
 //! The generator does what it says: sizes as asked, nothing moved by an effect but the effect, and a density that is right for its readings.
 
 use super::*;
-use crate::numerics::statistics::{mean, standard_deviation};
+use pipeline_numerics::statistics::{mean, standard_deviation};
 
 fn with(effects: Vec<Put>) -> Settings {
     Settings {

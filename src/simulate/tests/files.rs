@@ -2,8 +2,8 @@
 
 use super::super::*;
 use super::{COMMITTED, SMALL, truth};
-use crate::base::session::Session;
-use crate::formats::session_toml;
+use pipeline_base::session::Session;
+use pipeline_formats::session_toml;
 
 fn session(files: &SessionFiles) -> Session {
     let text = std::str::from_utf8(&files.files[0].1).expect("UTF-8");
@@ -22,7 +22,7 @@ fn session_files_are_read_back_without_a_mistake() {
             assert!(session.is_simulated());
             assert_eq!(session.role, campaign.drawn.specimen(drawn).role);
             assert_eq!(session.date, truth.date);
-            let length = session.setup_number(crate::base::columns::LENGTH);
+            let length = session.setup_number(pipeline_base::columns::LENGTH);
             assert_eq!(length, Some(drawn.length_mm * 1e-3));
             let names: Vec<&str> = session.logs.iter().map(|l| l.file.as_str()).collect();
             let written: Vec<&str> = files.files[1..].iter().map(|f| f.0.as_str()).collect();

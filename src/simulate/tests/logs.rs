@@ -2,7 +2,7 @@
 
 use super::super::*;
 use super::{COMMITTED, SMALL, truth};
-use crate::numerics::plateaus::{PlateauOptions, find_plateaus};
+use pipeline_numerics::plateaus::{PlateauOptions, find_plateaus};
 
 /// The columns of a log.
 fn columns(bytes: &[u8]) -> Vec<Vec<f64>> {

@@ -1,7 +1,7 @@
 //! Mistakes in a truth file.
 
 use super::SMALL;
-use crate::simulate::read_truth;
+use crate::read_truth;
 
 #[test]
 fn every_mistake_of_a_truth_file_is_reported_with_line_and_hint() {

@@ -65,7 +65,7 @@ pub mod component {
 }
 
 /// Most terms in one model.
-pub const MOST_TERMS: usize = 6;
+pub const MOST_TERMS: usize = crate::config::MOST_EFFECTS;
 /// Slots of the derivatives: five coefficients, gain, length, zero, resting and contracted length, two for each term and for one that is tried
 /// beside them.
 const SLOTS: usize = TERMS + 2 * (MOST_TERMS + 1);

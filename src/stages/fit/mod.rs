@@ -32,6 +32,7 @@ mod steps;
 #[cfg(test)]
 mod tests_of_refits;
 
+pub use crate::base::group::Group;
 use crate::base::row::Row;
 use crate::base::session::{Kind, Role};
 use crate::config::FitOptions;
@@ -44,19 +45,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Raised when results change without a change of this stage's source files.
 pub const VERSION: u32 = 1;
-
-/// Rows that are fitted together.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct Group {
-    /// The campaign, or `pooled-10mm` and the like.
-    pub campaign: String,
-    /// Uninflated inner diameter, mm.
-    pub diameter_mm: u32,
-    /// The campaigns in it.
-    pub members: Vec<String>,
-    /// Whether the data are simulated.
-    pub simulated: bool,
-}
 
 /// One specimen of a group.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -6,11 +6,11 @@ use pipeline::models::{Direction, State, values};
 
 const MAP_10: &str = include_str!(concat!(
     env!("CARGO_MANIFEST_DIR"),
-    "/src/models/data/martens_a2_dmsp10_250.csv"
+    "/src/mechanics/models/data/martens_a2_dmsp10_250.csv"
 ));
 const MAP_20: &str = include_str!(concat!(
     env!("CARGO_MANIFEST_DIR"),
-    "/src/models/data/martens_a1_dmsp20_300.csv"
+    "/src/mechanics/models/data/martens_a1_dmsp20_300.csv"
 ));
 
 fn map(diameter_mm: u32) -> Vec<[f64; 3]> {

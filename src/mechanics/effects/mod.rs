@@ -1,0 +1,171 @@
+//! The library of effects: what a force model of an actuator may lack, and what may be wrong with a rig.
+//!
+//! An effect is an *operator on the forward model*, never a column that is glued to a residual. It is written once, for every model
+//! that it applies to, generic over [`Real`], so that fits have exact derivatives. The chain from a set-up to a sensor is
+//!
+//! 1. **inputs**: gauge pressure and length as they were read become those of the actuator ([`Place::Input`]);
+//! 2. **frame**: the length yields to the force, F = A(P, l - s(F)), solved together with the force ([`Place::Frame`]);
+//! 3. **actuator**: the base model times what changes the actuator itself ([`Place::Actuator`]);
+//! 4. **sensor**: what the load cell shows of the force ([`Place::Sensor`]).
+//!
+//! Each effect has *forms*: equations of one physical idea that differ in shape (a constant or a proportional hysteresis). A form has
+//! an **amplitude**, which is 0 where the effect is absent, and at most one **shape** parameter (a time constant), which means
+//! nothing while the amplitude is 0 and is therefore searched on a grid first.
+//!
+//! A new effect is one new file here and one line in the list below; search, detection limits, classes, report and documentation
+//! follow from the list. The joint's own effects (friction, kinking, wrapping) come with the knee.
+//!
+//! Deliberately absent: data frames, fitting, statistics. `stages::diagnose` searches.
+
+mod chain;
+mod conditions;
+#[cfg(test)]
+mod tests;
+
+pub use chain::{Actuator, Applied, force, scale};
+pub use conditions::{Argument, Conditions, Need};
+
+use pipeline_numerics::real::Real;
+
+/// Where in the chain an effect acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Place {
+    /// On pressure and length, before the force.
+    Input,
+    /// On the length, by the force.
+    Frame,
+    /// On the actuator's force.
+    Actuator,
+    /// On what the sensor shows.
+    Sensor,
+}
+
+/// A number that an effect has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Symbol.
+    pub name: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// What is reported where the effect is absent: 1 for a gain. Reported is this plus the amplitude.
+    pub absent: f64,
+    /// Physically possible values of the amplitude.
+    pub bounds: (f64, f64),
+}
+
+/// One equation of an effect.
+#[derive(Clone, Copy, Debug)]
+pub struct Form {
+    /// A word for it.
+    pub name: &'static str,
+    /// Where in the chain.
+    pub place: Place,
+    /// The equation, as plain text.
+    pub equation: &'static str,
+    /// 0 where the effect is absent.
+    pub amplitude: Parameter,
+    /// A second parameter and the values at which the search tries it.
+    pub shape: Option<(Parameter, &'static [f64])>,
+    /// What must be known of a reading.
+    pub needs: &'static [Need],
+}
+
+/// On what one value of the amplitude may act: on all readings, or on a part of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Grouping {
+    /// One value for all readings.
+    Whole,
+    /// Also a value for some sessions only, or for one specimen only: something of the set-up.
+    Parts,
+}
+
+/// Who an effect is.
+pub trait Effect: Sync {
+    /// Name in files; never changes.
+    fn id(&self) -> &'static str;
+    /// Name for a reader.
+    fn title(&self) -> &'static str;
+    /// Its equations.
+    fn forms(&self) -> &'static [Form];
+    /// On what it may act.
+    fn grouping(&self) -> Grouping {
+        Grouping::Whole
+    }
+    /// What would measure it apart from the force.
+    fn measurement(&self) -> &'static str;
+    /// Where it is described.
+    fn source(&self) -> &'static str;
+    /// Value of the amplitude near which its trace is taken; other than 0 only where the trace vanishes to first order at 0.
+    fn near(&self) -> f64 {
+        0.0
+    }
+    /// Along what the size of a form may change, so that one number would not be enough for it.
+    fn argument(&self, _form: usize) -> Option<Argument> {
+        None
+    }
+}
+
+/// What is between two links of the chain.
+#[derive(Clone, Copy, Debug)]
+pub struct Link<R> {
+    /// Gauge pressure in the actuator, kPa.
+    pub pressure: R,
+    /// Length of the actuator, m.
+    pub length: R,
+    /// Force, N; at [`Place::Frame`] the force that the frame carries.
+    pub force: R,
+}
+
+/// A change of the force that the tension itself causes, as friction does: it stays below the tension, and does so smoothly. A jump or a corner
+/// where the actuator goes slack would leave fits without a fixed point.
+fn within_tension<R: Real>(change: R, tension: R) -> R {
+    if tension.value() <= 0.0 {
+        return R::constant(0.0);
+    }
+    let share = change / tension;
+    change / (share * share + 1.0).sqrt()
+}
+
+/// Declares the files and lists their effects, so that both stand in one line an effect.
+macro_rules! effects {
+    ($($file:ident :: $effect:ident,)+) => {
+        $(pub mod $file;)+
+
+        /// Every effect, in the order in which operators at one place of the chain are applied.
+        pub fn all() -> &'static [&'static dyn Effect] {
+            &[$(&$file::$effect),+]
+        }
+
+        /// Applies a form of the effect number `effect` of [`all`].
+        #[inline]
+        fn apply<R: Real>(effect: usize, form: usize, parameters: [R; 2], at: &Conditions, link: &mut Link<R>) {
+            let table: &[fn(usize, [R; 2], &Conditions, &mut Link<R>)] = &[$($file::apply::<R>),+];
+            table[effect](form, parameters, at, link);
+        }
+    };
+}
+
+// rustfmt does not follow modules declared by a macro: check them with `rustfmt --edition 2024 --check src/mechanics/effects/*.rs`.
+effects! {
+    pressure_gain::PressureGain,
+    pressure_zero_offset::PressureZeroOffset,
+    bladder_threshold::BladderThreshold,
+    length_offset::LengthOffset,
+    series_compliance::SeriesCompliance,
+    rest_length_scaling::RestLengthScaling,
+    specimen_variation::SpecimenVariation,
+    temperature::Temperature,
+    creep::Creep,
+    conditioning::Conditioning,
+    hysteresis::Hysteresis,
+    rate_dependence::RateDependence,
+    misalignment::Misalignment,
+    force_gain::ForceGain,
+    force_zero_offset::ForceZeroOffset,
+    force_drift::ForceDrift,
+}
+
+/// The place in [`all`] of an effect.
+pub fn index(id: &str) -> Option<usize> {
+    all().iter().position(|e| e.id() == id)
+}

@@ -1,0 +1,50 @@
+//! The pressure sensor shows something at no pressure.
+
+use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place};
+use pipeline_numerics::real::Real;
+
+/// P = P_meas - p.
+pub struct PressureZeroOffset;
+
+const FORMS: &[Form] = &[Form {
+    name: "constant",
+    place: Place::Input,
+    equation: "P = P_meas - p",
+    amplitude: Parameter {
+        name: "p",
+        unit: "kPa",
+        absent: 0.0,
+        bounds: (-150.0, 150.0),
+    },
+    shape: None,
+    needs: &[],
+}];
+
+impl Effect for PressureZeroOffset {
+    fn id(&self) -> &'static str {
+        "pressure_zero_offset"
+    }
+    fn title(&self) -> &'static str {
+        "zero of the pressure sensor"
+    }
+    fn forms(&self) -> &'static [Form] {
+        FORMS
+    }
+    fn grouping(&self) -> Grouping {
+        Grouping::Parts
+    }
+    fn measurement(&self) -> &'static str {
+        "vent the actuator to the room before each session and log the pressure sensor for ten seconds"
+    }
+    fn source(&self) -> &'static str {
+        "JCGM 200:2012, 4.28 (zero error)"
+    }
+    fn argument(&self, _form: usize) -> Option<Argument> {
+        Some(Argument::Pressure)
+    }
+}
+
+/// The operator.
+pub fn apply<R: Real>(_form: usize, [p, _]: [R; 2], _at: &Conditions, link: &mut Link<R>) {
+    link.pressure = link.pressure - p;
+}

@@ -1,0 +1,47 @@
+//! The force follows the rate of the pressure: flow through the inlet, viscosity of the bladder.
+
+use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place, within_tension};
+use pipeline_numerics::real::Real;
+
+/// F_meas = F - r dP/dt.
+pub struct RateDependence;
+
+const FORMS: &[Form] = &[Form {
+    name: "linear",
+    place: Place::Sensor,
+    equation: "F -> F - c/sqrt(1 + (c/F)^2), c = r dP/dt",
+    amplitude: Parameter {
+        name: "r",
+        unit: "N s/kPa",
+        absent: 0.0,
+        bounds: (-50.0, 50.0),
+    },
+    shape: None,
+    needs: &[Need::Rate],
+}];
+
+impl Effect for RateDependence {
+    fn id(&self) -> &'static str {
+        "rate_dependence"
+    }
+    fn title(&self) -> &'static str {
+        "dependence on the rate of the pressure"
+    }
+    fn forms(&self) -> &'static [Form] {
+        FORMS
+    }
+    fn measurement(&self) -> &'static str {
+        "fill and vent through the same pressures at three rates, the slowest ten times slower than now"
+    }
+    fn source(&self) -> &'static str {
+        "Tondu and Lopez, IEEE Control Syst. Mag. 20 (2000) 15 (dynamic friction)"
+    }
+    fn argument(&self, _form: usize) -> Option<Argument> {
+        Some(Argument::Rate)
+    }
+}
+
+/// The operator.
+pub fn apply<R: Real>(_form: usize, [r, _]: [R; 2], at: &Conditions, link: &mut Link<R>) {
+    link.force = link.force - within_tension(r * at.rate_kpa_per_s, link.force);
+}

@@ -1,0 +1,48 @@
+//! Actuators of one make differ in strength.
+//!
+//! Every model here lets each specimen have a strength of its own, F (1 + u), with u normal about 0; that is no finding. The effect is
+//! found where the strengths scatter more than is usual for one batch. This file names it; the strengths live in
+//! [`super::force`].
+
+use super::{Conditions, Effect, Form, Link, Parameter, Place};
+use pipeline_numerics::real::Real;
+
+/// F_620 (1 + u), u a random effect of the specimen.
+pub struct SpecimenVariation;
+
+const FORMS: &[Form] = &[Form {
+    name: "strength of a specimen",
+    place: Place::Actuator,
+    equation: "F -> F (1 + u), u ~ N(0, sd)",
+    amplitude: Parameter {
+        name: "sd",
+        unit: "1",
+        absent: 0.0,
+        bounds: (0.0, 0.5),
+    },
+    shape: None,
+    needs: &[],
+}];
+
+impl Effect for SpecimenVariation {
+    fn id(&self) -> &'static str {
+        "specimen_variation"
+    }
+    fn title(&self) -> &'static str {
+        "scatter of the specimens' strengths"
+    }
+    fn forms(&self) -> &'static [Form] {
+        FORMS
+    }
+    fn measurement(&self) -> &'static str {
+        "measure three specimens of one resting length, and one specimen again after remounting"
+    }
+    fn source(&self) -> &'static str {
+        "Pinheiro and Bates, Mixed-Effects Models in S and S-PLUS (2000), chapter 2"
+    }
+}
+
+/// The operator for one specimen.
+pub fn apply<R: Real>(_form: usize, [u, _]: [R; 2], _at: &Conditions, link: &mut Link<R>) {
+    link.force = link.force * (u + 1.0);
+}

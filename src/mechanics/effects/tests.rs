@@ -1,0 +1,228 @@
+//! Every effect against closed forms, and all of them against what an operator must be.
+
+use super::*;
+use pipeline_numerics::real::Dual;
+
+/// A linear spring with a gain for the pressure: F = a P + k (l - l_rest).
+struct Spring;
+
+const GAIN: f64 = 0.5;
+const STIFFNESS: f64 = 2e4;
+
+impl Actuator for Spring {
+    fn force<R: Real>(&self, _: &[R], pressure: R, length: R, at: &Conditions) -> R {
+        pressure * GAIN + (length - at.rest_length_m) * STIFFNESS
+    }
+}
+
+fn somewhere() -> Conditions {
+    Conditions {
+        direction: 1.0,
+        log_time_s: 12.0,
+        campaign_time: 0.4,
+        since_step_s: 3.0,
+        rate_kpa_per_s: 7.0,
+        temperature_c: 2.5,
+        cycles: 15.0,
+        zero_force_n: 4.0,
+        middle_rest_length_m: 0.25,
+        ..Conditions::at(0.2, 0.16, 0.195, 400.0)
+    }
+}
+
+fn shown<R: Real>(effects: &[Applied<R>], at: &Conditions) -> R {
+    force(&Spring, &[], R::constant(1.0), effects, at)
+}
+
+fn applied<R: Real>(id: &str, form: usize, amplitude: f64, shape: f64) -> Applied<R> {
+    Applied {
+        effect: index(id).unwrap_or_else(|| panic!("{id}")),
+        form,
+        parameters: [R::constant(amplitude), R::constant(shape)],
+    }
+}
+
+/// Every effect, form and shape of the library, with an amplitude inside its bounds.
+fn all_forms() -> Vec<(usize, usize, f64, f64)> {
+    let mut list = Vec::new();
+    for (e, effect) in all().iter().enumerate() {
+        for (f, form) in effect.forms().iter().enumerate() {
+            let shapes = form.shape.map_or(vec![f64::NAN], |(_, grid)| grid.to_vec());
+            let amplitude = 0.01 * form.amplitude.bounds.1;
+            list.extend(shapes.into_iter().map(|shape| (e, f, amplitude, shape)));
+        }
+    }
+    list
+}
+
+#[test]
+fn an_effect_of_no_size_changes_nothing() {
+    let at = somewhere();
+    let plain: f64 = shown(&[], &at);
+    assert!((plain - 100.0).abs() < 1e-9, "{plain}");
+    for (effect, form, _, shape) in all_forms() {
+        let nothing = Applied {
+            effect,
+            form,
+            parameters: [0.0, shape],
+        };
+        let same = shown(&[nothing], &at);
+        assert!(
+            (same - plain).abs() < 1e-9,
+            "{} {form}: {same}",
+            all()[effect].id()
+        );
+    }
+}
+
+#[test]
+fn derivatives_by_amplitude_and_shape_are_those_of_differences() {
+    let at = somewhere();
+    for (effect, form, amplitude, shape) in all_forms() {
+        let value = |a: f64, s: f64| {
+            let parameters = [a, s];
+            shown(
+                &[Applied {
+                    effect,
+                    form,
+                    parameters,
+                }],
+                &at,
+            )
+        };
+        let exact: Dual<2> = shown(
+            &[Applied {
+                effect,
+                form,
+                parameters: [Dual::variable(amplitude, 0), Dual::variable(shape, 1)],
+            }],
+            &at,
+        );
+        let name = format!("{} {form}", all()[effect].id());
+        let step = 1e-5 * amplitude.abs().max(1e-3);
+        let by_amplitude =
+            (value(amplitude + step, shape) - value(amplitude - step, shape)) / (2.0 * step);
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-5 * (1.0 + a.abs().max(b.abs()));
+        assert!(
+            near(exact.gradient[0], by_amplitude),
+            "{name}: {} {by_amplitude}",
+            exact.gradient[0]
+        );
+        if shape.is_finite() {
+            let step = 1e-5 * shape.abs();
+            let by_shape =
+                (value(amplitude, shape + step) - value(amplitude, shape - step)) / (2.0 * step);
+            assert!(
+                near(exact.gradient[1], by_shape),
+                "{name}: {} {by_shape}",
+                exact.gradient[1]
+            );
+        }
+    }
+}
+
+/// F = a P + k (l - C F - l_rest) is F = (a P + k (l - l_rest))/(1 + k C).
+#[test]
+fn a_yielding_frame_balances_as_two_springs_in_series() {
+    let at = somewhere();
+    let c = 8.0;
+    let compliance = Applied {
+        parameters: [Dual::<1>::variable(c, 0), Dual::constant(f64::NAN)],
+        ..applied("series_compliance", 0, c, f64::NAN)
+    };
+    let force = shown(&[compliance], &at);
+    let softer = 1.0 + STIFFNESS * c * 1e-6;
+    assert!(
+        (force.value - 100.0 / softer).abs() < 1e-9,
+        "{}",
+        force.value
+    );
+    let slope = -STIFFNESS * 1e-6 * 100.0 / (softer * softer);
+    assert!(
+        (force.gradient[0] - slope).abs() < 1e-9,
+        "{} {slope}",
+        force.gradient[0]
+    );
+}
+
+#[test]
+fn operators_do_what_their_equations_say() {
+    let at = somewhere();
+    let f = |id: &str, form: usize, amplitude: f64, shape: f64| -> f64 {
+        shown(&[applied(id, form, amplitude, shape)], &at)
+    };
+    let ln = libm::log;
+    let within = |change: f64| change / (1.0 + (change / 100.0) * (change / 100.0)).sqrt();
+    let gradual = 100.0 - 0.5 * 30.0 * (1.0 - libm::exp(-somewhere().pressure_kpa / 30.0));
+    let expected = [
+        (f("force_zero_offset", 0, 3.0, f64::NAN), 103.0),
+        (f("force_zero_offset", 1, 0.5, f64::NAN), 98.0),
+        (f("force_gain", 0, 0.05, f64::NAN), 105.0),
+        (f("force_drift", 0, 0.2, f64::NAN), 102.4),
+        (f("force_drift", 1, 10.0, f64::NAN), 104.0),
+        (f("pressure_zero_offset", 0, 20.0, f64::NAN), 90.0),
+        (f("pressure_gain", 0, 0.1, f64::NAN), 120.0),
+        (f("bladder_threshold", 0, 30.0, f64::NAN), 85.0),
+        (f("bladder_threshold", 1, 30.0, f64::NAN), gradual),
+        (f("length_offset", 0, 1.0, f64::NAN), 120.0),
+        (f("temperature", 0, -0.01, f64::NAN), 97.5),
+        (f("hysteresis", 0, 4.0, f64::NAN), 100.0 - within(4.0)),
+        (f("hysteresis", 2, 0.02, f64::NAN), 98.0),
+        (f("hysteresis", 3, 6.2, f64::NAN), 100.0 - within(4.0)),
+        (f("hysteresis", 4, 10.0, f64::NAN), 95.0),
+        (f("rate_dependence", 0, 0.5, f64::NAN), 100.0 - within(3.5)),
+        (f("creep", 0, -0.01, 1.0), 100.0 * (1.0 - 0.01 * ln(4.0))),
+        (
+            f("conditioning", 0, 0.1, 15.0),
+            100.0 * (1.0 - 0.1 * (1.0 - libm::exp(-1.0))),
+        ),
+        (f("misalignment", 0, 60.0, f64::NAN), 50.0),
+        (f("rest_length_scaling", 0, 2.0, f64::NAN), 90.0),
+    ];
+    for (k, (shown, says)) in expected.into_iter().enumerate() {
+        assert!((shown - says).abs() < 1e-9, "number {k}: {shown} {says}");
+    }
+}
+
+/// Inputs first, the sensor last, whatever the order in which effects were found.
+#[test]
+fn the_order_of_the_list_does_not_matter() {
+    let at = somewhere();
+    let gain = applied::<f64>("force_gain", 0, 0.1, f64::NAN);
+    let zero = applied("force_zero_offset", 0, 5.0, f64::NAN);
+    let length = applied("length_offset", 0, 1.0, f64::NAN);
+    let expected = 120.0 * 1.1 + 5.0;
+    for list in [[gain, length, zero], [length, gain, zero]] {
+        assert!((shown(&list, &at) - expected).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn arguments_are_known_where_their_form_is_and_scales_turn_back() {
+    for effect in all() {
+        for (k, form) in effect.forms().iter().enumerate() {
+            let Some(argument) = effect.argument(k) else {
+                continue;
+            };
+            let needed = match argument {
+                Argument::SinceStep => Some(Need::SinceStep),
+                Argument::LogTime => Some(Need::LogTime),
+                Argument::CampaignTime => Some(Need::CampaignTime),
+                Argument::Cycles => Some(Need::Cycles),
+                Argument::Temperature => Some(Need::Temperature),
+                Argument::Rate => Some(Need::Rate),
+                Argument::RestLength => Some(Need::RestLengths),
+                Argument::Force | Argument::Pressure | Argument::Contraction => None,
+            };
+            assert!(
+                needed.is_none_or(|n| form.needs.contains(&n)),
+                "{}",
+                effect.id()
+            );
+            for x in [0.0, 0.3, 40.0, 2e4] {
+                let back = argument.unscaled(argument.scaled(x));
+                assert!((back - x).abs() < 1e-9 * (1.0 + x), "{}", effect.id());
+            }
+        }
+    }
+}
