@@ -9,9 +9,9 @@ use std::path::{Path, PathBuf};
 
 /// The sources of each stage, below `src/`.
 const STAGES: &[(&str, &[&str])] = &[
-    ("INGEST", &["base", "formats", "stages/ingest.rs"]),
+    ("INGEST", &["base", "formats", "stages/ingest"]),
     ("CLEAN", &["base", "numerics", "stages/clean"]),
-    ("NORMALIZE", &["base", "stages/normalize.rs"]),
+    ("NORMALIZE", &["base", "stages/normalize"]),
     ("FIT", &["base", "mechanics", "numerics", "stages/fit"]),
     (
         "COMPARE",

@@ -1,12 +1,12 @@
 //! One reading for every row of points: they were steady when they were written down.
 
-use crate::base::columns::{FORCE, PHASE};
-use crate::base::reading::Reading;
-use crate::base::reject::{Extent, Reject};
-use crate::base::session::{Phase, Session};
-use crate::stages::clean::screen::Screened;
-use crate::stages::clean::steady::CLIPPED;
-use crate::stages::clean::zero::is_clipped;
+use crate::screen::Screened;
+use crate::steady::CLIPPED;
+use crate::zero::is_clipped;
+use pipeline_base::columns::{FORCE, PHASE};
+use pipeline_base::reading::Reading;
+use pipeline_base::reject::{Extent, Reject};
+use pipeline_base::session::{Phase, Session};
 
 /// Adds the readings of one log of points; rows at the limit of the converter are left out.
 pub fn readings(

@@ -5,12 +5,12 @@
 //! does not decrease, which drops a single wrong stamp as well as a tail of nonsense, whichever is less. A log of which more than a
 //! small fraction is unusable is left out whole: such logs are broken in ways that the remaining rows may share.
 
-use crate::base::columns::{ANGLE, FORCE, LENGTH, PHASE, PRESSURE, TIME, TORQUE};
-use crate::base::reject::{Extent, Reject};
-use crate::base::session::{Sampling, Session};
-use crate::config::CleanOptions;
-use crate::numerics::statistics::quantile_range;
-use crate::stages::ingest::LogSamples;
+use pipeline_base::columns::{ANGLE, FORCE, LENGTH, PHASE, PRESSURE, TIME, TORQUE};
+use pipeline_base::reject::{Extent, Reject};
+use pipeline_base::session::{Sampling, Session};
+use pipeline_config::CleanOptions;
+use pipeline_ingest::LogSamples;
+use pipeline_numerics::statistics::quantile_range;
 use std::collections::BTreeMap;
 
 /// A log with the rows that are measurements.

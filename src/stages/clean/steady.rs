@@ -3,15 +3,15 @@
 //! A plateau is used if it has enough samples, if the converter clips next to none of them, and if pressure and force stand still in
 //! it; else it is left out with its reason. The reading is the mean over the window.
 
-use crate::base::columns::{FORCE, PHASE, PRESSURE, TIME};
-use crate::base::reading::Reading;
-use crate::base::reject::{Extent, Reject};
-use crate::base::session::{ColumnSpec, Phase, Session};
-use crate::config::CleanOptions;
-use crate::numerics::plateaus::{Plateau, find_plateaus, rising};
-use crate::numerics::statistics::{mean, quantile_range, standard_deviation, sum};
-use crate::stages::clean::screen::Screened;
-use crate::stages::clean::zero::is_clipped;
+use crate::screen::Screened;
+use crate::zero::is_clipped;
+use pipeline_base::columns::{FORCE, PHASE, PRESSURE, TIME};
+use pipeline_base::reading::Reading;
+use pipeline_base::reject::{Extent, Reject};
+use pipeline_base::session::{ColumnSpec, Phase, Session};
+use pipeline_config::CleanOptions;
+use pipeline_numerics::plateaus::{Plateau, find_plateaus, rising};
+use pipeline_numerics::statistics::{mean, quantile_range, standard_deviation, sum};
 use std::collections::BTreeMap;
 use std::ops::Range;
 

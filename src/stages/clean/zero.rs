@@ -14,12 +14,12 @@
 //! A zero log that contradicts the slack state is still applied, because it is what the measurers declared, and because a zero that
 //! moved between zero log and test is an effect that the residual search must be able to find; the difference is reported.
 
-use crate::base::columns::{FORCE, PRESSURE};
-use crate::base::reading::Reading;
-use crate::base::session::{ColumnSpec, Sampling};
-use crate::config::ZeroRule;
-use crate::numerics::statistics::{median, quantile_range};
-use crate::stages::clean::screen::Screened;
+use crate::screen::Screened;
+use pipeline_base::columns::{FORCE, PRESSURE};
+use pipeline_base::reading::Reading;
+use pipeline_base::session::{ColumnSpec, Sampling};
+use pipeline_config::ZeroRule;
+use pipeline_numerics::statistics::{median, quantile_range};
 use serde::{Deserialize, Serialize};
 
 /// Where a zero came from.

@@ -1,13 +1,13 @@
 //! What the models say of the measured maxima, the force at 620 kPa and resting length of each specimen: the right half of the force
 //! paper's Table 1.
 
-use crate::config::FitOptions;
-use crate::models::festo_tool::FestoTool;
-use crate::models::{ForceModel, P_620_KPA, State, new};
-use crate::numerics::statistics::GoodnessOfFit;
-use crate::stages::fit::GroupFit;
-use crate::stages::fit::engine::Goodness;
-use crate::stages::fit::equations::{FORCE_AT_REST, force_at_rest_offset_m};
+use pipeline_config::FitOptions;
+use pipeline_fit::GroupFit;
+use pipeline_fit::engine::Goodness;
+use pipeline_fit::equations::{FORCE_AT_REST, force_at_rest_offset_m};
+use pipeline_mechanics::models::festo_tool::FestoTool;
+use pipeline_mechanics::models::{ForceModel, P_620_KPA, State, new};
+use pipeline_numerics::statistics::GoodnessOfFit;
 use serde::{Deserialize, Serialize};
 
 /// Predictions of the measured maxima; no model here was fitted to them, so p is 0.

@@ -6,22 +6,22 @@ use super::library::{Scope, Term, What};
 use super::problem::{ForceProblem, component};
 use super::tally;
 use super::unseen::HeldOut;
-use crate::effects;
-use crate::findings::{
+use pipeline_findings::{
     ActsOn, Alternative, CoefficientChange, EffectFinding, Estimate, FreeForm, Level, Parameter,
     Residuals, Scatter, Tested, Unexplained,
 };
-use crate::inference::fit::{Fitted, Free, Setting};
-use crate::inference::problem::{Point, Problem};
-use crate::inference::profile::profile;
-use crate::inference::query;
-use crate::inference::screen::Normal;
-use crate::inference::search::{Accepted, Found};
-use crate::inference::statistic::upper_tail;
-use crate::inference::system::Variances;
-use crate::inference::variance::Prior;
-use crate::models::{ForceModel, new};
-use crate::numerics::statistics::median;
+use pipeline_inference::fit::{Fitted, Free, Setting};
+use pipeline_inference::problem::{Point, Problem};
+use pipeline_inference::profile::profile;
+use pipeline_inference::query;
+use pipeline_inference::screen::Normal;
+use pipeline_inference::search::{Accepted, Found};
+use pipeline_inference::statistic::upper_tail;
+use pipeline_inference::system::Variances;
+use pipeline_inference::variance::Prior;
+use pipeline_mechanics::effects;
+use pipeline_mechanics::models::{ForceModel, new};
+use pipeline_numerics::statistics::median;
 use std::collections::BTreeMap;
 
 /// Two-sided 95% point of the normal distribution.
@@ -537,9 +537,9 @@ fn columns(data: &Data) -> Vec<(String, Vec<f64>)> {
 }
 
 /// The sizes of the misfit.
-pub fn misfit(variances: &Variances, problem: &ForceProblem) -> crate::findings::Misfit {
+pub fn misfit(variances: &Variances, problem: &ForceProblem) -> pipeline_findings::Misfit {
     let stroke = variances.components[component::STROKE_MISFIT];
-    crate::findings::Misfit {
+    pipeline_findings::Misfit {
         common: variances.components[component::COMMON_MISFIT],
         session: variances.components[component::SESSION_MISFIT],
         stroke: problem.has_strokes().then_some(stroke),

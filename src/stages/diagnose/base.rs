@@ -1,10 +1,10 @@
 //! The base model: what the effects are added to.
 
-use crate::config::FitOptions;
-use crate::effects::{Actuator, Conditions};
-use crate::models::{Direction, ForceModel, P_620_KPA, State, new, published};
-use crate::numerics::real::Real;
-use crate::stages::fit::equations;
+use pipeline_config::FitOptions;
+use pipeline_fit::equations;
+use pipeline_mechanics::effects::{Actuator, Conditions};
+use pipeline_mechanics::models::{Direction, ForceModel, P_620_KPA, State, new, published};
+use pipeline_numerics::real::Real;
 
 /// A coefficient of a base model.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,9 +5,9 @@
 //! from a short grid by the held-out error itself, which favours it: it is a limit, not a competitor.
 
 use super::data::{Data, PLACEBO};
-use crate::effects::Conditions;
-use crate::numerics::cholesky::Cholesky;
-use crate::numerics::matrix::Matrix;
+use pipeline_mechanics::effects::Conditions;
+use pipeline_numerics::cholesky::Cholesky;
+use pipeline_numerics::matrix::Matrix;
 
 /// Inducing readings.
 const INDUCING: usize = 150;

@@ -1,9 +1,9 @@
 //! Free forms: whether one number is enough for the size of an effect that was found, or whether the size changes along the effect's own
-//! argument ([`crate::effects::Argument`]).
+//! argument ([`pipeline_mechanics::effects::Argument`]).
 //!
 //! At the mode of the found model the effect changes reading i by s_i = phi dh_i/dphi. The free form is s_i (1 + g(x_i)), x the argument over
 //! the range of the readings on which the effect acts, g a Gaussian process in a cosine basis that bends over most of that range
-//! ([`settings::FORM_LENGTH`]). Its coefficients are one more component at the root ([`crate::inference::form`]); the constant is left out,
+//! ([`settings::FORM_LENGTH`]). Its coefficients are one more component at the root ([`pipeline_inference::form`]); the constant is left out,
 //! because phi is free beside g. The size at x is then (phi + its change) + phi g(x), whatever part of a constant size the cosines take.
 //!
 //! The argument is frozen, also where it is the force: that of the found model, with its random effects. Sensitivities are those of the found
@@ -19,11 +19,11 @@
 use super::answer::NORMAL_95;
 use super::problem::{ForceProblem, cosines};
 use super::settings;
-use crate::effects::{self, Argument};
-use crate::findings::{FormPoint, FreeForm};
-use crate::inference::fit::{Fitted, Setting};
-use crate::inference::form::{Answer, Bootstrap, answers};
-use crate::inference::screen::Normal;
+use pipeline_findings::{FormPoint, FreeForm};
+use pipeline_inference::fit::{Fitted, Setting};
+use pipeline_inference::form::{Answer, Bootstrap, answers};
+use pipeline_inference::screen::Normal;
+use pipeline_mechanics::effects::{self, Argument};
 use std::collections::BTreeMap;
 
 /// Cosines of g, the constant among them.
@@ -167,14 +167,14 @@ impl Asked {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::random::Stream;
-    use crate::config::FitOptions;
-    use crate::inference::gram::Square;
-    use crate::inference::problem::Problem;
-    use crate::simulate::rig_like;
-    use crate::stages::diagnose::base::Base;
-    use crate::stages::diagnose::data::Data;
-    use crate::stages::diagnose::library::{self, Scope};
+    use crate::base::Base;
+    use crate::data::Data;
+    use crate::library::{self, Scope};
+    use pipeline_base::random::Stream;
+    use pipeline_config::FitOptions;
+    use pipeline_inference::gram::Square;
+    use pipeline_inference::problem::Problem;
+    use pipeline_simulate::rig_like;
 
     #[test]
     fn the_size_is_the_amplitude_with_its_change_and_the_smooth_part() {

@@ -1,8 +1,8 @@
 //! Columns of words: a load cell, a bench, an operator. They measure nothing; where a session has one word, they name groups of sessions.
 
 use super::data::{Data, Extra};
-use crate::base::row::{NO_LABEL, Row, label_names};
-use crate::numerics::statistics::mean;
+use pipeline_base::row::{NO_LABEL, Row, label_names};
+use pipeline_numerics::statistics::mean;
 use std::collections::BTreeSet;
 
 /// Fewest sessions for each group, on average.

@@ -2,10 +2,10 @@
 //! or from a change point on; and smooth functions of every column.
 
 use super::data::Data;
-use crate::effects::{self, Applied, Conditions, Form, Grouping, Need, Place};
-use crate::inference::problem;
-use crate::models::P_620_KPA;
-use crate::numerics::real::Real;
+use pipeline_inference::problem;
+use pipeline_mechanics::effects::{self, Applied, Conditions, Form, Grouping, Need, Place};
+use pipeline_mechanics::models::P_620_KPA;
+use pipeline_numerics::real::Real;
 
 /// What is added.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,14 +4,14 @@
 use super::data::Data;
 use super::library::{Scope, Term, What};
 use super::problem::ForceProblem;
-use crate::effects::{self, Need};
-use crate::findings::{Alias, DetectionLimit, NotMeasurable, WhyNot};
-use crate::inference::fit::{Fitted, Setting};
-use crate::inference::power::{Power, strength, wanted};
-use crate::inference::problem::{Direction, Problem};
-use crate::inference::screen::{IDENTIFIABLE, Screen};
-use crate::inference::statistic::likelihood_ratio;
-use crate::inference::system::{Factor, Panel};
+use pipeline_findings::{Alias, DetectionLimit, NotMeasurable, WhyNot};
+use pipeline_inference::fit::{Fitted, Setting};
+use pipeline_inference::power::{Power, strength, wanted};
+use pipeline_inference::problem::{Direction, Problem};
+use pipeline_inference::screen::{IDENTIFIABLE, Screen};
+use pipeline_inference::statistic::likelihood_ratio;
+use pipeline_inference::system::{Factor, Panel};
+use pipeline_mechanics::effects::{self, Need};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 

@@ -4,12 +4,12 @@ use super::answer::{relative_contraction, rms};
 use super::data::Data;
 use super::problem::{ForceProblem, component};
 use super::{settings, unseen};
-use crate::findings::{BudgetEntry, NextKind, NextMeasurement};
-use crate::inference::fit::Setting;
-use crate::inference::heldout::Unseen;
-use crate::inference::problem::{Point, Problem};
-use crate::inference::search::Found;
-use crate::inference::system::Variances;
+use pipeline_findings::{BudgetEntry, NextKind, NextMeasurement};
+use pipeline_inference::fit::Setting;
+use pipeline_inference::heldout::Unseen;
+use pipeline_inference::problem::{Point, Problem};
+use pipeline_inference::search::Found;
+use pipeline_inference::system::Variances;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Set points that are proposed together.

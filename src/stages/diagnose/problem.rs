@@ -19,19 +19,19 @@ use super::data::Data;
 use super::library::{Term, What};
 use super::settings;
 use super::slack::{self, Side, Sided};
-use crate::effects::{self, Applied, Conditions};
-use crate::inference::fit::{Fitted, Setting};
-use crate::inference::problem::Term as EngineTerm;
-use crate::inference::problem::{Coefficient, Component, Direction, Linearised, Point, Problem};
-use crate::inference::query;
-use crate::inference::system::Variances;
-use crate::inference::tree::{Block, Tree};
-use crate::inference::variance::{Prior, Scale};
-use crate::models::P_620_KPA;
-use crate::numerics::matrix::Matrix;
-use crate::numerics::qr::PivotedQr;
-use crate::numerics::real::{Dual, Real};
-use crate::numerics::statistics::median;
+use pipeline_inference::fit::{Fitted, Setting};
+use pipeline_inference::problem::Term as EngineTerm;
+use pipeline_inference::problem::{Coefficient, Component, Direction, Linearised, Point, Problem};
+use pipeline_inference::query;
+use pipeline_inference::system::Variances;
+use pipeline_inference::tree::{Block, Tree};
+use pipeline_inference::variance::{Prior, Scale};
+use pipeline_mechanics::effects::{self, Applied, Conditions};
+use pipeline_mechanics::models::P_620_KPA;
+use pipeline_numerics::matrix::Matrix;
+use pipeline_numerics::qr::PivotedQr;
+use pipeline_numerics::real::{Dual, Real};
+use pipeline_numerics::statistics::median;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -65,7 +65,7 @@ pub mod component {
 }
 
 /// Most terms in one model.
-pub const MOST_TERMS: usize = crate::config::MOST_EFFECTS;
+pub const MOST_TERMS: usize = pipeline_config::MOST_EFFECTS;
 /// Slots of the derivatives: five coefficients, gain, length, zero, resting and contracted length, two for each term and for one that is tried
 /// beside them.
 const SLOTS: usize = TERMS + 2 * (MOST_TERMS + 1);
@@ -1056,10 +1056,10 @@ pub fn cosine(a: &[f64], b: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::FitOptions;
-    use crate::numerics::matrix::norm;
-    use crate::simulate::rig_like;
-    use crate::stages::diagnose::library;
+    use crate::library;
+    use pipeline_config::FitOptions;
+    use pipeline_numerics::matrix::norm;
+    use pipeline_simulate::rig_like;
 
     #[test]
     fn derivatives_by_the_lengths_of_a_specimen_are_those_of_other_conditions() {

@@ -21,12 +21,12 @@ use super::library::{Column, Scope, Term, What};
 use super::problem::{ForceProblem, component};
 use super::settings;
 use super::slack::{Side, Sided};
-use crate::effects::{self, Applied, Conditions};
-use crate::findings::{ErrorKind, Level, RecordingError};
-use crate::inference::fit::{Fitted, Setting};
-use crate::inference::problem::Problem;
-use crate::numerics::distributions::student_t_two_sided;
-use crate::numerics::statistics::{mean, median, standard_deviation};
+use pipeline_findings::{ErrorKind, Level, RecordingError};
+use pipeline_inference::fit::{Fitted, Setting};
+use pipeline_inference::problem::Problem;
+use pipeline_mechanics::effects::{self, Applied, Conditions};
+use pipeline_numerics::distributions::student_t_two_sided;
+use pipeline_numerics::statistics::{mean, median, standard_deviation};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
@@ -703,8 +703,8 @@ fn least((low, high): (f64, f64), steps: usize, of: impl Fn(f64) -> f64) -> (f64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::FitOptions;
-    use crate::simulate::rig_like::{self, Campaign, DIAMETER_MM, Mistake};
+    use pipeline_config::FitOptions;
+    use pipeline_simulate::rig_like::{self, Campaign, DIAMETER_MM, Mistake};
 
     fn simulated(mistake: Option<Mistake>) -> Campaign {
         let settings = rig_like::Settings {

@@ -8,9 +8,9 @@
 
 use super::base::Base;
 use super::settings;
-use crate::effects::{Actuator, Conditions};
-use crate::models::{ForceModel, P_620_KPA, new};
-use crate::numerics::real::Real;
+use pipeline_mechanics::effects::{Actuator, Conditions};
+use pipeline_mechanics::models::{ForceModel, P_620_KPA, new};
+use pipeline_numerics::real::Real;
 
 /// On which side of the corner a reading is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

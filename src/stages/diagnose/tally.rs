@@ -1,8 +1,8 @@
 //! Errors on readings that took no part, summed over groups: what a model says of groups that it has not seen, for forces and torques.
 
-use crate::findings::{BudgetEntry, Errors, UnitErrors};
-use crate::inference::heldout::Unseen;
-use crate::numerics::distributions::normal_cdf;
+use pipeline_findings::{BudgetEntry, Errors, UnitErrors};
+use pipeline_inference::heldout::Unseen;
+use pipeline_numerics::distributions::normal_cdf;
 use std::collections::BTreeMap;
 
 /// How many readings of each set-up are given, where a few are.

@@ -4,12 +4,12 @@ use super::base;
 use super::black_box::{self, Features};
 use super::problem::{ForceProblem, component};
 use super::tally::{Scored, Tally};
-use crate::findings::{BudgetEntry, Errors, HeldOutBy, UnitErrors};
-use crate::inference::fit::{Fitted, Free, Setting};
-use crate::inference::heldout::Unseen;
-use crate::inference::problem::{Point, Problem};
-use crate::inference::screen::Normal;
-use crate::inference::search::{Decision, Found, Search};
+use pipeline_findings::{BudgetEntry, Errors, HeldOutBy, UnitErrors};
+use pipeline_inference::fit::{Fitted, Free, Setting};
+use pipeline_inference::heldout::Unseen;
+use pipeline_inference::problem::{Point, Problem};
+use pipeline_inference::screen::Normal;
+use pipeline_inference::search::{Decision, Found, Search};
 use rayon::prelude::*;
 
 /// The source of the budget that a better length gauge lowers.

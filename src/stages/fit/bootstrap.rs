@@ -1,14 +1,14 @@
 //! The bootstrap by specimen: refits to as many specimens drawn with replacement, by steps from the full fit ([`super::steps`]) where those are as
 //! good, else in full. Rows keep the weight that the robust loss gave them in the full fit.
 
-use crate::base::random::Stream;
-use crate::base::row::Row;
-use crate::config::FitOptions;
-use crate::numerics::jackknife::FEWEST_GROUPS as FEWEST_SPECIMENS;
-use crate::stages::fit::engine::{Equation, Solution};
-use crate::stages::fit::intervals::weighted;
-use crate::stages::fit::specimens::Specimens;
-use crate::stages::fit::steps::{Next, Readings, Spread, Step, Sums, Surface, checked};
+use crate::engine::{Equation, Solution};
+use crate::intervals::weighted;
+use crate::specimens::Specimens;
+use crate::steps::{Next, Readings, Spread, Step, Sums, Surface, checked};
+use pipeline_base::random::Stream;
+use pipeline_base::row::Row;
+use pipeline_config::FitOptions;
+use pipeline_numerics::jackknife::FEWEST_GROUPS as FEWEST_SPECIMENS;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 

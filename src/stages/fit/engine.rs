@@ -6,19 +6,19 @@
 //! a kind of median over specimens, and the jackknife, which needs a smooth estimate, no longer covers (b1 inside its 95% interval in
 //! 89 of 100 simulated campaigns, with c0, c1, c2 inside in all).
 
-use crate::base::row::Row;
-use crate::config::{FitOptions, IntervalMethod};
-use crate::numerics::dual_problem::DualProblem;
-use crate::numerics::fit::{
+use crate::intervals::{Interval, intervals};
+use crate::leave_out::{self, Refits};
+use crate::specimens::{Specimens, lengths};
+use pipeline_base::row::Row;
+use pipeline_config::{FitOptions, IntervalMethod};
+use pipeline_numerics::dual_problem::DualProblem;
+use pipeline_numerics::fit::{
     Fit, Options, ParameterState, Status, fit as minimise, fit_multi_start,
 };
-use crate::numerics::lar::{LarOptions, fit_lar};
-use crate::numerics::loss::Loss;
-use crate::numerics::real::{Dual, Real};
-use crate::numerics::statistics::GoodnessOfFit;
-use crate::stages::fit::intervals::{Interval, intervals};
-use crate::stages::fit::leave_out::{self, Refits};
-use crate::stages::fit::specimens::{Specimens, lengths};
+use pipeline_numerics::lar::{LarOptions, fit_lar};
+use pipeline_numerics::loss::Loss;
+use pipeline_numerics::real::{Dual, Real};
+use pipeline_numerics::statistics::GoodnessOfFit;
 use serde::{Deserialize, Serialize};
 
 /// A coefficient of an equation.
@@ -168,7 +168,7 @@ pub struct EquationFit {
     pub by_rows: Option<RowSplit>,
 }
 
-/// The LAR-compatible statistics of an equation ([`crate::numerics::lar`]): never mixed with the honest ones.
+/// The LAR-compatible statistics of an equation ([`pipeline_numerics::lar`]): never mixed with the honest ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Compatible {
     /// The coefficients of the fit with LAR weights; held ones as in the honest fit.
@@ -189,7 +189,7 @@ pub struct Compatible {
     pub converged: bool,
 }
 
-/// An equation fitted to the training rows of the split by row ([`crate::stages::fit::split`]).
+/// An equation fitted to the training rows of the split by row ([`crate::split`]).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RowSplit {
     /// The coefficients of the training rows.

@@ -1,14 +1,14 @@
 //! The equations of the force paper, ready to be fitted to a group.
 
-use crate::base::row::Row;
-use crate::config::FitOptions;
-use crate::models::{Coefficient, new};
-use crate::numerics::real::{Dual, Real};
-use crate::stages::fit::contraction_620;
-use crate::stages::fit::engine::{Equation, EquationFit, Symbol};
-use crate::stages::fit::maxima::{self, Maximum};
-use crate::stages::fit::specimens::lengths;
-use crate::stages::fit::split::{self, Part};
+use crate::contraction_620;
+use crate::engine::{Equation, EquationFit, Symbol};
+use crate::maxima::{self, Maximum};
+use crate::specimens::lengths;
+use crate::split::{self, Part};
+use pipeline_base::row::Row;
+use pipeline_config::FitOptions;
+use pipeline_mechanics::models::{Coefficient, new};
+use pipeline_numerics::real::{Dual, Real};
 use std::collections::BTreeMap;
 
 /// Id of the fit of F_620(l_rest): Eq. 5 (10 mm) or Eq. 6 (20 mm).

@@ -10,18 +10,18 @@
 //! The last two stand beside the published intervals, which were made in the same way; rows of one log are not independent, so they are too
 //! narrow. A method that needs specimens gives nothing below three of them, and an end that the data do not determine is open.
 
-use crate::base::row::Row;
-use crate::config::{FitOptions, IntervalMethod};
-use crate::numerics::distributions::student_t_quantile;
-use crate::numerics::dual_problem::DualProblem;
-use crate::numerics::fit::{Fit, Options, Status, fit as minimise};
-use crate::numerics::jackknife::{FEWEST_GROUPS as FEWEST_SPECIMENS, standard_error};
-use crate::numerics::real::Dual;
-use crate::numerics::statistics::{quantile, sum_of_squares};
-use crate::stages::fit::bootstrap;
-use crate::stages::fit::engine::{Equation, Solution};
-use crate::stages::fit::leave_out::{Refit, Refits};
-use crate::stages::fit::specimens::Specimens;
+use crate::bootstrap;
+use crate::engine::{Equation, Solution};
+use crate::leave_out::{Refit, Refits};
+use crate::specimens::Specimens;
+use pipeline_base::row::Row;
+use pipeline_config::{FitOptions, IntervalMethod};
+use pipeline_numerics::distributions::student_t_quantile;
+use pipeline_numerics::dual_problem::DualProblem;
+use pipeline_numerics::fit::{Fit, Options, Status, fit as minimise};
+use pipeline_numerics::jackknife::{FEWEST_GROUPS as FEWEST_SPECIMENS, standard_error};
+use pipeline_numerics::real::Dual;
+use pipeline_numerics::statistics::{quantile, sum_of_squares};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -217,7 +217,7 @@ impl<'a, 'e, const N: usize> Profile<'a, 'e, N> {
             .zip(&full.fit.weights)
             .map(|(r, w)| w * r * r)
             .collect();
-        let lowest = crate::numerics::statistics::sum(&weighted);
+        let lowest = pipeline_numerics::statistics::sum(&weighted);
         let freedom = full.fit.residuals.len() - full.fit.parameters.len();
         Self {
             equation,

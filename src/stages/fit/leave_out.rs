@@ -5,11 +5,11 @@
 //! whose polynomials have the bend as a further coordinate. The scale of the other losses is a median that no sum gives: they are
 //! always refitted in full.
 
-use crate::base::row::Row;
-use crate::numerics::loss::Loss;
-use crate::stages::fit::engine::{Equation, Solution};
-use crate::stages::fit::specimens::Specimens;
-use crate::stages::fit::steps::{MOST_STEPS, Next, Readings, Spread, Step, Sums, Surface, checked};
+use crate::engine::{Equation, Solution};
+use crate::specimens::Specimens;
+use crate::steps::{MOST_STEPS, Next, Readings, Spread, Step, Sums, Surface, checked};
+use pipeline_base::row::Row;
+use pipeline_numerics::loss::Loss;
 use rayon::prelude::*;
 use std::sync::OnceLock;
 

@@ -4,11 +4,11 @@
 //! within four times `near_620_kpa`, or, for specimens whose lengths were varied at 620 kPa, a parabola in eps* through the rows near
 //! 620 kPa up to eps* = 0.6, which extrapolates and says so.
 
-use crate::base::row::Row;
-use crate::config::FitOptions;
-use crate::models::P_620_KPA;
-use crate::numerics::matrix::Matrix;
-use crate::numerics::qr::PivotedQr;
+use pipeline_base::row::Row;
+use pipeline_config::FitOptions;
+use pipeline_mechanics::models::P_620_KPA;
+use pipeline_numerics::matrix::Matrix;
+use pipeline_numerics::qr::PivotedQr;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

@@ -12,11 +12,11 @@
 //! **Within a specimen.** What is left around k_g f: noise, zeros, hysteresis, and whatever the surface has not caught. Its mean square is
 //! averaged over specimens, each counting the same.
 
-use crate::base::row::Row;
-use crate::config::FitOptions;
-use crate::numerics::statistics::{mean, sum, sum_of_squares};
-use crate::stages::fit::engine::EquationFit;
-use crate::stages::fit::equations::joint_force;
+use crate::engine::EquationFit;
+use crate::equations::joint_force;
+use pipeline_base::row::Row;
+use pipeline_config::FitOptions;
+use pipeline_numerics::statistics::{mean, sum, sum_of_squares};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -126,9 +126,9 @@ fn within(rows: &[&Row], forces: &[f64], strength: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::models::P_620_KPA;
-    use crate::models::new;
-    use crate::stages::fit::equations::joint;
+    use crate::equations::joint;
+    use pipeline_mechanics::models::P_620_KPA;
+    use pipeline_mechanics::models::new;
 
     /// A campaign without noise, its specimens stronger or weaker than the published law by the given fractions.
     fn campaign(deviations: &[f64]) -> Vec<Row> {

@@ -1,6 +1,6 @@
 //! The rows of one fit by specimen, looked up once.
 
-use crate::base::row::Row;
+use pipeline_base::row::Row;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Which rows belong to which specimen.

@@ -4,10 +4,10 @@
 //! and nothing about others; leave-one-specimen-out is the number for that. Each session is dealt by a stream of its own, so that a session
 //! that is added or removed moves no row of another; a session with a role keeps it.
 
-use crate::base::random::Stream;
-use crate::base::row::Row;
-use crate::base::session::Role;
-use crate::config::FitOptions;
+use pipeline_base::random::Stream;
+use pipeline_base::row::Row;
+use pipeline_base::session::Role;
+use pipeline_config::FitOptions;
 use std::collections::BTreeMap;
 
 /// The side on which a row lies.

@@ -2,7 +2,7 @@
 //!
 //! A fit is where the influences of all rows, summed, are zero. A refit without a specimen, or to specimens taken several times, weighs the
 //! sums of the specimens otherwise. Near the full fit each specimen's sum is replaced by a quadratic polynomial of the coefficients
-//! ([`crate::numerics::group_polynomials`]), made of some fifty evaluations of the rows that all refits share; the root of the weighted sum is then a
+//! ([`pipeline_numerics::group_polynomials`]), made of some fifty evaluations of the rows that all refits share; the root of the weighted sum is then a
 //! Gauss-Newton step that knows the curvature. For an equation that is linear in its coefficients it is exact.
 //!
 //! **What is checked.** The longest steps, on the rows: the influences at the end of a step, summed over the rows of the refit, give the next
@@ -15,13 +15,13 @@
 //! Where the model has a kink (a force that is cut at zero) and readings on it, an objective may have several minima, some hundredths of the
 //! scatter apart; steps and full refits then need not end in the same one.
 
-use crate::base::row::Row;
-use crate::numerics::cholesky::Cholesky;
-use crate::numerics::group_polynomials::{GroupPolynomials, design};
-use crate::numerics::matrix::{Matrix, norm};
-use crate::numerics::real::{Dual, Real};
-use crate::stages::fit::engine::{Equation, Solution};
-use crate::stages::fit::specimens::Specimens;
+use crate::engine::{Equation, Solution};
+use crate::specimens::Specimens;
+use pipeline_base::row::Row;
+use pipeline_numerics::cholesky::Cholesky;
+use pipeline_numerics::group_polynomials::{GroupPolynomials, design};
+use pipeline_numerics::matrix::{Matrix, norm};
+use pipeline_numerics::real::{Dual, Real};
 use rayon::prelude::*;
 
 /// Fewest specimens for which steps are taken: those of fewer are long, and their refits in full soon made.

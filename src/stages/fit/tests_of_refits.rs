@@ -1,14 +1,14 @@
 //! Refits by steps from the full fit against refits in full.
 
-use crate::base::random::Stream;
-use crate::base::row::Row;
-use crate::models::new;
-use crate::numerics::loss::Loss;
-use crate::numerics::real::{Dual, Real};
-use crate::stages::fit::bootstrap::{self, Resampled};
-use crate::stages::fit::engine::{Equation, Model, Solution, Symbol};
-use crate::stages::fit::leave_out::{Refit, refits, steps, without};
-use crate::stages::fit::specimens::Specimens;
+use crate::bootstrap::{self, Resampled};
+use crate::engine::{Equation, Model, Solution, Symbol};
+use crate::leave_out::{Refit, refits, steps, without};
+use crate::specimens::Specimens;
+use pipeline_base::random::Stream;
+use pipeline_base::row::Row;
+use pipeline_mechanics::models::new;
+use pipeline_numerics::loss::Loss;
+use pipeline_numerics::real::{Dual, Real};
 
 const HUBER: Loss = Loss::Huber { k: 3.0 };
 

@@ -1,8 +1,8 @@
 //! How the actuator of a session is built into a leg.
 
-use crate::base::session::Session;
-use crate::config::TorqueOptions;
-use crate::knee::{Knee, Leg, Setup, choice};
+use pipeline_base::session::Session;
+use pipeline_config::TorqueOptions;
+use pipeline_mechanics::knee::{Knee, Leg, Setup, choice};
 
 /// A leg with an actuator.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,11 +1,11 @@
 //! What is expected of a configuration over the range of its joint, for figures and for people who design a leg.
 
-use crate::models::{ForceModel, published};
-use crate::numerics::statistics::mean;
-use crate::stages::torque::Configuration;
-use crate::stages::torque::build::Build;
-use crate::stages::torque::diagnose::fittings::LAWS;
-use crate::stages::torque::point::Expected;
+use crate::Configuration;
+use crate::build::Build;
+use crate::diagnose::fittings::LAWS;
+use crate::point::Expected;
+use pipeline_mechanics::models::{ForceModel, published};
+use pipeline_numerics::statistics::mean;
 use serde::{Deserialize, Serialize};
 
 /// Steps over the range of a joint.

@@ -3,9 +3,9 @@
 //! FVU is the fraction of the variance that is not explained, SSE/SST with SST about the mean of the measured torques. Nothing is fitted to the
 //! points here, so that RMSE is sqrt(SSE/n).
 
-use crate::models::ForceModel;
-use crate::numerics::statistics::{GoodnessOfFit, mean, sum_of_squares};
-use crate::stages::torque::point::Point;
+use crate::point::Point;
+use pipeline_mechanics::models::ForceModel;
+use pipeline_numerics::statistics::{GoodnessOfFit, mean, sum_of_squares};
 use serde::{Deserialize, Serialize};
 
 /// From what a torque is predicted.

@@ -1,10 +1,10 @@
 //! One reading of torque: geometry at its angle, what every model predicts, and what length and arm measured by hand give.
 
-use crate::base::columns::{ANGLE, MOMENT_ARM, MUSCLE_LENGTH, TORQUE};
-use crate::base::row::Row;
-use crate::knee::Geometry;
-use crate::models::ForceModel;
-use crate::stages::torque::build::Build;
+use crate::build::Build;
+use pipeline_base::columns::{ANGLE, MOMENT_ARM, MUSCLE_LENGTH, TORQUE};
+use pipeline_base::row::Row;
+use pipeline_mechanics::knee::Geometry;
+use pipeline_mechanics::models::ForceModel;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

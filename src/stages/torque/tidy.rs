@@ -2,9 +2,11 @@
 
 use super::point::{Expected, Point};
 use super::{CampaignTorque, Configuration, Test};
-use crate::base::columns::{ANGLE, MOMENT_ARM, MUSCLE_LENGTH, PRESSURE, TORQUE, derived, unit_in};
-use crate::base::frame::{Frame, Values};
-use crate::models::published;
+use pipeline_base::columns::{
+    ANGLE, MOMENT_ARM, MUSCLE_LENGTH, PRESSURE, TORQUE, derived, unit_in,
+};
+use pipeline_base::frame::{Frame, Values};
+use pipeline_mechanics::models::published;
 
 /// A reading with everything that it belongs to.
 struct Reading<'a> {

@@ -1,9 +1,9 @@
 //! Columns that the user added, and their levels where they name groups.
 
 use super::Data;
-use crate::base::columns::TEMPERATURE;
-use crate::base::row::{Row, label_names};
-use crate::numerics::statistics::mean;
+use pipeline_base::columns::TEMPERATURE;
+use pipeline_base::row::{Row, label_names};
+use pipeline_numerics::statistics::mean;
 use std::collections::BTreeSet;
 
 /// Names under which laboratories log the time since the last step, the rate of the pressure, and the cycles done. Only the beginning

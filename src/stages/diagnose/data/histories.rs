@@ -3,8 +3,8 @@
 
 use super::Data;
 use super::extras::{CYCLES, RATE, SINCE_STEP};
-use crate::base::row::Row;
-use crate::effects::Conditions;
+use pipeline_base::row::Row;
+use pipeline_mechanics::effects::Conditions;
 use std::collections::BTreeMap;
 
 /// A change of pressure that is a step, kPa.

@@ -9,12 +9,12 @@ pub use placebo::PLACEBO;
 
 use super::base::Base;
 use super::labels;
-use crate::base::columns::TEMPERATURE;
-use crate::base::random::Stream;
-use crate::base::row::Row;
-use crate::base::session::Phase;
-use crate::effects::{Conditions, Need};
-use crate::numerics::statistics::{mean, median};
+use pipeline_base::columns::TEMPERATURE;
+use pipeline_base::random::Stream;
+use pipeline_base::row::Row;
+use pipeline_base::session::Phase;
+use pipeline_mechanics::effects::{Conditions, Need};
+use pipeline_numerics::statistics::{mean, median};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A zero that differs from the campaign's median by so many robust standard deviations, and by so many N, is no drift.

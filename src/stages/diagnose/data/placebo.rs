@@ -1,8 +1,8 @@
 //! A shuffled copy of a column, which the search must never choose.
 
 use super::{Data, Extra};
-use crate::base::random::Stream;
-use crate::numerics::statistics::mean;
+use pipeline_base::random::Stream;
+use pipeline_numerics::statistics::mean;
 
 /// Name of the shuffled copy of a column, which must never be chosen.
 pub const PLACEBO: &str = "placebo";

@@ -4,21 +4,21 @@ use super::library::What;
 use super::problem::{TorqueProblem, class, component};
 use super::terms::{ALL, place};
 use super::unseen::{self, HeldOut};
-use crate::findings::{
+use pipeline_diagnose::answer::rms;
+use pipeline_diagnose::settings as shared;
+use pipeline_diagnose::tally;
+use pipeline_findings::{
     ActsOn, EffectFinding, Estimate, Level, Misfit, NextKind, NextMeasurement, Parameter,
     Residuals, Scatter, Tested, Unexplained,
 };
-use crate::inference::fit::Setting;
-use crate::inference::problem::{Point, Problem};
-use crate::inference::profile::profile;
-use crate::inference::query;
-use crate::inference::screen::Normal;
-use crate::inference::search::{Accepted, Found};
-use crate::inference::statistic::upper_tail;
-use crate::inference::system::Variances;
-use crate::stages::diagnose::answer::rms;
-use crate::stages::diagnose::settings as shared;
-use crate::stages::diagnose::tally;
+use pipeline_inference::fit::Setting;
+use pipeline_inference::problem::{Point, Problem};
+use pipeline_inference::profile::profile;
+use pipeline_inference::query;
+use pipeline_inference::screen::Normal;
+use pipeline_inference::search::{Accepted, Found};
+use pipeline_inference::statistic::upper_tail;
+use pipeline_inference::system::Variances;
 use std::collections::BTreeMap;
 
 /// What the answers are made of.

@@ -3,9 +3,9 @@
 use super::data::Reading;
 use super::operator::{At, Joint};
 use super::terms::SIZES;
-use crate::stages::torque::Configuration;
-use crate::stages::torque::build::Build;
-use crate::stages::torque::curve;
+use crate::Configuration;
+use crate::build::Build;
+use crate::curve;
 use serde::{Deserialize, Serialize};
 
 /// Steps of the angle.

@@ -3,10 +3,10 @@
 use super::operator::{At, Joint, Shown};
 use super::settings;
 use super::terms::SIZES;
-use crate::base::random::Stream;
-use crate::numerics::statistics::{mean, median};
-use crate::stages::diagnose::slack::Side;
-use crate::stages::torque::point::{ByHand, Point};
+use crate::point::{ByHand, Point};
+use pipeline_base::random::Stream;
+use pipeline_diagnose::slack::Side;
+use pipeline_numerics::statistics::{mean, median};
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 

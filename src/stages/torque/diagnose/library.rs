@@ -3,8 +3,8 @@
 
 use super::data::Data;
 use super::terms::{ALL, SIZES, Term as Form, place};
-use crate::inference::problem;
-use crate::numerics::real::Real;
+use pipeline_inference::problem;
+use pipeline_numerics::real::Real;
 
 /// What is added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

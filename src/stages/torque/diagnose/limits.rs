@@ -2,13 +2,13 @@
 
 use super::problem::TorqueProblem;
 use super::terms::{ALL, Term, place};
-use crate::findings::{Alias, DetectionLimit, NotMeasurable, WhyNot};
-use crate::inference::fit::{Fitted, Setting};
-use crate::inference::power::at_known_variances;
-use crate::inference::problem::Problem;
-use crate::inference::screen::{IDENTIFIABLE, Screen, Shown};
-use crate::inference::statistic::likelihood_ratio;
-use crate::inference::system::{Factor, Panel};
+use pipeline_findings::{Alias, DetectionLimit, NotMeasurable, WhyNot};
+use pipeline_inference::fit::{Fitted, Setting};
+use pipeline_inference::power::at_known_variances;
+use pipeline_inference::problem::Problem;
+use pipeline_inference::screen::{IDENTIFIABLE, Screen, Shown};
+use pipeline_inference::statistic::likelihood_ratio;
+use pipeline_inference::system::{Factor, Panel};
 
 /// Cosine from which two sensitivities are reported as nearly one.
 const NEARLY_ONE: f64 = 0.9;

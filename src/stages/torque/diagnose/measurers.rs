@@ -2,8 +2,8 @@
 
 use super::Group;
 use super::tests::TestErrors;
-use crate::knee::data;
-use crate::stages::torque::errors::Size;
+use crate::errors::Size;
+use pipeline_mechanics::knee::data;
 use serde::{Deserialize, Serialize};
 
 /// Resting lengths that differ by less are the same, m.
@@ -49,7 +49,7 @@ pub(super) fn beside(group: &Group, tests: &[TestErrors]) -> Vec<ByHand> {
     };
     let all = theirs();
     let with_tests = all.iter().filter(same).filter_map(|theirs| {
-        let long = |m: &&(_, crate::stages::torque::Configuration)| {
+        let long = |m: &&(_, crate::Configuration)| {
             (m.1.rest_length_m - theirs.rest_length_m).abs() < SAME_LENGTH_M
         };
         let own = |t: &&TestErrors| {

@@ -1,5 +1,5 @@
-//! The loop on torque: what a rigid leg lacks, as the second problem of the one engine ([`crate::inference`]); that of force is the first
-//! ([`crate::stages::diagnose`]).
+//! The loop on torque: what a rigid leg lacks, as the second problem of the one engine ([`pipeline_inference`]); that of force is the first
+//! ([`pipeline_diagnose`]).
 //!
 //! One joint at a time: the sessions of one diameter whose actuators run along one route over one knee, because route, fittings and brackets are theirs.
 //! The law of force is the published one and is not refitted: a knee has too few pressures and lengths to determine it.
@@ -16,7 +16,7 @@
 //! | [`unseen`] | the same search without each actuator; errors, predictive intervals, the budget of the expected error |
 //! | [`limits`] | what could have been seen, and what leaves the same trace |
 //! | [`fittings`] | the length of the end fittings, plain least squares as in the paper: a query of the engine |
-//! | [`answer`] | the [`crate::findings`], as values |
+//! | [`answer`] | the [`pipeline_findings`], as values |
 //! | [`tests`] | errors of every test: rigid, fitted, held out, and with sizes from the largest configuration alone |
 //! | [`measurers`] | beside what was reached by hand |
 //! | [`curves`] | torque over the angle before and after, for figures |
@@ -38,28 +38,28 @@ pub mod terms;
 pub mod tests;
 pub mod unseen;
 
-use crate::base::random::Stream;
-use crate::base::session::Role;
-use crate::config::{DiagnoseOptions, FitOptions};
-use crate::findings::{
-    CampaignFindings, Design, EffectFinding, Errors, HeldOutBy, NotAssessed, RecordingError,
-    Residuals, Verdict,
-};
-use crate::inference::fit::Setting;
-use crate::inference::problem::Problem;
-use crate::inference::search::{Decision, Found, Search};
-use crate::models::published;
-use crate::stages::diagnose::answer::rms;
-use crate::stages::diagnose::base::Base;
-use crate::stages::diagnose::settings as shared;
-use crate::stages::diagnose::slack::Side;
-use crate::stages::torque::Configuration;
-use crate::stages::torque::build::Build;
+use crate::Configuration;
+use crate::build::Build;
 use answer::Work;
 use curves::BeforeAfter;
 use data::{Data, Reading, senses};
 use measurers::ByHand;
 use operator::{At, Joint};
+use pipeline_base::random::Stream;
+use pipeline_base::session::Role;
+use pipeline_config::{DiagnoseOptions, FitOptions};
+use pipeline_diagnose::answer::rms;
+use pipeline_diagnose::base::Base;
+use pipeline_diagnose::settings as shared;
+use pipeline_diagnose::slack::Side;
+use pipeline_findings::{
+    CampaignFindings, Design, EffectFinding, Errors, HeldOutBy, NotAssessed, RecordingError,
+    Residuals, Verdict,
+};
+use pipeline_inference::fit::Setting;
+use pipeline_inference::problem::Problem;
+use pipeline_inference::search::{Decision, Found, Search};
+use pipeline_mechanics::models::published;
 use problem::{MOST_TERMS, TorqueProblem};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -178,7 +178,7 @@ fn searched<'s>(
     problem: &'s TorqueProblem<'s>,
     group: &Group,
     decision: Decision,
-    normal: &crate::inference::screen::Normal,
+    normal: &pipeline_inference::screen::Normal,
 ) -> Searched<'s> {
     let mut setting = Setting::new(problem);
     for (test, node) in problem.tests.iter().enumerate() {

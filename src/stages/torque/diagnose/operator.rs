@@ -1,21 +1,21 @@
 //! The forward model with the joint's effects: torque, length and arm of a reading, with exact derivatives by every size.
 //!
-//! At an angle the force balances everything that yields to it (theorem of implicit functions, [`crate::knee::series`]):
+//! At an angle the force balances everything that yields to it (theorem of implicit functions, [`pipeline_mechanics::knee::series`]):
 //! F = g A(P - p, l_m), l_m = L_MT(theta, F) - 2 l_fit - l_tendon - d - C F - s F/(F + 100 N) - dl, with attachments that are elsewhere than drawn
 //! and that their brackets let go, and M = r(theta, F) F (1 - c (|theta| - theta_0)+) (1 -+ mu s) + z - f s, with s the sense in which the joint turned
 //! before the reading. The arm is that of the moved attachments; a tape measure sees l_m and r.
 //!
-//! On which side of the corner to slackness a reading is, is decided once ([`Joint::side`], [`crate::stages::diagnose::slack`]): the law is then
+//! On which side of the corner to slackness a reading is, is decided once ([`Joint::side`], [`pipeline_diagnose::slack`]): the law is then
 //! smooth in every size.
 
 use super::settings;
 use super::terms::{KINKS_FROM_RAD, SIZES, place};
-use crate::effects::{Actuator, Conditions};
-use crate::knee::{Bracket, Leg, Point, Series, data, route::Place};
-use crate::numerics::real::Real;
-use crate::stages::diagnose::base::Base;
-use crate::stages::diagnose::slack::{self, Side, Sided};
-use crate::stages::torque::build::Build;
+use crate::build::Build;
+use pipeline_diagnose::base::Base;
+use pipeline_diagnose::slack::{self, Side, Sided};
+use pipeline_mechanics::effects::{Actuator, Conditions};
+use pipeline_mechanics::knee::{Bracket, Leg, Point, Series, data, route::Place};
+use pipeline_numerics::real::Real;
 
 /// Radius of the arc on which an actuator lies in front of the knee, m (the laboratory's file of the pinned knee).
 const WRAP_RADIUS_M: f64 = 0.03;
@@ -59,7 +59,8 @@ impl<'a> Joint<'a> {
     pub fn new(build: &'a Build, law: &'a Base) -> Self {
         let leg = build.leg();
         let via = leg.route.points.len() > 2;
-        let on_femur = |p: &&crate::knee::route::RoutePoint| matches!(p.place, Place::Femur(_));
+        let on_femur =
+            |p: &&pipeline_mechanics::knee::route::RoutePoint| matches!(p.place, Place::Femur(_));
         let limits = leg.route.points.iter().filter(on_femur).map(|p| p.below);
         let first = limits
             .filter(|b| b.is_finite())

@@ -14,15 +14,15 @@ use super::library::What;
 use super::operator::Shown;
 use super::settings;
 use super::terms::{SIZES, place};
-use crate::inference::fit::Setting;
-use crate::inference::problem::Term as EngineTerm;
-use crate::inference::problem::{Coefficient, Component, Direction, Linearised, Point, Problem};
-use crate::inference::tree::{Block, Tree};
-use crate::inference::variance::{Prior, Scale};
-use crate::numerics::real::{Dual, Real};
-use crate::stages::diagnose::problem::{cosine, cosines};
-use crate::stages::diagnose::settings as shared;
-use crate::stages::diagnose::slack::Side;
+use pipeline_diagnose::problem::{cosine, cosines};
+use pipeline_diagnose::settings as shared;
+use pipeline_diagnose::slack::Side;
+use pipeline_inference::fit::Setting;
+use pipeline_inference::problem::Term as EngineTerm;
+use pipeline_inference::problem::{Coefficient, Component, Direction, Linearised, Point, Problem};
+use pipeline_inference::tree::{Block, Tree};
+use pipeline_inference::variance::{Prior, Scale};
+use pipeline_numerics::real::{Dual, Real};
 use rayon::prelude::*;
 
 /// The components, by their numbers.
@@ -561,14 +561,14 @@ mod unit {
     use super::super::operator::{At, Joint};
     use super::super::{library, recording};
     use super::*;
-    use crate::base::random::Stream;
-    use crate::config::FitOptions;
-    use crate::inference::fit::Free;
-    use crate::inference::search::{Decision, Found, Search};
-    use crate::knee::{Setup, choice::named};
-    use crate::stages::diagnose::base::Base;
-    use crate::stages::torque::build::Build;
-    use crate::stages::torque::point::ByHand;
+    use crate::build::Build;
+    use crate::point::ByHand;
+    use pipeline_base::random::Stream;
+    use pipeline_config::FitOptions;
+    use pipeline_diagnose::base::Base;
+    use pipeline_inference::fit::Free;
+    use pipeline_inference::search::{Decision, Found, Search};
+    use pipeline_mechanics::knee::{Setup, choice::named};
     use std::collections::BTreeMap;
 
     const TESTS: [&str; 6] = ["a1", "a2", "b1", "b2", "c1", "c2"];

@@ -10,12 +10,12 @@ use super::problem::TorqueProblem;
 use super::settings;
 use super::terms::SIZES;
 use super::tests::{self, Predictors, TestErrors};
-use crate::findings::{ErrorKind, Level, RecordingError};
-use crate::inference::fit::{Fitted, Setting};
-use crate::inference::heldout::Unseen;
-use crate::numerics::distributions::student_t_two_sided;
-use crate::numerics::statistics::{mean, median, standard_deviation};
-use crate::stages::diagnose::settings as shared;
+use pipeline_diagnose::settings as shared;
+use pipeline_findings::{ErrorKind, Level, RecordingError};
+use pipeline_inference::fit::{Fitted, Setting};
+use pipeline_inference::heldout::Unseen;
+use pipeline_numerics::distributions::student_t_two_sided;
+use pipeline_numerics::statistics::{mean, median, standard_deviation};
 use rayon::prelude::*;
 
 /// Fewest tests of which one can be told to be off.

@@ -1,5 +1,5 @@
 //! The numbers on which decisions about torque rest, each with its reason; level, likeness and the weakness of priors are those of the
-//! isometric loop ([`crate::stages::diagnose::settings`]).
+//! isometric loop ([`pipeline_diagnose::settings`]).
 
 /// Usual scatter of how tests are mounted, mm: a tape measure on a leg.
 pub const USUAL_MOUNTING_MM: f64 = 1.0;

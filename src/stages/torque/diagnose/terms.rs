@@ -1,6 +1,6 @@
 //! The joint's effects: what a leg may have that the rigid one lacks.
 //!
-//! Ids are those of [`crate::effects`] where an effect is the same thing seen through a torque; equations are in [`super::operator`].
+//! Ids are those of [`pipeline_mechanics::effects`] where an effect is the same thing seen through a torque; equations are in [`super::operator`].
 
 /// An effect of the joint, in one of its forms.
 #[derive(Debug)]

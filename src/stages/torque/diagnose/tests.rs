@@ -4,8 +4,8 @@
 
 use super::data::Reading;
 use super::terms::{SIZES, place};
-use crate::numerics::statistics::mean;
-use crate::stages::torque::errors::Size;
+use crate::errors::Size;
+use pipeline_numerics::statistics::mean;
 use serde::{Deserialize, Serialize};
 
 /// Offsets of a test's own length that are looked at, mm.

@@ -8,13 +8,13 @@
 
 use super::problem::{TorqueProblem, component};
 use super::terms::SIZES;
-use crate::findings::{BudgetEntry, Errors, HeldOutBy, UnitErrors};
-use crate::inference::fit::Setting;
-use crate::inference::heldout::Unseen;
-use crate::inference::problem::{Point, Problem};
-use crate::inference::screen::Normal;
-use crate::inference::search::{Decision, Found, Search};
-use crate::stages::diagnose::tally::{Scored, Tally};
+use pipeline_diagnose::tally::{Scored, Tally};
+use pipeline_findings::{BudgetEntry, Errors, HeldOutBy, UnitErrors};
+use pipeline_inference::fit::Setting;
+use pipeline_inference::heldout::Unseen;
+use pipeline_inference::problem::{Point, Problem};
+use pipeline_inference::screen::Normal;
+use pipeline_inference::search::{Decision, Found, Search};
 use rayon::prelude::*;
 
 /// The source of the budget that a better length gauge lowers.

@@ -1,12 +1,12 @@
 //! Both methods for the moment arm, along every shipped route: r = -dL/dtheta (Eq. 2) and the projection (Eq. 3).
 //!
-//! [`crate::knee::path`] derives where the two part: by the share of the segment that lies in the plane, by the centre about which the
+//! [`pipeline_mechanics::knee::path`] derives where the two part: by the share of the segment that lies in the plane, by the centre about which the
 //! projection is taken, by an insertion that moves on the tibia, and at switches.
 
 use super::largest;
-use crate::knee::route::Place;
-use crate::knee::{Geometry, Leg, Switch, shipped};
-use crate::stages::torque::curve::angles;
+use crate::curve::angles;
+use pipeline_mechanics::knee::route::Place;
+use pipeline_mechanics::knee::{Geometry, Leg, Switch, shipped};
 use serde::{Deserialize, Serialize};
 
 /// Steps over the range of a joint.
@@ -115,7 +115,8 @@ pub fn of_leg(knee: &str, leg: &Leg) -> Arms {
 
 /// Why the two methods part, in words.
 fn why(leg: &Leg, apart_m: f64, in_plane_m: f64) -> String {
-    let on_patella = |p: &crate::knee::route::RoutePoint| matches!(p.place, Place::Patella(_));
+    let on_patella =
+        |p: &pipeline_mechanics::knee::route::RoutePoint| matches!(p.place, Place::Patella(_));
     let words = if leg.route.points.iter().any(on_patella) {
         "the insertion moves on the tibia with the patella, and the projection holds it still"
     } else if apart_m < SAME_M {

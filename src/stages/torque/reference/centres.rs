@@ -2,9 +2,9 @@
 //! tabulated motion turns, c = p + z x dp/dtheta.
 
 use super::{largest, rms};
-use crate::knee::choice::named;
-use crate::knee::joint::Joint;
-use crate::stages::torque::curve::angles;
+use crate::curve::angles;
+use pipeline_mechanics::knee::choice::named;
+use pipeline_mechanics::knee::joint::Joint;
 use serde::{Deserialize, Serialize};
 
 /// Steps over the range of the joint.

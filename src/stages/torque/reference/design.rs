@@ -4,11 +4,11 @@
 //! 423 mm (322 mm at 620 kPa), and 557 mm with the manufacturer's contraction of 25%. Nobody recorded their fittings, which are taken as
 //! those of the 10 mm actuator.
 
-use crate::knee::choice::named;
-use crate::knee::human::{VASTI, met, torque};
-use crate::knee::{Leg, Setup};
-use crate::models::{ForceModel, P_620_KPA, Prediction};
-use crate::stages::torque::curve::{angles, laws};
+use crate::curve::{angles, laws};
+use pipeline_mechanics::knee::choice::named;
+use pipeline_mechanics::knee::human::{VASTI, met, torque};
+use pipeline_mechanics::knee::{Leg, Setup};
+use pipeline_mechanics::models::{ForceModel, P_620_KPA, Prediction};
 use serde::{Deserialize, Serialize};
 
 /// Steps over the common range of both knees.

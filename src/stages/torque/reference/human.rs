@@ -4,9 +4,9 @@
 //! dependence on length, tendon and pennation: no other calculation of the same torque, but what the knee paper's Fig. 15 calls human.
 
 use super::{largest, rms};
-use crate::knee::choice::named;
-use crate::knee::data;
-use crate::knee::human::{VASTI, torque};
+use pipeline_mechanics::knee::choice::named;
+use pipeline_mechanics::knee::data;
+use pipeline_mechanics::knee::human::{VASTI, torque};
 use serde::{Deserialize, Serialize};
 
 /// What is compared.

@@ -55,5 +55,5 @@ fn largest(values: impl Iterator<Item = (f64, f64)>) -> (f64, f64) {
 
 /// Root mean square.
 fn rms(values: &[f64]) -> f64 {
-    (crate::numerics::statistics::sum_of_squares(values) / values.len() as f64).sqrt()
+    (pipeline_numerics::statistics::sum_of_squares(values) / values.len() as f64).sqrt()
 }

@@ -1,8 +1,8 @@
 //! Axial stress in the wall of an actuator at 620 kPa (the knee paper's Eqs. 13 and 14), for walls of one to two millimetres: the paper states no
 //! wall.
 
-use crate::knee::stress::{thick_wall, thin_wall};
-use crate::models::P_620_KPA;
+use pipeline_mechanics::knee::stress::{thick_wall, thin_wall};
+use pipeline_mechanics::models::P_620_KPA;
 use serde::{Deserialize, Serialize};
 
 /// One diameter and wall.

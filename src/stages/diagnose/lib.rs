@@ -1,16 +1,17 @@
+#![warn(missing_docs)]
 //! Diagnose: where does the error of the base model come from, and what does the law lack?
 //!
-//! One mixed model of a campaign ([`problem`]) and what is asked of it ([`crate::inference`]). Nobody tells this stage what is in the data.
+//! One mixed model of a campaign ([`problem`]) and what is asked of it ([`pipeline_inference`]). Nobody tells this stage what is in the data.
 //! For each campaign and diameter, and each small pool of campaigns of one diameter:
 //!
 //! 1. [`data`]: the readings with everything that is known of each ([`labels`] are words); [`base`]: the law to which effects are added.
 //!    [`recording`]: sessions and specimens that look mistaken beside what all readings show are set aside and reported.
 //! 2. [`library`]: the terms that may be added: forms of effects, and smooth functions of columns.
 //! 3. The null model has the gain of each specimen, the set length and the zero of the force of each session, and a smooth misfit of the law.
-//!    The search tests every term against the maximum over all of them in draws from it ([`crate::inference::search`]).
+//!    The search tests every term against the maximum over all of them in draws from it ([`pipeline_inference::search`]).
 //! 4. [`unseen`]: the same search without each specimen; [`tally`]: errors, predictive intervals, the budget of the expected error.
 //! 5. [`form`]: whether one number is enough for the size of what was found.
-//! 6. [`limits`]: what could have been seen, and what leaves the same trace. [`answer`]: the [`crate::findings`], as values.
+//! 6. [`limits`]: what could have been seen, and what leaves the same trace. [`answer`]: the [`pipeline_findings`], as values.
 //!
 //! The numbers on which decisions rest stand in [`settings`], each with its reason. No rule names an effect.
 //!
@@ -32,22 +33,22 @@ pub mod slack;
 pub mod tally;
 pub mod unseen;
 
-use crate::base::random::Stream;
-use crate::base::row::Row;
-use crate::base::session::Role;
-use crate::config::{DiagnoseOptions, FitOptions};
-use crate::effects::{self, Conditions};
-use crate::findings::{
-    CampaignFindings, Design, EffectFinding, Errors, FreeForm, HeldOutBy, Level, Misfit,
-    NotAssessed, RecordingError, Residuals, Verdict,
-};
-use crate::inference::fit::{Fitted, Setting};
-use crate::inference::search::{Decision, Found, Search};
-use crate::stages::fit::{Group, is_fitted, is_usable};
 use answer::Work;
 use base::Base;
 use data::Data;
 use library::What;
+use pipeline_base::random::Stream;
+use pipeline_base::row::Row;
+use pipeline_base::session::Role;
+use pipeline_config::{DiagnoseOptions, FitOptions};
+use pipeline_findings::{
+    CampaignFindings, Design, EffectFinding, Errors, FreeForm, HeldOutBy, Level, Misfit,
+    NotAssessed, RecordingError, Residuals, Verdict,
+};
+use pipeline_fit::{Group, is_fitted, is_usable};
+use pipeline_inference::fit::{Fitted, Setting};
+use pipeline_inference::search::{Decision, Found, Search};
+use pipeline_mechanics::effects::{self, Conditions};
 use problem::ForceProblem;
 use rayon::prelude::*;
 use recording::Law;
@@ -447,7 +448,7 @@ fn verdict(effects: &[EffectFinding], unexplained: bool) -> Verdict {
     }
 }
 
-fn expected(budget: &[crate::findings::BudgetEntry]) -> Option<f64> {
+fn expected(budget: &[pipeline_findings::BudgetEntry]) -> Option<f64> {
     let total: f64 = budget.iter().map(|b| b.variance).sum();
     (!budget.is_empty()).then(|| total.sqrt())
 }
@@ -459,7 +460,7 @@ fn alternatives(
     setting: &Setting,
     found: &Found,
     base: &Base,
-) -> Vec<crate::findings::Alternative> {
+) -> Vec<pipeline_findings::Alternative> {
     let Some(short) = base.without_length_law() else {
         return Vec::new();
     };
@@ -590,10 +591,10 @@ fn base_answers(base: &Base, row: &Row) -> bool {
 mod tests {
     use super::problem::component;
     use super::*;
-    use crate::simulate::rig_like;
+    use pipeline_simulate::rig_like;
 
     /// The scatter of set lengths of a campaign of which these standard deviations are declared, mm.
-    fn scatter_of(declared_mm: f64) -> crate::findings::Scatter {
+    fn scatter_of(declared_mm: f64) -> pipeline_findings::Scatter {
         let settings = rig_like::Settings {
             specimens: Some(4),
             ..rig_like::Settings::default()

@@ -1,3 +1,4 @@
+#![warn(missing_docs)]
 //! Clean: from a session's logs to its steady readings, with everything that was left out and why.
 //!
 //! | step | file |
@@ -16,12 +17,12 @@ pub mod screen;
 pub mod steady;
 pub mod zero;
 
-use crate::base::columns::FORCE;
-use crate::base::reading::Reading;
-use crate::base::reject::{Extent, Reject};
-use crate::base::session::{Sampling, Session};
-use crate::config::CleanOptions;
-use crate::stages::ingest::LogSamples;
+use pipeline_base::columns::FORCE;
+use pipeline_base::reading::Reading;
+use pipeline_base::reject::{Extent, Reject};
+use pipeline_base::session::{Sampling, Session};
+use pipeline_config::CleanOptions;
+use pipeline_ingest::LogSamples;
 use screen::Screened;
 use serde::{Deserialize, Serialize};
 use zero::{Zero, ZeroSource};

@@ -1,3 +1,4 @@
+#![warn(missing_docs)]
 //! Torque: what every force model says of the torque about a knee, beside what was measured.
 //!
 //! One campaign at a time. Its sessions are put together by *configuration*: one actuator along one route over one knee, with one tendon and
@@ -27,15 +28,15 @@ pub mod point;
 pub mod reference;
 pub mod tidy;
 
-use crate::base::row::Row;
-use crate::base::session::{Role, Session};
-use crate::config::{DiagnoseOptions, TorqueOptions};
-use crate::models::{ForceModel, published};
 use build::Build;
 use curve::Curve;
 use diagnose::JointDiagnosis;
 use diagnose::fittings::{self, FittingFit};
 use errors::{Errors, Hand};
+use pipeline_base::row::Row;
+use pipeline_base::session::{Role, Session};
+use pipeline_config::{DiagnoseOptions, TorqueOptions};
+use pipeline_mechanics::models::{ForceModel, published};
 use point::Point;
 use reference::arms::{Arms, of_leg};
 use serde::{Deserialize, Serialize};
@@ -260,7 +261,7 @@ fn configuration(build: &Build, session: &Session) -> Configuration {
         id += &format!("-{}", own.file.trim_end_matches(".toml"));
     }
     Configuration {
-        id: crate::base::names::file_name(&id.replace('/', "-")),
+        id: pipeline_base::names::file_name(&id.replace('/', "-")),
         knee: build.knee.name.clone(),
         muscle: joint.map_or_else(String::new, |j| j.muscle.clone()),
         route: build.route.clone(),

@@ -1,11 +1,12 @@
+#![warn(missing_docs)]
 //! Normalize: readings with what is known of their specimen, and the dimensionless numbers of the force paper
-//! ([`crate::base::normalized`]).
+//! ([`pipeline_base::normalized`]).
 
-use crate::base::normalized::row;
-use crate::base::reading::Reading;
-use crate::base::reject::{Extent, Reject};
-use crate::base::row::Row;
-use crate::base::session::Session;
+use pipeline_base::normalized::row;
+use pipeline_base::reading::Reading;
+use pipeline_base::reject::{Extent, Reject};
+use pipeline_base::row::Row;
+use pipeline_base::session::Session;
 
 /// Raised when results change without a change of this stage's source files.
 pub const VERSION: u32 = 1;

@@ -1,14 +1,15 @@
+#![warn(missing_docs)]
 //! Ingest: the logs of one session, calibrated and in one unit a quantity.
 //!
 //! Every row of a log is kept, in its order; a cell that is no number is NaN. A column of words is kept as labels. What follows from it is for the clean stage. A log that
 //! cannot be read at all is left out here, with its diagnostic and a reject; a session without any usable log is left out.
 
-use crate::base::columns::{self, ANGLE, FORCE, LENGTH, PHASE, PRESSURE, TIME, TORQUE};
-use crate::base::diagnostics::{Diagnostic, Severity};
-use crate::base::frame::{Frame, Values};
-use crate::base::reject::{Extent, Reject};
-use crate::base::session::{LogSpec, Session};
-use crate::formats::log::{self, RawLog, Request};
+use pipeline_base::columns::{self, ANGLE, FORCE, LENGTH, PHASE, PRESSURE, TIME, TORQUE};
+use pipeline_base::diagnostics::{Diagnostic, Severity};
+use pipeline_base::frame::{Frame, Values};
+use pipeline_base::reject::{Extent, Reject};
+use pipeline_base::session::{LogSpec, Session};
+use pipeline_formats::log::{self, RawLog, Request};
 use serde::{Deserialize, Serialize};
 
 /// Raised when results change without a change of this stage's source files.

@@ -1,3 +1,4 @@
+#![warn(missing_docs)]
 //! Compare: every model on the same rows, with the honest statistics.
 //!
 //! The new model as fitted is judged on the rows it was fitted to (`train`, RMSE over n - p), on each specimen by the fit that has not
@@ -8,15 +9,15 @@
 
 pub mod maxima;
 
-use crate::base::row::Row;
-use crate::base::session::Role;
-use crate::config::{CompareOptions, FitOptions};
-use crate::models::{Direction, ForceModel, Prediction, State, gate, published};
-use crate::numerics::statistics::GoodnessOfFit;
-use crate::stages::fit::equations::{JOINT, joint_force};
-use crate::stages::fit::split::{self, Part};
-use crate::stages::fit::{Group, GroupFit, is_fitted, is_usable};
 use maxima::MaximaComparison;
+use pipeline_base::row::Row;
+use pipeline_base::session::Role;
+use pipeline_config::{CompareOptions, FitOptions};
+use pipeline_fit::equations::{JOINT, joint_force};
+use pipeline_fit::split::{self, Part};
+use pipeline_fit::{Group, GroupFit, is_fitted, is_usable};
+use pipeline_mechanics::models::{Direction, ForceModel, Prediction, State, gate, published};
+use pipeline_numerics::statistics::GoodnessOfFit;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -312,7 +313,7 @@ fn leave_one_specimen_out(fit: &GroupFit, rows: &[Row], options: &FitOptions) ->
         .collect();
     let predict = |row: &Row| match folds.get(row.specimen.as_str()) {
         Some(c) => Prediction::new(joint_force(c, fit.group.diameter_mm, row, options), None),
-        None => Prediction::outside(crate::models::Reason::NotAState(
+        None => Prediction::outside(pipeline_mechanics::models::Reason::NotAState(
             "no fit left this specimen out",
         )),
     };

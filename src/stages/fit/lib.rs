@@ -1,3 +1,4 @@
+#![warn(missing_docs)]
 //! Fit: the coefficients of the new model, equation by equation and all together, with intervals that respect the specimens.
 //!
 //! A group of rows is fitted at a time: one campaign and diameter, or one diameter over all measured campaigns ("pooled").
@@ -32,13 +33,13 @@ mod steps;
 #[cfg(test)]
 mod tests_of_refits;
 
-pub use crate::base::group::Group;
-use crate::base::row::Row;
-use crate::base::session::{Kind, Role};
-use crate::config::FitOptions;
-use crate::findings::RecordingError;
 use engine::EquationFit;
 use maxima::Maximum;
+pub use pipeline_base::group::Group;
+use pipeline_base::row::Row;
+use pipeline_base::session::{Kind, Role};
+use pipeline_config::FitOptions;
+use pipeline_findings::RecordingError;
 use scatter::Scatter;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
