@@ -73,22 +73,31 @@
 //! - **One unit a quantity inside** ([`base::units`]): N, kPa, m, rad, s, N.m, degrees Celsius; and one home of column names
 //!   ([`base::columns`]).
 
+pub use pipeline_audit as audit;
 pub use pipeline_base as base;
 pub use pipeline_cache as cache;
+pub use pipeline_cli as cli;
 pub use pipeline_config as config;
+pub use pipeline_draft as draft;
+pub use pipeline_export as export;
 pub use pipeline_findings as findings;
 pub use pipeline_formats as formats;
+pub use pipeline_golden as golden;
 pub use pipeline_inference as inference;
 pub use pipeline_mechanics::{effects, knee, models};
 pub use pipeline_numerics as numerics;
+pub use pipeline_predict as predict;
+pub use pipeline_report as report;
+pub use pipeline_run as run;
 pub use pipeline_simulate as simulate;
 
-pub mod audit;
-pub mod cli;
-pub mod draft;
-pub mod export;
-pub mod golden;
-pub mod predict;
-pub mod report;
-pub mod run;
-pub mod stages;
+/// The stages, in the order in which they run; that of the report is [`report::stage`].
+pub mod stages {
+    pub use pipeline_clean as clean;
+    pub use pipeline_compare as compare;
+    pub use pipeline_diagnose as diagnose;
+    pub use pipeline_fit as fit;
+    pub use pipeline_ingest as ingest;
+    pub use pipeline_normalize as normalize;
+    pub use pipeline_torque as torque;
+}

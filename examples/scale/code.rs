@@ -1,6 +1,7 @@
 //! Makes a cache look as if the code of the models had been another one when it was filled.
 
-use pipeline::cache::{Digest, State, Store};
+use pipeline::base::digest::Digest;
+use pipeline::cache::{State, Store};
 use pipeline::run::cache::STATE;
 use std::error::Error;
 use std::path::Path;

@@ -4,8 +4,8 @@
 
 use crate::laboratory::{Laboratory, logs};
 use crate::measure::{self, Taken};
+use pipeline::base::digest::Digest;
 use pipeline::base::error::Error as OurError;
-use pipeline::cache::Digest;
 use pipeline::config::Config;
 use pipeline::formats::discover::discover;
 use pipeline::run::engine::Engine;

@@ -3,9 +3,9 @@
 //! Simulated campaigns are left out: they know the published coefficients.
 
 use super::claims::{ErrorOf, Fit, Kind, Split, Statistic};
-use crate::stages::compare::GroupComparison;
-use crate::stages::fit::GroupFit;
-use crate::stages::fit::engine::{Compatible, EquationFit};
+use pipeline_compare::GroupComparison;
+use pipeline_fit::GroupFit;
+use pipeline_fit::engine::{Compatible, EquationFit};
 
 /// One number beside a claim.
 #[derive(Clone, Debug, PartialEq)]

@@ -276,7 +276,7 @@ pub struct Fit {
     pub id: String,
     /// For a reader.
     pub title: String,
-    /// The program's id of the equation ([`crate::stages::fit::equations`]).
+    /// The program's id of the equation ([`pipeline_fit::equations`]).
     pub equation: String,
     /// Diameter, mm.
     pub diameter_mm: u32,

@@ -4,7 +4,9 @@
 //! [`super::printed_forms`].
 
 use super::printed_forms;
-use crate::models::{Direction, ForceModel, State, hunt2017, knee_paper, new, published};
+use pipeline_mechanics::models::{
+    Direction, ForceModel, State, hunt2017, knee_paper, new, published,
+};
 
 /// A function of some words, then some numbers.
 #[derive(Debug)]

@@ -1,6 +1,6 @@
 //! Equations exactly as the papers print them, mistakes included, so that the mistakes can be shown by evaluating them.
 //!
-//! The corrected forms are in [`crate::models`]. Where Eqs. 8, 11 and 12 of the knee paper print `P` before an exponential, the relative
+//! The corrected forms are in [`pipeline_mechanics::models`]. Where Eqs. 8, 11 and 12 of the knee paper print `P` before an exponential, the relative
 //! pressure P* is taken, in the papers' favour.
 
 use libm::{exp, tan};

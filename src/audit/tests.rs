@@ -471,7 +471,7 @@ fn published_statistics_are_found_and_those_of_the_tables_first() {
     let text = |equation, d, split, kind, symbol| {
         published(equation, d, split, kind, symbol).map(|c| c.printed.text.as_str())
     };
-    let surface = crate::stages::fit::equations::SURFACE;
+    let surface = pipeline_fit::equations::SURFACE;
     assert_eq!(
         text(surface, 10, Split::Model, Kind::Rmse, None),
         Some("0.005118")
@@ -497,7 +497,7 @@ fn published_statistics_are_found_and_those_of_the_tables_first() {
 
 #[test]
 fn the_programs_published_coefficients_are_the_printed_ones() {
-    use crate::models::new::{PUBLISHED_10, PUBLISHED_20};
+    use pipeline_mechanics::models::new::{PUBLISHED_10, PUBLISHED_20};
     let equations = ["F_620(l_rest)", "F_max(l_rest, P)", "F*(eps*, P*)"];
     let mut checked = 0;
     for (diameter, list) in [(10, &PUBLISHED_10), (20, &PUBLISHED_20)] {

@@ -6,6 +6,7 @@
 
 pub mod columns;
 pub mod diagnostics;
+pub mod digest;
 pub mod error;
 pub mod frame;
 pub mod group;

@@ -3,9 +3,9 @@
 //! Live are the entries that the last run used ([`crate`], `state.jsonl`) and the objects that a kept entry names. Everything else is
 //! kept for a while, because going back to earlier options or data is then free.
 
-use crate::hashing::Digest;
 use crate::sealed;
 use crate::store::{Entry, Store, UNFINISHED};
+use pipeline_base::digest::Digest;
 use pipeline_base::error::{Error, Result};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -177,7 +177,7 @@ fn files(store: &Store, folder: &str, now: SystemTime) -> Result<Vec<(File, Dura
 mod tests {
     use super::*;
     use crate::key::KeyParts;
-    use crate::store::Outputs;
+    use pipeline_base::digest::Outputs;
 
     fn put(store: &Store, stage: &str, outputs: &[(&str, &[u8])]) -> Digest {
         let parts = KeyParts {

@@ -9,7 +9,7 @@
 //!
 //! Not: times of change, absolute paths, the machine, the number of jobs, the order of discovery.
 
-use crate::hashing::Digest;
+use pipeline_base::digest::Digest;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

@@ -25,7 +25,6 @@
 //! Architecture invariant: the cache knows no stage and no format; it moves bytes.
 
 pub mod collect;
-pub mod hashing;
 pub mod key;
 pub mod reason;
 pub mod sealed;
@@ -34,9 +33,8 @@ pub mod state;
 pub mod store;
 pub mod tree;
 
-pub use hashing::Digest;
 pub use key::KeyParts;
 pub use reason::Reason;
 pub use seen::FileHashes;
 pub use state::{Left, State};
-pub use store::{Entry, Outputs, Store};
+pub use store::{Entry, Store};

@@ -1,7 +1,7 @@
 //! Why a computation has to be done again, in one line each.
 
-use crate::hashing::Digest;
 use crate::key::KeyParts;
+use pipeline_base::digest::Digest;
 use std::fmt;
 
 /// One cause of a computation.

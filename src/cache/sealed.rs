@@ -3,7 +3,7 @@
 //! Objects are named by their digest and need none. An entry or an index with a flipped bit may still be valid JSON, and would then send a
 //! run after the wrong result or tell people the wrong digest of a raw file; what does not agree with its first line is as good as absent.
 
-use crate::hashing::Digest;
+use pipeline_base::digest::Digest;
 use pipeline_base::error::{Error, Result};
 use serde::Serialize;
 use serde::de::DeserializeOwned;

@@ -4,7 +4,7 @@
 //! its description (which no program sets back) is another. A file that was changed within two seconds of being hashed, or in the future
 //! of a clock that went back, is not remembered: it may change again without a new time. Git is as careful with its index.
 
-use crate::hashing::{self, Digest};
+use pipeline_base::digest::{self, Digest};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::Metadata;
@@ -145,7 +145,7 @@ impl FileHashes {
             let bytes = std::fs::read(path)?;
             (Digest::of(&bytes), Some(bytes))
         } else {
-            (hashing::of_file(path)?, None)
+            (digest::of_file(path)?, None)
         };
         if is_settled(stamp.modified_ns) {
             let digest = digest.clone();

@@ -1,8 +1,8 @@
 //! What the last run left, unit by unit.
 
-use crate::hashing::Digest;
 use crate::seen;
 use crate::store::Objects;
+use pipeline_base::digest::Digest;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

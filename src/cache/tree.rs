@@ -1,7 +1,7 @@
 //! The fingerprint of a tree of files: which there are, how large and from when. None of them is read.
 
-use crate::hashing::Digest;
 use crate::seen;
+use pipeline_base::digest::Digest;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use walkdir::WalkDir;

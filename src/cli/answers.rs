@@ -1,8 +1,8 @@
 //! The answers on the terminal: at most three lines a campaign. `findings.json` and `residual.pdf` have the rest.
 
-use crate::findings::CampaignFindings;
-use crate::report::wording::name;
-use crate::report::wording::sentence::{Clauses, clauses};
+use pipeline_findings::CampaignFindings;
+use pipeline_report::wording::name;
+use pipeline_report::wording::sentence::{Clauses, clauses};
 use serde_json::{Value, json};
 
 /// Letters in a line.
@@ -119,7 +119,14 @@ pub(super) fn as_json(found: &CampaignFindings) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::wording::tests::example;
+    use pipeline_findings::Findings;
+
+    /// The first campaign of findings in which every field has a value.
+    fn example() -> CampaignFindings {
+        let all = include_bytes!("../../tests/data/findings-2.json");
+        let all: Findings = pipeline_base::json::from_slice(all).unwrap();
+        all.campaigns.into_iter().next().unwrap()
+    }
 
     #[test]
     fn three_lines_at_most_and_none_too_long() {

@@ -1,15 +1,15 @@
 //! The arguments, with their help.
 
-use crate::cli::check::CheckArgs;
-use crate::cli::explain::ExplainArgs;
-use crate::cli::export::ExportArgs;
-use crate::cli::gc::GcArgs;
-use crate::cli::graph::GraphArgs;
-use crate::cli::manual::{CompletionsArgs, ManArgs};
-use crate::cli::new_session::NewSessionArgs;
-use crate::cli::predict::PredictArgs;
-use crate::simulate::effects::EFFECTS;
+use crate::check::CheckArgs;
+use crate::explain::ExplainArgs;
+use crate::export::ExportArgs;
+use crate::gc::GcArgs;
+use crate::graph::GraphArgs;
+use crate::manual::{CompletionsArgs, ManArgs};
+use crate::new_session::NewSessionArgs;
+use crate::predict::PredictArgs;
 use clap::{ArgAction, Parser, Subcommand};
+use pipeline_simulate::effects::EFFECTS;
 use std::path::PathBuf;
 
 /// From raw test-rig sessions of braided pneumatic actuators to a paper's tables, figures and reports.
@@ -111,7 +111,7 @@ fn new_session_help() -> String {
          pipeline new-session logs/rig.mat --variable log --json\n\nFormats: {}; each also compressed with gzip. What is guessed \
          (quantities, units, states, the sampling) says so in the comments of session.toml, and what no log can say is marked FILL IN. Correct \
          it and put it beside the log; until its line `exclude` is removed the session takes part in no fit.",
-        crate::formats::list_of_formats()
+        pipeline_formats::list_of_formats()
     )
 }
 

@@ -1,14 +1,15 @@
 //! `pipeline check`.
 
-use crate::base::error::Result;
-use crate::cli::args::Places;
-use crate::cli::columns::{Align, aligned, shortened};
-use crate::cli::print::{self, line, print_json};
-use crate::cli::{DIFFERENCE, DONE, nothing_usable, options, progress};
-use crate::golden::bless::{self, Blessing};
-use crate::golden::compare::{Difference, Kind};
-use crate::golden::{self, Findings};
-use crate::run;
+use crate::args::Places;
+use crate::columns::{Align, aligned, shortened};
+use crate::print::{self, line, print_json};
+use crate::{DIFFERENCE, DONE, nothing_usable, options, progress};
+use pipeline_base::error::Result;
+use pipeline_golden as golden;
+use pipeline_golden::Findings;
+use pipeline_golden::bless::{self, Blessing};
+use pipeline_golden::compare::{Difference, Kind};
+use pipeline_run as run;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 

@@ -1,15 +1,15 @@
 //! `pipeline explain`: where a table, figure, report or single number comes from.
 
-use crate::base::diagnostics::nearest;
-use crate::base::error::{Error, Result};
-use crate::cache::{Digest, hashing};
-use crate::cli::DONE;
-use crate::cli::print::{line, print_json};
-use crate::config::Config;
-use crate::golden::table::Table;
-use crate::run::STAGES;
-use crate::run::ancestry::{Ancestry, Unit};
-use crate::run::materialize::PROVENANCE;
+use crate::DONE;
+use crate::print::{line, print_json};
+use pipeline_base::diagnostics::nearest;
+use pipeline_base::digest::{self, Digest};
+use pipeline_base::error::{Error, Result};
+use pipeline_config::Config;
+use pipeline_golden::table::Table;
+use pipeline_run::STAGES;
+use pipeline_run::ancestry::{Ancestry, Unit};
+use pipeline_run::materialize::PROVENANCE;
 use serde::Deserialize;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
@@ -256,7 +256,7 @@ impl Told<'_> {
 
     /// Whether the file is as the run made it.
     fn state(&self, output: &str) -> &'static str {
-        match hashing::of_file(&on_disk(self.args, output)) {
+        match digest::of_file(&on_disk(self.args, output)) {
             Ok(digest) if digest == self.unit.entry.outputs[output].digest => "as it was made",
             Ok(_) => "changed since it was made; `pipeline run` puts it back",
             Err(_) => "not there; `pipeline run` puts it back",

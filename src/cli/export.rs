@@ -1,15 +1,16 @@
 //! `pipeline export`: the work of a run as a workflow for another engine.
 
-use crate::base::diagnostics::Diagnostic;
-use crate::base::error::{Error, Result};
-use crate::cli::DONE;
-use crate::cli::args::Places;
-use crate::cli::print::{self, line, print_json};
-use crate::config::Config;
-use crate::export::{self, ENGINES, Plan};
-use crate::formats::discover::discover;
-use crate::run::jobs;
+use crate::DONE;
+use crate::args::Places;
+use crate::print::{self, line, print_json};
 use clap::builder::PossibleValuesParser;
+use pipeline_base::diagnostics::Diagnostic;
+use pipeline_base::error::{Error, Result};
+use pipeline_config::Config;
+use pipeline_export as export;
+use pipeline_export::{ENGINES, Plan};
+use pipeline_formats::discover::discover;
+use pipeline_run::jobs;
 use serde_json::json;
 
 /// Arguments of `export`.

@@ -1,10 +1,10 @@
 //! `pipeline gc`: throws away old cache entries.
 
-use crate::base::error::{Error, Result};
-use crate::cache::collect::{self, Limits, Plan};
-use crate::cli::print::{line, print_json};
-use crate::cli::{DONE, progress};
-use crate::run::cache::{Access, Cache};
+use crate::print::{line, print_json};
+use crate::{DONE, progress};
+use pipeline_base::error::{Error, Result};
+use pipeline_cache::collect::{self, Limits, Plan};
+use pipeline_run::cache::{Access, Cache};
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::{Duration, SystemTime};

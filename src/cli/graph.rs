@@ -1,11 +1,11 @@
 //! `pipeline graph`: the stages and artifacts of the last run as a drawing for Mermaid or Graphviz.
 
-use crate::base::error::Result;
-use crate::cli::DONE;
-use crate::cli::print::{line, print_json};
-use crate::run::STAGES;
-use crate::run::ancestry::{Ancestry, Unit};
+use crate::DONE;
+use crate::print::{line, print_json};
 use clap::ValueEnum;
+use pipeline_base::error::Result;
+use pipeline_run::STAGES;
+use pipeline_run::ancestry::{Ancestry, Unit};
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;

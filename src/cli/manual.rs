@@ -1,12 +1,12 @@
 //! `pipeline completions` and `pipeline man`: what shells and `man` show, made from the arguments themselves.
 
-use crate::base::error::{Error, Result};
-use crate::cli::DONE;
-use crate::cli::args::Args;
-use crate::cli::print::line;
+use crate::DONE;
+use crate::args::Args;
+use crate::print::line;
 use clap::CommandFactory;
 use clap_complete::Shell;
 use clap_mangen::Man;
+use pipeline_base::error::{Error, Result};
 use std::path::PathBuf;
 
 /// Arguments of `completions`.

@@ -3,13 +3,13 @@
 use super::DONE;
 use super::columns::{Align, aligned};
 use super::predict::PNG_DPI;
-use crate::base::error::{Error, Result};
-use crate::base::session::{Part, PartKind};
-use crate::draft::{Draft, Guess, text};
-use crate::formats::discover::SESSION_FILE;
-use crate::formats::overview::{overview, place};
-use crate::formats::{log_file, session_toml};
-use crate::report::figures::{files, log};
+use pipeline_base::error::{Error, Result};
+use pipeline_base::session::{Part, PartKind};
+use pipeline_draft::{Draft, Guess, text};
+use pipeline_formats::discover::SESSION_FILE;
+use pipeline_formats::overview::{overview, place};
+use pipeline_formats::{log_file, session_toml};
+use pipeline_report::figures::{files, log};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 

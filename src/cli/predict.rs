@@ -1,18 +1,18 @@
 //! `pipeline predict`.
 
-use crate::base::error::{Error, Result};
-use crate::base::units::Quantity;
-use crate::cli::predict_leg::{self, LegArgs};
-use crate::cli::{DONE, predict_print, values};
-use crate::predict::law::choose;
-use crate::predict::sweep::{self, Around, Axis, Steps};
-use crate::predict::{Contraction, FreeLength, Muscle, Predictor};
-use crate::report::figures::{Named, files, prediction as drawing};
-use crate::report::render::Renderer;
-use crate::report::render::csv::Csv;
-use crate::report::table::Table;
-use crate::report::tables::prediction as tables;
-use crate::stages::fit::GroupFit;
+use crate::predict_leg::{self, LegArgs};
+use crate::{DONE, predict_print, values};
+use pipeline_base::error::{Error, Result};
+use pipeline_base::units::Quantity;
+use pipeline_fit::GroupFit;
+use pipeline_predict::law::choose;
+use pipeline_predict::sweep::{self, Around, Axis, Steps};
+use pipeline_predict::{Contraction, FreeLength, Muscle, Predictor};
+use pipeline_report::figures::{Named, files, prediction as drawing};
+use pipeline_report::render::Renderer;
+use pipeline_report::render::csv::Csv;
+use pipeline_report::table::Table;
+use pipeline_report::tables::prediction as tables;
 use std::path::{Path, PathBuf};
 
 /// Resolution of a PNG plot, dots per inch.

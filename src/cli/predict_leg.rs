@@ -1,17 +1,17 @@
 //! `pipeline predict --knee`: the torque of a muscle in a leg, beside a human muscle.
 
-use crate::base::diagnostics::nearest;
-use crate::base::error::{Error, Result};
-use crate::base::units::Quantity;
-use crate::cli::columns::{Align, aligned};
-use crate::cli::predict::{PredictArgs, draw, write_csv};
-use crate::cli::print::{line, print_json};
-use crate::cli::{predict_print, values};
-use crate::knee::{Knee, Leg, choice, human};
-use crate::predict::Predictor;
-use crate::predict::torque::{self, AtAngle, Built, Target};
-use crate::report::figures::leg_prediction as drawing;
-use crate::report::tables::leg_prediction as tables;
+use crate::columns::{Align, aligned};
+use crate::predict::{PredictArgs, draw, write_csv};
+use crate::print::{line, print_json};
+use crate::{predict_print, values};
+use pipeline_base::diagnostics::nearest;
+use pipeline_base::error::{Error, Result};
+use pipeline_base::units::Quantity;
+use pipeline_mechanics::knee::{Knee, Leg, choice, human};
+use pipeline_predict::Predictor;
+use pipeline_predict::torque::{self, AtAngle, Built, Target};
+use pipeline_report::figures::leg_prediction as drawing;
+use pipeline_report::tables::leg_prediction as tables;
 use serde_json::json;
 
 /// Steps of the printed table, of the CSV and of the plot, degrees.

@@ -1,15 +1,15 @@
 //! What `predict` prints.
 
-use crate::base::error::Result;
-use crate::cli::columns::{Align, aligned};
-use crate::cli::print::{line, print_json};
-use crate::models::festo_tool::TOLERANCE;
-use crate::predict::answer::{FreeContraction, Measured, Other};
-use crate::predict::interval::CONFIDENCE;
-use crate::predict::muscle::mm;
-use crate::predict::sweep::{Axis, TABLE_KPA};
-use crate::predict::{Answer, Law, Predictor};
-use crate::report::wording::sentence::in_doubt;
+use crate::columns::{Align, aligned};
+use crate::print::{line, print_json};
+use pipeline_base::error::Result;
+use pipeline_mechanics::models::festo_tool::TOLERANCE;
+use pipeline_predict::answer::{FreeContraction, Measured, Other};
+use pipeline_predict::interval::CONFIDENCE;
+use pipeline_predict::muscle::mm;
+use pipeline_predict::sweep::{Axis, TABLE_KPA};
+use pipeline_predict::{Answer, Law, Predictor};
+use pipeline_report::wording::sentence::in_doubt;
 use serde_json::{Value, json};
 
 const LEFT: Align = Align::Left;

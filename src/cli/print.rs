@@ -1,13 +1,13 @@
 //! What the commands print.
 
 use super::answers;
-use crate::base::diagnostics::{Diagnostic, Severity};
-use crate::base::error::{Error, Result};
-use crate::cache::reason::one_line;
-use crate::report::left_out::{LeftOut, counted};
-use crate::run::step::Failure;
-use crate::run::{Outcome, STAGES};
-use crate::simulate::Campaign;
+use pipeline_base::diagnostics::{Diagnostic, Severity};
+use pipeline_base::error::{Error, Result};
+use pipeline_cache::reason::one_line;
+use pipeline_report::left_out::{LeftOut, counted};
+use pipeline_run::step::Failure;
+use pipeline_run::{Outcome, STAGES};
+use pipeline_simulate::Campaign;
 use serde_json::json;
 use std::io::Write;
 use std::path::Path;
@@ -76,7 +76,7 @@ fn paths(list: &[std::path::PathBuf]) -> Vec<String> {
 }
 
 fn work_json(outcome: &Outcome) -> Vec<serde_json::Value> {
-    let entry = |w: &crate::run::step::Work| {
+    let entry = |w: &pipeline_run::step::Work| {
         let reasons: Vec<String> = w.reasons.iter().map(ToString::to_string).collect();
         json!({ "stage": w.stage, "unit": w.unit, "reasons": reasons, "took_s": w.took.as_secs_f64() })
     };

@@ -1,7 +1,7 @@
 //! Progress: a bar on a terminal, nothing elsewhere (the outcome says it all).
 
-use crate::run::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use pipeline_run::Progress;
 use std::io::IsTerminal;
 use std::time::Duration;
 

@@ -1,8 +1,8 @@
 //! Numbers with units, as people type them.
 
-use crate::base::diagnostics::nearest;
-use crate::base::error::{Error, Result};
-use crate::base::units::Quantity;
+use pipeline_base::diagnostics::nearest;
+use pipeline_base::error::{Error, Result};
+use pipeline_base::units::Quantity;
 
 /// A quantity in the unit used inside; `option` names it in messages.
 ///

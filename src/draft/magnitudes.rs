@@ -2,10 +2,10 @@
 //! 620 kPa.
 
 use super::Guess;
-use crate::base::columns::{self, FORCE, PHASE, PRESSURE, TIME};
-use crate::base::session::Phase;
-use crate::base::units::{Quantity, Unit};
-use crate::formats::overview::Undescribed;
+use pipeline_base::columns::{self, FORCE, PHASE, PRESSURE, TIME};
+use pipeline_base::session::Phase;
+use pipeline_base::units::{Quantity, Unit};
+use pipeline_formats::overview::Undescribed;
 use std::collections::BTreeMap;
 
 /// The pressure to which these actuators are filled, kPa, and how far from it a log may end.
@@ -69,7 +69,7 @@ fn guess_pressure_of_two(guesses: &mut [Guess]) {
 }
 
 fn is_nameless(guess: &Guess) -> bool {
-    matches!(guess.position, crate::base::session::Position::Index(_))
+    matches!(guess.position, pipeline_base::session::Position::Index(_))
 }
 
 /// Numbers of more than a few values.

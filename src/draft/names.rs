@@ -1,10 +1,10 @@
 //! What the name of a column says: `Force (lbf)`, `pressure_kpa`, `t [ms]`.
 
 use super::Guess;
-use crate::base::columns::{self, KnownColumn};
-use crate::base::session::Position;
-use crate::base::units::{Quantity, UNITS, Unit};
-use crate::formats::overview::Undescribed;
+use pipeline_base::columns::{self, KnownColumn};
+use pipeline_base::session::Position;
+use pipeline_base::units::{Quantity, UNITS, Unit};
+use pipeline_formats::overview::Undescribed;
 
 /// Words in the names of columns and the quantity that they mean, in English and German; the letters that papers use come last.
 const WORDS: &[(&str, &[&str])] = &[

@@ -1,9 +1,9 @@
 //! The `session.toml` of a draft: what was guessed says so, and what a person has to fill in is marked.
 
 use super::{Draft, Guess};
-use crate::base::columns::{self, FORCE, LENGTH};
-use crate::base::session::{Kind, Position, Sampling};
-use crate::formats::session_toml::SCHEMA;
+use pipeline_base::columns::{self, FORCE, LENGTH};
+use pipeline_base::session::{Kind, Position, Sampling};
+use pipeline_formats::session_toml::SCHEMA;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 

@@ -3,8 +3,8 @@
 //! The stamps lie in the cache, because they say what is in it: whoever deletes the cache deletes them too.
 
 use super::{Plan, Task};
-use crate::base::error::{Error, Result};
-use crate::run::jobs::STAGES;
+use pipeline_base::error::{Error, Result};
+use pipeline_run::jobs::STAGES;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -1,8 +1,8 @@
 //! Accepting the fresh tables as golden ones, with a reason that stays.
 
-use crate::base::error::{Error, Result};
-use crate::golden::settings::{Settings, Tolerance};
-use crate::golden::{blessed, compare, fresh, settings_file};
+use crate::settings::{Settings, Tolerance};
+use crate::{blessed, compare, fresh, settings_file};
+use pipeline_base::error::{Error, Result};
 use serde::Serialize;
 use std::path::Path;
 

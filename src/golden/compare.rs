@@ -1,7 +1,7 @@
 //! The differences of two tables: cell by cell where both have row and column, in words where they do not.
 
-use crate::golden::settings::Tolerance;
-use crate::golden::table::Table;
+use crate::settings::Tolerance;
+use crate::table::Table;
 use serde::Serialize;
 
 /// What differs.

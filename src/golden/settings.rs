@@ -1,8 +1,8 @@
 //! `golden.toml`: which tables are compared, by which columns their rows are known, and how far numbers may differ.
 
-use crate::base::diagnostics::{Diagnostic, nearest};
-use crate::base::error::{Error, Result};
-use crate::golden::table::Table;
+use crate::table::Table;
+use pipeline_base::diagnostics::{Diagnostic, nearest};
+use pipeline_base::error::{Error, Result};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! A table as a CSV file holds it: texts, by RFC 4180.
 
-use crate::base::error::{Error, Result};
+use pipeline_base::error::{Error, Result};
 use std::collections::BTreeMap;
 use std::path::Path;
 

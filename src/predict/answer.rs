@@ -1,13 +1,13 @@
 //! The answer at one state.
 
-use crate::base::error::{Error, Result};
-use crate::models::{
+use crate::interval::{self, Interval};
+use crate::law::{Choice, Law};
+use crate::muscle::{Contraction, Muscle, check_state, mm};
+use pipeline_base::error::{Error, Result};
+use pipeline_fit::{GroupFit, Ranges};
+use pipeline_mechanics::models::{
     Direction, P_620_KPA, PRESSURE_SLACK_KPA, Prediction, Reason, State, new, published,
 };
-use crate::predict::interval::{self, Interval};
-use crate::predict::law::{Choice, Law};
-use crate::predict::muscle::{Contraction, Muscle, check_state, mm};
-use crate::stages::fit::{GroupFit, Ranges};
 use serde::Serialize;
 
 /// Where eps_620 comes from.
@@ -273,7 +273,7 @@ fn others(state: &State, chosen: &str) -> Vec<Other> {
 const PRESSURE: &str = "gauge pressure";
 const CONTRACTION_REL: &str = "relative contraction";
 
-/// Every quantity beside its measured range. The slack is the resolution of a reading, as in [`crate::models`]: half a millimetre, 10 kPa,
+/// Every quantity beside its measured range. The slack is the resolution of a reading, as in [`pipeline_mechanics::models`]: half a millimetre, 10 kPa,
 /// and what a millimetre read amiss makes of contractions.
 fn measured(fit: &GroupFit, answer: &Answer, given: bool) -> Vec<Measured> {
     const SLACK: [f64; 4] = [0.5, PRESSURE_SLACK_KPA, 0.05, 0.005];

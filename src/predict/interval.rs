@@ -1,9 +1,9 @@
-//! The interval for a muscle that was not measured; [`crate::predict`] has the formula and what it assumes.
+//! The interval for a muscle that was not measured; [`crate`] has the formula and what it assumes.
 
-use crate::numerics::distributions::student_t_quantile;
-use crate::numerics::statistics::{mean, standard_deviation, sum_of_squares};
-use crate::stages::fit::GroupFit;
-use crate::stages::fit::engine::EquationFit;
+use pipeline_fit::GroupFit;
+use pipeline_fit::engine::EquationFit;
+use pipeline_numerics::distributions::student_t_quantile;
+use pipeline_numerics::statistics::{mean, standard_deviation, sum_of_squares};
 use serde::Serialize;
 
 /// Confidence of the interval.

@@ -1,13 +1,13 @@
 //! Which law answers: a fit of an earlier run, or a published model.
 
-use crate::base::diagnostics::nearest;
-use crate::base::error::{Error, Result};
-use crate::models::new::NewPublished;
-use crate::models::{ForceModel, published};
-use crate::stages::compare::NEW;
-use crate::stages::fit::GroupFit;
-use crate::stages::fit::engine::EquationFit;
-use crate::stages::fit::equations::JOINT;
+use pipeline_base::diagnostics::nearest;
+use pipeline_base::error::{Error, Result};
+use pipeline_compare::NEW;
+use pipeline_fit::GroupFit;
+use pipeline_fit::engine::EquationFit;
+use pipeline_fit::equations::JOINT;
+use pipeline_mechanics::models::new::NewPublished;
+use pipeline_mechanics::models::{ForceModel, published};
 
 /// A law of force.
 #[derive(Clone, Copy)]

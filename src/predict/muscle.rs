@@ -1,6 +1,6 @@
 //! A muscle and its contraction as somebody describes them.
 
-use crate::base::error::{Error, Result};
+use pipeline_base::error::{Error, Result};
 use serde::Serialize;
 
 /// How far the free muscle shortens at 620 kPa, as it is described.

@@ -1,10 +1,10 @@
 //! Answers along one quantity, and the designer's table of contraction by pressure.
 
-use crate::base::error::{Error, Result};
-use crate::models::P_620_KPA;
-use crate::predict::answer::{Answer, Predictor};
-use crate::predict::law::Law;
-use crate::predict::muscle::Contraction;
+use crate::answer::{Answer, Predictor};
+use crate::law::Law;
+use crate::muscle::Contraction;
+use pipeline_base::error::{Error, Result};
+use pipeline_mechanics::models::P_620_KPA;
 use serde::Serialize;
 
 /// What is varied.

@@ -1,11 +1,11 @@
 //! The torque of a muscle in a leg that somebody describes, over the range of the knee, beside a human muscle: whether this muscle at this place
 //! meets it, and where not.
 
-use crate::base::error::Result;
-use crate::knee::human::{self, meets};
-use crate::knee::{Knee, Leg, Setup, choice};
-use crate::predict::answer::Predictor;
-use crate::predict::muscle::Contraction;
+use crate::answer::Predictor;
+use crate::muscle::Contraction;
+use pipeline_base::error::Result;
+use pipeline_mechanics::knee::human::{self, meets};
+use pipeline_mechanics::knee::{Knee, Leg, Setup, choice};
 use serde::Serialize;
 
 /// Contractions beyond which there is no state of a muscle to ask for: torn, or pushed together.

@@ -1,12 +1,12 @@
 //! The pages of `audit.pdf`: the claims that differ, all claims by section, the tests of consistency.
 
-use crate::audit::claims::Relation;
-use crate::audit::findings::{Audit, Case, ClaimFinding, RuleFinding, Verdict};
-use crate::audit::printed::Printed;
-use crate::audit::recompute::Status;
-use crate::base::error::Result;
-use crate::report::number::Rounding;
-use crate::report::typeset::{Document, Pdf};
+use crate::number::Rounding;
+use crate::typeset::{Document, Pdf};
+use pipeline_audit::claims::Relation;
+use pipeline_audit::findings::{Audit, Case, ClaimFinding, RuleFinding, Verdict};
+use pipeline_audit::printed::Printed;
+use pipeline_audit::recompute::Status;
+use pipeline_base::error::Result;
 use serde::Serialize;
 
 const TEMPLATE: &str = include_str!("templates/audit.typ");
@@ -113,7 +113,7 @@ pub fn near(printed: &Printed, value: f64) -> String {
 /// What stands beside a claim, in words.
 pub fn besides(finding: &ClaimFinding) -> String {
     let printed = &finding.claim.printed;
-    let one = |b: &crate::audit::beside::Beside| {
+    let one = |b: &pipeline_audit::beside::Beside| {
         let honest = b.honest.map(|x| near(printed, x));
         let compatible = b
             .compatible
@@ -284,7 +284,7 @@ mod tests {
 
     #[test]
     fn the_pages_compile_without_a_warning() {
-        let audit = crate::audit::audit(&[], &[]);
+        let audit = pipeline_audit::audit(&[], &[]);
         let pdf = audit_pdf(&audit, "sha256:0123456789abcdef0123", None).unwrap();
         assert_eq!(pdf.warnings, Vec::<String>::new());
         assert!(pdf.pages > 4);

@@ -4,7 +4,7 @@
 //! typesetting it takes more memory than everything else together. So the pages show the largest groups in full and the first rows of long
 //! tables, and say what they leave out and where it is: data files and figures are always complete.
 
-use crate::report::input::GroupInput;
+use crate::input::GroupInput;
 
 /// Most rows of a table in a PDF.
 pub const MOST_ROWS_ON_PAGES: usize = 100;

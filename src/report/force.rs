@@ -1,20 +1,20 @@
 //! The pages of `force.pdf`: what was measured, what was left out, the model, its coefficients, the comparison, the figures.
 
-use crate::base::error::Result;
-use crate::base::reject::Extent;
-use crate::base::session::Kind;
-use crate::config::{Config, ReportOptions};
-use crate::report::extent::{MOST_GROUPS, MOST_NAMED, MOST_ROWS_ON_PAGES, SIDE_BY_SIDE};
-use crate::report::figures::{Drawn, slug};
-use crate::report::input::{GroupInput, ReportInput};
-use crate::report::left_out::LeftOut;
-use crate::report::render::{Renderer, typst::Typst};
-use crate::report::table::Table;
-use crate::report::tables;
-use crate::report::typeset::{Document, Pdf};
-use crate::report::wording::{name::capitalised, sentence::in_doubt};
-use crate::stages::compare::NEW;
-use crate::stages::fit::equations::JOINT;
+use crate::extent::{MOST_GROUPS, MOST_NAMED, MOST_ROWS_ON_PAGES, SIDE_BY_SIDE};
+use crate::figures::{Drawn, slug};
+use crate::input::{GroupInput, ReportInput};
+use crate::left_out::LeftOut;
+use crate::render::{Renderer, typst::Typst};
+use crate::table::Table;
+use crate::tables;
+use crate::typeset::{Document, Pdf};
+use crate::wording::{name::capitalised, sentence::in_doubt};
+use pipeline_base::error::Result;
+use pipeline_base::reject::Extent;
+use pipeline_base::session::Kind;
+use pipeline_compare::NEW;
+use pipeline_config::{Config, ReportOptions};
+use pipeline_fit::equations::JOINT;
 use serde::Serialize;
 
 const TEMPLATE: &str = include_str!("templates/force.typ");
@@ -209,11 +209,11 @@ fn data(
     split_digest: &str,
 ) -> Data {
     let options = &config.report;
-    let simulated = |s: &crate::report::input::SessionInput| s.ingest.session.is_simulated();
+    let simulated = |s: &crate::input::SessionInput| s.ingest.session.is_simulated();
     let rejects = || input.sessions.iter().flat_map(|s| s.rejects());
     let of_extent = |extent: Extent| rejects().filter(|r| r.extent == extent).count();
-    let clipped = |r: &&crate::base::reject::Reject| {
-        r.extent == Extent::Plateau && r.reason == crate::stages::clean::steady::CLIPPED
+    let clipped = |r: &&pipeline_base::reject::Reject| {
+        r.extent == Extent::Plateau && r.reason == pipeline_clean::steady::CLIPPED
     };
     let authors = options
         .author
@@ -315,7 +315,7 @@ fn group(input: &GroupInput, figures: &[Drawn]) -> Group {
             .find(|c| c.model == model && c.split == split);
         found.and_then(|c| c.rmse)
     };
-    let whole = |c: &&crate::stages::compare::Comparison| {
+    let whole = |c: &&pipeline_compare::Comparison| {
         !c.fitted_here && c.model != "martens2017" && c.split == "all" && c.n_excluded == 0
     };
     let best = input

@@ -1,20 +1,20 @@
 //! Everything that a report is made of. Tables and figures read it and compute no statistic of their own.
 
-use crate::base::diagnostics::Diagnostic;
-use crate::base::frame::Frame;
-use crate::base::reject::Reject;
-use crate::base::row::Row;
-use crate::findings::{CampaignFindings, RecordingError};
-use crate::report::figures::Drawn;
-use crate::report::figures::found::Kind;
-use crate::report::left_out::LeftOut;
-use crate::stages::clean::CleanHeader;
-use crate::stages::compare::{GroupComparison, Predictions};
-use crate::stages::diagnose::Diagnosis;
-use crate::stages::fit::GroupFit;
-use crate::stages::ingest::IngestHeader;
-use crate::stages::torque::CampaignTorque;
-use crate::stages::torque::reference::Reference;
+use crate::figures::Drawn;
+use crate::figures::found::Kind;
+use crate::left_out::LeftOut;
+use pipeline_base::diagnostics::Diagnostic;
+use pipeline_base::frame::Frame;
+use pipeline_base::reject::Reject;
+use pipeline_base::row::Row;
+use pipeline_clean::CleanHeader;
+use pipeline_compare::{GroupComparison, Predictions};
+use pipeline_diagnose::Diagnosis;
+use pipeline_findings::{CampaignFindings, RecordingError};
+use pipeline_fit::GroupFit;
+use pipeline_ingest::IngestHeader;
+use pipeline_torque::CampaignTorque;
+use pipeline_torque::reference::Reference;
 use serde::{Deserialize, Serialize};
 
 /// One session as the stages left it.
@@ -123,7 +123,7 @@ pub struct ReportInput {
     pub rows: Vec<Row>,
     /// The groups, by campaign.
     pub groups: Vec<GroupInput>,
-    /// The figures of each group; none of a group that has no section of its own ([`with_section`](crate::report::extent::with_section)).
+    /// The figures of each group; none of a group that has no section of its own ([`with_section`](crate::extent::with_section)).
     pub figures: Vec<Option<GroupFigures>>,
     /// The figures of groups that could not be built.
     pub left_out: Vec<LeftOut>,

@@ -1,20 +1,20 @@
 //! The pages of `knee.pdf`: torque about a knee, the geometry behind it, and the human muscles beside it.
 
-use crate::base::error::Result;
-use crate::base::names::file_name;
-use crate::findings::CampaignFindings;
-use crate::report::figures::Drawn;
-use crate::report::input::ReportInput;
-use crate::report::number::Rounding;
-use crate::report::render::{Renderer, typst::Typst};
-use crate::report::table::Table;
-use crate::report::tables::knee as tables;
-use crate::report::typeset::{Document, Pdf};
-use crate::report::wording::name;
-use crate::report::wording::sentence::sentences;
-use crate::stages::torque::diagnose::fittings::{FittingFit, LAWS, Origin};
-use crate::stages::torque::errors::Size;
-use crate::stages::torque::{CampaignTorque, Configuration, Test};
+use crate::figures::Drawn;
+use crate::input::ReportInput;
+use crate::number::Rounding;
+use crate::render::{Renderer, typst::Typst};
+use crate::table::Table;
+use crate::tables::knee as tables;
+use crate::typeset::{Document, Pdf};
+use crate::wording::name;
+use crate::wording::sentence::sentences;
+use pipeline_base::error::Result;
+use pipeline_base::names::file_name;
+use pipeline_findings::CampaignFindings;
+use pipeline_torque::diagnose::fittings::{FittingFit, LAWS, Origin};
+use pipeline_torque::errors::Size;
+use pipeline_torque::{CampaignTorque, Configuration, Test};
 use serde::Serialize;
 
 const TEMPLATE: &str = include_str!("templates/knee.typ");

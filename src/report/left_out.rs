@@ -1,6 +1,6 @@
 //! Figures and documents that could not be built: each is left out, named and counted, and takes nothing else with it.
 
-use crate::base::error::{Error, Result, panic_message};
+use pipeline_base::error::{Error, Result, panic_message};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};

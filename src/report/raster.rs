@@ -1,7 +1,7 @@
 //! Figures as PNG, drawn by the same SVG library that sets them in documents.
 
-use crate::base::error::{Error, Result};
-use crate::report::fonts;
+use crate::fonts;
+use pipeline_base::error::{Error, Result};
 use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg::{Options, Tree, fontdb};
 use std::sync::{Arc, LazyLock};

@@ -1,6 +1,6 @@
 //! The symbols of equations and coefficients as people read them, in the report's markup.
 
-use crate::stages::fit::equations::{
+use pipeline_fit::equations::{
     CONTRACTION, FORCE_AT_REST, FORCE_AT_REST_CAPS, JOINT, MAXIMUM_FORCE, SURFACE,
 };
 

@@ -1,8 +1,8 @@
 //! The one model of a table: what its columns mean and what its cells hold. Renderers turn it into files.
 //!
-//! Headings, captions and notes are written in the markup of [`crate::report::markup`]; text cells are taken as they stand.
+//! Headings, captions and notes are written in the markup of [`crate::markup`]; text cells are taken as they stand.
 
-pub use crate::report::number::Rounding;
+pub use crate::number::Rounding;
 
 /// A cell.
 #[derive(Clone, Debug, PartialEq)]

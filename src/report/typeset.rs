@@ -6,8 +6,8 @@
 //! Fonts are parsed once a process. The results of layout are remembered from one document to the next, so that a second document
 //! in the same style costs less than the first.
 
-use crate::base::error::{Error, Result};
-use crate::report::fonts;
+use crate::fonts;
+use pipeline_base::error::{Error, Result};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -224,9 +224,7 @@ mod tests {
 
     #[test]
     fn no_template_asks_for_the_time() {
-        for entry in
-            std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/src/report/templates")).unwrap()
-        {
+        for entry in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/templates")).unwrap() {
             let path = entry.unwrap().path();
             let text = std::fs::read_to_string(&path).unwrap();
             assert!(!text.contains("today"), "{}", path.display());

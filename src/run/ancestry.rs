@@ -3,14 +3,15 @@
 //! Nothing is recorded for this beside the cache itself. An input of a unit is an output of another one if their digests agree, and a raw
 //! file if no unit made it, so that an ancestry is what the keys say and no second opinion.
 
-use crate::base::error::{Error, Result};
-use crate::base::names::file_name;
-use crate::cache::store::{Entry, Store};
-use crate::cache::{Digest, Left, State};
-use crate::run::STAGES;
-use crate::run::cache::STATE;
-use crate::run::materialize::SESSIONS;
-use crate::run::sessions::{READINGS, ROWS};
+use crate::STAGES;
+use crate::cache::STATE;
+use crate::materialize::SESSIONS;
+use crate::sessions::{READINGS, ROWS};
+use pipeline_base::digest::Digest;
+use pipeline_base::error::{Error, Result};
+use pipeline_base::names::file_name;
+use pipeline_cache::store::{Entry, Store};
+use pipeline_cache::{Left, State};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -224,7 +225,7 @@ impl Ancestry {
         let all = self.units.iter().flat_map(|u| u.entry.outputs.keys());
         let names: BTreeSet<&str> = all.filter_map(|n| n.rsplit('/').next()).collect();
         let file = artifact.rsplit('/').next().unwrap_or(artifact);
-        let hint = crate::base::diagnostics::nearest(file, names.iter().copied())
+        let hint = pipeline_base::diagnostics::nearest(file, names.iter().copied())
             .map_or_else(String::new, |near| format!("; did you mean {near}?"));
         format!(
             "the last run made no {artifact}; give a file below reports/, such as tables/coefficients.csv, or a session or campaign{hint}"

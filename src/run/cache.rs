@@ -1,8 +1,8 @@
 //! The cache directory of one `derived/`, opened and locked.
 
-use crate::base::error::{Error, Result};
-use crate::cache::{State, Store};
-use crate::run::Progress;
+use crate::Progress;
+use pipeline_base::error::{Error, Result};
+use pipeline_cache::{State, Store};
 use std::fs::File;
 use std::path::Path;
 

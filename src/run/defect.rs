@@ -1,7 +1,7 @@
 //! Defects of the program: what panics in one unit is an error of that unit, and says which.
 
-use crate::base::error::{Error, Result, panic_message};
-use crate::run::step::Stage;
+use crate::step::Stage;
+use pipeline_base::error::{Error, Result, panic_message};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// The result of some work on a unit; of a panic or an internal error, an error that names stage and unit.

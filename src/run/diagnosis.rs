@@ -1,19 +1,20 @@
 //! The stage `diagnose` of one group: its key, and what it leaves behind.
 
-use crate::base::error::{Error, Result};
-use crate::base::frame::{Frame, Values};
-use crate::base::json;
-use crate::base::row::Row;
-use crate::cache::Digest;
-use crate::cache::store::Outputs;
-use crate::config::{Config, DiagnoseOptions, flatten};
-use crate::findings::{CampaignFindings, Residuals};
-use crate::formats::discover::Discovery;
-use crate::run::engine::{self, Engine};
-use crate::run::groups;
-use crate::run::step::{Stage, Step};
-use crate::stages::diagnose::{self, Diagnosis};
-use crate::stages::fit::Group;
+use crate::engine::{self, Engine};
+use crate::groups;
+use crate::step::{Stage, Step};
+use pipeline_base::digest::Digest;
+use pipeline_base::digest::Outputs;
+use pipeline_base::error::{Error, Result};
+use pipeline_base::frame::{Frame, Values};
+use pipeline_base::json;
+use pipeline_base::row::Row;
+use pipeline_config::{Config, DiagnoseOptions, flatten};
+use pipeline_diagnose as diagnose;
+use pipeline_diagnose::Diagnosis;
+use pipeline_findings::{CampaignFindings, Residuals};
+use pipeline_fit::Group;
+use pipeline_formats::discover::Discovery;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The stage.

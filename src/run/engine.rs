@@ -1,13 +1,15 @@
 //! One step of the pipeline: a stage applied to a unit, taken from the cache where its key is known.
 
-use crate::base::error::{Error, Result};
-use crate::cache::key::KeyParts;
-use crate::cache::reason::{Reason, differences};
-use crate::cache::store::{Entry, Object, Objects, Outputs};
-use crate::cache::{Digest, FileHashes, Left, State};
-use crate::run::cache::{Access, Cache, STATE};
-use crate::run::step::{Failure, Stage, Step, Work};
-use crate::run::{Progress, RunOptions, defect};
+use crate::cache::{Access, Cache, STATE};
+use crate::step::{Failure, Stage, Step, Work};
+use crate::{Progress, RunOptions, defect};
+use pipeline_base::digest::Digest;
+use pipeline_base::digest::Outputs;
+use pipeline_base::error::{Error, Result};
+use pipeline_cache::key::KeyParts;
+use pipeline_cache::reason::{Reason, differences};
+use pipeline_cache::store::{Entry, Object, Objects};
+use pipeline_cache::{FileHashes, Left, State};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::{BTreeMap, BTreeSet};
@@ -290,7 +292,7 @@ impl Engine {
     /// # Errors
     /// Another thread panicked.
     pub fn take_work(&self) -> Result<(Vec<Work>, usize, Vec<Failure>)> {
-        let place = |stage: &str| crate::run::STAGES.iter().position(|s| *s == stage);
+        let place = |stage: &str| crate::STAGES.iter().position(|s| *s == stage);
         let mut work = std::mem::take(&mut *self.work.lock().map_err(Error::internal)?);
         work.sort_by(|a, b| (place(a.stage), &a.unit).cmp(&(place(b.stage), &b.unit)));
         let mut failed = std::mem::take(&mut *self.failed.lock().map_err(Error::internal)?);

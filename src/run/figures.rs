@@ -1,14 +1,15 @@
 //! The figures of one group of rows, a unit of the stage `report`: what changes in one campaign draws its own figures and no others.
 
-use crate::base::error::{Error, Result};
-use crate::config::{Config, flatten};
-use crate::report::left_out::LeftOut;
-use crate::run::engine::Engine;
-use crate::run::groups::GroupResult;
-use crate::run::reports::REPORT;
-use crate::run::step::Step;
-use crate::stages::compare::Predictions;
-use crate::stages::report::{self, GroupFigures, GroupInput};
+use crate::engine::Engine;
+use crate::groups::GroupResult;
+use crate::reports::REPORT;
+use crate::step::Step;
+use pipeline_base::error::{Error, Result};
+use pipeline_compare::Predictions;
+use pipeline_config::{Config, flatten};
+use pipeline_report::left_out::LeftOut;
+use pipeline_report::stage as report;
+use pipeline_report::stage::{GroupFigures, GroupInput};
 use std::collections::BTreeMap;
 
 /// The only option of the report that figures read.

@@ -1,21 +1,23 @@
 //! The stages of one group of rows: fit, compare and diagnose.
 
-use crate::base::error::{Error, Result};
-use crate::base::frame::{Frame, Values};
-use crate::base::json::from_slice;
-use crate::base::row::{self, Row};
-use crate::base::session::{Kind, Session};
-use crate::cache::Digest;
-use crate::cache::store::Outputs;
-use crate::config::{Config, FitOptions, flatten};
-use crate::formats::discover::Discovery;
-use crate::run::diagnosis;
-use crate::run::engine::{self, Engine};
-use crate::run::sessions::{ROWS, SessionResult};
-use crate::run::step::{Stage, Step};
-use crate::stages::compare::{self, GroupComparison, Predictions};
-use crate::stages::diagnose::Diagnosis;
-use crate::stages::fit::{self, Group, GroupFit};
+use crate::diagnosis;
+use crate::engine::{self, Engine};
+use crate::sessions::{ROWS, SessionResult};
+use crate::step::{Stage, Step};
+use pipeline_base::digest::Digest;
+use pipeline_base::digest::Outputs;
+use pipeline_base::error::{Error, Result};
+use pipeline_base::frame::{Frame, Values};
+use pipeline_base::json::from_slice;
+use pipeline_base::row::{self, Row};
+use pipeline_base::session::{Kind, Session};
+use pipeline_compare as compare;
+use pipeline_compare::{GroupComparison, Predictions};
+use pipeline_config::{Config, FitOptions, flatten};
+use pipeline_diagnose::Diagnosis;
+use pipeline_fit as fit;
+use pipeline_fit::{Group, GroupFit};
+use pipeline_formats::discover::Discovery;
 use std::collections::BTreeMap;
 
 const FIT: Stage = Stage {

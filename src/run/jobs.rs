@@ -3,12 +3,12 @@
 //! Which units there are follows from the `session.toml`s alone, so that the jobs of a campaign are known before anything has been read. A
 //! job computes what it needs and does not find, so that any order of jobs is right; jobs in order never compute anything twice.
 
-use crate::base::diagnostics::nearest;
-use crate::base::error::{Error, Result};
-use crate::config::Config;
-use crate::formats::discover::Discovery;
-use crate::run::engine::name_of;
-use crate::run::{diagnosis, groups, torque};
+use crate::engine::name_of;
+use crate::{diagnosis, groups, torque};
+use pipeline_base::diagnostics::nearest;
+use pipeline_base::error::{Error, Result};
+use pipeline_config::Config;
+use pipeline_formats::discover::Discovery;
 use std::collections::BTreeSet;
 use std::fmt;
 
@@ -103,7 +103,7 @@ pub fn all(discovery: &Discovery, config: &Config) -> Vec<Job> {
 
 fn places(
     discovery: &Discovery,
-    belongs: impl Fn(&crate::base::session::Session) -> bool,
+    belongs: impl Fn(&pipeline_base::session::Session) -> bool,
 ) -> Vec<usize> {
     let sessions = discovery.sessions.iter().enumerate();
     let members = sessions.filter(|(_, located)| belongs(&located.session));

@@ -3,16 +3,16 @@
 //! A file is written only where its contents differ, so that time stamps tell what changed. A file that an earlier run wrote and this
 //! one does not is removed, unless somebody has changed it since.
 
-use crate::base::error::{Error, Result};
-use crate::base::names::file_name;
-use crate::cache::Digest;
-use crate::cache::store::{Object, UNFINISHED, write_atomically};
-use crate::formats::discover::{Discovery, SESSION_FILE};
-use crate::report::left_out::LeftOut;
-use crate::run::RunOptions;
-use crate::run::engine::Engine;
-use crate::run::sessions::{READINGS, ROWS, SessionResult};
-use crate::run::step::Step;
+use crate::RunOptions;
+use crate::engine::Engine;
+use crate::sessions::{READINGS, ROWS, SessionResult};
+use crate::step::Step;
+use pipeline_base::digest::Digest;
+use pipeline_base::error::{Error, Result};
+use pipeline_base::names::file_name;
+use pipeline_cache::store::{Object, UNFINISHED, write_atomically};
+use pipeline_formats::discover::{Discovery, SESSION_FILE};
+use pipeline_report::left_out::LeftOut;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

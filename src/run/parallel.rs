@@ -3,7 +3,7 @@
 //! Not a parallel iterator of rayon: a worker of rayon that waits for polars' threads takes up the next session in the meantime, on the
 //! same stack and with the first one's samples still in memory, and so on. At some thousand sessions the stack is full; a plain thread waits.
 
-use crate::base::error::{Error, Result};
+use pipeline_base::error::{Error, Result};
 use std::num::NonZero;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -1,21 +1,23 @@
 //! The report stage over everything: first a unit of the tables, which are in place before any figure is drawn, then one of the pages.
 
-use crate::base::diagnostics::Diagnostic;
-use crate::base::error::{Error, Result};
-use crate::base::row::Row;
-use crate::cache::{Digest, Entry};
-use crate::config::flatten;
-use crate::formats::discover::{Discovery, Unusable};
-use crate::run::RunOptions;
-use crate::run::engine::{self, Engine};
-use crate::run::figures;
-use crate::run::groups::GroupResult;
-use crate::run::materialize::{Shelf, Written};
-use crate::run::sessions::SessionResult;
-use crate::run::step::{Stage, Step};
-use crate::run::torque::TorqueResult;
-use crate::stages::compare::Predictions;
-use crate::stages::report::{self, KneeInput, Provenance, ReportInput, SessionInput, Trace};
+use crate::RunOptions;
+use crate::engine::{self, Engine};
+use crate::figures;
+use crate::groups::GroupResult;
+use crate::materialize::{Shelf, Written};
+use crate::sessions::SessionResult;
+use crate::step::{Stage, Step};
+use crate::torque::TorqueResult;
+use pipeline_base::diagnostics::Diagnostic;
+use pipeline_base::digest::Digest;
+use pipeline_base::error::{Error, Result};
+use pipeline_base::row::Row;
+use pipeline_cache::Entry;
+use pipeline_compare::Predictions;
+use pipeline_config::flatten;
+use pipeline_formats::discover::{Discovery, Unusable};
+use pipeline_report::stage as report;
+use pipeline_report::stage::{KneeInput, Provenance, ReportInput, SessionInput, Trace};
 use std::collections::BTreeMap;
 
 /// The stage.

@@ -1,20 +1,23 @@
 //! The stages of one session: ingest, clean, normalize.
 
-use crate::base::error::{Error, Result};
-use crate::base::frame::Frame;
-use crate::base::reject::Reject;
-use crate::base::row::{self, Row};
-use crate::base::{reading, reading::Reading};
-use crate::cache::Digest;
-use crate::cache::store::{Entry, Object, Outputs};
-use crate::config::{CleanOptions, Config, flatten};
-use crate::formats::discover::Located;
-use crate::formats::log_file;
-use crate::run::engine::{self, Engine};
-use crate::run::step::{Stage, Step};
-use crate::stages::clean::{self, CleanHeader};
-use crate::stages::ingest::{self, IngestHeader, LogBytes, LogSamples};
-use crate::stages::normalize;
+use crate::engine::{self, Engine};
+use crate::step::{Stage, Step};
+use pipeline_base::digest::Digest;
+use pipeline_base::digest::Outputs;
+use pipeline_base::error::{Error, Result};
+use pipeline_base::frame::Frame;
+use pipeline_base::reject::Reject;
+use pipeline_base::row::{self, Row};
+use pipeline_base::{reading, reading::Reading};
+use pipeline_cache::store::{Entry, Object};
+use pipeline_clean as clean;
+use pipeline_clean::CleanHeader;
+use pipeline_config::{CleanOptions, Config, flatten};
+use pipeline_formats::discover::Located;
+use pipeline_formats::log_file;
+use pipeline_ingest as ingest;
+use pipeline_ingest::{IngestHeader, LogBytes, LogSamples};
+use pipeline_normalize as normalize;
 use std::collections::BTreeMap;
 use std::path::Path;
 

@@ -1,7 +1,8 @@
 //! What a step is made of, and what it leaves.
 
-use crate::cache::reason::Reason;
-use crate::cache::store::{Entry, Outputs};
+use pipeline_base::digest::Outputs;
+use pipeline_cache::reason::Reason;
+use pipeline_cache::store::Entry;
 use std::time::Duration;
 
 /// A stage as the cache sees it.

@@ -1,11 +1,11 @@
 //! What the user is told of every session, remembered so that a run without changes need not open what its sessions left.
 
-use crate::base::diagnostics::{Diagnostic, Severity};
-use crate::base::error::Result;
-use crate::base::reject::{Extent, Reject};
-use crate::cache::Digest;
-use crate::run::engine::Engine;
-use crate::run::sessions::SessionResult;
+use crate::engine::Engine;
+use crate::sessions::SessionResult;
+use pipeline_base::diagnostics::{Diagnostic, Severity};
+use pipeline_base::digest::Digest;
+use pipeline_base::error::Result;
+use pipeline_base::reject::{Extent, Reject};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

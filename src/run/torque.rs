@@ -1,18 +1,19 @@
 //! The stage `torque`: one unit a campaign, and one for what needs no session.
 
-use crate::base::error::{Error, Result};
-use crate::base::json;
-use crate::base::session::{Kind, Session};
-use crate::cache::Digest;
-use crate::cache::store::Outputs;
-use crate::config::{Config, flatten};
-use crate::findings::CampaignFindings;
-use crate::formats::discover::Discovery;
-use crate::run::engine::{self, Engine};
-use crate::run::sessions::{ROWS, SessionResult};
-use crate::run::step::{Stage, Step};
-use crate::stages::torque::reference::{Reference, reference};
-use crate::stages::torque::{self, CampaignTorque, Measured};
+use crate::engine::{self, Engine};
+use crate::sessions::{ROWS, SessionResult};
+use crate::step::{Stage, Step};
+use pipeline_base::digest::Digest;
+use pipeline_base::digest::Outputs;
+use pipeline_base::error::{Error, Result};
+use pipeline_base::json;
+use pipeline_base::session::{Kind, Session};
+use pipeline_config::{Config, flatten};
+use pipeline_findings::CampaignFindings;
+use pipeline_formats::discover::Discovery;
+use pipeline_torque as torque;
+use pipeline_torque::reference::{Reference, reference};
+use pipeline_torque::{CampaignTorque, Measured};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -5,11 +5,12 @@
 //! is told again: no `session.toml` is read and no key is made. With anything else the stages are asked as if this did not exist, so that it
 //! saves time and decides nothing.
 
-use crate::base::error::Result;
-use crate::cache::{Digest, Store, tree};
-use crate::run::cache::{Access, Cache};
-use crate::run::engine::{self, Engine};
-use crate::run::{Outcome, Progress, RunOptions, parallel};
+use crate::cache::{Access, Cache};
+use crate::engine::{self, Engine};
+use crate::{Outcome, Progress, RunOptions, parallel};
+use pipeline_base::digest::Digest;
+use pipeline_base::error::Result;
+use pipeline_cache::{Store, tree};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

@@ -1,9 +1,9 @@
 //! Everything below `derived/` damaged, one file at a time; disks that are full or read-only; inputs that are edited while they are read.
 
 use crate::support::{Bench, Said, files};
+use pipeline::base::digest::{Digest, Outputs};
 use pipeline::base::error::Error;
 use pipeline::base::random::Stream;
-use pipeline::cache::{Digest, Outputs};
 use pipeline::config::Config;
 use pipeline::run::engine::Engine;
 use pipeline::run::step::{Stage, Step};

@@ -1,7 +1,8 @@
 //! One thing of each kind is changed; the whole printed line is what is expected.
 
 use crate::support::{Bench, files};
-use pipeline::cache::{Digest, KeyParts, State, Store};
+use pipeline::base::digest::Digest;
+use pipeline::cache::{KeyParts, State, Store};
 use pipeline::run::cache::STATE;
 
 const FIT: &str = "fit/small 10 mm";

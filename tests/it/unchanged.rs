@@ -1,7 +1,7 @@
 //! A run in which no file has changed asks no stage, and nothing that has changed is taken for unchanged.
 
 use crate::support::{Bench, FAST, files};
-use pipeline::cache::Digest;
+use pipeline::base::digest::Digest;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;

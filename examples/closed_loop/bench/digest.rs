@@ -4,7 +4,7 @@
 //! not judge, are left out.
 
 use super::search::search;
-use pipeline::cache::hashing::Digest;
+use pipeline::base::digest::Digest;
 use pipeline::simulate::rig_like::{Mistake, Pace, Put, Scatter, Settings, campaign};
 use rayon::prelude::*;
 use serde_json::Value;

@@ -1,7 +1,7 @@
 //! Two rows of different equations or subjects that print the same statistics: one of them was copied.
 
-use crate::audit::claims::{Claim, ClaimList, Kind, Split};
-use crate::audit::findings::{Case, Rule, Verdict};
+use crate::claims::{Claim, ClaimList, Kind, Split};
+use crate::findings::{Case, Rule, Verdict};
 
 pub(super) const RULE: Rule = Rule {
     id: "copied_rows",

@@ -2,8 +2,8 @@
 //! more than the range of the data allows.
 
 use super::{UNLIKELY, either_direction, probability, rows, show, validation};
-use crate::audit::claims::{Claim, ClaimList, Fit, Kind, Split};
-use crate::audit::findings::{Case, Rule, Verdict};
+use crate::claims::{Claim, ClaimList, Fit, Kind, Split};
+use crate::findings::{Case, Rule, Verdict};
 
 pub(super) const RULE: Rule = Rule {
     id: "implied_spread",

@@ -1,9 +1,9 @@
 //! A linearised confidence interval lies symmetrically about its coefficient.
 
 use super::show;
-use crate::audit::claims::{Claim, ClaimList, Fit, Kind};
-use crate::audit::findings::{Case, Rule, Verdict};
-use crate::audit::printed::is_within;
+use crate::claims::{Claim, ClaimList, Fit, Kind};
+use crate::findings::{Case, Rule, Verdict};
+use crate::printed::is_within;
 
 pub(super) const RULE: Rule = Rule {
     id: "intervals",

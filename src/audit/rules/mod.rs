@@ -13,7 +13,7 @@ mod train_and_validation;
 use super::claims::{Claim, ClaimList, Fit, Kind, Split};
 use super::findings::Rule;
 use super::recompute::{Depth, evaluate};
-use crate::numerics::distributions::f_upper_tail;
+use pipeline_numerics::distributions::f_upper_tail;
 
 /// Every rule. A new one is a file and a line here.
 pub const ALL: &[Rule] = &[

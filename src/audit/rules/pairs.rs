@@ -1,10 +1,10 @@
 //! Two printed forms of one thing, evaluated at the same state.
 
 use super::show;
-use crate::audit::claims::{ClaimList, Pair, Relation};
-use crate::audit::findings::{Case, Rule, Verdict};
-use crate::audit::printed::is_within;
-use crate::audit::recompute::{Depth, evaluate};
+use crate::claims::{ClaimList, Pair, Relation};
+use crate::findings::{Case, Rule, Verdict};
+use crate::printed::is_within;
+use crate::recompute::{Depth, evaluate};
 
 pub(super) const RULE: Rule = Rule {
     id: "pairs",

@@ -1,7 +1,7 @@
 //! Values outside the range that a paper itself states.
 
-use crate::audit::claims::{Bound, Claim, ClaimList, End};
-use crate::audit::findings::{Case, Rule, Verdict};
+use crate::claims::{Bound, Claim, ClaimList, End};
+use crate::findings::{Case, Rule, Verdict};
 use std::collections::BTreeMap;
 
 pub(super) const RULE: Rule = Rule {

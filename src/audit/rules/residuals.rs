@@ -1,8 +1,8 @@
 //! RMSE and largest error of the same residuals: neither more than the largest error, nor less than that one residual alone makes it.
 
 use super::{rows, show};
-use crate::audit::claims::{Claim, ClaimList, Fit, Kind, Split};
-use crate::audit::findings::{Case, Rule, Verdict};
+use crate::claims::{Claim, ClaimList, Fit, Kind, Split};
+use crate::findings::{Case, Rule, Verdict};
 
 pub(super) const RULE: Rule = Rule {
     id: "residuals",

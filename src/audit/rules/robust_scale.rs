@@ -1,14 +1,14 @@
 //! What a printed RMSE of a fit with least-absolute-residual weights stands for: the inside-out effect.
 //!
 //! Such fits print `s = sqrt((s_ols^2 p^2 + s_rob^2 n)/(p^2 + n))`, and with sign weights Street's scale `s_rob` is nearly 0, so that
-//! `s = s_ols p/sqrt(p^2 + n)` ([`crate::numerics::lar::printed_scale`]). Turned inside out, a printed RMSE stands for an `s_ols` that is larger by
+//! `s = s_ols p/sqrt(p^2 + n)` ([`pipeline_numerics::lar::printed_scale`]). Turned inside out, a printed RMSE stands for an `s_ols` that is larger by
 //! `sqrt(p^2 + n)/p`. Whether a given number was printed so is not assumed but tested, against the validation RMSE.
 
 use super::train_and_validation::Test;
 use super::{UNLIKELY, either_direction, probability, show};
-use crate::audit::claims::{ClaimList, Fit};
-use crate::audit::findings::{Case, Rule, Verdict};
-use crate::numerics::lar::printed_scale;
+use crate::claims::{ClaimList, Fit};
+use crate::findings::{Case, Rule, Verdict};
+use pipeline_numerics::lar::printed_scale;
 
 pub(super) const RULE: Rule = Rule {
     id: "robust_scale",

@@ -1,8 +1,8 @@
 //! The same quantity, printed with different values in different places.
 
 use super::show;
-use crate::audit::claims::{Claim, ClaimList};
-use crate::audit::findings::{Case, Rule, Verdict};
+use crate::claims::{Claim, ClaimList};
+use crate::findings::{Case, Rule, Verdict};
 use std::collections::BTreeMap;
 
 pub(super) const RULE: Rule = Rule {

@@ -1,9 +1,9 @@
 //! Training against validation RMSE of one fit: an F test of the two variances.
 
 use super::{UNLIKELY, probability, rows, show, validation};
-use crate::audit::claims::{ClaimList, Fit, Kind, Split};
-use crate::audit::findings::{Case, Rule, Verdict};
-use crate::numerics::distributions::f_upper_tail;
+use crate::claims::{ClaimList, Fit, Kind, Split};
+use crate::findings::{Case, Rule, Verdict};
+use pipeline_numerics::distributions::f_upper_tail;
 
 pub(super) const RULE: Rule = Rule {
     id: "train_and_validation",

@@ -1,11 +1,11 @@
 //! What the residuals may depend on: everything that is known of every reading.
 
-use crate::base::columns::TEMPERATURE;
-use crate::base::row::Row;
-use crate::base::session::Phase;
-use crate::report::figures::formatting::{plain, verbatim};
-use crate::report::plot::Axis;
-use crate::report::plot::axis::Ticks;
+use crate::figures::formatting::{plain, verbatim};
+use crate::plot::Axis;
+use crate::plot::axis::Ticks;
+use pipeline_base::columns::TEMPERATURE;
+use pipeline_base::row::Row;
+use pipeline_base::session::Phase;
 use std::collections::BTreeSet;
 
 /// Panels of extra columns; a caption names the columns beyond.

@@ -1,13 +1,13 @@
 //! The error of every model on the same readings, at a glance.
 
-use crate::config::Config;
-use crate::report::input::GroupInput;
-use crate::report::plot::axis::Ticks;
-use crate::report::plot::{
+use crate::input::GroupInput;
+use crate::plot::axis::Ticks;
+use crate::plot::{
     Anchor, Axis, Dash, Figure, Ink, Layer, Legend, Level, Mark, Panel, Place, SINGLE_MM, Series,
     Shape, Side, Stroke,
 };
-use crate::stages::compare::Comparison;
+use pipeline_compare::Comparison;
+use pipeline_config::Config;
 
 /// Height of one model's line with its name above it, mm.
 const PITCH_MM: f64 = 6.6;

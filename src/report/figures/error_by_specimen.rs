@@ -1,13 +1,11 @@
 //! The error of the new model on each specimen by the fit that has not seen it, beside the best published models.
 
-use crate::config::Config;
-use crate::report::figures::formatting::{largest, specimen_names};
-use crate::report::figures::looks::of_model;
-use crate::report::input::GroupInput;
-use crate::report::plot::{
-    Axis, Dash, Figure, Ink, Layer, Legend, Panel, SINGLE_MM, Series, Stroke,
-};
-use crate::stages::compare::{Comparison, NEW, SpecimenComparison};
+use crate::figures::formatting::{largest, specimen_names};
+use crate::figures::looks::of_model;
+use crate::input::GroupInput;
+use crate::plot::{Axis, Dash, Figure, Ink, Layer, Legend, Panel, SINGLE_MM, Series, Stroke};
+use pipeline_compare::{Comparison, NEW, SpecimenComparison};
+use pipeline_config::Config;
 
 /// The published coefficients of the new model, which are always shown.
 const PUBLISHED: &str = "new_published";

@@ -1,6 +1,6 @@
 //! The words of captions and legends.
 
-use crate::report::number::Rounding;
+use crate::number::Rounding;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A coefficient's symbol in Typst markup, `b#sub[2]`.
@@ -95,7 +95,7 @@ mod tests {
     #[test]
     fn a_users_text_is_no_markup() {
         assert_eq!(
-            crate::report::markup::plain(&plain(r"a_b^{2}\v{x}")),
+            crate::markup::plain(&plain(r"a_b^{2}\v{x}")),
             r"a_b^{2}\v{x}"
         );
         assert_eq!(verbatim(r"a*_#\"), "#\"a*_#/\"");

@@ -1,15 +1,15 @@
 //! Relative force against relative contraction along isobars, with the readings near them and the Festo tool (force paper, Fig. 4).
 
-use crate::config::Config;
-use crate::models::{P_620_KPA, new};
-use crate::report::figures::formatting::{millimetres, number};
-use crate::report::figures::laws::{festo, places, published};
-use crate::report::figures::looks::of_isobar;
-use crate::report::figures::readings::{isobars, near};
-use crate::report::input::GroupInput;
-use crate::report::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Mark, Panel, Series, Stroke};
-use crate::stages::fit::SpecimenSummary;
-use crate::stages::fit::equations::{JOINT, cap_length_m};
+use crate::figures::formatting::{millimetres, number};
+use crate::figures::laws::{festo, places, published};
+use crate::figures::looks::of_isobar;
+use crate::figures::readings::{isobars, near};
+use crate::input::GroupInput;
+use crate::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Mark, Panel, Series, Stroke};
+use pipeline_config::Config;
+use pipeline_fit::SpecimenSummary;
+use pipeline_fit::equations::{JOINT, cap_length_m};
+use pipeline_mechanics::models::{P_620_KPA, new};
 
 /// The figure: the joint fit beside the published surface, with the same readings.
 pub fn figure(group: &GroupInput, config: &Config) -> Option<(String, Figure)> {

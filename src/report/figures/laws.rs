@@ -1,10 +1,12 @@
 //! What several figures draw: the laws of the force paper with published and fitted coefficients, the Festo tool, and the band of a fit.
 
-use crate::models::{Direction, ForceModel, Prediction, State, festo_tool::FestoTool, new};
-use crate::numerics::jackknife;
-use crate::report::figures::formatting::symbol;
-use crate::report::wording::name::coefficient_state;
-use crate::stages::fit::engine::{CoefficientState, EquationFit};
+use crate::figures::formatting::symbol;
+use crate::wording::name::coefficient_state;
+use pipeline_fit::engine::{CoefficientState, EquationFit};
+use pipeline_mechanics::models::{
+    Direction, ForceModel, Prediction, State, festo_tool::FestoTool, new,
+};
+use pipeline_numerics::jackknife;
 
 /// The published coefficients of these names, for a diameter that has them all.
 pub fn published<const N: usize>(diameter_mm: u32, symbols: [&str; N]) -> Option<[f64; N]> {

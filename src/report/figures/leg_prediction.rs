@@ -1,13 +1,11 @@
 //! Predicted torque over the range of a knee, beside a human muscle.
 
-use crate::predict::Predictor;
-use crate::predict::muscle::mm;
-use crate::predict::torque::{AtAngle, Built};
-use crate::report::figures::Named;
-use crate::report::figures::formatting::plain;
-use crate::report::plot::{
-    Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Legend, Panel, Series, Stroke,
-};
+use crate::figures::Named;
+use crate::figures::formatting::plain;
+use crate::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Legend, Panel, Series, Stroke};
+use pipeline_predict::Predictor;
+use pipeline_predict::muscle::mm;
+use pipeline_predict::torque::{AtAngle, Built};
 
 const HEIGHT_MM: f64 = 90.0;
 

@@ -1,11 +1,11 @@
 //! A log that nobody has described yet: one panel a column, over time, in the units that it may have.
 
-use crate::base::columns::TIME;
-use crate::draft::{Draft, Guess};
-use crate::formats::overview::place;
-use crate::report::figures::Named;
-use crate::report::figures::formatting::verbatim;
-use crate::report::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Panel, Series, Stroke};
+use crate::figures::Named;
+use crate::figures::formatting::verbatim;
+use crate::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Panel, Series, Stroke};
+use pipeline_base::columns::TIME;
+use pipeline_draft::{Draft, Guess};
+use pipeline_formats::overview::place;
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 38.0;

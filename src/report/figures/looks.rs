@@ -1,8 +1,8 @@
 //! One look for each model in all figures: name, colour, dash and mark, so that none is told by its colour alone.
 
-use crate::report::plot::{Dash, Ink, Mark, Shape, Stroke, look};
-use crate::report::wording::name::model_name;
-use crate::stages::compare::NEW;
+use crate::plot::{Dash, Ink, Mark, Shape, Stroke, look};
+use crate::wording::name::model_name;
+use pipeline_compare::NEW;
 
 /// How a model is drawn.
 #[derive(Clone, Debug, PartialEq)]
@@ -126,7 +126,7 @@ pub fn of_specimen(n: usize, width_mm: f64) -> Mark {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::models::published;
+    use pipeline_mechanics::models::published;
     use std::collections::BTreeSet;
 
     #[test]

@@ -1,16 +1,14 @@
 //! Maximum force at 620 kPa against resting length: measured, fitted with its band, published, Festo (force paper, Fig. 2).
 
-use crate::config::Config;
-use crate::models::{P_620_KPA, new};
-use crate::report::figures::formatting::listed;
-use crate::report::figures::laws::{self, Band, festo, misleading, places, published};
-use crate::report::input::GroupInput;
-use crate::report::plot::{
-    Axis, Dash, Figure, Ink, Layer, Mark, Panel, SINGLE_MM, Series, Shape, Stroke,
-};
-use crate::stages::fit::engine::EquationFit;
-use crate::stages::fit::equations::{JOINT, MAXIMUM_FORCE, cap_length_m};
-use crate::stages::fit::maxima::Maximum;
+use crate::figures::formatting::listed;
+use crate::figures::laws::{self, Band, festo, misleading, places, published};
+use crate::input::GroupInput;
+use crate::plot::{Axis, Dash, Figure, Ink, Layer, Mark, Panel, SINGLE_MM, Series, Shape, Stroke};
+use pipeline_config::Config;
+use pipeline_fit::engine::EquationFit;
+use pipeline_fit::equations::{JOINT, MAXIMUM_FORCE, cap_length_m};
+use pipeline_fit::maxima::Maximum;
+use pipeline_mechanics::models::{P_620_KPA, new};
 
 /// The figure, for groups with at least two resting lengths.
 pub fn figure(group: &GroupInput, config: &Config) -> Option<(String, Figure)> {
@@ -211,5 +209,5 @@ impl<'a> Plot<'a> {
 
 /// Whether a maximum comes from readings at other lengths.
 fn is_extrapolated(maximum: &Maximum) -> bool {
-    maximum.method == crate::stages::fit::maxima::ALONG_LENGTH
+    maximum.method == pipeline_fit::maxima::ALONG_LENGTH
 }

@@ -25,13 +25,13 @@ mod residuals;
 mod rest;
 mod trend;
 
-use crate::base::error::Result;
-use crate::base::names::file_name;
-use crate::config::Config;
-use crate::report::input::{GroupInput, ReportInput};
-use crate::report::left_out::{LeftOut, Part, Task, attempt};
-use crate::report::plot::Figure;
-use crate::stages::torque::diagnose::JointDiagnosis;
+use crate::input::{GroupInput, ReportInput};
+use crate::left_out::{LeftOut, Part, Task, attempt};
+use crate::plot::Figure;
+use pipeline_base::error::Result;
+use pipeline_base::names::file_name;
+use pipeline_config::Config;
+use pipeline_torque::diagnose::JointDiagnosis;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -217,8 +217,8 @@ pub fn slug(group: &GroupInput) -> String {
 /// # Errors
 /// A drawing that is no SVG.
 pub fn files(drawn: &Drawn, png_dpi: f64) -> Result<Vec<(String, Vec<u8>)>> {
-    let pdf = crate::report::typeset::svg_to_pdf(&drawn.svg, &drawn.title, drawn.size_mm)?;
-    let png = crate::report::raster::svg_to_png(&drawn.svg, png_dpi)?;
+    let pdf = crate::typeset::svg_to_pdf(&drawn.svg, &drawn.title, drawn.size_mm)?;
+    let png = crate::raster::svg_to_png(&drawn.svg, png_dpi)?;
     Ok(vec![
         (
             format!("{}.svg", drawn.name),

@@ -1,13 +1,13 @@
 //! The models of a group's comparison, ready to be asked anywhere, and their answers along the contraction as curves.
 
-use crate::config::Config;
-use crate::models::{ForceModel, P_620_KPA, Prediction, new, published};
-use crate::report::figures::laws::state;
-use crate::report::figures::looks::{Look, of_model};
-use crate::report::input::GroupInput;
-use crate::stages::compare::NEW;
-use crate::stages::fit::SpecimenSummary;
-use crate::stages::fit::equations::{JOINT, cap_length_m};
+use crate::figures::laws::state;
+use crate::figures::looks::{Look, of_model};
+use crate::input::GroupInput;
+use pipeline_compare::NEW;
+use pipeline_config::Config;
+use pipeline_fit::SpecimenSummary;
+use pipeline_fit::equations::{JOINT, cap_length_m};
+use pipeline_mechanics::models::{ForceModel, P_620_KPA, Prediction, new, published};
 
 /// One model's answers along the contraction.
 pub struct Curve {

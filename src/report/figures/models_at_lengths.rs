@@ -1,15 +1,15 @@
 //! Force against contraction of a short, a middle and a long specimen at two pressures: readings and every compared model.
 
-use crate::config::Config;
-use crate::models::Prediction;
-use crate::report::figures::formatting::{listed, millimetres, specimen_names};
-use crate::report::figures::laws::places;
-use crate::report::figures::model_curves::{Curve, Model, models};
-use crate::report::figures::readings::near;
-use crate::report::input::GroupInput;
-use crate::report::plot::style::HAIR_PT;
-use crate::report::plot::{Axis, DOUBLE_MM, Figure, Ink, Mark, Panel, Series, Shape, Stroke};
-use crate::stages::fit::SpecimenSummary;
+use crate::figures::formatting::{listed, millimetres, specimen_names};
+use crate::figures::laws::places;
+use crate::figures::model_curves::{Curve, Model, models};
+use crate::figures::readings::near;
+use crate::input::GroupInput;
+use crate::plot::style::HAIR_PT;
+use crate::plot::{Axis, DOUBLE_MM, Figure, Ink, Mark, Panel, Series, Shape, Stroke};
+use pipeline_config::Config;
+use pipeline_fit::SpecimenSummary;
+use pipeline_mechanics::models::Prediction;
 use std::collections::BTreeSet;
 
 /// Pressures of the upper and of the lower row, kPa: the first of each that has readings.

@@ -1,15 +1,13 @@
 //! Logs with the steady windows that were found in them: the whole log, and a few seconds of it.
 
-use crate::base::columns::{FORCE, PRESSURE, TIME};
-use crate::base::names::file_name;
-use crate::base::row::Row;
-use crate::base::session::Phase;
-use crate::report::figures::formatting::verbatim;
-use crate::report::figures::{Composed, Named, compose};
-use crate::report::input::{ReportInput, SessionInput, Trace};
-use crate::report::plot::{
-    Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Mark, Panel, Series, Shape, Stroke,
-};
+use crate::figures::formatting::verbatim;
+use crate::figures::{Composed, Named, compose};
+use crate::input::{ReportInput, SessionInput, Trace};
+use crate::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Mark, Panel, Series, Shape, Stroke};
+use pipeline_base::columns::{FORCE, PRESSURE, TIME};
+use pipeline_base::names::file_name;
+use pipeline_base::row::Row;
+use pipeline_base::session::Phase;
 
 /// Time shown in the close-up, s.
 const CLOSE_UP_S: f64 = 4.0;

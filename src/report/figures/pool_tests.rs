@@ -2,9 +2,9 @@
 
 use super::tests::{composed, composed_of_diagnosis, groups};
 use super::*;
-use crate::findings::{Errors, UnitErrors};
-use crate::report::plot::{Axis, Panel, SINGLE_MM};
-use crate::stages::diagnose::diagnose;
+use crate::plot::{Axis, Panel, SINGLE_MM};
+use pipeline_diagnose::diagnose;
+use pipeline_findings::{Errors, UnitErrors};
 
 const SIZES: [usize; 3] = [5, 120, 1000];
 /// What a page of the report holds above a caption, mm.
@@ -129,7 +129,7 @@ fn figures_of_five_and_of_a_thousand_specimens_fit_on_a_page() {
             assert!(svg.len() < 1_000_000, "{which}: {} bytes", svg.len());
             assert!(figure.figure.height_mm <= PAGE_MM, "{which}");
             let source = format!("#set page(width: 200mm)\n{}", figure.caption);
-            let pdf = crate::report::typeset::Document::new(&source).compile();
+            let pdf = crate::typeset::Document::new(&source).compile();
             assert!(pdf.is_ok(), "{which}: {}", figure.caption);
         });
     }

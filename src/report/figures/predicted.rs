@@ -1,11 +1,11 @@
 //! Measured against predicted force, each reading predicted by the fit that has not seen its specimen, and what is left over.
 
-use crate::config::Config;
-use crate::report::figures::formatting::{largest, specimen_names};
-use crate::report::figures::looks::{MOST_SPECIMENS, of_specimen};
-use crate::report::input::GroupInput;
-use crate::report::plot::{Axis, DOUBLE_MM, Figure, Ink, Layer, Mark, Panel, Series, Shape};
-use crate::stages::compare::{NEW, NEW_LOSO};
+use crate::figures::formatting::{largest, specimen_names};
+use crate::figures::looks::{MOST_SPECIMENS, of_specimen};
+use crate::input::GroupInput;
+use crate::plot::{Axis, DOUBLE_MM, Figure, Ink, Layer, Mark, Panel, Series, Shape};
+use pipeline_compare::{NEW, NEW_LOSO};
+use pipeline_config::Config;
 use std::collections::BTreeMap;
 
 /// The figure; with one specimen only, the predictions are those of the fit itself.

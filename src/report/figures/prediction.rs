@@ -1,12 +1,10 @@
 //! Predicted force along one quantity or along isobars, with the interval for a muscle that was not measured.
 
-use crate::predict::muscle::mm;
-use crate::predict::sweep::{Axis as Along, TABLE_KPA};
-use crate::predict::{Answer, Predictor};
-use crate::report::figures::Named;
-use crate::report::plot::{
-    Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Legend, Panel, Series, Stroke, look,
-};
+use crate::figures::Named;
+use crate::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Legend, Panel, Series, Stroke, look};
+use pipeline_predict::muscle::mm;
+use pipeline_predict::sweep::{Axis as Along, TABLE_KPA};
+use pipeline_predict::{Answer, Predictor};
 
 const HEIGHT_MM: f64 = 90.0;
 /// A pressure of the table that would stand too close to its neighbour, kPa.

@@ -1,8 +1,8 @@
 //! The readings that stand near an isobar, and the pressures at which a group has any.
 
-use crate::base::row::Row;
-use crate::models::PRESSURE_SLACK_KPA;
-use crate::report::input::GroupInput;
+use crate::input::GroupInput;
+use pipeline_base::row::Row;
+use pipeline_mechanics::models::PRESSURE_SLACK_KPA;
 
 /// Pressures of isobars, kPa, and pressures that stand in for the last one where nothing was measured there.
 const ISOBARS_KPA: [f64; 6] = [100.0, 200.0, 300.0, 400.0, 500.0, 620.0];

@@ -1,17 +1,15 @@
 //! What the new model leaves over, against everything that was recorded beside it, with running medians, and a normal quantile plot.
 
-use crate::base::row::Row;
-use crate::config::Config;
-use crate::numerics::running::normal_plot;
-use crate::report::figures::covariates::{Covariate, covariates};
-use crate::report::figures::formatting::listed;
-use crate::report::figures::trend::{columns, spread, trend};
-use crate::report::input::GroupInput;
-use crate::report::plot::{
-    Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Mark, Panel, Series, Shape, Stroke,
-};
-use crate::stages::compare::{NEW, NEW_LOSO};
-use crate::stages::fit::is_fitted;
+use crate::figures::covariates::{Covariate, covariates};
+use crate::figures::formatting::listed;
+use crate::figures::trend::{columns, spread, trend};
+use crate::input::GroupInput;
+use crate::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Mark, Panel, Series, Shape, Stroke};
+use pipeline_base::row::Row;
+use pipeline_compare::{NEW, NEW_LOSO};
+use pipeline_config::Config;
+use pipeline_fit::is_fitted;
+use pipeline_numerics::running::normal_plot;
 
 /// Fewest readings for a figure.
 const FEWEST: usize = 12;

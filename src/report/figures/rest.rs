@@ -1,18 +1,16 @@
 //! Force at resting length along isobars, and eps_620, against resting length (force paper, Fig. 3).
 
-use crate::base::row::Row;
-use crate::config::Config;
-use crate::models::new;
-use crate::report::figures::formatting::number;
-use crate::report::figures::laws::{self, misleading, places, published};
-use crate::report::figures::looks::of_isobar;
-use crate::report::figures::readings::{first_isobars, near};
-use crate::report::input::GroupInput;
-use crate::report::plot::{
-    Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Mark, Panel, Series, Shape, Stroke,
-};
-use crate::stages::fit::engine::EquationFit;
-use crate::stages::fit::equations::{CONTRACTION, FORCE_AT_REST, cap_length_m};
+use crate::figures::formatting::number;
+use crate::figures::laws::{self, misleading, places, published};
+use crate::figures::looks::of_isobar;
+use crate::figures::readings::{first_isobars, near};
+use crate::input::GroupInput;
+use crate::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Mark, Panel, Series, Shape, Stroke};
+use pipeline_base::row::Row;
+use pipeline_config::Config;
+use pipeline_fit::engine::EquationFit;
+use pipeline_fit::equations::{CONTRACTION, FORCE_AT_REST, cap_length_m};
+use pipeline_mechanics::models::new;
 
 /// The figure, for groups with at least two specimens.
 pub fn figure(group: &GroupInput, config: &Config) -> Option<(String, Figure)> {

@@ -1,16 +1,16 @@
 //! What holds for the figures of every group: they draw, they are fit for print, they repeat themselves, and their captions are true.
 
 use super::*;
-use crate::base::row::Row;
-use crate::base::session::Phase;
-use crate::findings::{CampaignFindings, Residuals};
-use crate::models::new;
-use crate::report::plot::units::pt;
-use crate::report::wording::tests::example;
-use crate::stages::compare::compare;
-use crate::stages::diagnose::Diagnosis;
-use crate::stages::fit::engine::CoefficientState;
-use crate::stages::fit::{Group, fit_group};
+use crate::plot::units::pt;
+use crate::wording::tests::example;
+use pipeline_base::row::Row;
+use pipeline_base::session::Phase;
+use pipeline_compare::compare;
+use pipeline_diagnose::Diagnosis;
+use pipeline_findings::{CampaignFindings, Residuals};
+use pipeline_fit::engine::CoefficientState;
+use pipeline_fit::{Group, fit_group};
+use pipeline_mechanics::models::new;
 use std::collections::BTreeMap;
 
 /// Groups as they come: campaigns of one, two and five specimens, at one pressure only, and of a diameter without a law of length.
@@ -123,7 +123,7 @@ fn every_figure_of_every_group_is_fit_for_print_and_repeats_itself() {
             assert!(svg.len() < 400_000, "{}: {} bytes", named.name, svg.len());
             assert!(smallest(&svg, "data-pt") >= 5.0, "{}", named.name);
             assert!(smallest(&svg, "stroke-width") >= pt(0.5), "{}", named.name);
-            assert!(named.figure.width_mm <= crate::report::plot::DOUBLE_MM);
+            assert!(named.figure.width_mm <= crate::plot::DOUBLE_MM);
             assert_eq!(svg, named.draw().unwrap().svg);
         }
     }
@@ -141,7 +141,7 @@ fn captions_are_markup_that_compiles() {
     for group in groups() {
         for named in composed(&group) {
             let source = format!("#set page(width: 200mm)\n{}", named.caption);
-            let pdf = crate::report::typeset::Document::new(&source).compile();
+            let pdf = crate::typeset::Document::new(&source).compile();
             assert!(pdf.is_ok(), "{}: {}", named.name, named.caption);
         }
     }
@@ -224,7 +224,7 @@ fn rows_that_are_held_out_stay_out_of_the_residuals() {
     };
     let all = count(&group);
     assert_eq!(all, group.predictions.rows.len());
-    group.predictions.rows[0].role = Some(crate::base::session::Role::Holdout);
+    group.predictions.rows[0].role = Some(pipeline_base::session::Role::Holdout);
     assert_eq!(count(&group), all - 1);
 }
 
@@ -284,7 +284,7 @@ fn figures_of_a_diagnosis_are_fit_for_print() {
         );
         assert!(named.caption.starts_with("Simulated. "));
         let source = format!("#set page(width: 200mm)\n{}", named.caption);
-        let pdf = crate::report::typeset::Document::new(&source).compile();
+        let pdf = crate::typeset::Document::new(&source).compile();
         assert!(pdf.is_ok(), "{}", named.caption);
     }
 }

@@ -1,7 +1,7 @@
 //! What panels of residuals share: the trend through a cloud, readings spread sideways, panels in rows.
 
-use crate::numerics::running::{medians_by_cluster, running_median};
-use crate::report::plot::{Dash, Ink, Mark, Series, Shape, Stroke};
+use crate::plot::{Dash, Ink, Mark, Series, Shape, Stroke};
+use pipeline_numerics::running::{medians_by_cluster, running_median};
 
 /// Up to so many clusters of values get a median each, more values a running one.
 const FEW_CLUSTERS: usize = 12;

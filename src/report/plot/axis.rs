@@ -165,7 +165,7 @@ fn decimals(step: f64) -> usize {
 }
 
 fn number(value: f64, decimals: usize) -> String {
-    crate::report::number::Rounding::Decimals(decimals)
+    crate::number::Rounding::Decimals(decimals)
         .round(value)
         .map_or_else(String::new, |n| n.typeset())
 }

@@ -8,7 +8,7 @@ use super::paper::Paper;
 use super::pencil::{Pencil, shape_style};
 use super::style::{Dash, Ink, Mark, OUTLINE_PT, SMALL_PT, Stroke};
 use super::units::{Rect, mm, snap};
-use crate::base::error::{Error, Result};
+use pipeline_base::error::{Error, Result};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::{Cartesian2d, DrawingArea, PathElement, Polygon};
 use std::collections::BTreeSet;

@@ -5,7 +5,7 @@ use super::panel::{Panel, Plan};
 use super::paper::Paper;
 use super::pencil::Pencil;
 use super::units::{Rect, mm};
-use crate::base::error::{Error, Result};
+use pipeline_base::error::{Error, Result};
 use std::cell::RefCell;
 use std::rc::Rc;
 

@@ -8,7 +8,7 @@ use super::panel::Panel;
 use super::pencil::Pencil;
 use super::style::{Dash, Ink, LABEL_PT, PANEL_PT, SMALL_PT, Stroke};
 use super::units::{PER_MM, Rect, mm};
-use crate::base::error::Result;
+use pipeline_base::error::Result;
 
 /// Length of ticks, in millimetres.
 const TICK_MM: f64 = 0.9;

@@ -4,7 +4,7 @@
 //! the font, in Inkscape, in LaTeX, in Typst and in resvg: an embedded `@font-face` is ignored by all but browsers. Each glyph is
 //! defined once a file and used by reference, so the price is small, and the words stand in `aria-label` for screen readers.
 
-use crate::report::fonts;
+use crate::fonts;
 use rustybuzz::ttf_parser::{GlyphId, OutlineBuilder};
 use rustybuzz::{Face, UnicodeBuffer};
 use std::fmt::Write;

@@ -3,7 +3,7 @@
 use super::glyphs::{CAP_HEIGHT, Placed, Style, UNITS_PER_EM, shape};
 use super::style::SCRIPT_SCALE;
 use super::units::pt;
-use crate::report::markup::{self, Piece, Script};
+use crate::markup::{self, Piece, Script};
 
 /// Drop of subscripts below the base line, in ems.
 const SUB_DROP: f64 = 0.2;

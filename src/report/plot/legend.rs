@@ -6,7 +6,7 @@ use super::layer::Layer;
 use super::pencil::Pencil;
 use super::style::{Ink, Mark, SMALL_PT, Stroke};
 use super::units::{Rect, mm, snap};
-use crate::base::error::Result;
+use pipeline_base::error::Result;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 

@@ -9,7 +9,7 @@ use super::legend::{Key, Legend, rows_within};
 use super::obstacles::{emptiest_spot, free_spot};
 use super::pencil::Pencil;
 use super::units::{Rect, mm};
-use crate::base::error::Result;
+use pipeline_base::error::Result;
 
 /// Room between a panel and the legend beside it, in millimetres.
 const LEGEND_GAP_MM: f64 = 1.2;

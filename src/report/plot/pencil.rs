@@ -4,7 +4,7 @@ use super::label::{Anchor, Label};
 use super::paper::Paper;
 use super::style::{Dash, Mark, Stroke};
 use super::units::{Rect, snap};
-use crate::base::error::{Error, Result};
+use pipeline_base::error::{Error, Result};
 use plotters::coord::Shift;
 use plotters::prelude::{DrawingArea, PathElement, Rectangle};
 use plotters::style::{RGBAColor, ShapeStyle};

@@ -1,8 +1,8 @@
 //! CSV after RFC 4180 with LF: full precision, one header line of keys, nothing rounded and nothing left out.
 
 use super::Renderer;
-use crate::report::markup;
-use crate::report::table::{Audience, Cell, Column, Table};
+use crate::markup;
+use crate::table::{Audience, Cell, Column, Table};
 
 /// Comma separated values.
 pub struct Csv;
@@ -94,7 +94,7 @@ fn escape(field: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::render::tests::sample;
+    use crate::render::tests::sample;
 
     #[test]
     fn golden() {

@@ -2,9 +2,9 @@
 
 use super::Renderer;
 use super::printed::{Group, Head, Printed, PrintedTable};
-use crate::report::markup::{self, Piece, Script};
-use crate::report::number::Rounded;
-use crate::report::table::{Align, Table};
+use crate::markup::{self, Piece, Script};
+use crate::number::Rounded;
+use crate::table::{Align, Table};
 
 /// LaTeX.
 pub struct Latex;
@@ -217,7 +217,7 @@ const GREEK: [(char, &str); 34] = [
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::render::tests::sample;
+    use crate::render::tests::sample;
 
     #[test]
     fn golden() {
@@ -256,13 +256,9 @@ two lines \textbar{} a\_b & \(F_{620}\) & 0.25 &  & \num{7} & no \\
 
     #[test]
     fn powers_of_ten_and_percentages_stand_in_num() {
-        let small = crate::report::number::Rounding::Digits(2)
-            .round(1.5e-7)
-            .unwrap();
+        let small = crate::number::Rounding::Digits(2).round(1.5e-7).unwrap();
         assert_eq!(number(&small), r"\num{1.5e-7}");
-        let share = crate::report::number::Rounding::Percent(1)
-            .round(0.984)
-            .unwrap();
+        let share = crate::number::Rounding::Percent(1).round(0.984).unwrap();
         assert_eq!(number(&share), r"\num{98.4}\%");
     }
 }

@@ -3,9 +3,9 @@
 
 use super::Renderer;
 use super::printed::{Printed, PrintedTable};
-use crate::report::markup::{self, Piece, Script};
-use crate::report::number::Rounded;
-use crate::report::table::{Align, Table};
+use crate::markup::{self, Piece, Script};
+use crate::number::Rounded;
+use crate::table::{Align, Table};
 
 /// Markdown.
 pub struct Markdown;
@@ -113,7 +113,7 @@ fn escape(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::render::tests::sample;
+    use crate::render::tests::sample;
 
     #[test]
     fn golden() {

@@ -6,7 +6,7 @@ pub mod markdown;
 mod printed;
 pub mod typst;
 
-use crate::report::table::Table;
+use crate::table::Table;
 
 /// Turns a table into the text of a file.
 pub trait Renderer: Sync {
@@ -28,7 +28,7 @@ pub const ALL: [&dyn Renderer; 4] = [&csv::Csv, &latex::Latex, &typst::Typst, &m
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::report::table::{Audience, Cell, Column, Rounding};
+    use crate::table::{Audience, Cell, Column, Rounding};
 
     /// A small table that uses every kind of cell, a span, a rule, a note and characters that need escapes.
     pub(crate) fn sample() -> Table {

@@ -1,8 +1,8 @@
 //! What people see of a table, rounded and parsed, before any format's signs are put around it.
 
-use crate::report::markup::{self, Piece};
-use crate::report::number::Rounded;
-use crate::report::table::{Align, Audience, Cell, Column, Table};
+use crate::markup::{self, Piece};
+use crate::number::Rounded;
+use crate::table::{Align, Audience, Cell, Column, Table};
 
 /// A cell as people see it.
 pub enum Printed {
@@ -97,7 +97,7 @@ fn decimal_places<'a>(cells: impl Iterator<Item = &'a Printed>) -> Option<(usize
 
 fn groups(table: &Table, seen: &[usize]) -> Vec<Group> {
     let position = |key: &str| table.columns.iter().position(|c| c.key == key);
-    let group = |span: &crate::report::table::Span| {
+    let group = |span: &crate::table::Span| {
         let (first, last) = (position(&span.first)?, position(&span.last)?);
         let covered = |&at: &usize| (first..=last).contains(&seen[at]);
         let mut below = (0..seen.len()).filter(covered);

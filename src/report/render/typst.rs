@@ -2,9 +2,9 @@
 
 use super::Renderer;
 use super::printed::{Group, Printed, PrintedTable};
-use crate::report::markup::{self, Piece, Script};
-use crate::report::number::Rounded;
-use crate::report::table::{Align, Table};
+use crate::markup::{self, Piece, Script};
+use crate::number::Rounded;
+use crate::table::{Align, Table};
 
 /// Typst.
 pub struct Typst;
@@ -249,8 +249,8 @@ fn quoted(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::render::tests::sample;
-    use crate::report::typeset::Document;
+    use crate::render::tests::sample;
+    use crate::typeset::Document;
 
     #[test]
     fn golden() {
@@ -313,9 +313,7 @@ mod tests {
     #[test]
     fn missing_decimals_are_padded_and_powers_raised() {
         assert_eq!(padded(&Rounded::integer(7), 2), "7\u{2008}\u{2007}\u{2007}");
-        let small = crate::report::number::Rounding::Digits(2)
-            .round(1.5e-7)
-            .unwrap();
+        let small = crate::number::Rounding::Digits(2).round(1.5e-7).unwrap();
         assert_eq!(number(&small), "1.5\u{2009}×\u{2009}10⁻⁷");
     }
 }

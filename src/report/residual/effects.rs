@@ -1,13 +1,13 @@
 //! The effects that were found, the candidates that were tested, and what stays without a name.
 
-use crate::findings::{CampaignFindings, EffectFinding, Tested, Unexplained};
-use crate::report::number::Rounding;
-use crate::report::wording::SIGNIFICANT;
-use crate::report::wording::name;
-use crate::report::wording::number::{
+use crate::number::Rounding;
+use crate::wording::SIGNIFICANT;
+use crate::wording::name;
+use crate::wording::number::{
     NONE, error_with_unit, gain, gain_or_none, percent, plain, probability, rounded, size,
 };
-use crate::report::wording::sentence::{beyond_usual, plain_number};
+use crate::wording::sentence::{beyond_usual, plain_number};
+use pipeline_findings::{CampaignFindings, EffectFinding, Tested, Unexplained};
 use serde::Serialize;
 
 /// The column whose values were shuffled.
@@ -38,8 +38,8 @@ pub(super) fn effect(found: &CampaignFindings, e: &EffectFinding) -> Effect {
         equation: e.equation.clone(),
         acts_on: name::acts_on(e),
         sizes: e.parameters.iter().map(size).collect(),
-        others: crate::report::wording::sentence::alias_set(e),
-        form: crate::report::wording::sentence::form(e),
+        others: crate::wording::sentence::alias_set(e),
+        form: crate::wording::sentence::form(e),
         negligible: e.negligible,
         facts: facts(found, e),
         measurement: e.measurement.clone(),
@@ -84,7 +84,7 @@ pub(super) fn alias_sets(found: &CampaignFindings) -> Vec<AliasRow> {
     // Without likelihoods there is nothing to compare; the block of the effect names the others.
     let with_others = found.effects.iter().filter(|e| !e.in_its_place.is_empty());
     let row = |e: &EffectFinding| AliasRow {
-        effect: crate::report::wording::sentence::called(e),
+        effect: crate::wording::sentence::called(e),
         members: e
             .class
             .iter()
@@ -180,8 +180,8 @@ pub(super) fn unexplained(u: &Unexplained) -> [String; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::findings::ActsOn;
-    use crate::report::wording::tests::example;
+    use crate::wording::tests::example;
+    use pipeline_findings::ActsOn;
 
     #[test]
     fn a_shuffled_column_with_a_low_p_is_commented_and_not_set_in_bold() {

@@ -1,10 +1,10 @@
 //! What is said first: the answer in sentences, the errors in their three forms, the budget.
 
-use crate::findings::{CampaignFindings, Errors};
-use crate::models;
-use crate::report::wording::name::{self, nouns};
-use crate::report::wording::number::{NONE, error, error_or_none, error_with_unit, percent, unit};
-use crate::report::wording::sentence::{self, Answer, clauses, has_effects};
+use crate::wording::name::{self, nouns};
+use crate::wording::number::{NONE, error, error_or_none, error_with_unit, percent, unit};
+use crate::wording::sentence::{self, Answer, clauses, has_effects};
+use pipeline_findings::{CampaignFindings, Errors};
+use pipeline_mechanics::models;
 use serde::Serialize;
 
 /// The numbers of readings after which the error is shown; the first page has one of them.
@@ -164,7 +164,7 @@ pub(super) fn budget(found: &CampaignFindings) -> Vec<[String; 4]> {
     let total: f64 = found.budget.iter().map(|b| b.variance).sum();
     let mut order: Vec<_> = found.budget.iter().collect();
     order.sort_by(|a, b| b.variance.total_cmp(&a.variance));
-    let row = |b: &&crate::findings::BudgetEntry| {
+    let row = |b: &&pipeline_findings::BudgetEntry| {
         let scatter = sentence::scatter_behind(found, &b.source);
         [
             name::capitalised(&name::source(&b.source)),

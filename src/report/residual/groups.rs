@@ -1,12 +1,12 @@
 //! What varies from group to group, how far the law itself is from right, and groups that are recorded wrongly.
 
-use crate::findings::{CampaignFindings, RecordingError, Scatter};
-use crate::report::number::Rounding;
-use crate::report::wording::name::{self, listed};
-use crate::report::wording::number::{
+use crate::number::Rounding;
+use crate::wording::name::{self, listed};
+use crate::wording::number::{
     NONE, error, error_or_none, gain_or_none, plain, probability, rounded, unit, with_interval,
 };
-use crate::report::wording::sentence::{recorded_size, set_aside};
+use crate::wording::sentence::{recorded_size, set_aside};
+use pipeline_findings::{CampaignFindings, RecordingError, Scatter};
 
 /// What, of each, how many, standard deviation with interval, declared, gain.
 pub(super) fn scatter(s: &Scatter) -> [String; 6] {

@@ -1,12 +1,12 @@
 //! Errors by held-out unit, coefficients before and after, and the law with and without its parts.
 
-use crate::findings::{Alternative, CampaignFindings, CoefficientChange, UnitErrors};
-use crate::report::number::Rounding;
-use crate::report::wording::name::{self, listed};
-use crate::report::wording::number::{
+use crate::number::Rounding;
+use crate::wording::name::{self, listed};
+use crate::wording::number::{
     NONE, error, error_or_none, error_with_unit, gain, percent_or_none, rounded, size,
     unit as unit_name,
 };
+use pipeline_findings::{Alternative, CampaignFindings, CoefficientChange, UnitErrors};
 
 /// Log-likelihoods that differ by less tell nothing apart.
 const CLOSE: f64 = 2.0;

@@ -1,15 +1,15 @@
 //! What a campaign could not have shown, and what to measure next.
 
-use crate::effects;
-use crate::findings::{
+use crate::number::Rounding;
+use crate::wording::name;
+use crate::wording::number::{error_rounding, error_with_unit, percent, plain};
+use crate::wording::sentence::{conditions, measurement, worth_words};
+use pipeline_findings::{
     CampaignFindings, DetectionLimit, EffectFinding, NextKind, NextMeasurement, NotMeasurable,
     WhyNot,
 };
-use crate::report::number::Rounding;
-use crate::report::wording::name;
-use crate::report::wording::number::{error_rounding, error_with_unit, percent, plain};
-use crate::report::wording::sentence::{conditions, measurement, worth_words};
-use crate::stages::torque::diagnose::terms;
+use pipeline_mechanics::effects;
+use pipeline_torque::diagnose::terms;
 use serde::Serialize;
 
 /// Effect, form, smallest detectable size, identifiable share.
@@ -176,7 +176,7 @@ fn least_worth(found: &CampaignFindings) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::wording::tests::example;
+    use crate::wording::tests::example;
 
     fn set_point(eps: f64, worth: f64) -> NextMeasurement {
         NextMeasurement {

@@ -1,5 +1,5 @@
 //! The pages of `residual.pdf`: for every campaign, pool and joint the answer, what the error is made of, and the evidence, for somebody who has
-//! to decide. Everything is made of [`crate::findings`]; what is said in sentences comes from [`super::wording`].
+//! to decide. Everything is made of [`pipeline_findings`]; what is said in sentences comes from [`super::wording`].
 //!
 //! | module | part of the page |
 //! |---|---|
@@ -15,15 +15,15 @@ mod groups;
 mod held_out;
 mod limits;
 
-use crate::base::error::Result;
-use crate::findings::CampaignFindings;
-use crate::report::extent::{MOST_GROUPS, MOST_ROWS_ON_PAGES};
-use crate::report::figures::Drawn;
-use crate::report::figures::found::Kind;
-use crate::report::input::ReportInput;
-use crate::report::typeset::{Document, Pdf};
-use crate::report::wording::name;
-use crate::report::wording::number::unit;
+use crate::extent::{MOST_GROUPS, MOST_ROWS_ON_PAGES};
+use crate::figures::Drawn;
+use crate::figures::found::Kind;
+use crate::input::ReportInput;
+use crate::typeset::{Document, Pdf};
+use crate::wording::name;
+use crate::wording::number::unit;
+use pipeline_base::error::Result;
+use pipeline_findings::CampaignFindings;
 use serde::Serialize;
 
 const TEMPLATE: &str = include_str!("../templates/residual.typ");

@@ -1,10 +1,10 @@
 //! `alternatives`: the law with and without its parts, one row a number of an alternative.
 
 use super::described::{Of, interval, number, of_all, text, unit};
-use crate::findings::{Alternative, CampaignFindings, Parameter};
-use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Rounding, Table};
-use crate::report::wording::number::{cells, error_rounding, finite};
+use crate::input::ReportInput;
+use crate::table::{Cell, Rounding, Table};
+use crate::wording::number::{cells, error_rounding, finite};
+use pipeline_findings::{Alternative, CampaignFindings, Parameter};
 
 /// What stands for an alternative without parts.
 const NO_PART: &str = "none";

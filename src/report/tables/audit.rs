@@ -1,10 +1,10 @@
 //! `audit`: every numeric claim of the papers beside what is recomputed, then every test of consistency.
 
-use crate::audit::claims::Relation;
-use crate::audit::findings::{Audit, Case, ClaimFinding, RuleFinding};
-use crate::audit::recompute::Status;
-use crate::report::audit::{besides, near, remark, status};
-use crate::report::table::{Audience, Cell, Column, Rounding, Table};
+use crate::audit::{besides, near, remark, status};
+use crate::table::{Audience, Cell, Column, Rounding, Table};
+use pipeline_audit::claims::Relation;
+use pipeline_audit::findings::{Audit, Case, ClaimFinding, RuleFinding};
+use pipeline_audit::recompute::Status;
 
 /// The table of an audit.
 pub fn table(audit: &Audit) -> Table {

@@ -1,8 +1,8 @@
 //! `baselines`: what each compared model reproduces of its authors' own numbers.
 
-use crate::models::gate::{Gate, gate};
-use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Column, Rounding, Table};
+use crate::input::ReportInput;
+use crate::table::{Cell, Column, Rounding, Table};
+use pipeline_mechanics::models::gate::{Gate, gate};
 
 /// The table; it depends on no data.
 pub fn table(_: &ReportInput) -> Table {

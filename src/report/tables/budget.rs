@@ -1,10 +1,10 @@
 //! `budget`: what the expected squared error on an unseen specimen is made of.
 
 use super::described::{Of, number, of_all, text};
-use crate::findings::{BudgetEntry, CampaignFindings};
-use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Rounding, Table};
-use crate::report::wording::number::{error_rounding, finite};
+use crate::input::ReportInput;
+use crate::table::{Cell, Rounding, Table};
+use crate::wording::number::{error_rounding, finite};
+use pipeline_findings::{BudgetEntry, CampaignFindings};
 
 type Row<'a> = Of<'a, &'a BudgetEntry>;
 

@@ -1,12 +1,12 @@
 //! `coefficients`: what was fitted, with intervals, beside what was published.
 
-use crate::report::figures::slug;
-use crate::report::input::{GroupInput, ReportInput};
-use crate::report::symbols;
-use crate::report::table::{Audience, Cell, Column, Rounding, Table};
-use crate::report::wording::name::coefficient_state;
-use crate::stages::compare::NEW;
-use crate::stages::fit::engine::{CoefficientFit, CoefficientState, EquationFit};
+use crate::figures::slug;
+use crate::input::{GroupInput, ReportInput};
+use crate::symbols;
+use crate::table::{Audience, Cell, Column, Rounding, Table};
+use crate::wording::name::coefficient_state;
+use pipeline_compare::NEW;
+use pipeline_fit::engine::{CoefficientFit, CoefficientState, EquationFit};
 
 /// All groups.
 pub fn table(input: &ReportInput) -> Table {

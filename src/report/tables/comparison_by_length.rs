@@ -1,9 +1,9 @@
 //! `comparison_by_length`: every model on each specimen, by resting length.
 
-use crate::report::figures::slug;
-use crate::report::input::{GroupInput, ReportInput};
-use crate::report::table::{Audience, Cell, Column, Rounding, Table};
-use crate::report::wording::name::model_name;
+use crate::figures::slug;
+use crate::input::{GroupInput, ReportInput};
+use crate::table::{Audience, Cell, Column, Rounding, Table};
+use crate::wording::name::model_name;
 
 /// All groups.
 pub fn table(input: &ReportInput) -> Table {

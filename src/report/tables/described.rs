@@ -1,9 +1,9 @@
 //! Tables that are described: a column is its heading and what a cell of it says of a row.
 
-use crate::findings::CampaignFindings;
-use crate::report::input::ReportInput;
-use crate::report::table::{Audience, Cell, Column, Table};
-use crate::report::wording::name;
+use crate::input::ReportInput;
+use crate::table::{Audience, Cell, Column, Table};
+use crate::wording::name;
+use pipeline_findings::CampaignFindings;
 
 /// What a cell of a column says of a row.
 type Says<R> = fn(&R) -> Cell;

@@ -1,10 +1,10 @@
 //! `detection_limits`: the smallest size of every effect that a campaign could have shown, and what it cannot show at all.
 
 use super::described::{Of, number, of_all, optional, text};
-use crate::findings::{CampaignFindings, DetectionLimit, NotMeasurable, WhyNot};
-use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Rounding, Table};
-use crate::report::wording::number::finite;
+use crate::input::ReportInput;
+use crate::table::{Cell, Rounding, Table};
+use crate::wording::number::finite;
+use pipeline_findings::{CampaignFindings, DetectionLimit, NotMeasurable, WhyNot};
 
 /// What a row says.
 enum Line<'a> {

@@ -1,10 +1,10 @@
 //! `findings`: what every campaign's model lacks, one row a parameter of an effect, a column without a name, or a campaign without either.
 
 use super::described::{self, Of, interval, number, of_all, optional, text};
-use crate::findings::{ActsOn, CampaignFindings, EffectFinding, Parameter, Unexplained};
-use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Rounding, Table};
-use crate::report::wording::number::{cells, finite};
+use crate::input::ReportInput;
+use crate::table::{Cell, Rounding, Table};
+use crate::wording::number::{cells, finite};
+use pipeline_findings::{ActsOn, CampaignFindings, EffectFinding, Parameter, Unexplained};
 
 /// What stands in the place of an effect where none of the library explains the dependence on a column.
 const UNEXPLAINED: &str = "unexplained";

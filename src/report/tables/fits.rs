@@ -1,9 +1,9 @@
 //! `fits`: how well each equation meets the rows that it was fitted to.
 
-use crate::report::figures::slug;
-use crate::report::input::{GroupInput, ReportInput};
-use crate::report::symbols;
-use crate::report::table::{Audience, Cell, Column, Rounding, Table};
+use crate::figures::slug;
+use crate::input::{GroupInput, ReportInput};
+use crate::symbols;
+use crate::table::{Audience, Cell, Column, Rounding, Table};
 
 /// All groups.
 pub fn table(input: &ReportInput) -> Table {

@@ -1,10 +1,10 @@
 //! `intervals`: the interval of every coefficient by every method, those of the LAR-compatible statistics and the published ones included.
 
-use crate::report::figures::slug;
-use crate::report::input::{GroupInput, ReportInput};
-use crate::report::symbols;
-use crate::report::table::{Audience, Cell, Column, Rounding, Table};
-use crate::stages::fit::engine::{CoefficientFit, EquationFit};
+use crate::figures::slug;
+use crate::input::{GroupInput, ReportInput};
+use crate::symbols;
+use crate::table::{Audience, Cell, Column, Rounding, Table};
+use pipeline_fit::engine::{CoefficientFit, EquationFit};
 
 /// All groups.
 pub fn table(input: &ReportInput) -> Table {

@@ -1,7 +1,7 @@
 //! Predicted torque over the range of a knee, one row an angle. Not among the tables of a run.
 
-use crate::predict::torque::AtAngle;
-use crate::report::table::{Cell, Column, Rounding, Table};
+use crate::table::{Cell, Column, Rounding, Table};
+use pipeline_predict::torque::AtAngle;
 
 /// One row an angle.
 pub fn table(found: &[AtAngle]) -> Table {

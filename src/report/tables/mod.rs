@@ -30,8 +30,8 @@ mod table2;
 mod tested;
 mod zeros;
 
-use crate::report::input::ReportInput;
-use crate::report::table::{Audience, Table};
+use crate::input::ReportInput;
+use crate::table::{Audience, Table};
 
 /// Every table, in the order in which the summary lists them.
 pub const ALL: &[fn(&ReportInput) -> Table] = &[

@@ -1,10 +1,10 @@
 //! `model_comparison`: every model on the same rows.
 
-use crate::report::figures::slug;
-use crate::report::input::{GroupInput, ReportInput};
-use crate::report::table::{Audience, Cell, Column, Rounding, Table};
-use crate::report::wording::name::model_name;
-use crate::stages::compare::Comparison;
+use crate::figures::slug;
+use crate::input::{GroupInput, ReportInput};
+use crate::table::{Audience, Cell, Column, Rounding, Table};
+use crate::wording::name::model_name;
+use pipeline_compare::Comparison;
 
 /// All groups.
 pub fn table(input: &ReportInput) -> Table {

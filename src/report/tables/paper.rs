@@ -1,14 +1,13 @@
 //! The layout that Tables 1 and 2 of the force paper share: a block an equation, in it three sets of statistics, in each a row a
 //! coefficient. The honest set comes first, the LAR-compatible and the published ones stand below it.
 
-use crate::audit;
-use crate::audit::claims::{Kind, Split};
-use crate::report::figures::slug;
-use crate::report::input::GroupInput;
-use crate::report::symbols;
-use crate::report::table::{Audience, Cell, Column, Rounding, Table};
-use crate::report::wording::name::coefficient_state;
-use crate::stages::fit::engine::{CoefficientState, Compatible, EquationFit, Goodness};
+use crate::figures::slug;
+use crate::input::GroupInput;
+use crate::symbols;
+use crate::table::{Audience, Cell, Column, Rounding, Table};
+use crate::wording::name::coefficient_state;
+use pipeline_audit::claims::{Kind, Split};
+use pipeline_fit::engine::{CoefficientState, Compatible, EquationFit, Goodness};
 
 /// Adjusted R2, RMSE and largest error of one half of the table.
 #[derive(Clone, Copy, Debug, Default)]
@@ -131,7 +130,7 @@ pub fn push(table: &mut Table, block: &Block) {
 fn printed(block: &Block, split: Split) -> Side {
     let diameter = block.group.fit.group.diameter_mm;
     let of = |kind| {
-        audit::published(&block.equation.id, diameter, split, kind, None)
+        pipeline_audit::published(&block.equation.id, diameter, split, kind, None)
             .map(|claim| claim.printed.value)
     };
     let unit = if block.percent { 0.01 } else { 1.0 };

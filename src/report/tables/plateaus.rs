@@ -1,9 +1,9 @@
 //! `plateaus`: one line a steady reading.
 
-use crate::base::row::{Row, label_names};
-use crate::base::session::Kind;
-use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Column, Rounding, Table};
+use crate::input::ReportInput;
+use crate::table::{Cell, Column, Rounding, Table};
+use pipeline_base::row::{Row, label_names};
+use pipeline_base::session::Kind;
 use std::collections::BTreeSet;
 
 /// The table; extra columns follow the fixed ones by name, then labels. Torque sessions have theirs among the extra ones.

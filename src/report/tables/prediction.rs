@@ -1,7 +1,7 @@
 //! Predicted forces as a table: a sweep or the designer's table, one row a state. Not among the tables of a run.
 
-use crate::predict::Answer;
-use crate::report::table::{Cell, Column, Rounding, Table};
+use crate::table::{Cell, Column, Rounding, Table};
+use pipeline_predict::Answer;
 
 /// One row an answer.
 pub fn table<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {

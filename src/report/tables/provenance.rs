@@ -1,7 +1,7 @@
 //! `provenance`: from what every session and every fit was made.
 
-use crate::report::input::ReportInput;
-use crate::report::table::{Audience, Cell, Column, Table};
+use crate::input::ReportInput;
+use crate::table::{Audience, Cell, Column, Table};
 
 /// Digits of a digest in print.
 const SHOWN: usize = 16;

@@ -1,11 +1,11 @@
 //! `recording_errors`: sessions, specimens and tests that the model fitted without them makes too improbable.
 
 use super::described::{Of, flag, number, of_all, optional, text};
-use crate::findings::{ErrorKind, RecordingError};
-use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Rounding, Table};
-use crate::report::wording::name;
-use crate::report::wording::number::{error_rounding, finite};
+use crate::input::ReportInput;
+use crate::table::{Cell, Rounding, Table};
+use crate::wording::name;
+use crate::wording::number::{error_rounding, finite};
+use pipeline_findings::{ErrorKind, RecordingError};
 
 type Row<'a> = Of<'a, &'a RecordingError>;
 

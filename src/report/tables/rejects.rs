@@ -1,8 +1,8 @@
 //! `rejects`: everything that was left out, and why.
 
-use crate::base::reject::{Extent, Reject};
-use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Column, Table};
+use crate::input::ReportInput;
+use crate::table::{Cell, Column, Table};
+use pipeline_base::reject::{Extent, Reject};
 use std::collections::BTreeMap;
 
 /// Every reject, session by session.

@@ -1,10 +1,10 @@
 //! `residual_errors`: the errors of every campaign and of every unit that was held out, before and after, in every form.
 
 use super::described::{Described, Of, number, of_all, text, unit};
-use crate::findings::{CampaignFindings, Errors, UnitErrors};
-use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Rounding, Table};
-use crate::report::wording::number::{error_rounding, finite};
+use crate::input::ReportInput;
+use crate::table::{Cell, Rounding, Table};
+use crate::wording::number::{error_rounding, finite};
+use pipeline_findings::{CampaignFindings, Errors, UnitErrors};
 
 /// What stands for all units together.
 const ALL: &str = "all";

@@ -1,11 +1,11 @@
 //! `scatter`: what varies from group to group, one row a random effect.
 
 use super::described::{Of, flag, interval, number, of_all, text};
-use crate::findings::Scatter;
-use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Rounding, Table};
-use crate::report::wording::name;
-use crate::report::wording::number::{cells, finite};
+use crate::input::ReportInput;
+use crate::table::{Cell, Rounding, Table};
+use crate::wording::name;
+use crate::wording::number::{cells, finite};
+use pipeline_findings::Scatter;
 
 type Row<'a> = Of<'a, &'a Scatter>;
 

@@ -1,9 +1,9 @@
 //! `sessions`: what was measured, one line a session.
 
-use crate::base::reject::Extent;
-use crate::base::row::{kind_name, role_name};
-use crate::report::input::ReportInput;
-use crate::report::table::{Audience, Cell, Column, Rounding, Table};
+use crate::input::ReportInput;
+use crate::table::{Audience, Cell, Column, Rounding, Table};
+use pipeline_base::reject::Extent;
+use pipeline_base::row::{kind_name, role_name};
 
 /// The table.
 pub fn table(input: &ReportInput) -> Table {
@@ -62,7 +62,7 @@ pub fn table(input: &ReportInput) -> Table {
 }
 
 /// What a reader must know of a session.
-fn remark(session: &crate::base::session::Session) -> Cell {
+fn remark(session: &pipeline_base::session::Session) -> Cell {
     match (&session.exclude, session.is_simulated()) {
         (Some(why), _) => Cell::text(format!("excluded: {why}")),
         (None, true) => Cell::text("simulated"),

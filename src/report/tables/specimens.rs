@@ -1,8 +1,8 @@
 //! `specimens`: the actuators, and their measured maximum force.
 
-use crate::report::figures::slug;
-use crate::report::input::{GroupInput, ReportInput};
-use crate::report::table::{Audience, Cell, Column, Rounding, Table};
+use crate::figures::slug;
+use crate::input::{GroupInput, ReportInput};
+use crate::table::{Audience, Cell, Column, Rounding, Table};
 
 /// All groups.
 pub fn table(input: &ReportInput) -> Table {

@@ -1,10 +1,10 @@
 //! `statistics`: the honest statistics of every fit and, under their own name, those that a robust LAR fit prints.
 
-use crate::report::figures::slug;
-use crate::report::input::{GroupInput, ReportInput};
-use crate::report::symbols;
-use crate::report::table::{Audience, Cell, Column, Rounding, Table};
-use crate::stages::fit::engine::{Compatible, EquationFit, Goodness};
+use crate::figures::slug;
+use crate::input::{GroupInput, ReportInput};
+use crate::symbols;
+use crate::table::{Audience, Cell, Column, Rounding, Table};
+use pipeline_fit::engine::{Compatible, EquationFit, Goodness};
 
 /// All groups.
 pub fn table(input: &ReportInput) -> Table {

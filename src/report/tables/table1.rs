@@ -2,11 +2,11 @@
 //!
 //! Eq. 7 is compared with the measured maxima at 620 kPa, Eqs. 5 and 6 with what the Festo tool says of the same maxima.
 
-use crate::audit::claims::Split;
-use crate::report::input::{GroupInput, ReportInput};
-use crate::report::table::{Column, Table};
-use crate::report::tables::paper::{self, Block, Side};
-use crate::stages::fit::equations::{FORCE_AT_REST, MAXIMUM_FORCE};
+use crate::input::{GroupInput, ReportInput};
+use crate::table::{Column, Table};
+use crate::tables::paper::{self, Block, Side};
+use pipeline_audit::claims::Split;
+use pipeline_fit::equations::{FORCE_AT_REST, MAXIMUM_FORCE};
 
 /// All groups.
 pub fn table(input: &ReportInput) -> Table {

@@ -1,11 +1,11 @@
 //! `table2`: the force paper's Table 2, the surface F*(eps*, P*): coefficients with intervals and goodness of fit on training and
 //! validation rows.
 
-use crate::audit::claims::Split;
-use crate::report::input::{GroupInput, ReportInput};
-use crate::report::table::{Column, Table};
-use crate::report::tables::paper::{self, Block, Side};
-use crate::stages::fit::equations::SURFACE;
+use crate::input::{GroupInput, ReportInput};
+use crate::table::{Column, Table};
+use crate::tables::paper::{self, Block, Side};
+use pipeline_audit::claims::Split;
+use pipeline_fit::equations::SURFACE;
 
 /// All groups.
 pub fn table(input: &ReportInput) -> Table {

@@ -1,10 +1,10 @@
 //! `tested`: the candidates of the first step of every search.
 
 use super::described::{Of, flag, number, of_all, text};
-use crate::findings::{ActsOn, Tested};
-use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Rounding, Table};
-use crate::report::wording::number::finite;
+use crate::input::ReportInput;
+use crate::table::{Cell, Rounding, Table};
+use crate::wording::number::finite;
+use pipeline_findings::{ActsOn, Tested};
 
 type Row<'a> = Of<'a, &'a Tested>;
 

@@ -1,7 +1,7 @@
 //! `zeros`: the zero of the force channel of every session, where it came from, and what speaks against it.
 
-use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Column, Rounding, Table};
+use crate::input::ReportInput;
+use crate::table::{Cell, Column, Rounding, Table};
 
 /// The table.
 pub fn table(input: &ReportInput) -> Table {

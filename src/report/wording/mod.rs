@@ -1,4 +1,4 @@
-//! Names, numbers and sentences made of the values of [`crate::findings`]. The report and the command line take theirs from here, so that
+//! Names, numbers and sentences made of the values of [`pipeline_findings`]. The report and the command line take theirs from here, so that
 //! one thing has one name and one quantity one value wherever it is read.
 //!
 //! | module | what |

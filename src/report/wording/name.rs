@@ -1,11 +1,11 @@
 //! What things are called: effects, columns, random effects, sources of error, reasons.
 
-use crate::effects;
-use crate::findings::{
+use pipeline_findings::{
     ActsOn, CampaignFindings, EffectFinding, ErrorKind, HeldOutBy, Level, NotAssessed,
     NotMeasurable, Verdict, WhyNot,
 };
-use crate::stages::fit::engine::CoefficientState;
+use pipeline_fit::engine::CoefficientState;
+use pipeline_mechanics::effects;
 
 /// Effects that the registry of the force chain does not have or calls otherwise.
 const CALLED: [(&str, &str); 10] = [

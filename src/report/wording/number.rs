@@ -1,8 +1,8 @@
 //! Numbers and units as people read them.
 
-use crate::findings::Parameter;
-use crate::report::number::Rounding;
-use crate::report::table::Cell;
+use crate::number::Rounding;
+use crate::table::Cell;
+use pipeline_findings::Parameter;
 
 /// What stands where there is no number.
 pub const NONE: &str = "–";

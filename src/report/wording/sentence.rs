@@ -4,13 +4,13 @@ use super::name::{self, Nouns, capitalised, listed, nouns};
 use super::number::{
     amounts, count, equals_probability, error, error_with_unit, percent, plain, rounded, with_unit,
 };
-use crate::effects;
-use crate::findings::{
+use crate::number::Rounding;
+use pipeline_findings::{
     ActsOn, BudgetEntry, CampaignFindings, EffectFinding, ErrorKind, Level, NextKind,
     NextMeasurement, RecordingError, Scatter, Verdict,
 };
-use crate::report::number::Rounding;
-use crate::stages::torque::diagnose::terms::usual;
+use pipeline_mechanics::effects;
+use pipeline_torque::diagnose::terms::usual;
 
 /// A source that makes less than this share of the expected variance is summed up with others; noise is always named.
 const NAMED_SHARE: f64 = 0.02;

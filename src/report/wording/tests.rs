@@ -3,17 +3,17 @@
 use super::name::{self, listed};
 use super::number::{amount, cells, equals_probability, error, percent, size};
 use super::sentence::{clauses, measurement, sentences, told, worth_words};
-use crate::findings::{
+use crate::table::Cell;
+use pipeline_findings::{
     CampaignFindings, Findings, NextKind, NextMeasurement, NotAssessed, Parameter, Verdict,
 };
-use crate::report::table::Cell;
 
 /// Findings in which every field has a value, shared with `tests/it`.
 pub(crate) const EXAMPLE: &str = include_str!("../../../tests/data/findings-2.json");
 
 /// The first campaign of [`EXAMPLE`].
 pub(crate) fn example() -> CampaignFindings {
-    let all: Findings = crate::base::json::from_slice(EXAMPLE.as_bytes()).unwrap();
+    let all: Findings = pipeline_base::json::from_slice(EXAMPLE.as_bytes()).unwrap();
     all.campaigns.into_iter().next().unwrap()
 }
 
@@ -85,7 +85,7 @@ fn an_expected_error_far_from_what_came_out_says_so() {
 fn arms_by_hand_are_set_aside_alone() {
     let mut found = example();
     let error = &mut found.recording_errors[0];
-    error.level = crate::findings::Level::Test;
+    error.level = pipeline_findings::Level::Test;
     error.quantity = Some("moment_arm".into());
     let said = clauses(&found).recording_errors.unwrap();
     assert!(

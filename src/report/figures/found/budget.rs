@@ -4,12 +4,12 @@
 use super::super::Named;
 use super::super::formatting::plain;
 use super::TEXT_MM;
-use crate::findings::{BudgetEntry, CampaignFindings};
-use crate::report::plot::{
+use crate::plot::{
     Anchor, Axis, Dash, Figure, Ink, Layer, Legend, Level, Panel, Place, Series, Side, Stroke,
 };
-use crate::report::wording::name;
-use crate::report::wording::number::{error, error_with_unit};
+use crate::wording::name;
+use crate::wording::number::{error, error_with_unit};
+use pipeline_findings::{BudgetEntry, CampaignFindings};
 
 /// Height of a campaign's band, of the axis and of the legend, mm.
 const BAND_MM: f64 = 5.0;
@@ -59,7 +59,7 @@ pub fn figure(all: &[&CampaignFindings]) -> Option<Named> {
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let x = Axis::new("Share of the expected squared error").fixed(0.0, END);
     let mut panel = Panel::new(x, Axis::categories("", &names)).legend(Legend::Above);
-    panel.x.ticks = crate::report::plot::axis::Ticks::Named(
+    panel.x.ticks = crate::plot::axis::Ticks::Named(
         [0.0, 0.25, 0.5, 0.75, 1.0]
             .map(|at| (at, format!("{at}")))
             .to_vec(),
@@ -132,7 +132,7 @@ fn segment(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::wording::tests::example;
+    use crate::wording::tests::example;
 
     #[test]
     fn one_campaign_with_every_source_has_room() {

@@ -1,8 +1,8 @@
 //! Whether the predictive distribution is right: histogram of the probability integral transform of the held-out readings.
 
 use super::{HALF_MM, Shown};
-use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Panel, Stroke};
-use crate::report::wording::number::percent;
+use crate::plot::{Axis, Dash, Figure, Ink, Layer, Panel, Stroke};
+use crate::wording::number::percent;
 
 /// The figure; none where nothing was held out.
 pub fn figure(shown: &Shown) -> Option<(String, Figure)> {

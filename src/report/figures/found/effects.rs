@@ -1,14 +1,12 @@
 //! Each effect's likelihood profile, each specimen's own estimate of it, and its free form where one was tested.
 
 use super::{HALF_MM, Shown, TEXT_MM, axis_label, group_names};
-use crate::findings::{EffectFinding, Estimate};
-use crate::report::plot::axis::Span;
-use crate::report::plot::{
-    Axis, Dash, Figure, Ink, Layer, Legend, Mark, Panel, Series, Shape, Stroke,
-};
-use crate::report::wording::name::{self, nouns};
-use crate::report::wording::number::equals_probability;
-use crate::report::wording::sentence::called;
+use crate::plot::axis::Span;
+use crate::plot::{Axis, Dash, Figure, Ink, Layer, Legend, Mark, Panel, Series, Shape, Stroke};
+use crate::wording::name::{self, nouns};
+use crate::wording::number::equals_probability;
+use crate::wording::sentence::called;
+use pipeline_findings::{EffectFinding, Estimate};
 
 /// Most effects with a row of panels, and most specimens in one, so that the figure fits on a page with its caption.
 const MOST_EFFECTS: usize = 6;

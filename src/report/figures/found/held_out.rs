@@ -2,12 +2,10 @@
 
 use super::super::formatting::largest;
 use super::{HALF_MM, Shown, group_names};
-use crate::findings::{Errors, UnitErrors};
-use crate::report::plot::{
-    Axis, Dash, Figure, Ink, Layer, Legend, Mark, Panel, Series, Shape, Stroke,
-};
-use crate::report::wording::name::held_out_unit;
-use crate::report::wording::sentence::has_effects;
+use crate::plot::{Axis, Dash, Figure, Ink, Layer, Legend, Mark, Panel, Series, Shape, Stroke};
+use crate::wording::name::held_out_unit;
+use crate::wording::sentence::has_effects;
+use pipeline_findings::{Errors, UnitErrors};
 
 /// Units beyond these are left out, so that the figure fits on a page with its caption.
 const MOST_UNITS: usize = 26;

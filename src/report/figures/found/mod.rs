@@ -14,10 +14,10 @@ pub use budget::figure as budget;
 
 use super::formatting::plain;
 use super::{Composed, Named, compose};
-use crate::base::row::Row;
-use crate::findings::{CampaignFindings, Residuals};
-use crate::report::plot::Figure;
-use crate::report::wording::number::unit;
+use crate::plot::Figure;
+use crate::wording::number::unit;
+use pipeline_base::row::Row;
+use pipeline_findings::{CampaignFindings, Residuals};
 use serde::{Deserialize, Serialize};
 
 /// Width of the text of the pages, and of a half of it, mm: nothing hangs over the margins.

@@ -3,13 +3,13 @@
 
 use super::super::formatting::plain;
 use super::{Shown, TEXT_MM};
-use crate::base::row::{NO_LABEL, Row, label_names};
-use crate::findings::{Residuals, Tested};
-use crate::report::figures::trend::{spread, trend};
-use crate::report::plot::axis::{Span, Ticks};
-use crate::report::plot::{Axis, Figure, Ink, Layer, Mark, Panel, Series, Shape};
-use crate::report::wording::SIGNIFICANT;
-use crate::report::wording::number::equals_probability;
+use crate::figures::trend::{spread, trend};
+use crate::plot::axis::{Span, Ticks};
+use crate::plot::{Axis, Figure, Ink, Layer, Mark, Panel, Series, Shape};
+use crate::wording::SIGNIFICANT;
+use crate::wording::number::equals_probability;
+use pipeline_base::row::{NO_LABEL, Row, label_names};
+use pipeline_findings::{Residuals, Tested};
 use std::collections::BTreeSet;
 
 /// The column of the diagnosis that says of which sessions the zero of the force is not known, 0 or 1.

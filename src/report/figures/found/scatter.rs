@@ -1,10 +1,10 @@
 //! What varies from group to group: the predicted value of every group, one panel a random effect.
 
 use super::{HALF_MM, MOST_GROUPS, Shown, TEXT_MM, axis_label, ending, group_names};
-use crate::findings::Scatter;
-use crate::report::plot::axis::{Span, Ticks};
-use crate::report::plot::{Axis, Figure, Ink, Layer, Legend, Mark, Panel, Series, Shape};
-use crate::report::wording::name::{self, listed};
+use crate::plot::axis::{Span, Ticks};
+use crate::plot::{Axis, Figure, Ink, Layer, Legend, Mark, Panel, Series, Shape};
+use crate::wording::name::{self, listed};
+use pipeline_findings::Scatter;
 
 /// Panels in a row; more would cut their titles.
 const COLUMNS: usize = 3;

@@ -2,8 +2,8 @@
 
 use super::residuals::{factor, label};
 use super::{HALF_MM, Shown, TEXT_MM};
-use crate::findings::Unexplained;
-use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Panel, Series, Stroke};
+use crate::plot::{Axis, Dash, Figure, Ink, Layer, Panel, Series, Stroke};
+use pipeline_findings::Unexplained;
 
 /// Most panels: so many fit on a page with their caption. `findings.json` has all.
 const MOST_PANELS: usize = 8;

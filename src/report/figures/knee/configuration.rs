@@ -1,15 +1,13 @@
 //! One configuration: torque, relative contraction and moment arm over the knee angle, measured and expected (the knee paper's Figs. 10 to 13).
 
 use super::{angle_axis, over_angle};
-use crate::base::names::file_name;
-use crate::report::figures::Named;
-use crate::report::figures::formatting::plain;
-use crate::report::plot::{
-    Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Mark, Panel, Series, Shape, Stroke,
-};
-use crate::stages::torque::diagnose::fittings::LAWS;
-use crate::stages::torque::point::Point;
-use crate::stages::torque::{CampaignTorque, Configuration, Test};
+use crate::figures::Named;
+use crate::figures::formatting::plain;
+use crate::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Mark, Panel, Series, Shape, Stroke};
+use pipeline_base::names::file_name;
+use pipeline_torque::diagnose::fittings::LAWS;
+use pipeline_torque::point::Point;
+use pipeline_torque::{CampaignTorque, Configuration, Test};
 
 const HEIGHT_MM: f64 = 104.0;
 /// Dashes of the pressures, where there are several: as stated, and as fitted.

@@ -1,13 +1,13 @@
 //! Full-size actuators of the biomimetic leg beside the human muscles (the knee paper's Fig. 15).
 
 use super::{angle_axis, over_angle};
-use crate::report::figures::Named;
-use crate::report::plot::{
+use crate::figures::Named;
+use crate::plot::{
     Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Legend, Mark, Panel, Series, Shape, Stroke,
 };
-use crate::stages::torque::reference::Reference;
-use crate::stages::torque::reference::design::Design;
-use crate::stages::torque::reference::human::Compares;
+use pipeline_torque::reference::Reference;
+use pipeline_torque::reference::design::Design;
+use pipeline_torque::reference::human::Compares;
 
 /// Name of its files.
 pub const NAME: &str = "knee-design";
@@ -58,7 +58,7 @@ fn panel(reference: &Reference, d: &Design) -> Panel {
     for h in references.filter(|h| h.what == Compares::Torque && h.muscle == d.human) {
         let rows = h.rows.iter().step_by(EVERY);
         let marks = rows.map(|r| (r.0.to_degrees(), r.2)).collect();
-        let (name, mark) = if h.against == crate::stages::torque::reference::human::TARGET {
+        let (name, mark) = if h.against == pipeline_torque::reference::human::TARGET {
             ("design target", Mark::open(Shape::Cross, Ink::Grey))
         } else {
             ("OpenSim", Mark::open(Shape::Circle, Ink::Green))

@@ -1,11 +1,11 @@
 //! The human muscles beside OpenSim's exports: moment arms and torques.
 
 use super::angle_axis;
-use crate::report::figures::Named;
-use crate::report::figures::formatting::{number, plain};
-use crate::report::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Mark, Panel, Series, Shape, Stroke};
-use crate::stages::torque::reference::Reference;
-use crate::stages::torque::reference::human::{Compared, Compares, TARGET};
+use crate::figures::Named;
+use crate::figures::formatting::{number, plain};
+use crate::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Mark, Panel, Series, Shape, Stroke};
+use pipeline_torque::reference::Reference;
+use pipeline_torque::reference::human::{Compared, Compares, TARGET};
 
 /// Name of its files.
 pub const NAME: &str = "knee-human";

@@ -1,13 +1,13 @@
 //! One joint before and after the loop: measured torque, the rigid leg, the leg with what was found, one panel a configuration.
 
 use super::{angle_axis, configuration, over_angle};
-use crate::base::names::file_name;
-use crate::report::figures::Named;
-use crate::report::figures::formatting::largest;
-use crate::report::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Panel, Series, Stroke};
-use crate::stages::torque::diagnose::JointDiagnosis;
-use crate::stages::torque::diagnose::curves::BeforeAfter;
-use crate::stages::torque::{CampaignTorque, Configuration};
+use crate::figures::Named;
+use crate::figures::formatting::largest;
+use crate::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Panel, Series, Stroke};
+use pipeline_base::names::file_name;
+use pipeline_torque::diagnose::JointDiagnosis;
+use pipeline_torque::diagnose::curves::BeforeAfter;
+use pipeline_torque::{CampaignTorque, Configuration};
 
 const ROW_MM: f64 = 54.0;
 const LEGEND_MM: f64 = 12.0;

@@ -1,13 +1,13 @@
 //! A leg: the route over the knee at three angles, and its moment arm by both methods.
 
 use super::{angle_axis, over_angle};
-use crate::report::figures::Named;
-use crate::report::figures::formatting::{number, plain};
-use crate::report::plot::{
+use crate::figures::Named;
+use crate::figures::formatting::{number, plain};
+use crate::plot::{
     Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Legend, Mark, Panel, Series, Shape, Stroke,
 };
-use crate::stages::torque::Configuration;
-use crate::stages::torque::reference::arms::Arms;
+use pipeline_torque::Configuration;
+use pipeline_torque::reference::arms::Arms;
 
 const HEIGHT_MM: f64 = 88.0;
 /// Width over height of the left plot, so that a metre is as long upwards as sideways.

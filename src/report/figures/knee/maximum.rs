@@ -1,12 +1,12 @@
 //! Maximum force of 10 mm actuators over resting length and pressure, and their contraction at 620 kPa (the knee paper's Fig. 8).
 
-use crate::models::{ForceModel, knee_paper::KneePaper, new};
-use crate::report::figures::Named;
-use crate::report::figures::laws::places;
-use crate::report::input::ReportInput;
-use crate::report::plot::{
+use crate::figures::Named;
+use crate::figures::laws::places;
+use crate::input::ReportInput;
+use crate::plot::{
     Axis, DOUBLE_MM, Dash, Figure, Ink, Legend, Mark, Panel, Series, Shape, Stroke, look,
 };
+use pipeline_mechanics::models::{ForceModel, knee_paper::KneePaper, new};
 use std::collections::BTreeMap;
 
 /// Name of its files.

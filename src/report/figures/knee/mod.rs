@@ -9,9 +9,9 @@ mod maximum;
 mod surfaces;
 
 use super::{Composed, compose};
-use crate::report::input::ReportInput;
-use crate::stages::torque::diagnose::JointDiagnosis;
-use crate::stages::torque::{CampaignTorque, Configuration};
+use crate::input::ReportInput;
+use pipeline_torque::diagnose::JointDiagnosis;
+use pipeline_torque::{CampaignTorque, Configuration};
 use std::collections::BTreeSet;
 
 /// The figures of one campaign: one a configuration, then one a joint.
@@ -54,8 +54,8 @@ pub fn once(input: &ReportInput) -> Vec<Option<Composed>> {
 }
 
 /// The knee angle's axis, degrees.
-fn angle_axis() -> crate::report::plot::Axis {
-    crate::report::plot::Axis::new("Knee angle θ (°)")
+fn angle_axis() -> crate::plot::Axis {
+    crate::plot::Axis::new("Knee angle θ (°)")
 }
 
 /// Points over an angle given in rad; what there is not parts the line.

@@ -1,13 +1,13 @@
 //! Normalised force of 10, 20 and 40 mm actuators by the knee paper's Eqs. 9, 11 and 12 (its Fig. 9).
 
-use crate::base::row::Row;
-use crate::models::{ForceModel, State, festo_tool::FestoTool, knee_paper::KneePaper};
-use crate::report::figures::Named;
-use crate::report::figures::laws::places;
-use crate::report::figures::readings::near;
-use crate::report::input::ReportInput;
-use crate::report::plot::{Axis, DOUBLE_MM, Figure, Legend, Mark, Panel, Series, Stroke, look};
-use crate::stages::fit::{Group, is_usable};
+use crate::figures::Named;
+use crate::figures::laws::places;
+use crate::figures::readings::near;
+use crate::input::ReportInput;
+use crate::plot::{Axis, DOUBLE_MM, Figure, Legend, Mark, Panel, Series, Stroke, look};
+use pipeline_base::row::Row;
+use pipeline_fit::{Group, is_usable};
+use pipeline_mechanics::models::{ForceModel, State, festo_tool::FestoTool, knee_paper::KneePaper};
 
 /// Name of its files.
 pub const NAME: &str = "knee-surfaces";

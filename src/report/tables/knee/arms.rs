@@ -1,8 +1,8 @@
 //! `knee_arms`: both methods for the moment arm along the shipped routes, and why they part.
 
 use super::{decimals, mm};
-use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Column, Table};
+use crate::input::ReportInput;
+use crate::table::{Cell, Column, Table};
 
 /// The table.
 pub fn table(input: &ReportInput) -> Table {

@@ -1,11 +1,11 @@
 //! `knee_by_hand`: what the measurers of the knee paper reached by hand, beside the loop.
 
 use super::{decimals, named};
-use crate::report::input::ReportInput;
-use crate::report::table::{Audience, Cell, Column, Table};
-use crate::stages::torque::CampaignTorque;
-use crate::stages::torque::diagnose::JointDiagnosis;
-use crate::stages::torque::diagnose::measurers::{ByHand, Reached};
+use crate::input::ReportInput;
+use crate::table::{Audience, Cell, Column, Table};
+use pipeline_torque::CampaignTorque;
+use pipeline_torque::diagnose::JointDiagnosis;
+use pipeline_torque::diagnose::measurers::{ByHand, Reached};
 
 /// All campaigns.
 pub fn table(input: &ReportInput) -> Table {

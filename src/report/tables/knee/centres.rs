@@ -1,8 +1,8 @@
 //! `knee_centres`: the instantaneous centre of the biomimetic knee from its table, from the linkage, and from the motion.
 
 use super::{decimals, mm};
-use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Column, Table};
+use crate::input::ReportInput;
+use crate::table::{Cell, Column, Table};
 
 /// The table.
 pub fn table(input: &ReportInput) -> Table {

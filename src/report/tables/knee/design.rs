@@ -1,9 +1,9 @@
 //! `knee_design`: over which angles the full-size actuators meet the human muscles.
 
 use super::{law_words, mm};
-use crate::report::input::ReportInput;
-use crate::report::table::{Audience, Cell, Column, Rounding, Table};
-use crate::stages::torque::diagnose::fittings::LAWS;
+use crate::input::ReportInput;
+use crate::table::{Audience, Cell, Column, Rounding, Table};
+use pipeline_torque::diagnose::fittings::LAWS;
 
 /// The table.
 pub fn table(input: &ReportInput) -> Table {

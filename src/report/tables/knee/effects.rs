@@ -1,12 +1,12 @@
 //! `knee_effects`: the errors of every test, rigid and with what the loop found.
 
 use super::{decimals, mm, named};
-use crate::report::input::ReportInput;
-use crate::report::table::{Audience, Cell, Column, Table};
-use crate::stages::torque::CampaignTorque;
-use crate::stages::torque::diagnose::JointDiagnosis;
-use crate::stages::torque::diagnose::tests::TestErrors;
-use crate::stages::torque::errors::Size;
+use crate::input::ReportInput;
+use crate::table::{Audience, Cell, Column, Table};
+use pipeline_torque::CampaignTorque;
+use pipeline_torque::diagnose::JointDiagnosis;
+use pipeline_torque::diagnose::tests::TestErrors;
+use pipeline_torque::errors::Size;
 
 /// All campaigns.
 pub fn table(input: &ReportInput) -> Table {
@@ -89,7 +89,7 @@ fn row(joint: &JointDiagnosis, test: &TestErrors) -> Vec<Cell> {
         Cell::text(&test.specimen),
         Cell::Flag(test.fitted),
         Cell::Flag(test.in_largest),
-        Cell::text(crate::report::wording::name::verdict_id(found.verdict)),
+        Cell::text(crate::wording::name::verdict_id(found.verdict)),
         test.before
             .map_or(Cell::Empty, |s| Cell::Integer(s.n as i64)),
     ];

@@ -1,9 +1,9 @@
 //! `knee_errors`: errors of torque by test, model and basis, in the long form.
 
 use super::decimals;
-use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Column, Table};
-use crate::stages::torque::errors::{Errors, Size};
+use crate::input::ReportInput;
+use crate::table::{Cell, Column, Table};
+use pipeline_torque::errors::{Errors, Size};
 
 /// All campaigns.
 pub fn table(input: &ReportInput) -> Table {

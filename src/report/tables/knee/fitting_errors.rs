@@ -2,8 +2,8 @@
 
 use super::fittings::origin;
 use super::{decimals, mm};
-use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Column, Table};
+use crate::input::ReportInput;
+use crate::table::{Cell, Column, Table};
 
 /// All campaigns.
 pub fn table(input: &ReportInput) -> Table {

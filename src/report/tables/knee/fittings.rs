@@ -1,11 +1,11 @@
 //! `knee_fittings`: the length of the end fittings, as stated, as the paper fitted it, and as fitted here.
 
 use super::{decimals, law_words, mm, named};
-use crate::report::input::ReportInput;
-use crate::report::table::{Audience, Cell, Column, Table};
-use crate::stages::torque::CampaignTorque;
-use crate::stages::torque::diagnose::fittings::{FittingFit, Origin};
-use crate::stages::torque::errors::Size;
+use crate::input::ReportInput;
+use crate::table::{Audience, Cell, Column, Table};
+use pipeline_torque::CampaignTorque;
+use pipeline_torque::diagnose::fittings::{FittingFit, Origin};
+use pipeline_torque::errors::Size;
 
 /// All campaigns.
 pub fn table(input: &ReportInput) -> Table {

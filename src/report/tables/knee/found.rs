@@ -1,14 +1,14 @@
 //! `knee_found`: the effects that the loop found, with their sizes.
 
 use super::named;
-use crate::findings::{EffectFinding, Parameter};
-use crate::report::input::ReportInput;
-use crate::report::number::Rounding;
-use crate::report::table::{Audience, Cell, Column, Table};
-use crate::report::wording::name::{effect_with_form, verdict, verdict_id};
-use crate::report::wording::number::{cells, finite, unit};
-use crate::stages::torque::CampaignTorque;
-use crate::stages::torque::diagnose::JointDiagnosis;
+use crate::input::ReportInput;
+use crate::number::Rounding;
+use crate::table::{Audience, Cell, Column, Table};
+use crate::wording::name::{effect_with_form, verdict, verdict_id};
+use crate::wording::number::{cells, finite, unit};
+use pipeline_findings::{EffectFinding, Parameter};
+use pipeline_torque::CampaignTorque;
+use pipeline_torque::diagnose::JointDiagnosis;
 
 /// All campaigns.
 pub fn table(input: &ReportInput) -> Table {

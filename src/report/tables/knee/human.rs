@@ -1,9 +1,9 @@
 //! `knee_human`: the human muscles beside OpenSim's exports and the design targets.
 
 use super::decimals;
-use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Column, Rounding, Table};
-use crate::stages::torque::reference::human::Compares;
+use crate::input::ReportInput;
+use crate::table::{Cell, Column, Rounding, Table};
+use pipeline_torque::reference::human::Compares;
 
 /// The table.
 pub fn table(input: &ReportInput) -> Table {

@@ -1,11 +1,11 @@
 //! `knee_laws`: errors of torque by test, with the laws of force of both papers.
 
 use super::{decimals, law_words, named};
-use crate::report::input::ReportInput;
-use crate::report::table::{Audience, Cell, Column, Table};
-use crate::stages::torque::diagnose::fittings::LAWS;
-use crate::stages::torque::errors::{Basis, Size};
-use crate::stages::torque::{CampaignTorque, Test};
+use crate::input::ReportInput;
+use crate::table::{Audience, Cell, Column, Table};
+use pipeline_torque::diagnose::fittings::LAWS;
+use pipeline_torque::errors::{Basis, Size};
+use pipeline_torque::{CampaignTorque, Test};
 
 /// All campaigns.
 pub fn table(input: &ReportInput) -> Table {
@@ -61,11 +61,11 @@ fn row(campaign: &CampaignTorque, test: &Test, law: &str) -> Vec<Cell> {
         found.clone().find(|e| e.model == law && e.basis == basis)
     };
     let (geometry, hand) = (of(Basis::Geometry), of(Basis::ByHand));
-    let size = |e: Option<&crate::stages::torque::errors::Errors>, f: fn(&Size) -> f64, n| {
+    let size = |e: Option<&pipeline_torque::errors::Errors>, f: fn(&Size) -> f64, n| {
         decimals(e.and_then(|e| e.size.as_ref()).map(f), n)
     };
     let fvu = |s: &Size| s.fvu.unwrap_or(f64::NAN);
-    let count = |f: fn(&crate::stages::torque::errors::Errors) -> usize| {
+    let count = |f: fn(&pipeline_torque::errors::Errors) -> usize| {
         geometry.map_or(Cell::Empty, |e| Cell::Integer(f(e) as i64))
     };
     vec![

@@ -17,10 +17,10 @@ mod switches;
 mod table1;
 mod tests;
 
-use crate::base::names::file_name;
-use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Rounding, Table};
-use crate::stages::torque::CampaignTorque;
+use crate::input::ReportInput;
+use crate::table::{Cell, Rounding, Table};
+use pipeline_base::names::file_name;
+use pipeline_torque::CampaignTorque;
 
 /// Every table of torque, in the order in which the summary lists them.
 pub const ALL: &[fn(&ReportInput) -> Table] = &[

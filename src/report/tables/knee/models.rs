@@ -1,11 +1,11 @@
 //! `knee_models`: the error of every force model, one column a model.
 
 use super::{decimals, named};
-use crate::report::input::ReportInput;
-use crate::report::table::{Audience, Cell, Column, Table};
-use crate::report::wording::name::model_author;
-use crate::stages::torque::CampaignTorque;
-use crate::stages::torque::errors::{Basis, Errors};
+use crate::input::ReportInput;
+use crate::table::{Audience, Cell, Column, Table};
+use crate::wording::name::model_author;
+use pipeline_torque::CampaignTorque;
+use pipeline_torque::errors::{Basis, Errors};
 
 /// All campaigns.
 pub fn table(input: &ReportInput) -> Table {
@@ -18,7 +18,7 @@ pub fn of_campaign(campaign: &CampaignTorque) -> Table {
 }
 
 fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
-    let models = crate::models::published();
+    let models = pipeline_mechanics::models::published();
     let mut columns = vec![
         Column::text("campaign", "Campaign").seen_by(Audience::Machines),
         Column::text("session", "Test"),

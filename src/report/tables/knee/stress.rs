@@ -1,8 +1,8 @@
 //! `knee_stress`: axial stress in the wall of an actuator.
 
 use super::decimals;
-use crate::report::input::ReportInput;
-use crate::report::table::{Column, Table};
+use crate::input::ReportInput;
+use crate::table::{Column, Table};
 
 /// The table.
 pub fn table(input: &ReportInput) -> Table {

@@ -1,8 +1,8 @@
 //! `knee_switches`: what happens to a path where a point comes in.
 
 use super::{decimals, mm};
-use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Column, Table};
+use crate::input::ReportInput;
+use crate::table::{Cell, Column, Table};
 
 /// The table.
 pub fn table(input: &ReportInput) -> Table {

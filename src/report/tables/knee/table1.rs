@@ -1,9 +1,9 @@
 //! `knee_table1`: the knee paper's Table 1, origins and insertions, as printed.
 
 use super::decimals;
-use crate::knee::data;
-use crate::report::input::ReportInput;
-use crate::report::table::{Cell, Column, Table};
+use crate::input::ReportInput;
+use crate::table::{Cell, Column, Table};
+use pipeline_mechanics::knee::data;
 
 /// The table; empty where nobody measured torque.
 pub fn table(input: &ReportInput) -> Table {

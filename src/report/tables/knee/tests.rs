@@ -1,11 +1,11 @@
 //! `knee_tests`: what was measured of torque, and how far length, eps* and arm measured by hand are from the geometry.
 
 use super::{decimals, mm, named};
-use crate::numerics::statistics::mean;
-use crate::report::input::ReportInput;
-use crate::report::table::{Audience, Cell, Column, Table};
-use crate::stages::torque::errors::Difference;
-use crate::stages::torque::{CampaignTorque, Configuration, Test};
+use crate::input::ReportInput;
+use crate::table::{Audience, Cell, Column, Table};
+use pipeline_numerics::statistics::mean;
+use pipeline_torque::errors::Difference;
+use pipeline_torque::{CampaignTorque, Configuration, Test};
 
 /// All campaigns.
 pub fn table(input: &ReportInput) -> Table {

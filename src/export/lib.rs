@@ -1,3 +1,4 @@
+#![warn(missing_docs)]
 //! The work of a run as a workflow for an engine that runs jobs on many machines.
 //!
 //! A task is one job ([`jobs`]): `pipeline run --only STAGE:UNIT`, which fills the cache. Tasks know which tasks come before them and
@@ -8,10 +9,10 @@
 
 mod snakemake;
 
-use crate::base::error::{Error, Result};
-use crate::base::names::file_name;
-use crate::formats::discover::{Discovery, Located, SESSION_FILE};
-use crate::run::jobs::{self, Job};
+use pipeline_base::error::{Error, Result};
+use pipeline_base::names::file_name;
+use pipeline_formats::discover::{Discovery, Located, SESSION_FILE};
+use pipeline_run::jobs::{self, Job};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

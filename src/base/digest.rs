@@ -2,9 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
+use std::collections::BTreeMap;
 use std::fmt;
 use std::io::Read;
 use std::path::Path;
+
+/// Outputs of a computation: bytes by name.
+pub type Outputs = BTreeMap<String, Vec<u8>>;
 
 const PREFIX: &str = "sha256:";
 

@@ -1,3 +1,4 @@
+#![warn(missing_docs)]
 //! The command line: arguments, and all printing.
 //!
 //! Results go to standard output; progress, warnings and errors to standard error. Exit codes: 0 done; 1 `status` found work to
@@ -21,12 +22,13 @@ mod print;
 mod progress;
 mod values;
 
-use crate::base::error::{Error, Result};
-use crate::config::Config;
-use crate::run::{self, Outcome, RunOptions};
-use crate::simulate;
 use args::{Args, Command, Places, RunArgs, SimulateArgs};
 use clap::Parser;
+use pipeline_base::error::{Error, Result};
+use pipeline_config::Config;
+use pipeline_run as run;
+use pipeline_run::{Outcome, RunOptions};
+use pipeline_simulate as simulate;
 use std::ffi::OsString;
 
 const DONE: u8 = 0;

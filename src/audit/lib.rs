@@ -1,3 +1,4 @@
+#![warn(missing_docs)]
 //! The audit: what the papers claim in numbers, beside what the program recomputes by itself.
 //!
 //! The claims are data ([`claims`], TOML files below `claims/`). Each says where it stands, what is printed, and how it is recomputed, in
@@ -30,11 +31,11 @@ pub mod rules;
 #[cfg(test)]
 mod tests;
 
-use crate::stages::compare::GroupComparison;
-use crate::stages::fit::GroupFit;
 use beside::Beside;
 use claims::{Claim, ClaimList, EMBEDDED, Kind, Section, Split};
 use findings::{Audit, ClaimFinding, RuleFinding};
+use pipeline_compare::GroupComparison;
+use pipeline_fit::GroupFit;
 use recompute::{Depth, Status, evaluate, judge};
 
 /// Audits the embedded claims; the groups' fits and comparisons stand beside what cannot be recomputed.

@@ -1,3 +1,4 @@
+#![warn(missing_docs)]
 //! A first `session.toml` for a log: which column may be which quantity, in which unit, logged how often.
 //!
 //! Everything here is a guess for a person to correct, and says what it rests on. What no log can say (the lengths of the actuator)
@@ -13,10 +14,10 @@ pub mod magnitudes;
 pub mod names;
 pub mod text;
 
-use crate::base::columns::{ANGLE, FORCE, KnownColumn, PRESSURE, TIME, TORQUE};
-use crate::base::session::{Kind, Part, Phase, Position, Sampling};
-use crate::base::units::Unit;
-use crate::formats::overview::Undescribed;
+use pipeline_base::columns::{ANGLE, FORCE, KnownColumn, PRESSURE, TIME, TORQUE};
+use pipeline_base::session::{Kind, Part, Phase, Position, Sampling};
+use pipeline_base::units::Unit;
+use pipeline_formats::overview::Undescribed;
 use std::collections::BTreeMap;
 
 /// A log with at least so many rows may be one over time.

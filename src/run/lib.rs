@@ -1,3 +1,4 @@
+#![warn(missing_docs)]
 //! Drives the stages: asks the cache, executes, records, explains.
 //!
 //! ```text
@@ -18,6 +19,10 @@ pub mod defect;
 pub mod diagnosis;
 pub mod engine;
 pub mod figures;
+#[cfg(test)]
+mod fingerprint;
+#[cfg(test)]
+mod fingerprint_tests;
 pub mod groups;
 pub mod jobs;
 pub mod materialize;
@@ -29,14 +34,14 @@ pub mod told;
 pub mod torque;
 pub mod unchanged;
 
-use crate::base::diagnostics::Diagnostic;
-use crate::base::error::{Error, Result};
-use crate::base::reject::Extent;
-use crate::config::Config;
-use crate::findings::CampaignFindings;
-use crate::formats::discover::{Discovery, discover};
-use crate::report::left_out::LeftOut;
 use engine::Engine;
+use pipeline_base::diagnostics::Diagnostic;
+use pipeline_base::error::{Error, Result};
+use pipeline_base::reject::Extent;
+use pipeline_config::Config;
+use pipeline_findings::CampaignFindings;
+use pipeline_formats::discover::{Discovery, discover};
+use pipeline_report::left_out::LeftOut;
 use serde::{Deserialize, Serialize};
 use sessions::{SessionResult, Workshop};
 use std::path::{Path, PathBuf};

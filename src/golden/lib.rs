@@ -1,3 +1,4 @@
+#![warn(missing_docs)]
 //! Golden tables: what the results of the shipped sessions were when somebody last looked at them and said why they are right.
 //!
 //! ```text
@@ -14,8 +15,8 @@ pub mod compare;
 pub mod settings;
 pub mod table;
 
-use crate::base::error::{Error, Result};
 use compare::{Difference, Kind};
+use pipeline_base::error::{Error, Result};
 use serde::Serialize;
 use settings::{SETTINGS, Settings};
 use std::collections::{BTreeMap, BTreeSet};

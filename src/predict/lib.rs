@@ -1,3 +1,4 @@
+#![warn(missing_docs)]
 //! Prediction: the force of a muscle that somebody describes, with an interval for a muscle that was not measured.
 //!
 //! | file | idea |
@@ -9,7 +10,7 @@
 //! | [`sweep`] | answers along one quantity, and the designer's table |
 //! | [`torque`] | the torque over the range of a knee, beside a human muscle |
 //!
-//! Pure: fits in, numbers out. Reading `derived/fits.json`, units and printing are the command line's ([`crate::cli`]).
+//! Pure: fits in, numbers out. Reading `derived/fits.json`, units and printing are the command line's ([`pipeline_cli`]).
 //!
 //! # The interval
 //! It is to hold, in 95 of 100 cases, one steady reading of the force of **a specimen that was not measured**, of the same make, on the

@@ -1,38 +1,38 @@
 //! Report: tables, figures, pages and the summary, from what the other stages left.
 
-use crate::audit::audit;
-use crate::audit::findings::Audit;
-use crate::base::columns::is_reserved;
-use crate::base::error::{Error, Result};
-use crate::base::reject::Extent;
-use crate::base::row::{self, Row, role_name};
-use crate::base::session::{Phase, Sampling};
-use crate::cache::Digest;
-use crate::cache::store::Outputs;
-use crate::config::Config;
-use crate::findings::{CampaignFindings, Findings, SCHEMA};
-use crate::report::audit::audit_pdf;
-use crate::report::extent::{MOST_ROWS_PRINTED, SIDE_BY_SIDE};
-use crate::report::figures::found::Kind;
-use crate::report::figures::{self, Built, Composed, Drawn};
-use crate::report::force::{date_of, force_pdf};
-use crate::report::knee::{self, knee_pdf};
-use crate::report::left_out::{LeftOut, Part, Task, attempt};
-use crate::report::render::{self, Renderer};
-use crate::report::residual::{self, residual_pdf};
-use crate::report::table::{Cell, Column, Table};
-use crate::report::tables;
-use crate::report::typeset::Pdf;
-use crate::report::wording::sentence::sentences;
-use crate::stages::compare::GroupComparison;
-use crate::stages::fit::{GroupFit, is_usable, split};
-use crate::stages::torque::tidy;
+use crate::audit::audit_pdf;
+use crate::extent::{MOST_ROWS_PRINTED, SIDE_BY_SIDE};
+use crate::figures::found::Kind;
+use crate::figures::{self, Built, Composed, Drawn};
+use crate::force::{date_of, force_pdf};
+use crate::knee::{self, knee_pdf};
+use crate::left_out::{LeftOut, Part, Task, attempt};
+use crate::render::{self, Renderer};
+use crate::residual::{self, residual_pdf};
+use crate::table::{Cell, Column, Table};
+use crate::tables;
+use crate::typeset::Pdf;
+use crate::wording::sentence::sentences;
+use pipeline_audit::audit;
+use pipeline_audit::findings::Audit;
+use pipeline_base::columns::is_reserved;
+use pipeline_base::digest::Digest;
+use pipeline_base::digest::Outputs;
+use pipeline_base::error::{Error, Result};
+use pipeline_base::reject::Extent;
+use pipeline_base::row::{self, Row, role_name};
+use pipeline_base::session::{Phase, Sampling};
+use pipeline_compare::GroupComparison;
+use pipeline_config::Config;
+use pipeline_findings::{CampaignFindings, Findings, SCHEMA};
+use pipeline_fit::{GroupFit, is_usable, split};
+use pipeline_torque::tidy;
 use serde::Serialize;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 
-pub use crate::report::extent::with_section;
-pub use crate::report::input::{
+pub use crate::extent::with_section;
+pub use crate::input::{
     GroupFigures, GroupInput, KneeInput, Provenance, ReportInput, SessionInput, Trace,
 };
 
@@ -342,7 +342,7 @@ fn summary(input: &ReportInput, left_out: &[LeftOut]) -> Result<Vec<u8>> {
         .iter()
         .map(|s| &s.ingest.session)
         .filter(|s| !rejected.contains_key(s.id.as_str()));
-    let session = |s: &crate::base::session::Session| {
+    let session = |s: &pipeline_base::session::Session| {
         json!({
             "id": s.id, "campaign": s.campaign, "kind": row::kind_name(s.kind), "simulated": s.is_simulated(), "exclude": s.exclude,
         })

@@ -1,3 +1,4 @@
+#![warn(missing_docs)]
 //! Reports: typed tables, figures and typeset pages.
 //!
 //! | module | what |
@@ -33,6 +34,7 @@ pub mod plot;
 pub mod raster;
 pub mod render;
 pub mod residual;
+pub mod stage;
 pub mod symbols;
 pub mod table;
 pub mod tables;

@@ -1,0 +1,34 @@
+//! Takes a fingerprint of the code behind every stage, so that a change of code redoes what it concerns and nothing else.
+
+mod fingerprint;
+
+use fingerprint::{Graph, STAGES};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+fn main() -> std::io::Result<()> {
+    let own = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
+    let own = own.expect("cargo sets CARGO_MANIFEST_DIR");
+    let root = own.ancestors().nth(2).unwrap_or(Path::new("."));
+    for watched in ["src", "Cargo.lock"] {
+        println!("cargo::rerun-if-changed={}", root.join(watched).display());
+    }
+    let graph = Graph::read(root)?;
+    let mut code = String::new();
+    let mut constant = |name: &str, fingerprint: String| {
+        writeln!(
+            code,
+            "/// Fingerprint of this code.\npub const {name}: &str = \"{fingerprint}\";"
+        )
+        .expect("writing to a string");
+    };
+    for (name, stage) in STAGES {
+        constant(name, graph.fingerprint(stage)?);
+    }
+    constant("PROGRAM", graph.fingerprint("pipeline-cli")?);
+    let out = std::env::var_os("OUT_DIR").map(PathBuf::from);
+    std::fs::write(
+        out.expect("cargo sets OUT_DIR").join("fingerprints.rs"),
+        code,
+    )
+}

@@ -1,0 +1,105 @@
+//! A change of code in a copy of the sources, and which stages become stale by it.
+
+use crate::fingerprint::{Graph, STAGES};
+use std::path::Path;
+
+/// The workspace that this crate stands in.
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .ancestors()
+        .nth(2)
+        .unwrap()
+}
+
+/// Stages of which the fingerprint differs after a line was added to a file of a copy.
+fn stale_after(changed: &str) -> Vec<&'static str> {
+    let copy = tempfile::tempdir().unwrap();
+    copy_below(&root().join("src"), &copy.path().join("src"));
+    std::fs::copy(root().join("Cargo.lock"), copy.path().join("Cargo.lock")).unwrap();
+    let fingerprints = || -> Vec<String> {
+        let graph = Graph::read(copy.path()).unwrap();
+        let all = STAGES.iter().map(|(_, stage)| graph.fingerprint(stage));
+        all.collect::<Result<_, _>>().unwrap()
+    };
+    let before = fingerprints();
+    let file = copy.path().join(changed);
+    let text = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, text + "// changed\n").unwrap();
+    let after = fingerprints();
+    let pairs = before.iter().zip(&after).zip(STAGES);
+    pairs
+        .filter(|((a, b), _)| a != b)
+        .map(|(_, (name, _))| *name)
+        .collect()
+}
+
+fn copy_below(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let path = entry.unwrap().path();
+        let place = to.join(path.file_name().unwrap());
+        if path.is_dir() {
+            copy_below(&path, &place);
+        } else {
+            std::fs::copy(&path, &place).unwrap();
+        }
+    }
+}
+
+#[test]
+fn a_change_of_code_makes_those_stages_stale_that_call_it() {
+    let all: Vec<&str> = STAGES.iter().map(|(name, _)| *name).collect();
+    let of_law = ["FIT", "COMPARE", "DIAGNOSE", "TORQUE", "REPORT"];
+    for (changed, stale) in [
+        ("src/base/units.rs", &all[..]),
+        ("src/run/sessions.rs", &all[..]),
+        ("src/stages/ingest/lib.rs", &["INGEST", "CLEAN", "REPORT"]),
+        ("src/stages/normalize/lib.rs", &["NORMALIZE"]),
+        ("src/stages/fit/equations.rs", &of_law),
+        ("src/stages/compare/lib.rs", &["COMPARE", "REPORT"]),
+        (
+            "src/stages/diagnose/limits.rs",
+            &["DIAGNOSE", "TORQUE", "REPORT"],
+        ),
+        ("src/stages/torque/curve.rs", &["TORQUE", "REPORT"]),
+        ("src/inference/search.rs", &["DIAGNOSE", "TORQUE", "REPORT"]),
+        ("src/report/fonts.rs", &["REPORT"]),
+        ("src/simulate/log.rs", &[]),
+        ("src/cli/gc.rs", &[]),
+    ] {
+        assert_eq!(stale_after(changed), stale, "{changed}");
+    }
+}
+
+#[test]
+fn another_version_of_a_library_enters_the_keys_of_what_uses_it() {
+    let lock = std::fs::read_to_string(root().join("Cargo.lock")).unwrap();
+    let stale = |from: &str, to: &str| {
+        let copy = tempfile::tempdir().unwrap();
+        copy_below(&root().join("src"), &copy.path().join("src"));
+        let of = |lock: &str| -> Vec<String> {
+            std::fs::write(copy.path().join("Cargo.lock"), lock).unwrap();
+            let graph = Graph::read(copy.path()).unwrap();
+            let all = STAGES.iter().map(|(_, stage)| graph.fingerprint(stage));
+            all.collect::<Result<_, _>>().unwrap()
+        };
+        assert!(lock.contains(from), "{from}");
+        let (before, after) = (of(&lock), of(&lock.replace(from, to)));
+        let pairs = before.iter().zip(&after).zip(STAGES);
+        let changed = pairs.filter(|((a, b), _)| a != b);
+        changed.map(|(_, (name, _))| *name).collect::<Vec<&str>>()
+    };
+    let version_of = |name: &str| {
+        let start = format!("name = \"{name}\"\nversion = ");
+        let rest = &lock[lock.find(&start).unwrap() + start.len()..];
+        format!("{start}{}", rest.lines().next().unwrap())
+    };
+    for (library, expected) in [
+        ("typst-layout", &["REPORT"][..]),
+        ("calamine", &["INGEST", "CLEAN", "REPORT"]),
+    ] {
+        let from = version_of(library);
+        let to = format!("name = \"{library}\"\nversion = \"99.0.0\"");
+        assert_eq!(stale(&from, &to), expected, "{library}");
+    }
+}
