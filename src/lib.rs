@@ -30,7 +30,7 @@
 //! |---|---|---|
 //! | [`base`] | units, column names, tables, diagnostics, errors; what a session, a reading and a row are | |
 //! | [`cache`] | keys, objects by content, reasons for a rerun, what may go ([`cache::collect`]) | |
-//! | [`formats`] | `session.toml`, logs, finding sessions | a log format: one file, one line in `formats/mod.rs` |
+//! | [`formats`] | `session.toml`, logs, finding sessions | a log format: one file, one line in `formats/lib.rs` |
 //! | [`models`] | one file a force model: pure equations, published coefficients, domain | one file, one line in `models/mod.rs` |
 //! | [`effects`] | one file an effect: what a force model or a rig may lack, as an operator on the forward model | one file, one line in `effects/mod.rs` |
 //! | [`numerics`] | least squares, robust losses, statistics, plateaus: slices in, vectors out | |
@@ -45,26 +45,33 @@
 //! | [`draft`] | a first `session.toml` for a log, guessed from its columns | |
 //! | [`golden`] | fresh tables against blessed ones | a table: one entry in `tests/golden/golden.toml` |
 //! | [`run`] | drives the stages through the cache: one whole run at a time on a directory, or many jobs ([`run::jobs`]); where an artifact comes from ([`run::ancestry`]) | |
-//! | [`export`] | the jobs of a run as a workflow of another engine | an engine: one file, one line in `export/mod.rs` |
+//! | [`export`] | the jobs of a run as a workflow of another engine | an engine: one file, one line in `export/lib.rs` |
 //! | [`config`] | `pipeline.toml` | |
 //! | [`cli`] | arguments, and all printing: run, status, explain, graph, check, predict, simulate, new-session, gc, export, completions, man | |
 //!
 //! # Invariants
-//! - **Directions**: folders with a `Cargo.toml` are crates, and the compiler holds what they may use: `base` nothing, `numerics` nothing, `mechanics` (models,
-//!   effects, knee) these two, `inference` numerics, `formats`, `config` and `simulate` these and mechanics, `cache` base, `findings` nothing. Above them
-//!   `main -> cli -> run -> stages -> {report, audit}`, and `run -> cache`;
-//!   beside `run`, `cli -> predict -> {stages::fit, knee, models, numerics}`, drawn by `report`, `cli -> draft -> formats`, drawn by
-//!   `report` too, `cli -> golden -> base`, `cli -> export -> run`;
-//!   `formats -> knee`, which reads the description of a leg.
-//!   `cache` knows no stage; stages know no cache and no command line; `effects`, `knee`, `models` and `numerics` do no I/O and see no data frame; only
+//! - **Directions**: every folder with a `Cargo.toml` is a crate, and what it does not name there it cannot use:
+//!   ```text
+//!   cli     -> run, report, predict, draft, golden, export, simulate, cache, formats, fit, mechanics, config, findings, base
+//!   export  -> run
+//!   run     -> report, every stage, cache, formats, config, findings, base
+//!   report  -> audit, predict, draft, every stage but normalize, formats, mechanics, numerics, config, findings, base
+//!   audit, predict -> compare, fit, mechanics, numerics           golden, cache -> base          draft -> formats, base
+//!   torque  -> diagnose -> fit, inference, mechanics, numerics, config, findings, base
+//!   compare -> fit -> mechanics, numerics, config, findings, base
+//!   clean   -> ingest -> formats, base                            normalize -> base
+//!   formats, config, simulate -> mechanics -> numerics, base      inference -> numerics
+//!   ```
+//!   So `cache` knows no stage, and stages know neither cache nor command line; `mechanics`, `inference` and `numerics` do no I/O and see no data frame. Only
 //!   `report` knows plotters and Typst, and it computes no statistic: every number comes from a stage, every
-//!   curve, band and running median from `models` and `numerics`.
+//!   curve, band and running median from `mechanics` and `numerics`.
 //! - **Values, then words**: what was found travels as values ([`findings`]); [`report::wording`] makes names and sentences of them for pages, tables and the
 //!   terminal, and nothing reads a sentence back.
 //! - **Nothing below `raw/` is ever written**, and nothing is left out without a line in `rejects.csv`.
 //! - **Same inputs, same bytes**: no clock, host, path or hash order in an output; sums in the order of rows; transcendental functions
 //!   from `libm` (`clippy.toml` bans the platform's); units meet only in sorted collections, so the number of jobs does not matter.
-//! - **A key holds everything that a result depends on** ([`cache::key`]), the stage's own source files included.
+//! - **A key holds everything that a result depends on** ([`cache::key`]): the code of the stage too, which is its crate, the crates below it and their
+//!   libraries, from the graph of crates (`src/run/fingerprint.rs`).
 //! - **Bad input is a value, not an error**: it becomes a [`base::diagnostics::Diagnostic`] and a [`base::reject::Reject`]; the run goes
 //!   on. An [`base::error::Error`] ends a command and has an exit code.
 //! - **A figure or document that cannot be built is a value as well** ([`report::left_out`]): it is left out and named, tables and findings are

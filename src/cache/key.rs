@@ -3,7 +3,7 @@
 //! | enters | why |
 //! |---|---|
 //! | stage and its version | two stages never share a result; the version is raised by hand when meaning changes without code |
-//! | fingerprint of the stage's source files | taken by the build script, so that no one can forget to raise a version |
+//! | fingerprint of the stage's code: its crate, the crates below it, their libraries in `Cargo.lock`, and the crate that writes results | taken from the graph of crates when the program is built, so that nobody can forget a file |
 //! | the options that the stage reads | and no others: a report option must not redo a fit |
 //! | inputs: name within the session or stage, and digest of the contents | an unchanged intermediate result stops the cascade |
 //!
@@ -20,7 +20,7 @@ pub struct KeyParts {
     pub stage: String,
     /// Version constant of the stage.
     pub version: u32,
-    /// Fingerprint of the stage's source files.
+    /// Fingerprint of the stage's code.
     pub code: String,
     /// The options that the stage reads, by dotted name.
     pub options: BTreeMap<String, String>,

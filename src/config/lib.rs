@@ -514,7 +514,7 @@ mod tests {
             let commented = k > 0 && lines[k - 1].starts_with("# ");
             assert!(
                 commented,
-                "an option without a comment in src/config/mod.rs: {line}"
+                "an option without a comment in src/config/lib.rs: {line}"
             );
         }
     }

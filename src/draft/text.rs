@@ -38,8 +38,8 @@ id = "specimen-1"            # FILL IN: the physical actuator; the same in all o
 diameter_mm = 10             # FILL IN: uninflated inner diameter: 10, 20 or 40
 rest_length_mm = 200         # FILL IN: resting length, hose clamp to hose clamp
 contracted_length_mm = 165   # FILL IN: free length at 620 kPa without load
-# How well these lengths are known, one standard deviation each: optional. Carried to the tidy data; the
-# residual search does not use it yet, and takes 0.29 mm (rounded to 1 mm) for resting and contracted length.
+# How well these lengths are known, one standard deviation each: optional. Left out, the residual search
+# takes 0.29 mm (rounded to 1 mm).
 # rest_length_sd_mm = 0.5
 # contracted_length_sd_mm = 1
 "#;
@@ -61,7 +61,7 @@ const JOINT: &str = r#"
 knee = "pinned"              # FILL IN: "pinned", "biomimetic", or "described" with file = "leg.toml"
 muscle = "flexor"            # FILL IN: "flexor" or "extensor"
 # How well the columns muscle_length and moment_arm are known that were measured by hand, one standard deviation each: optional; left out,
-# 5 mm and 7 mm.
+# the residual search estimates it, and takes 5 mm and 7 mm where there are fewer than 10.
 # muscle_length_sd_mm = 5
 # moment_arm_sd_mm = 7
 "#;

@@ -88,8 +88,8 @@ pub fn strength(setting: &Setting, model: &Fitted, term: usize, values: &[Vec<f6
     (lost / values.len() as f64).max(0.0).sqrt()
 }
 
-/// Twice what the log-likelihood of a model without a term falls by, if the term is put into the readings. With the term at these values it would be
-/// what it is.
+/// Twice what a term gains over a model without it, if it is put into the readings. Both are fitted to these: a term that changes the scale of the
+/// forces changes the likelihood of everything else as well.
 fn lost(setting: &Setting, model: &Fitted, term: usize, values: &[f64]) -> f64 {
     let problem = setting.problem;
     let mut with = model.point.clone();
@@ -107,8 +107,9 @@ fn lost(setting: &Setting, model: &Fitted, term: usize, values: &[f64]) -> f64 {
         ..setting.clone()
     };
     let starts = [model.variances.clone(), setting.widened(&model.variances)];
-    let fitted = there.fit(&model.point, &starts);
-    2.0 * (model.log_likelihood - fitted.log_likelihood)
+    let without = there.fit(&model.point, &starts);
+    let with = there.fit(&with, &starts[..1]);
+    2.0 * (with.log_likelihood - without.log_likelihood)
 }
 
 /// A problem with other readings.

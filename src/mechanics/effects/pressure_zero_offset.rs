@@ -14,7 +14,8 @@ const FORMS: &[Form] = &[Form {
         name: "p",
         unit: "kPa",
         absent: 0.0,
-        bounds: (-150.0, 150.0),
+        // A sensor that reads a vacuum at the pressure of the room; one of absolute pressure.
+        bounds: (-101.0, 150.0),
     },
     shape: None,
     needs: &[],

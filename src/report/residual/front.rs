@@ -2,7 +2,7 @@
 
 use crate::wording::name::{self, nouns};
 use crate::wording::number::{NONE, error, error_or_none, error_with_unit, percent, unit};
-use crate::wording::sentence::{self, Answer, clauses, has_effects};
+use crate::wording::sentence::{self, Answer, clauses, has_terms};
 use pipeline_findings::{CampaignFindings, Errors};
 use pipeline_mechanics::models;
 use serde::Serialize;
@@ -26,7 +26,7 @@ pub(super) fn errors(found: &CampaignFindings) -> Option<[String; 4]> {
 /// `17.6 → 10.3`; one number where no effect was found.
 fn change(found: &CampaignFindings, of: impl Fn(&Errors) -> Option<f64>) -> String {
     let words = |e: &Errors| error_or_none(of(e), &found.unit);
-    if has_effects(found) && of(&found.before).is_some() {
+    if has_terms(found) && of(&found.before).is_some() {
         format!("{} → {}", words(&found.before), words(&found.after))
     } else {
         words(&found.before)
@@ -60,7 +60,7 @@ pub(super) fn after_readings(found: &CampaignFindings) -> Vec<AfterRow> {
         model: "before",
         cells: cells(&found.before),
     }];
-    if has_effects(found) {
+    if has_terms(found) {
         rows.push(AfterRow {
             campaign: String::new(),
             model: "after",

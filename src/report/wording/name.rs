@@ -93,7 +93,7 @@ pub fn column(column: &str) -> String {
         "cycles" => "cycles",
         "session_order" => "order of the sessions",
         "rest_length_m" => "resting length",
-        "zero_unknown" => "unknown zero of the force",
+        "zero_unknown" => "whether the zero of the force is known",
         "placebo" => "shuffled column",
         "order" => "order of the readings",
         "sense_of_motion" => "sense of motion",
@@ -272,7 +272,7 @@ pub fn campaign(found: &CampaignFindings) -> String {
 /// What an effect acts on, with its preposition.
 pub fn acts_on(effect: &EffectFinding) -> String {
     match (effect.acts_on, &effect.column, &effect.from) {
-        (ActsOn::Levels, Some(label), _) => format!("on levels of {}", column(label)),
+        (ActsOn::Levels, Some(label), _) => format!("by {}", column(label)),
         (ActsOn::From, _, Some(session)) => format!("from {session} on"),
         (only, _, _) => format!("on {}", acts_on_what(only)),
     }

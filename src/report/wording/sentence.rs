@@ -180,9 +180,10 @@ fn effect_with_size(effect: &EffectFinding) -> String {
 /// `threshold pressure of the bladder 60 kPa`.
 fn size_of(effect: &EffectFinding) -> String {
     let size = amounts(&effect.parameters).map_or_else(String::new, |amount| format!(" {amount}"));
-    let from = match &effect.from {
-        Some(session) => format!(" from session {session} on"),
-        None => String::new(),
+    let from = match (&effect.from, &effect.column) {
+        (Some(session), _) => format!(" from session {session} on"),
+        (None, Some(_)) => format!(", {}", name::acts_on(effect)),
+        (None, None) => String::new(),
     };
     called(effect) + &size + &from
 }
@@ -246,8 +247,8 @@ fn beside(found: &CampaignFindings) -> Option<String> {
 }
 
 /// Whether anything was put into the model.
-pub fn has_effects(found: &CampaignFindings) -> bool {
-    !found.effects.is_empty()
+pub fn has_terms(found: &CampaignFindings) -> bool {
+    !found.effects.is_empty() || !found.unexplained.is_empty()
 }
 
 /// How an error or a log predictive density on unseen units has changed with the effects.
@@ -268,7 +269,7 @@ fn error_change(found: &CampaignFindings) -> Option<(f64, f64, Change)> {
     } else {
         Change::Better
     };
-    has_effects(found).then_some((before, after, change))
+    has_terms(found).then_some((before, after, change))
 }
 
 /// The same of the log predictive density a reading.
@@ -282,7 +283,7 @@ fn density_change(found: &CampaignFindings) -> Option<(f64, f64, Change)> {
     } else {
         Change::Alike
     };
-    has_effects(found).then_some((before, after, change))
+    has_terms(found).then_some((before, after, change))
 }
 
 /// `the error on unseen specimens goes from 18.7 to 15.8 N`, and where the uncertainty that was predicted with it fits worse, or better though the
@@ -392,7 +393,7 @@ fn errors_in_short(found: &CampaignFindings) -> Option<String> {
 /// `not tried on another actuator, since there is none`, of effects that could not be.
 fn untried(found: &CampaignFindings) -> Option<String> {
     let unit = name::held_out_unit(found);
-    has_effects(found).then(|| format!("not tried on another {unit}, since there is none"))
+    has_terms(found).then(|| format!("not tried on another {unit}, since there is none"))
 }
 
 /// The sources that a sentence names, largest first, at most so many and noise; and the root of what the others make together.

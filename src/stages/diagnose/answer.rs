@@ -411,7 +411,7 @@ impl Work<'_> {
             (None, None)
         } else {
             let (low, high) = query::interval(self.setting, &self.found.model, variances, c);
-            (Some(low), high)
+            (Some(unit_sd * low), high.map(|h| unit_sd * h))
         };
         Some(Scatter {
             id: id.to_owned(),

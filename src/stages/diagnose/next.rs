@@ -87,8 +87,15 @@ fn by_budget(
 /// Root mean square of the standard deviations of the set lengths, declared or estimated, mm.
 fn set_length_sd_mm(problem: &ForceProblem, variances: &Variances) -> f64 {
     let estimated = variances.components[component::SET_LENGTH];
-    let declared = problem.data.set_length_sd_mm.iter();
-    let all = declared.map(|sd| if sd.is_finite() { *sd } else { estimated });
+    // 1 unless the readings contradict what was declared.
+    let of_declared = variances.components[component::DECLARED_LENGTH];
+    let all = problem.data.set_length_sd_mm.iter().map(|declared| {
+        if declared.is_finite() {
+            of_declared * declared
+        } else {
+            estimated
+        }
+    });
     rms(&all.collect::<Vec<f64>>())
 }
 

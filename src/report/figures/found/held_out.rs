@@ -4,7 +4,7 @@ use super::super::formatting::largest;
 use super::{HALF_MM, Shown, group_names};
 use crate::plot::{Axis, Dash, Figure, Ink, Layer, Legend, Mark, Panel, Series, Shape, Stroke};
 use crate::wording::name::held_out_unit;
-use crate::wording::sentence::has_effects;
+use crate::wording::sentence::has_terms;
 use pipeline_findings::{Errors, UnitErrors};
 
 /// Units beyond these are left out, so that the figure fits on a page with its caption.
@@ -50,7 +50,7 @@ pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
     for k in 1..units.len() {
         panel = panel.with(border(k));
     }
-    for one in series(&units, has_effects(found)) {
+    for one in series(&units, has_terms(found)) {
         panel = panel.with(one);
     }
     let title = format!("Error on what was held out, {}", found.campaign);
