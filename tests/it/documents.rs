@@ -1,4 +1,4 @@
-//! What documents say, held to what is there; the Python of README.md is run.
+//! What documents say, held to what is there; the Python of docs/python.md is run.
 
 use crate::support::{Bench, FAST, outside_program};
 use pipeline::report::typeset::svg_to_pdf;
@@ -28,11 +28,11 @@ fn the_readme_asks_for_the_rust_that_cargo_asks_for() {
 }
 
 #[test]
-fn the_example_in_the_readme_is_the_script_that_is_run() {
-    let (readme, script) = (read("README.md"), read(EXAMPLE));
+fn the_example_in_the_documentation_is_the_script_that_is_run() {
+    let (page, script) = (read("docs/python.md"), read(EXAMPLE));
     assert!(
-        readme.contains(&format!("```python\n{script}```")),
-        "README.md has another text than {EXAMPLE}"
+        page.contains(&format!("```python\n{script}```")),
+        "docs/python.md has another text than {EXAMPLE}"
     );
 }
 

@@ -502,7 +502,7 @@ fn the_loop_finds_what_the_measurers_found(bench: &Bench) {
 
 /// What the search by sets reached on the flexors, and the mixed model does not: kept until it does.
 #[test]
-#[ignore = "not reached: lengths and arms by hand ask for another geometry than the torques of the flexors (README, the loop on torque)"]
+#[ignore = "not reached: lengths and arms by hand ask for another geometry than the torques of the flexors (docs/loop.md, the loop on torque)"]
 fn the_flexors_come_to_what_the_measurers_reached() {
     let rig = rig("torque of the real rig").unwrap();
     let bench = Bench::empty();

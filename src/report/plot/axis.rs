@@ -141,12 +141,19 @@ fn step(span: f64, count: usize) -> f64 {
         .unwrap_or(10.0 * decade)
 }
 
+/// At most `count` steps, but two ticks at least: one says nothing of the size.
 fn round_ticks(low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
-    let step = step(high - low, count);
-    let first = (low / step - 1e-6).ceil() as i64;
-    let last = (high / step + 1e-6).floor() as i64;
+    let places = |count: usize| {
+        let step = step(high - low, count);
+        let first = (low / step - 1e-6).ceil() as i64;
+        let last = (high / step + 1e-6).floor() as i64;
+        (step, first..=last)
+    };
+    let enough = (count..=4 * count.max(1)).map(places);
+    let mut enough = enough.filter(|(_, at)| at.clone().count() >= 2);
+    let (step, at) = enough.next().unwrap_or_else(|| places(count));
     let decimals = decimals(step);
-    (first..=last)
+    at
         .map(|k| {
             let value = k as f64 * step;
             (value, number(value, decimals))
@@ -177,6 +184,11 @@ mod tests {
     fn labels(low: f64, high: f64, count: usize) -> String {
         let ticks = round_ticks(low, high, count);
         ticks.into_iter().map(|t| t.1).collect::<Vec<_>>().join(" ")
+    }
+
+    #[test]
+    fn there_are_two_ticks_at_least() {
+        assert_eq!(labels(-90.0, 90.0, 1), "\u{2212}50 0 50");
     }
 
     #[test]
