@@ -153,12 +153,11 @@ fn round_ticks(low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
     let mut enough = enough.filter(|(_, at)| at.clone().count() >= 2);
     let (step, at) = enough.next().unwrap_or_else(|| places(count));
     let decimals = decimals(step);
-    at
-        .map(|k| {
-            let value = k as f64 * step;
-            (value, number(value, decimals))
-        })
-        .collect()
+    at.map(|k| {
+        let value = k as f64 * step;
+        (value, number(value, decimals))
+    })
+    .collect()
 }
 
 /// Decimals that write a step in full.
