@@ -37,6 +37,8 @@ const DRAWS: usize = 40;
 /// Steps to either side, in standard errors.
 const STEPS: [f64; 7] = [0.5, 1.0, 1.5, 2.0, 2.6, 3.4, 4.5];
 
+/// Where the likelihood has fallen by this multiple of the cut, nothing more is asked.
+const FAR: f64 = 2.0;
 /// How often an end is looked for beyond the last step, and how much further at least each time.
 const BEYOND: usize = 6;
 const WIDER: f64 = 1.25;
@@ -72,7 +74,7 @@ pub fn profile(
         for a in steps {
             last = along.at(a, &last);
             points.push((a, last.log_likelihood - model.log_likelihood));
-            if points.len() > 1 && points[points.len() - 1].1 < 2.0 * cut {
+            if points.len() > 1 && last.log_likelihood - model.log_likelihood < FAR * cut {
                 break;
             }
         }

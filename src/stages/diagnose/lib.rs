@@ -591,6 +591,9 @@ fn base_answers(base: &Base, row: &Row) -> bool {
 mod tests {
     use super::problem::component;
     use super::*;
+    use pipeline_inference::fit::Free;
+    use pipeline_inference::problem::Problem;
+    use pipeline_inference::profile::profile;
     use pipeline_simulate::rig_like;
 
     /// The scatter of set lengths of a campaign of which these standard deviations are declared, mm.
@@ -624,6 +627,57 @@ mod tests {
         assert!(wrong.declared_contradicted);
         assert_eq!(wrong.declared, Some(0.1));
         assert!((0.5..1.3).contains(&wrong.sd), "{}", wrong.sd);
+        // The interval is in mm as well, not in units of what was declared.
+        let (low, high) = (wrong.ci_low.unwrap(), wrong.ci_high.unwrap());
+        assert!(
+            low < wrong.sd && wrong.sd < high && high < 3.0,
+            "{low} {high}"
+        );
+    }
+
+    #[test]
+    fn at_the_ends_of_an_interval_the_likelihood_of_a_fit_has_fallen_alike() {
+        // Size and time constant of a creep trade against each other: an interval with the time constant held would be too short.
+        let settings = rig_like::Settings {
+            specimens: Some(4),
+            pace: rig_like::Pace::Dwell,
+            effects: vec![rig_like::Put {
+                id: "creep",
+                form: "logarithm",
+                size: 0.02,
+                others: &[],
+                from: 0.0,
+            }],
+            ..rig_like::Settings::default()
+        };
+        let rows = rig_like::campaign(3, &settings).rows;
+        let rows: Vec<&Row> = rows.iter().collect();
+        let data = Data::new(&rows);
+        let base = Base::new(10, true, 4, &FitOptions::default());
+        let library = library::terms(&data);
+        let problem = ForceProblem::new(&base, &data, &library).with_reference();
+        let setting = Setting::new(&problem);
+        let creep = library.iter().position(|t| t.id() == Some("creep"));
+        let mut from = problem.start();
+        from.terms
+            .push((creep.unwrap(), library[creep.unwrap()].start(0.02)));
+        let model = setting.fit_afresh(&from);
+        let normal = |k: usize| -> Box<dyn FnMut() -> f64> {
+            let mut stream = Stream::new(1, &["profile", &k.to_string()]);
+            Box::new(move || stream.normal())
+        };
+        let found = profile(&setting, &model, creep.unwrap(), 0, &normal).unwrap();
+        let fallen = |size: f64| {
+            let mut held = setting.clone();
+            held.pinned.push(Free::Value(0, 0));
+            let mut from = model.point.clone();
+            from.terms[0].1[0] = size;
+            let starts = [model.variances.clone(), setting.widened(&model.variances)];
+            model.log_likelihood - held.fit(&from, &starts).log_likelihood
+        };
+        let ends = [found.low.unwrap(), found.high.unwrap()].map(fallen);
+        assert!(ends.iter().all(|fall| *fall > 1.7), "{ends:?}");
+        assert!((ends[0] - ends[1]).abs() < 0.15 * ends[0], "{ends:?}");
     }
 
     #[test]
