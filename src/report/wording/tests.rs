@@ -99,6 +99,7 @@ fn nothing_found_points_to_the_detection_limits() {
     let mut none = example();
     none.verdict = Verdict::None;
     none.effects.clear();
+    none.unexplained.clear();
     let c = clauses(&none);
     assert_eq!((c.found.as_str(), c.limits), ("no effect detected", true));
     assert_eq!(
@@ -126,6 +127,7 @@ fn what_was_not_assessed_says_why_and_no_more() {
     few.verdict = Verdict::NotAssessed;
     few.not_assessed = Some(NotAssessed::TooFewSpecimens);
     few.effects.clear();
+    few.unexplained.clear();
     few.budget.clear();
     few.next_measurement.clear();
     few.recording_errors.clear();
