@@ -48,6 +48,8 @@ struct Form {
     columns: Vec<Vec<f64>>,
     /// Where it acts by the square of its value, which no tangent at nothing shows: a value to start from.
     far: Option<f64>,
+    /// How the predictions change where its size bends, for a value of 1.
+    bends: Vec<Vec<f64>>,
 }
 
 /// A named term of one amplitude.
@@ -62,6 +64,7 @@ fn form(kind: usize, column: Coordinates) -> Form {
         },
         columns: vec![along(column)],
         far: None,
+        bends: Vec::new(),
     }
 }
 
@@ -91,6 +94,11 @@ impl Form {
         self
     }
 
+    fn bending(mut self, column: Coordinates) -> Self {
+        self.bends.push(along(column));
+        self
+    }
+
     fn and(mut self, column: Coordinates) -> Self {
         self.term.amplitudes += 1;
         self.term.bounds.push((-1e6, 1e6));
@@ -110,6 +118,7 @@ struct Line {
     terms: Vec<Term>,
     columns: Vec<Vec<Vec<f64>>>,
     far: Vec<Option<f64>>,
+    bends: Vec<Vec<Vec<f64>>>,
 }
 
 impl Line {
@@ -160,6 +169,7 @@ fn line(observed: Coordinates, forms: &[Form]) -> Line {
         terms: forms.iter().map(|f| f.term.clone()).collect(),
         columns: forms.iter().map(|f| f.columns.clone()).collect(),
         far: forms.iter().map(|f| f.far).collect(),
+        bends: forms.iter().map(|f| f.bends.clone()).collect(),
     }
 }
 
@@ -226,6 +236,13 @@ impl Problem for Line {
             },
         };
         (0..self.terms.len()).filter(is_new).map(of).collect()
+    }
+    fn bends(&self, point: &Point, term: usize) -> Vec<Vec<f64>> {
+        let in_model = point.terms.iter().find(|(t, _)| *t == term);
+        in_model.map_or_else(Vec::new, |(t, values)| {
+            let scaled = |column: &Vec<f64>| column.iter().map(|x| values[0] * x).collect();
+            self.bends[*t].iter().map(scaled).collect()
+        })
     }
     fn far(&self, point: &Point) -> Vec<(usize, Vec<f64>)> {
         let is_new = |t: &usize| point.terms.iter().all(|(known, _)| known != t);
@@ -447,6 +464,37 @@ fn a_term_is_deleted_where_it_gains_too_little_beside_the_others() {
             assert_eq!(found.accepted[0].term, 0);
             close(found.accepted[0].gain, 0.5 * ratio, 1e-9);
         }
+    }
+}
+
+#[test]
+fn a_term_that_no_longer_shows_beside_the_bends_of_another_is_left_out() {
+    // y = 40 w1 + b w2; A = w1, whose bends go along v = cos w2 + sin w3, and B = w2. With the coordinate q = (b cos)^2 along v their standard
+    // deviation is best at a variance of q, and they gain q - 1 - ln q in likelihood ratio beside A alone, and nothing beside A and B.
+    let q: f64 = 16.0;
+    let ratio = 4.0;
+    let bends = q - 1.0 - libm::log(q);
+    for (beside, stays) in [(ratio - 1e-3, false), (ratio + 1e-3, true)] {
+        let square = beside + bends;
+        let cos = (q / square).sqrt();
+        let sin = (1.0 - cos * cos).sqrt();
+        let forms = [
+            form(0, &[(1, 1.0)]).bending(&[(2, cos), (3, sin)]),
+            form(1, &[(2, 1.0)]),
+        ];
+        let problem = line(&[(1, 40.0), (2, square.sqrt())], &forms);
+        for decision in [DECISION, QUICK] {
+            let terms = accepted(&found(&problem, decision, ratio));
+            assert_eq!(terms.contains(&1), stays, "{beside}");
+            assert!(terms.contains(&0));
+        }
+        // Bends of the weaker term along the stronger do not put that in doubt.
+        let forms = [
+            form(0, &[(1, 1.0)]),
+            form(1, &[(2, 1.0)]).bending(&[(1, 1.0)]),
+        ];
+        let problem = line(&[(1, 40.0), (2, square.sqrt())], &forms);
+        assert_eq!(accepted(&found(&problem, QUICK, ratio)).len(), 2);
     }
 }
 

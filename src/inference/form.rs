@@ -10,6 +10,9 @@
 //! parametric bootstrap from the fitted model without G. Where there are several terms, a draw counts with the largest gain of any, so that p
 //! is family-wise, and the model without G is fitted once a draw.
 //!
+//! [`gain`] asks less: what the columns of one term gain over a model, by the full likelihood, as another term would. A term that gains no more
+//! beside the first than these do may be nothing but the form of the first.
+//!
 //! What u is, is answered with tau averaged over its likelihood (a flat prior; Gelman, Bayesian Analysis 1 (2006) 515): at the maximum alone,
 //! which is often 0, a size that is hardly known would look like one that is known not to change.
 
@@ -60,7 +63,7 @@ pub fn answers(
     bootstrap: Bootstrap,
     normal: &Normal,
 ) -> Vec<Option<Answer>> {
-    let plain = Plain::new(setting, model);
+    let plain = Plain::new(setting, model, Likelihood::Restricted);
     let wider: Vec<Option<Wider>> = sets.iter().map(|set| plain.wider(set)).collect();
     let asked: Vec<&Wider> = wider.iter().flatten().collect();
     let gains: Vec<f64> = asked
@@ -79,10 +82,18 @@ pub fn answers(
         .collect()
 }
 
-/// The model without further columns, by the restricted likelihood.
+/// What a set of further columns gains in (full) log-likelihood; nothing where the fixed effects leave nothing of it.
+pub fn gain(setting: &Setting, model: &Fitted, set: &[Vec<f64>]) -> f64 {
+    let plain = Plain::new(setting, model, Likelihood::Full);
+    let wider = plain.wider(set);
+    wider.map_or(0.0, |w| plain.gain(&w, &w.gram, &plain.maximum))
+}
+
+/// The model without further columns.
 struct Plain<'a> {
     setting: &'a Setting<'a>,
     model: &'a Fitted,
+    likelihood: Likelihood,
     scales: Vec<Scale>,
     maximum: Maximum,
 }
@@ -99,19 +110,18 @@ struct Wider {
 }
 
 impl<'a> Plain<'a> {
-    fn new(setting: &'a Setting<'a>, model: &'a Fitted) -> Self {
+    fn new(setting: &'a Setting<'a>, model: &'a Fitted, likelihood: Likelihood) -> Self {
         let scales = setting.scales();
-        let maximum = setting
-            .maximiser(&scales, Likelihood::Restricted)
-            .maximise_with(
-                &model.gram,
-                &model.variances,
-                Effort::FULL,
-                Some(&model.inverse),
-            );
+        let maximum = setting.maximiser(&scales, likelihood).maximise_with(
+            &model.gram,
+            &model.variances,
+            Effort::FULL,
+            Some(&model.inverse),
+        );
         Self {
             setting,
             model,
+            likelihood,
             scales,
             maximum,
         }
@@ -191,7 +201,7 @@ impl<'a> Plain<'a> {
     ) -> Maximum {
         let maximiser = crate::variance::Maximiser {
             tree: &wider.design.tree,
-            ..self.setting.maximiser(scales, Likelihood::Restricted)
+            ..self.setting.maximiser(scales, self.likelihood)
         };
         maximiser.maximise_with(gram, from, effort, inverse)
     }
@@ -235,7 +245,7 @@ impl<'a> Plain<'a> {
             .with_response_of(&self.model.gram, &[], &y);
         let plain = self
             .setting
-            .maximiser(&self.scales, Likelihood::Restricted)
+            .maximiser(&self.scales, self.likelihood)
             .maximise_with(
                 &gram,
                 &self.maximum.variances,

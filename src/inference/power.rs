@@ -107,8 +107,9 @@ fn lost(setting: &Setting, model: &Fitted, term: usize, values: &[f64]) -> f64 {
         ..setting.clone()
     };
     let starts = [model.variances.clone(), setting.widened(&model.variances)];
-    let without = there.fit(&model.point, &starts);
-    let with = there.fit(&with, &starts[..1]);
+    let without = there.glance(&model.point, &starts);
+    // Where it starts it is nearly right.
+    let with = there.glance(&with, &starts[..1]);
     2.0 * (with.log_likelihood - without.log_likelihood)
 }
 
@@ -151,6 +152,9 @@ impl Problem for Altered<'_> {
     }
     fn directions(&self, point: &Point) -> Vec<Direction> {
         self.problem.directions(point)
+    }
+    fn bends(&self, point: &Point, term: usize) -> Vec<Vec<f64>> {
+        self.problem.bends(point, term)
     }
 }
 

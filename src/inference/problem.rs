@@ -126,6 +126,12 @@ pub trait Problem: Sync {
         Vec::new()
     }
 
+    /// How the predictions change where the size of a term in the model is not one number but bends along the term's own argument: a few columns.
+    /// None where the term has no argument.
+    fn bends(&self, _point: &Point, _term: usize) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+
     /// How one term that is not in the model would show at a point: a problem may know a shorter way than to ask for all.
     fn directions_of(&self, point: &Point, term: usize) -> Vec<Direction> {
         let mut all = self.directions(point);

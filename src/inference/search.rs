@@ -1,7 +1,9 @@
 //! The search: forward from the null model, one term at a time, each tested against the maximum over all candidates; then deletions and
-//! swaps among terms that show alike.
+//! swaps among terms that show alike. At the end a term stays only if it also shows where the size of any other one may bend along its own argument
+//! ([`crate::problem::Problem::bends`]): an effect whose form the library does not have must not call up a second one.
 
 use crate::fit::{Fitted, Free, Setting};
+use crate::form;
 use crate::problem::Point;
 use crate::screen::{Normal, Screen, Shown};
 use crate::statistic::{critical, deviate, upper_tail};
@@ -157,7 +159,45 @@ impl Search<'_> {
             }
             ended = terms;
         }
+        self.leave_out_bends(&mut found);
         found
+    }
+
+    /// Leaves out the terms, the weakest first, that no longer show beside another one whose size bends along its own argument: where that has
+    /// another form than the library knows, a second term takes up the difference.
+    fn leave_out_bends(&self, found: &mut Found) {
+        loop {
+            let mut order: Vec<usize> = (0..found.accepted.len()).collect();
+            order.sort_by(|a, b| found.accepted[*a].gain.total_cmp(&found.accepted[*b].gain));
+            let bend = order.into_iter().find_map(|place| {
+                let accepted = &found.accepted[place];
+                let without = self.without(found, accepted.term);
+                let least = self.least_beside_bends(&found.model, &without);
+                let amplitudes = self.setting.problem.terms()[accepted.term].amplitudes;
+                let is_bend = deviate(2.0 * least, amplitudes) < accepted.critical;
+                is_bend.then_some((place, without))
+            });
+            let Some((place, without)) = bend else {
+                return;
+            };
+            eprintln!(
+                "BEND {:?} leaves {:?}",
+                found.accepted[place], without.point.terms
+            );
+            found.accepted.remove(place);
+            found.model = without;
+        }
+    }
+
+    /// The least that a model gains over one with a term less, where the size of any other term may bend in both.
+    fn least_beside_bends(&self, model: &Fitted, without: &Fitted) -> f64 {
+        let bent = |fitted: &Fitted, term: usize| {
+            let columns = self.setting.problem.bends(&fitted.point, term);
+            fitted.log_likelihood + form::gain(self.setting, fitted, &columns)
+        };
+        let others = without.point.terms.iter();
+        let gains = others.map(|(t, _)| bent(model, *t) - bent(without, *t));
+        gains.fold(model.log_likelihood - without.log_likelihood, f64::min)
     }
 
     /// The same, with exchanges after every step: the model is built anew with every choice of forms, because the first form to come in may lead

@@ -7,7 +7,7 @@ use super::number::{
 use crate::number::Rounding;
 use pipeline_findings::{
     ActsOn, BudgetEntry, CampaignFindings, EffectFinding, ErrorKind, Level, NextKind,
-    NextMeasurement, RecordingError, Scatter, Verdict,
+    NextMeasurement, RecordingError, Scatter, UnitErrors, Verdict,
 };
 use pipeline_mechanics::effects;
 use pipeline_torque::diagnose::terms::usual;
@@ -286,7 +286,7 @@ fn density_change(found: &CampaignFindings) -> Option<(f64, f64, Change)> {
     has_terms(found).then_some((before, after, change))
 }
 
-/// `the error on unseen specimens goes from 18.7 to 15.8 N`, and where the uncertainty that was predicted with it fits worse, or better though the
+/// `the error on unseen specimens goes from 18.7 to 15.8 N (larger on 1 of the 5 specimens)`, and where the uncertainty that was predicted with it fits worse, or better though the
 /// error does not, that too.
 fn errors(found: &CampaignFindings) -> Option<String> {
     let on = name::held_out(found);
@@ -310,7 +310,28 @@ fn errors(found: &CampaignFindings) -> Option<String> {
         }
         Change::Worse => format!("the error on {on} rises with the effects, from {from} to {to}"),
     };
-    Some(sizes + &densities(found, change) + &with_own_values(found))
+    let of_some = match change {
+        Change::Better => larger_on_some(found),
+        Change::Alike | Change::Worse => String::new(),
+    };
+    Some(sizes + &of_some + &densities(found, change) + &with_own_values(found))
+}
+
+/// On how many units an error that falls on the whole is larger with the effects, if on any.
+fn larger_on_some(found: &CampaignFindings) -> String {
+    let is_larger = |unit: &&UnitErrors| {
+        let [before, after] = [&unit.before, &unit.after].map(|e| e.rmse_heldout);
+        matches!((before, after), (Some(before), Some(after)) if after > WORSE * before)
+    };
+    let count = found.by_unit.iter().filter(is_larger).count();
+    if count == 0 {
+        return String::new();
+    }
+    format!(
+        " (larger on {count} of the {} {})",
+        found.by_unit.len(),
+        nouns(found).units
+    )
 }
 
 /// That the effects do harm where the gain and the lengths of the unseen unit are known, if they do.

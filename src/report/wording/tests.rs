@@ -95,6 +95,31 @@ fn arms_by_hand_are_set_aside_alone() {
 }
 
 #[test]
+fn an_error_that_falls_on_the_whole_is_said_to_grow_on_some() {
+    let mut found = example();
+    let of = |before: f64, after: f64| {
+        let errors = |x: f64| pipeline_findings::Errors {
+            rmse_heldout: Some(x),
+            ..example().before
+        };
+        pipeline_findings::UnitErrors {
+            unit: "one".into(),
+            readings: 10,
+            before: errors(before),
+            after: errors(after),
+            realised_over_expected: None,
+            inside_95: None,
+            found: Vec::new(),
+        }
+    };
+    found.by_unit = vec![of(20.0, 10.0), of(10.0, 15.0), of(30.0, 20.0)];
+    assert_eq!(
+        clauses(&found).errors.unwrap().replace('\u{a0}', " "),
+        "the error on unseen specimens goes from 18.7 to 15.8 N (larger on 1 of the 3 specimens)"
+    );
+}
+
+#[test]
 fn nothing_found_points_to_the_detection_limits() {
     let mut none = example();
     none.verdict = Verdict::None;

@@ -17,34 +17,27 @@
 //! estimated again: only what is too large or too much of one shape for the law's misfit tells that the form differs.
 
 use super::answer::NORMAL_95;
-use super::problem::{ForceProblem, cosines};
+use super::bent::Bent;
+use super::problem::ForceProblem;
 use super::settings;
 use pipeline_findings::{FormPoint, FreeForm};
 use pipeline_inference::fit::{Fitted, Setting};
 use pipeline_inference::form::{Answer, Bootstrap, answers};
 use pipeline_inference::screen::Normal;
-use pipeline_mechanics::effects::{self, Argument};
 use std::collections::BTreeMap;
 
-/// Cosines of g, the constant among them.
-const COSINES: usize = 5;
-/// Fewest values of the argument: through two of them any size goes.
-const FEWEST_VALUES: usize = 3;
 /// Points of the curve, less one.
 const STEPS: usize = 20;
 
 /// An effect with an argument, beside the found model.
 struct Asked {
     term: usize,
-    argument: Argument,
-    /// Ends of the scaled argument.
-    range: (f64, f64),
+    bent: Bent,
     /// What is reported where the effect is absent.
     absent: f64,
     /// The first amplitude, and its place among the fixed effects.
     amplitude: f64,
     place: usize,
-    columns: Vec<Vec<f64>>,
 }
 
 /// The free form of every effect that was found and has an argument, by its term.
@@ -59,7 +52,7 @@ pub fn free_forms(
     let asked: Vec<Asked> = terms
         .filter_map(|(term, _)| asked(setting, problem, model, *term))
         .collect();
-    let sets: Vec<Vec<Vec<f64>>> = asked.iter().map(|a| a.columns.clone()).collect();
+    let sets: Vec<Vec<Vec<f64>>> = asked.iter().map(|a| a.bent.columns.clone()).collect();
     if sets.is_empty() {
         return BTreeMap::new();
     }
@@ -74,69 +67,44 @@ pub fn free_forms(
 }
 
 fn asked(setting: &Setting, problem: &ForceProblem, model: &Fitted, term: usize) -> Option<Asked> {
-    let library = &problem.library[term];
-    let (effect, form) = library.effect()?;
-    let argument = effects::all()[effect].argument(form)?;
     let values = model.values(term)?;
-    let place = model.place(term, 0)?;
     let design = &model.design;
-    let mut sensitivity = vec![0.0; design.len()];
-    for (k, amplitude) in values.iter().take(library.amplitudes).enumerate() {
-        if let Some(place) = model.place(term, k) {
-            for (s, x) in sensitivity.iter_mut().zip(&design.x[place]) {
-                *s += amplitude * x;
-            }
-        }
-    }
-    let of =
-        |i: usize| argument.scaled(argument.of(&problem.data.conditions[i], model.predicted[i]));
-    let acts = |i: &usize| sensitivity[*i] != 0.0 && setting.active[design.node[*i]];
-    let mut along: Vec<f64> = (0..design.len()).filter(acts).map(of).collect();
-    along.sort_by(f64::total_cmp);
-    let range = (*along.first()?, *along.last()?);
-    along.dedup();
-    if along.len() < FEWEST_VALUES || !(range.1 - range.0).is_finite() {
-        return None;
-    }
-    let mut columns = vec![vec![0.0; design.len()]; COSINES - 1];
-    for (i, s) in sensitivity.iter().enumerate().filter(|(_, s)| **s != 0.0) {
-        for (column, c) in columns.iter_mut().zip(basis(of(i), range)) {
-            column[i] = s * c;
-        }
-    }
+    let amplitudes = values.iter().take(problem.library[term].amplitudes);
+    let by_amplitudes: Vec<(f64, &[f64])> = amplitudes
+        .enumerate()
+        .filter_map(|(k, a)| Some((*a, design.x[model.place(term, k)?].as_slice())))
+        .collect();
     Some(Asked {
         term,
-        argument,
-        range,
-        absent: library.form()?.amplitude.absent,
+        bent: Bent::new(
+            &problem.library[term],
+            &problem.data.conditions,
+            &by_amplitudes,
+            &model.predicted,
+            |i| setting.active[design.node[i]],
+        )?,
+        absent: problem.library[term].form()?.amplitude.absent,
         amplitude: values[0],
-        place,
-        columns,
+        place: model.place(term, 0)?,
     })
-}
-
-/// The cosines at a scaled argument, without the constant.
-fn basis(x: f64, (low, high): (f64, f64)) -> Vec<f64> {
-    let share = ((x - low) / (high - low)).clamp(0.0, 1.0);
-    cosines(COSINES, share, settings::FORM_LENGTH).split_off(1)
 }
 
 impl Asked {
     fn free_form(&self, answer: &Answer) -> FreeForm {
         let curve = (0..=STEPS).map(|k| {
             let share = k as f64 / STEPS as f64;
-            let x = self.range.0 + share * (self.range.1 - self.range.0);
+            let x = self.bent.range.0 + share * (self.bent.range.1 - self.bent.range.0);
             let (amplitude, sd) = self.size(answer, x);
             FormPoint {
-                at: self.argument.unscaled(x),
+                at: self.bent.argument.unscaled(x),
                 amplitude,
                 low: amplitude - NORMAL_95 * sd,
                 high: amplitude + NORMAL_95 * sd,
             }
         });
         FreeForm {
-            argument: self.argument.id().to_owned(),
-            unit: self.argument.unit().to_owned(),
+            argument: self.bent.argument.id().to_owned(),
+            unit: self.bent.argument.unit().to_owned(),
             log_likelihood_gain: answer.gain,
             p: answer.p,
             differs: answer.p < settings::LEVEL,
@@ -147,10 +115,10 @@ impl Asked {
     /// The size at a scaled argument as it is reported, and its standard error.
     fn size(&self, answer: &Answer, x: f64) -> (f64, f64) {
         let mut weights = vec![0.0; answer.mean.len()];
-        for (w, c) in weights.iter_mut().zip(basis(x, self.range)) {
+        for (w, c) in weights.iter_mut().zip(self.bent.basis(x)) {
             *w = self.amplitude * c;
         }
-        weights[COSINES - 1 + self.place] = 1.0;
+        weights[self.bent.columns.len() + self.place] = 1.0;
         let pairs = weights.iter().zip(&answer.mean);
         let change: f64 = pairs.map(|(w, m)| w * m).sum();
         let mut variance = 0.0;
@@ -168,24 +136,28 @@ impl Asked {
 mod tests {
     use super::*;
     use crate::base::Base;
+    use crate::bent::COSINES;
     use crate::data::Data;
     use crate::library::{self, Scope};
     use pipeline_base::random::Stream;
     use pipeline_config::FitOptions;
     use pipeline_inference::gram::Square;
     use pipeline_inference::problem::Problem;
+    use pipeline_mechanics::effects::Argument;
     use pipeline_simulate::rig_like;
 
     #[test]
     fn the_size_is_the_amplitude_with_its_change_and_the_smooth_part() {
         let asked = Asked {
             term: 0,
-            argument: Argument::Pressure,
-            range: (0.0, 600.0),
+            bent: Bent {
+                argument: Argument::Pressure,
+                range: (0.0, 600.0),
+                columns: vec![Vec::new(); COSINES - 1],
+            },
             absent: 1.0,
             amplitude: 0.1,
             place: 1,
-            columns: Vec::new(),
         };
         let n = COSINES - 1 + 2;
         let mut answer = Answer {
@@ -205,7 +177,7 @@ mod tests {
         *answer.covariance.at_mut(0, 0) = 0.04;
         let ends = [0.0, 300.0, 600.0].map(|x| (x, asked.size(&answer, x)));
         for (x, (size, sd)) in ends {
-            let c = basis(x, asked.range)[0];
+            let c = asked.bent.basis(x)[0];
             assert!((size - (1.12 + 0.1 * 0.5 * c)).abs() < 1e-12, "{x}");
             let expected = (1e-4 + 0.1 * 0.1 * 0.04 * c * c).sqrt();
             assert!((sd - expected).abs() < 1e-12, "{x}");

@@ -19,6 +19,7 @@
 
 pub mod answer;
 pub mod base;
+pub mod bent;
 pub mod black_box;
 pub mod data;
 pub mod form;
@@ -30,6 +31,7 @@ pub mod problem;
 pub mod recording;
 pub mod settings;
 pub mod slack;
+pub mod smooth;
 pub mod tally;
 pub mod unseen;
 

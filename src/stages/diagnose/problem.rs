@@ -15,10 +15,12 @@
 //! all those of the first filling after the length was set, which is up to 15 N below the next ones.
 
 use super::base::Base;
+use super::bent::Bent;
 use super::data::Data;
 use super::library::{Term, What};
 use super::settings;
 use super::slack::{self, Side, Sided};
+use super::smooth::cosines;
 use pipeline_inference::fit::{Fitted, Setting};
 use pipeline_inference::problem::Term as EngineTerm;
 use pipeline_inference::problem::{Coefficient, Component, Direction, Linearised, Point, Problem};
@@ -34,7 +36,6 @@ use pipeline_numerics::real::{Dual, Real};
 use pipeline_numerics::statistics::median;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::f64::consts::PI;
 
 /// The components, by their numbers.
 pub mod component {
@@ -753,30 +754,6 @@ fn with_groups(mut component: Component, groups: usize) -> Component {
     component
 }
 
-/// Standard deviations of the amplitudes of the first cosines of a Gaussian process of unit variance with a squared-exponential covariance:
-/// roots of its spectral density. `length` is the correlation length as a share of the range of the cosines.
-fn weights(count: usize, length: f64) -> Vec<f64> {
-    let density = |k: usize| {
-        let w = PI * k as f64 * length;
-        // A cosine has half the mean square of a constant.
-        let factor = if k == 0 { 1.0 } else { 2.0 };
-        factor * length * (2.0 * PI).sqrt() * libm::exp(-0.5 * w * w)
-    };
-    (0..count).map(|k| density(k).sqrt()).collect()
-}
-
-/// Cosines over a range that reaches a correlation length further than the readings at either end, because their slope is 0 at its ends
-/// (A. Solin and S. Sarkka, *Stat. Comput.* 30 (2020) 419).
-pub fn cosines(count: usize, x: f64, length: f64) -> Vec<f64> {
-    let range = 1.0 + 2.0 * length;
-    let place = PI * (x + length) / range;
-    let weights = weights(count, length / range);
-    let terms = weights.iter().enumerate();
-    terms
-        .map(|(k, w)| w * libm::cos(k as f64 * place))
-        .collect()
-}
-
 /// Cosines along the pressure of every reading, of a misfit with a correlation length in kPa.
 fn along_pressure(data: &Data, count: usize, length_kpa: f64) -> Vec<Vec<f64>> {
     let of = |at: &Conditions| cosines(count, at.pressure_kpa / P_620_KPA, length_kpa / P_620_KPA);
@@ -877,6 +854,29 @@ impl Problem for ForceProblem<'_> {
             far.into_iter().map(start)
         });
         starts.collect()
+    }
+
+    fn bends(&self, point: &Point, term: usize) -> Vec<Vec<f64>> {
+        let linear = self.linearise(point);
+        let mut place = 0;
+        for (t, values) in &point.terms {
+            let of_term = &linear.by_terms[place..place + values.len()];
+            place += values.len();
+            if *t == term {
+                let amplitudes = values.iter().take(self.library[term].amplitudes);
+                let columns = of_term.iter().map(Vec::as_slice);
+                let by_amplitudes: Vec<(f64, &[f64])> = amplitudes.copied().zip(columns).collect();
+                let bent = Bent::new(
+                    &self.library[term],
+                    &self.data.conditions,
+                    &by_amplitudes,
+                    &linear.predicted,
+                    |_| true,
+                );
+                return bent.map_or_else(Vec::new, |b| b.columns);
+            }
+        }
+        Vec::new()
     }
 
     fn directions(&self, point: &Point) -> Vec<Direction> {
@@ -1145,24 +1145,6 @@ mod tests {
             let random = linear.random.iter().flatten();
             let all = random.chain(&linear.predicted);
             assert!(all.copied().all(f64::is_finite), "{model}");
-        }
-    }
-
-    #[test]
-    fn the_cosines_have_the_covariance_of_the_process_they_stand_for() {
-        let length = 100.0 / 620.0;
-        for (a, b) in [(0.3, 0.3), (0.3, 0.4), (0.5, 0.9), (0.0, 0.1), (1.0, 1.0)] {
-            let [at_a, at_b] = [a, b].map(|x| cosines(10, x, length));
-            let covariance: f64 = at_a.iter().zip(&at_b).map(|(x, y)| x * y).sum();
-            let distance: f64 = (a - b) / length;
-            let expected = libm::exp(-0.5 * distance * distance);
-            // At the ends the mirror image at two correlation lengths adds exp(-2).
-            let from_mirror = |d: f64| libm::exp(-0.5 * (2.0 + d / length) * (2.0 + d / length));
-            let mirrored = from_mirror(a + b) + from_mirror(2.0 - a - b);
-            assert!(
-                (covariance - expected - mirrored).abs() < 1e-3,
-                "{a} {b}: {covariance} {expected}"
-            );
         }
     }
 }
