@@ -1,5 +1,6 @@
 //! A result as it lies in the cache: which stage makes it, what it is called, and how a value becomes its bytes and comes back.
 
+use crate::rule::Input;
 use pipeline_base::digest::Outputs;
 use pipeline_base::error::{Error, Result};
 use pipeline_base::frame::Frame;
@@ -56,6 +57,16 @@ impl<T> Artifact<T> {
             encode: |value| value.to_frame().to_parquet(),
             decode: |bytes| T::from_frame(Frame::from_parquet(bytes)?),
         }
+    }
+
+    /// The output of the same unit, as an input of a later stage.
+    pub const fn own(&self) -> Input {
+        Input::Own(self.stage, self.name)
+    }
+
+    /// The output of each session of a unit, as an input; the key has it under the session's id and what it is `called`.
+    pub const fn each(&self, called: &'static str) -> Input {
+        Input::Each(self.stage, self.name, called)
     }
 
     /// Adds a value to the outputs of its stage.

@@ -132,3 +132,67 @@ impl<'a> Given<'a> {
 fn undeclared(what: &str) -> Error {
     Error::Internal(format!("{what} is read, but not declared as an input"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stages::fit::FIT;
+    use crate::stages::normalize::ROWS;
+    use crate::units::Scope;
+    use crate::{Progress, RunOptions};
+    use pipeline_base::digest::Outputs;
+
+    const RULE: Rule = Rule {
+        scope: Scope::Group,
+        takes: crate::rule::every,
+        inputs: &[ROWS.each("")],
+        options: &[],
+        run: |_| Ok(Outputs::new()),
+    };
+
+    struct Silent;
+
+    impl Progress for Silent {
+        fn begin(&self, _stage: &str, _units: usize) {}
+        fn tick(&self) {}
+        fn note(&self, _message: &str) {}
+    }
+
+    #[test]
+    fn what_a_rule_does_not_declare_it_cannot_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let options = RunOptions {
+            raw: Vec::new(),
+            derived: folder.path().to_path_buf(),
+            reports: folder.path().to_path_buf(),
+            config: Config::default(),
+            jobs: 1,
+            force: None,
+            dry_run: true,
+            keep_going: false,
+            only: None,
+        };
+        let engine = Engine::open(&options, None, &Silent).unwrap();
+        let unit = Unit {
+            name: "small 10 mm".to_owned(),
+            sessions: Vec::new(),
+            group: None,
+        };
+        let given = Given {
+            engine: &engine,
+            rule: &RULE,
+            unit: &unit,
+            located: Vec::new(),
+            sessions: Vec::new(),
+            own: &Steps::new(),
+            logs: None,
+            config: &options.config,
+        };
+        assert!(given.each(&ROWS).unwrap().is_empty());
+        let undeclared = |e: Error| e.to_string().contains("not declared as an input");
+        assert!(undeclared(given.own(&FIT).unwrap_err()));
+        assert!(undeclared(given.group().unwrap_err()));
+        assert!(undeclared(given.descriptions().unwrap_err()));
+        assert!(undeclared(given.logs().unwrap_err()));
+    }
+}

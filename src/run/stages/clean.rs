@@ -1,14 +1,7 @@
 //! `clean`: the steady readings of a session.
 
 use super::ingest;
-use crate::artifact::Artifact;
-use crate::code;
-use crate::given::Given;
-use crate::rule::{Declared, Input, Rule, every};
-use crate::step::Stage;
-use crate::units::Scope;
-use pipeline_base::digest::Outputs;
-use pipeline_base::error::Result;
+use super::parts::*;
 use pipeline_base::reading::Reading;
 use pipeline_clean as clean;
 use pipeline_clean::CleanHeader;

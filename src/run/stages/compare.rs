@@ -1,15 +1,8 @@
 //! `compare`: every model on the rows of a group.
 
-use super::fit::{self, FIT};
+use super::fit::FIT;
 use super::normalize::{ROWS_OF_EACH, rows};
-use crate::artifact::{Artifact, Tabular};
-use crate::code;
-use crate::given::Given;
-use crate::rule::{Declared, Input, Rule, every};
-use crate::step::Stage;
-use crate::units::Scope;
-use pipeline_base::digest::Outputs;
-use pipeline_base::error::Result;
+use super::parts::*;
 use pipeline_base::frame::{Frame, Values};
 use pipeline_base::row;
 use pipeline_compare as compare;
@@ -26,7 +19,7 @@ pub const STAGE: Declared = Declared {
     rules: &[Rule {
         scope: Scope::Group,
         takes: every,
-        inputs: &[Input::Own(fit::NAME, FIT.name), Input::Group, ROWS_OF_EACH],
+        inputs: &[FIT.own(), Input::Group, ROWS_OF_EACH],
         options: &["fit", "compare"],
         run,
     }],

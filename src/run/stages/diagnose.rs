@@ -1,16 +1,11 @@
 //! `diagnose`: what the model lacks on the rows of a group.
 
 use super::normalize::{ROWS_OF_EACH, rows};
-use crate::artifact::Artifact;
-use crate::code;
+use super::parts::*;
 use crate::engine::Engine;
-use crate::given::Given;
 use crate::made::UnitMade;
-use crate::rule::{Declared, Input, Rule};
-use crate::step::{Stage, Step};
-use crate::units::{Scope, Unit};
-use pipeline_base::digest::Outputs;
-use pipeline_base::error::Result;
+use crate::step::Step;
+use crate::units::Unit;
 use pipeline_base::frame::{Frame, Values};
 use pipeline_config::Config;
 use pipeline_diagnose as diagnose;

@@ -1,14 +1,7 @@
 //! `fit`: the new model, fitted to the rows of a group.
 
 use super::normalize::{ROWS_OF_EACH, rows};
-use crate::artifact::Artifact;
-use crate::code;
-use crate::given::Given;
-use crate::rule::{Declared, Input, Rule, every};
-use crate::step::Stage;
-use crate::units::Scope;
-use pipeline_base::digest::Outputs;
-use pipeline_base::error::Result;
+use super::parts::*;
 use pipeline_fit as fit;
 use pipeline_fit::GroupFit;
 

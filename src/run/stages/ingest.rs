@@ -1,13 +1,6 @@
 //! `ingest`: the raw logs of a session, calibrated and in one unit a quantity.
 
-use crate::artifact::Artifact;
-use crate::code;
-use crate::given::Given;
-use crate::rule::{Declared, Input, Rule, every};
-use crate::step::Stage;
-use crate::units::Scope;
-use pipeline_base::digest::Outputs;
-use pipeline_base::error::Result;
+use super::parts::*;
 use pipeline_ingest as ingest;
 use pipeline_ingest::{IngestHeader, LogSamples};
 

@@ -12,6 +12,18 @@ pub mod torque;
 use crate::rule::{Declared, Rule};
 use crate::units::Scope;
 
+/// What declarations are made of.
+mod parts {
+    pub use crate::artifact::{Artifact, Tabular};
+    pub use crate::code;
+    pub use crate::given::Given;
+    pub use crate::rule::{Declared, Input, Rule, every};
+    pub use crate::step::Stage;
+    pub use crate::units::Scope;
+    pub use pipeline_base::digest::Outputs;
+    pub use pipeline_base::error::Result;
+}
+
 /// Every stage, in the order in which a unit goes through them.
 pub const LIST: &[Declared] = &[
     ingest::STAGE,

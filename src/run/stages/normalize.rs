@@ -1,14 +1,7 @@
 //! `normalize`: the rows of a session.
 
-use super::clean::{self, READINGS};
-use crate::artifact::Artifact;
-use crate::code;
-use crate::given::Given;
-use crate::rule::{Declared, Input, Rule, every};
-use crate::step::Stage;
-use crate::units::Scope;
-use pipeline_base::digest::Outputs;
-use pipeline_base::error::Result;
+use super::clean::READINGS;
+use super::parts::*;
 use pipeline_base::reject::Reject;
 use pipeline_base::row::Row;
 use pipeline_normalize as normalize;
@@ -23,7 +16,7 @@ pub const STAGE: Declared = Declared {
     rules: &[Rule {
         scope: Scope::Session,
         takes: every,
-        inputs: &[Input::Own(clean::NAME, READINGS.name), Input::Descriptions],
+        inputs: &[READINGS.own(), Input::Descriptions],
         options: &[],
         run,
     }],
@@ -38,7 +31,7 @@ pub const ROWS: Artifact<Vec<Row>> = Artifact::table(NAME, "rows.parquet");
 pub const REJECTS: Artifact<Vec<Reject>> = Artifact::json(NAME, "rejects.json");
 
 /// The rows of each session, as an input that the key has under the session's id.
-pub const ROWS_OF_EACH: Input = Input::Each(NAME, ROWS.name, "");
+pub const ROWS_OF_EACH: Input = ROWS.each("");
 
 fn run(given: &Given) -> Result<Outputs> {
     let readings = given.own(&READINGS)?;

@@ -1,9 +1,7 @@
 //! `report`: tables, figures and pages of everything. No rule of the list: its results are put in place between its units
 //! ([`crate::reports`]), tables before the first figure is drawn.
 
-use crate::code;
-use crate::rule::Declared;
-use crate::step::Stage;
+use super::parts::*;
 use pipeline_report::stage as report;
 
 /// The stage.

@@ -1,16 +1,10 @@
 //! `torque`: the torque of a campaign about its knees, and what needs no session.
 
-use super::normalize::{self, ROWS};
-use crate::artifact::Artifact;
-use crate::code;
+use super::normalize::ROWS;
+use super::parts::*;
 use crate::engine::Engine;
-use crate::given::Given;
 use crate::made::UnitMade;
-use crate::rule::{Declared, Input, Rule, every};
-use crate::step::{Stage, Step};
-use crate::units::Scope;
-use pipeline_base::digest::Outputs;
-use pipeline_base::error::Result;
+use crate::step::Step;
 use pipeline_findings::CampaignFindings;
 use pipeline_torque as torque;
 use pipeline_torque::reference::Reference;
@@ -27,10 +21,7 @@ pub const STAGE: Declared = Declared {
         Rule {
             scope: Scope::TorqueCampaign,
             takes: every,
-            inputs: &[
-                Input::Each(normalize::NAME, ROWS.name, "rows"),
-                Input::Descriptions,
-            ],
+            inputs: &[ROWS.each("rows"), Input::Descriptions],
             options: &["torque", "fit.confidence", "diagnose"],
             run,
         },
