@@ -9,9 +9,14 @@
 //!                                                             └────────────────────┴── report   tables; figures, one unit a group; pages
 //! ```
 //! The tables are in place before a figure is drawn or a page typeset, and a figure or document that cannot be built is left out and named.
-//! Everything that a stage reads comes through [`engine::Engine::step`], which derives its key; a stage function itself is pure: values
-//! in, values out. Where no file has changed at all no stage is asked ([`unchanged`]). The result is independent of the number of threads, because units meet only in sorted collections. The units can also
-//! be brought up to date one by one, by many processes on one cache ([`jobs`]).
+//!
+//! A stage is a declaration ([`rule`]), one file each in [`stages`]: on what it works, from what, with which options, and the function. [`walk`]
+//! takes the units of one kind side by side through the stages of the list, and [`engine::Engine::step`] derives the key of each step. The
+//! function of a stage is pure: it sees what is declared ([`given`]) and returns bytes; [`artifact`] makes values of them and back. `report` has
+//! a name in the list and no rules, since its results are put in place between its units ([`reports`]).
+//!
+//! Where no file has changed at all no stage is asked ([`unchanged`]). The result is independent of the number of threads, because units meet
+//! only in sorted collections. The units can also be brought up to date one by one, by many processes on one cache ([`jobs`]).
 
 pub mod ancestry;
 pub mod artifact;
