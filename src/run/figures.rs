@@ -5,7 +5,7 @@ use crate::made::UnitMade;
 use crate::stages::compare::{COMPARISON, PREDICTIONS};
 use crate::stages::diagnose::diagnosis;
 use crate::stages::fit::FIT;
-use crate::stages::report::STAGE;
+use crate::stages::report::{STAGE, read, reads};
 use crate::step::Step;
 use pipeline_base::error::{Error, Result};
 use pipeline_compare::Predictions;
@@ -26,7 +26,7 @@ pub fn process(engine: &Engine, group: &UnitMade, config: &Config) -> Result<Ste
     let name = &group.unit.name;
     let unit = format!("figures of {name}");
     let mut inputs = BTreeMap::new();
-    for (stage, gave) in group.gave() {
+    for (stage, gave) in reads(group) {
         let Some(digest) = gave else {
             return engine.waits(STAGE.stage, &unit, &format!("{stage} of {name}"));
         };
@@ -34,7 +34,7 @@ pub fn process(engine: &Engine, group: &UnitMade, config: &Config) -> Result<Ste
     }
     let part = config.part(OPTIONS)?;
     let step = engine.step(STAGE.stage, &unit, part.keyed, inputs, || {
-        let input = input(engine, group, group.read(engine, &PREDICTIONS)?)?;
+        let input = input(engine, group, read(engine, group, &PREDICTIONS)?)?;
         report::group_figures(&input, &part.config)
     })?;
     Ok(step.settled())
@@ -46,8 +46,8 @@ pub fn process(engine: &Engine, group: &UnitMade, config: &Config) -> Result<Ste
 /// A damaged entry.
 pub fn input(engine: &Engine, group: &UnitMade, predictions: Predictions) -> Result<GroupInput> {
     Ok(GroupInput {
-        fit: group.read(engine, &FIT)?,
-        comparison: group.read(engine, &COMPARISON)?,
+        fit: read(engine, group, &FIT)?,
+        comparison: read(engine, group, &COMPARISON)?,
         predictions,
         diagnosis: diagnosis(engine, group)?,
     })

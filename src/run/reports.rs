@@ -6,7 +6,7 @@ use crate::figures;
 use crate::made::{Made, UnitMade};
 use crate::materialize::{Shelf, Written};
 use crate::stages::normalize::{self, REJECTS, ROWS};
-use crate::stages::report::STAGE;
+use crate::stages::report::{STAGE, read, reads};
 use crate::stages::torque::{self, REFERENCE, TORQUE};
 use crate::stages::{clean, fit, ingest};
 use crate::step::Step;
@@ -146,12 +146,12 @@ fn results(done: &Done) -> Result<Inputs> {
     }))
 }
 
-/// What the other stages gave: all of them, so that the key of a report cannot lack what it shows.
+/// What the other stages gave.
 fn of_stages(done: &Done) -> Inputs {
     let mut inputs = BTreeMap::new();
     for (scope, made) in done.made.all() {
         let name = &made.unit.name;
-        for (stage, gave) in made.gave() {
+        for (stage, gave) in reads(made) {
             let digest = gave.ok_or_else(|| match scope {
                 Scope::Session => format!("session {name}"),
                 _ => format!("{stage} of {name}"),
@@ -182,7 +182,7 @@ fn provenance(done: &Done) -> Vec<Provenance> {
         inputs: inputs.to_string(),
         outputs: last.digest().to_string(),
     };
-    let read = |entry: &Entry| Digest::of_named(entry.parts.inputs.iter());
+    let read_by = |entry: &Entry| Digest::of_named(entry.parts.inputs.iter());
     let of_sessions = done.made.of(Scope::Session).iter().filter_map(|s| {
         let (first, last) = (entry(s, ingest::NAME)?, entry(s, normalize::NAME)?);
         Some(row(s.unit.name.clone(), "session", first.digest(), &last))
@@ -190,11 +190,11 @@ fn provenance(done: &Done) -> Vec<Provenance> {
     let of_groups = done.made.of(Scope::Group).iter().filter_map(|g| {
         let (group, fit) = (g.unit.group.as_ref()?, entry(g, fit::NAME)?);
         let unit = format!("{}, {} mm", group.campaign, group.diameter_mm);
-        Some(row(unit, "fit", read(&fit), &fit))
+        Some(row(unit, "fit", read_by(&fit), &fit))
     });
     let of_torque = done.made.of(Scope::TorqueCampaign).iter().filter_map(|c| {
         let found = entry(c, torque::NAME)?;
-        Some(row(c.unit.name.clone(), "torque", read(&found), &found))
+        Some(row(c.unit.name.clone(), "torque", read_by(&found), &found))
     });
     of_sessions.chain(of_groups).chain(of_torque).collect()
 }
@@ -214,12 +214,12 @@ fn gather(engine: &Engine, done: &Done, input_digest: &Digest) -> Result<ReportI
     let made = done.made.of(Scope::Session);
     let (mut sessions, mut rows) = (Vec::with_capacity(made.len()), Vec::new());
     for session in made {
-        let session_rows = session.read(engine, &ROWS)?;
+        let session_rows = read(engine, session, &ROWS)?;
         sessions.push(SessionInput {
             readings: session_rows.len(),
-            ingest: session.read(engine, &ingest::HEADER)?,
-            clean: session.read(engine, &clean::HEADER)?,
-            normalize_rejects: session.read(engine, &REJECTS)?,
+            ingest: read(engine, session, &ingest::HEADER)?,
+            clean: read(engine, session, &clean::HEADER)?,
+            normalize_rejects: read(engine, session, &REJECTS)?,
         });
         rows.extend(session_rows);
     }
@@ -248,10 +248,10 @@ fn knee(engine: &Engine, done: &Done) -> Result<Option<KneeInput>> {
         return Ok(None);
     };
     let campaigns = done.made.of(Scope::TorqueCampaign).iter();
-    let campaigns = campaigns.map(|c| c.read(engine, &TORQUE));
+    let campaigns = campaigns.map(|c| read(engine, c, &TORQUE));
     Ok(Some(KneeInput {
         campaigns: campaigns.collect::<Result<_>>()?,
-        reference: shipped.read(engine, &REFERENCE)?,
+        reference: read(engine, shipped, &REFERENCE)?,
     }))
 }
 
