@@ -38,13 +38,13 @@
 //! | [`inference`] | one mixed model and what is asked of it; knows neither force nor torque (a crate of its own) | |
 //! | [`findings`] | the answers of the loop as values: `findings.json` | |
 //! | [`simulate`] | the test rig in software | |
-//! | [`stages`] | one file or folder a stage, pure | |
+//! | [`stages`] | one crate a stage, pure; what each declares is in [`run::stages`] | a stage: `docs/adding-a-stage.md` |
 //! | [`audit`] | the papers' numeric claims, recomputed | a claim: a few lines of TOML |
 //! | [`report`] | tables, figures, pages | a table or figure: one file, one line in its folder's `mod.rs` |
 //! | [`predict`] | the force of a muscle that somebody describes, with its interval; its torque in a described leg | |
 //! | [`draft`] | a first `session.toml` for a log, guessed from its columns | |
 //! | [`golden`] | fresh tables against blessed ones | a table: one entry in `tests/golden/golden.toml` |
-//! | [`run`] | drives the stages through the cache: one whole run at a time on a directory, or many jobs ([`run::jobs`]); where an artifact comes from ([`run::ancestry`]) | |
+//! | [`run`] | the list of stages as declarations ([`run::rule`]), and what walks it through the cache ([`run::walk`]): one whole run at a time on a directory, or many jobs ([`run::jobs`]); where an artifact comes from ([`run::ancestry`]) | |
 //! | [`export`] | the jobs of a run as a workflow of another engine | an engine: one file, one line in `export/lib.rs` |
 //! | [`config`] | `pipeline.toml` | |
 //! | [`cli`] | arguments, and all printing: run, status, explain, graph, check, predict, simulate, new-session, gc, export, completions, man | |
@@ -70,6 +70,8 @@
 //! - **Nothing below `raw/` is ever written**, and nothing is left out without a line in `rejects.csv`.
 //! - **Same inputs, same bytes**: no clock, host, path or hash order in an output; sums in the order of rows; transcendental functions
 //!   from `libm` (`clippy.toml` bans the platform's); units meet only in sorted collections, so the number of jobs does not matter.
+//! - **A stage reads what it declares** ([`run::rule`]): its function gets these inputs and options and no others ([`run::given`]). Order, jobs, `explain`,
+//!   `graph`, `status`, export and keys follow from the list; only `report` is driven by hand ([`run::reports`]).
 //! - **A key holds everything that a result depends on** ([`cache::key`]): the code of the stage too, which is its crate, the crates below it and their
 //!   libraries, from the graph of crates (`src/run/fingerprint.rs`).
 //! - **Bad input is a value, not an error**: it becomes a [`base::diagnostics::Diagnostic`] and a [`base::reject::Reject`]; the run goes

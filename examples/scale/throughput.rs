@@ -9,7 +9,8 @@ use pipeline::base::error::Error as OurError;
 use pipeline::config::Config;
 use pipeline::formats::discover::discover;
 use pipeline::run::engine::Engine;
-use pipeline::run::sessions::{self, Workshop};
+use pipeline::run::units::Scope;
+use pipeline::run::walk::Walk;
 use pipeline::run::{Progress, RunOptions, parallel};
 use polars::prelude::*;
 use std::error::Error;
@@ -144,10 +145,14 @@ fn stages(raw: &Path, work: &Path) -> Result<(), Box<dyn Error>> {
     };
     let engine = Engine::open(&options, None, &Silent).map_err(|e| e.to_string())?;
     let found = discover(&options.raw);
-    let workshop = Workshop::new(&engine, &options.config).map_err(|e| e.to_string())?;
-    let done = parallel::each(0, &found.sessions, |located| {
-        sessions::process(&workshop, located)
-    });
+    let walk = Walk {
+        engine: &engine,
+        discovery: &found,
+        config: &options.config,
+        pool: &rayon::ThreadPoolBuilder::new().build()?,
+        jobs: options.jobs,
+    };
+    let done = walk.units(Scope::Session, &[], &Silent);
     let done = done.map_err(|e| e.to_string())?;
     println!("{}", done.len());
     Ok(())

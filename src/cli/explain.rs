@@ -269,7 +269,7 @@ impl Told<'_> {
         let path = self.args.reports.join(PROVENANCE);
         let text = std::fs::read_to_string(path).unwrap_or_default();
         let written: Provenance = serde_json::from_str(&text).unwrap_or_default();
-        let ingest = self.units().filter(|u| u.stage_name() == "ingest");
+        let ingest = self.units().filter(|u| u.reads_raw());
         ingest
             .flat_map(|u| {
                 let options = &u.entry.parts.options;

@@ -82,7 +82,7 @@ fn drawing(ancestry: &Ancestry, each_unit: bool) -> Drawing {
         drawing
             .edges
             .extend(unit.from.iter().map(|from| (id(*from), id(k))));
-        if unit.stage == 0 {
+        if unit.reads_raw() {
             drawing.nodes.insert(
                 "raw".to_owned(),
                 format!("raw ({} files)", raw_files(ancestry)),
@@ -100,7 +100,7 @@ fn drawing(ancestry: &Ancestry, each_unit: bool) -> Drawing {
 }
 
 fn raw_files(ancestry: &Ancestry) -> usize {
-    let ingest = ancestry.units.iter().filter(|u| u.stage == 0);
+    let ingest = ancestry.units.iter().filter(|u| u.reads_raw());
     ingest.map(|u| u.given.len()).sum()
 }
 

@@ -4,6 +4,7 @@
 //! Each section belongs to one stage, and only its options enter that stage's cache key: a changed report title redoes no fit.
 
 mod checks;
+mod part;
 
 use pipeline_base::diagnostics::Diagnostic;
 use pipeline_base::error::{Error, Result};
@@ -11,6 +12,8 @@ use pipeline_numerics::plateaus::PlateauOptions;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
+
+pub use part::Part;
 
 /// Keeps the doc comments of options beside their names, so that `pipeline config` prints what stands here. rustfmt does not format what
 /// stands in it.
@@ -464,8 +467,8 @@ fn find(comments: Comments, key: &str) -> &'static [&'static str] {
     found.map_or(&[], |(_, lines)| lines)
 }
 
-/// The options of one section by dotted name, for a cache key.
-pub fn flatten(section: &str, options: &impl Serialize) -> Result<BTreeMap<String, String>> {
+/// The options of one section by dotted name.
+fn flatten(section: &str, options: &impl Serialize) -> Result<BTreeMap<String, String>> {
     let table = toml::Table::try_from(options).map_err(Error::internal)?;
     Ok(table
         .into_iter()

@@ -125,7 +125,7 @@ fn task(
     config: Option<&Path>,
 ) -> Result<Task> {
     let sessions = || job.sessions.iter().map(|k| &discovery.sessions[*k]);
-    let of_sessions = sessions().map(|located| (jobs::ROWS, located.session.id.as_str()));
+    let of_sessions = sessions().map(|located| (jobs::of_session(), located.session.id.as_str()));
     let of_unit = job.before.iter().map(|stage| (*stage, job.unit.as_str()));
     let before = of_sessions.chain(of_unit);
     let own = (job.stage, job.unit.as_str());

@@ -4,7 +4,7 @@
 
 use super::{Plan, Task};
 use pipeline_base::error::{Error, Result};
-use pipeline_run::jobs::STAGES;
+use pipeline_run::jobs;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -45,7 +45,8 @@ pub fn workflow(plan: &Plan) -> Result<String> {
             .or_default()
             .insert(&task.name, unit);
     }
-    let rules = STAGES.iter().filter(|stage| units.contains_key(*stage));
+    let stages = jobs::of_stages().into_iter();
+    let rules = stages.filter(|stage| units.contains_key(stage));
     let threads = plan.threads.max(1);
     let rules: Vec<String> = rules.map(|stage| rule(stage, threads)).collect();
     Ok(include_str!("snakemake.smk")

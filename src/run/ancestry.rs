@@ -3,10 +3,11 @@
 //! Nothing is recorded for this beside the cache itself. An input of a unit is an output of another one if their digests agree, and a raw
 //! file if no unit made it, so that an ancestry is what the keys say and no second opinion.
 
-use crate::STAGES;
 use crate::cache::STATE;
 use crate::materialize::SESSIONS;
-use crate::sessions::{READINGS, ROWS};
+use crate::stages::clean::READINGS;
+use crate::stages::normalize::ROWS;
+use crate::stages::{LIST, NAMES, ingest};
 use pipeline_base::digest::Digest;
 use pipeline_base::error::{Error, Result};
 use pipeline_base::names::file_name;
@@ -18,7 +19,7 @@ use std::path::Path;
 /// A unit of the last run.
 #[derive(Clone, Debug)]
 pub struct Unit {
-    /// Place of its stage in [`STAGES`].
+    /// Place of its stage in [`NAMES`].
     pub stage: usize,
     /// Session, group or report.
     pub name: String,
@@ -35,7 +36,12 @@ pub struct Unit {
 impl Unit {
     /// Name of its stage.
     pub fn stage_name(&self) -> &'static str {
-        STAGES[self.stage]
+        NAMES[self.stage]
+    }
+
+    /// Whether its stage reads raw logs.
+    pub fn reads_raw(&self) -> bool {
+        LIST[self.stage].reads_raw()
     }
 }
 
@@ -63,7 +69,7 @@ impl Ancestry {
         let mut units = Vec::with_capacity(state.len());
         for (name, Left { key, .. }) in state {
             let (stage, unit) = name.split_once('/').unwrap_or((name.as_str(), ""));
-            let Some(stage) = STAGES.iter().position(|s| *s == stage) else {
+            let Some(stage) = NAMES.iter().position(|s| *s == stage) else {
                 continue;
             };
             let entry = store.recorded(&key).ok_or_else(|| {
@@ -211,11 +217,12 @@ impl Ancestry {
     /// The unit that made a file of `derived/sessions/<id>/`.
     fn of_session(&self, artifact: &str) -> Option<usize> {
         let mut parts = artifact.split('/').skip_while(|part| *part != SESSIONS);
-        let (_, folder, file) = (parts.next()?, parts.next()?, parts.next().unwrap_or(ROWS));
+        let (_, folder, file) = (parts.next()?, parts.next()?, parts.next());
         let stage = match file {
-            ROWS => "normalize",
-            READINGS => "clean",
-            _ => "ingest",
+            None => ROWS.stage,
+            Some(file) if file == ROWS.name => ROWS.stage,
+            Some(file) if file == READINGS.name => READINGS.stage,
+            Some(_) => ingest::NAME,
         };
         let made = |u: &Unit| u.stage_name() == stage && file_name(&u.name) == folder;
         self.units.iter().position(made)

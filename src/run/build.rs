@@ -2,7 +2,7 @@
 
 mod fingerprint;
 
-use fingerprint::{Graph, STAGES};
+use fingerprint::Graph;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -15,17 +15,14 @@ fn main() -> std::io::Result<()> {
     }
     let graph = Graph::read(root)?;
     let mut code = String::new();
-    let mut constant = |name: &str, fingerprint: String| {
+    for (name, fingerprint) in graph.fingerprints()? {
+        let constant = name.to_uppercase();
         writeln!(
             code,
-            "/// Fingerprint of this code.\npub const {name}: &str = \"{fingerprint}\";"
+            "/// Fingerprint of the code of `{name}`.\npub const {constant}: &str = \"{fingerprint}\";"
         )
         .expect("writing to a string");
-    };
-    for (name, stage) in STAGES {
-        constant(name, graph.fingerprint(stage)?);
     }
-    constant("PROGRAM", graph.fingerprint("pipeline-cli")?);
     let out = std::env::var_os("OUT_DIR").map(PathBuf::from);
     std::fs::write(
         out.expect("cargo sets OUT_DIR").join("fingerprints.rs"),

@@ -16,8 +16,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-include!(concat!(env!("OUT_DIR"), "/fingerprints.rs"));
-
 /// The cache of a run, with what it has done so far.
 pub struct Engine {
     cache: Cache,
@@ -292,7 +290,7 @@ impl Engine {
     /// # Errors
     /// Another thread panicked.
     pub fn take_work(&self) -> Result<(Vec<Work>, usize, Vec<Failure>)> {
-        let place = |stage: &str| crate::STAGES.iter().position(|s| *s == stage);
+        let place = |stage: &str| crate::stages::NAMES.iter().position(|s| *s == stage);
         let mut work = std::mem::take(&mut *self.work.lock().map_err(Error::internal)?);
         work.sort_by(|a, b| (place(a.stage), &a.unit).cmp(&(place(b.stage), &b.unit)));
         let mut failed = std::mem::take(&mut *self.failed.lock().map_err(Error::internal)?);

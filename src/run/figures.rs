@@ -1,39 +1,41 @@
 //! The figures of one group of rows, a unit of the stage `report`: what changes in one campaign draws its own figures and no others.
 
 use crate::engine::Engine;
-use crate::groups::GroupResult;
-use crate::reports::REPORT;
+use crate::made::UnitMade;
+use crate::stages::compare::{COMPARISON, PREDICTIONS};
+use crate::stages::diagnose::diagnosis;
+use crate::stages::fit::FIT;
+use crate::stages::report::{STAGE, read, reads};
 use crate::step::Step;
 use pipeline_base::error::{Error, Result};
 use pipeline_compare::Predictions;
-use pipeline_config::{Config, flatten};
+use pipeline_config::Config;
 use pipeline_report::left_out::LeftOut;
 use pipeline_report::stage as report;
 use pipeline_report::stage::{GroupFigures, GroupInput};
 use std::collections::BTreeMap;
 
-/// The only option of the report that figures read.
-const PNG_DPI: &str = "report.png_dpi";
+/// The options that figures read.
+const OPTIONS: &[&str] = &["report.png_dpi", "fit"];
 
 /// Brings the figures of one group up to date.
 ///
 /// # Errors
 /// System errors, damaged entries.
-pub fn process(engine: &Engine, group: &GroupResult, config: &Config) -> Result<Step> {
-    let unit = format!("figures of {}", group.unit());
+pub fn process(engine: &Engine, group: &UnitMade, config: &Config) -> Result<Step> {
+    let name = &group.unit.name;
+    let unit = format!("figures of {name}");
     let mut inputs = BTreeMap::new();
-    for (stage, step) in group.steps() {
-        let Some(entry) = step.entry() else {
-            return engine.waits(REPORT, &unit, &format!("{stage} of {}", group.unit()));
+    for (stage, gave) in reads(group) {
+        let Some(digest) = gave else {
+            return engine.waits(STAGE.stage, &unit, &format!("{stage} of {name}"));
         };
-        inputs.insert(format!("{} {stage}", group.unit()), entry.digest());
+        inputs.insert(format!("{name} {stage}"), digest.clone());
     }
-    let mut options = flatten("report", &config.report)?;
-    options.retain(|name, _| name == PNG_DPI);
-    options.extend(flatten("fit", &config.fit)?);
-    let step = engine.step(REPORT, &unit, options, inputs, || {
-        let input = input(engine, group, group.predictions(engine)?)?;
-        report::group_figures(&input, config)
+    let part = config.part(OPTIONS)?;
+    let step = engine.step(STAGE.stage, &unit, part.keyed, inputs, || {
+        let input = input(engine, group, read(engine, group, &PREDICTIONS)?)?;
+        report::group_figures(&input, &part.config)
     })?;
     Ok(step.settled())
 }
@@ -42,12 +44,12 @@ pub fn process(engine: &Engine, group: &GroupResult, config: &Config) -> Result<
 ///
 /// # Errors
 /// A damaged entry.
-pub fn input(engine: &Engine, group: &GroupResult, predictions: Predictions) -> Result<GroupInput> {
+pub fn input(engine: &Engine, group: &UnitMade, predictions: Predictions) -> Result<GroupInput> {
     Ok(GroupInput {
-        fit: group.fitted(engine)?,
-        comparison: group.compared(engine)?,
+        fit: read(engine, group, &FIT)?,
+        comparison: read(engine, group, &COMPARISON)?,
         predictions,
-        diagnosis: group.diagnosed(engine)?,
+        diagnosis: diagnosis(engine, group)?,
     })
 }
 

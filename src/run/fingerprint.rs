@@ -8,17 +8,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// The crate of each stage, by the name of its constant.
-pub const STAGES: &[(&str, &str)] = &[
-    ("INGEST", "pipeline-ingest"),
-    ("CLEAN", "pipeline-clean"),
-    ("NORMALIZE", "pipeline-normalize"),
-    ("FIT", "pipeline-fit"),
-    ("COMPARE", "pipeline-compare"),
-    ("DIAGNOSE", "pipeline-diagnose"),
-    ("TORQUE", "pipeline-torque"),
-    ("REPORT", "pipeline-report"),
-];
+/// What the crate of each stage is called, before the stage's own name.
+const STAGE_CRATE: &str = "pipeline-";
 /// The crate that writes what stages return: it enters every key.
 const ENCODES: &str = "pipeline-run";
 
@@ -81,13 +72,23 @@ impl Graph {
         found
     }
 
+    /// The fingerprint of every crate's code, by the name of the crate without what all names begin with.
+    ///
+    /// # Errors
+    /// Files that cannot be read.
+    pub fn fingerprints(&self) -> std::io::Result<BTreeMap<&str, String>> {
+        let names = self.crates.keys();
+        let names = names.filter_map(|name| name.strip_prefix(STAGE_CRATE));
+        names.map(|n| Ok((n, self.fingerprint(n)?))).collect()
+    }
+
     /// The fingerprint of a stage's code.
     ///
     /// # Errors
     /// Files that cannot be read.
     pub fn fingerprint(&self, stage: &str) -> std::io::Result<String> {
         let mut hasher = Sha256::new();
-        let mut names = self.below(stage);
+        let mut names = self.below(&format!("{STAGE_CRATE}{stage}"));
         names.insert(ENCODES.to_owned());
         for name in names {
             match (self.crates.get(&name), self.packages.get(&name)) {

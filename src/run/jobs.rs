@@ -4,7 +4,9 @@
 //! job computes what it needs and does not find, so that any order of jobs is right; jobs in order never compute anything twice.
 
 use crate::engine::name_of;
-use crate::{diagnosis, groups, torque};
+use crate::rule::Rule;
+use crate::stages::{self, rules};
+use crate::units::Scope;
 use pipeline_base::diagnostics::nearest;
 use pipeline_base::error::{Error, Result};
 use pipeline_config::Config;
@@ -12,25 +14,17 @@ use pipeline_formats::discover::Discovery;
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// The stages of one session, which are one job: each is short, and reads what the one before it has just written.
-const OF_SESSIONS: &[&str] = &["ingest", "clean", "normalize"];
-/// The stage after which a session's rows are there.
-pub const ROWS: &str = "normalize";
-
-/// The stages whose units are jobs, in order; `report` is an ordinary run, when the others are done.
-pub const STAGES: &[&str] = &[ROWS, "fit", "compare", "diagnose", "torque"];
-
 /// One unit of one stage. Displayed as `STAGE:UNIT`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Job {
-    /// One of [`STAGES`].
+    /// One of [`of_stages`].
     pub stage: &'static str,
     /// Session, group or campaign of torque, as the stage names its unit.
     pub unit: String,
     /// The sessions that it reads, as places in [`Discovery::sessions`].
     pub sessions: Vec<usize>,
     /// Stages that the same unit goes through before this one.
-    pub before: &'static [&'static str],
+    pub before: Vec<&'static str>,
 }
 
 impl fmt::Display for Job {
@@ -53,61 +47,63 @@ impl Job {
     pub fn steps(&self, discovery: &Discovery) -> BTreeSet<String> {
         let own = self.before.iter().chain([&self.stage]);
         let mut steps: BTreeSet<String> = own.map(|stage| name_of(stage, &self.unit)).collect();
+        let of_sessions = stages::of_sessions();
         for k in &self.sessions {
             let id = &discovery.sessions[*k].session.id;
-            steps.extend(OF_SESSIONS.iter().map(|stage| name_of(stage, id)));
+            steps.extend(of_sessions.iter().map(|stage| name_of(stage, id)));
         }
         steps
     }
 }
 
-/// All jobs, by stage.
-pub fn all(discovery: &Discovery, config: &Config) -> Vec<Job> {
-    let job = |stage, unit: String, sessions: &[usize], before| Job {
-        stage,
-        unit,
-        sessions: sessions.to_vec(),
-        before,
-    };
-    let sessions = discovery.sessions.iter().enumerate();
-    let mut jobs: Vec<Job> = sessions
-        .map(|(k, l)| job(ROWS, l.session.id.clone(), &[k], &OF_SESSIONS[..2]))
-        .collect();
-    for group in groups::of(discovery, &config.fit) {
-        let members = places(discovery, |s| groups::belongs(&group, s));
-        let unit = groups::unit(&group);
-        jobs.push(job("fit", unit.clone(), &members, &[]));
-        jobs.push(job("compare", unit.clone(), &members, &["fit"]));
-        if diagnosis::is_asked(&group, discovery, &config.diagnose) {
-            jobs.push(job("diagnose", unit, &members, &[]));
-        }
-    }
-    let campaigns = torque::campaigns(discovery);
-    for campaign in &campaigns {
-        let members = places(discovery, |s| torque::belongs(campaign, s));
-        jobs.push(job("torque", (*campaign).to_owned(), &members, &[]));
-    }
-    // What needs no session is asked for where there is one of torque.
-    if let Some(first) = campaigns.first() {
-        let members = places(discovery, |s| torque::belongs(first, s));
-        jobs.push(job(
-            "torque",
-            torque::SHIPPED.to_owned(),
-            &members[..1],
-            &[],
-        ));
-    }
-    jobs.sort_by_key(|job| STAGES.iter().position(|stage| *stage == job.stage));
-    jobs
+/// The job of each session: all its stages, called after the last of them. Each is short, and reads what the one before it has just written.
+pub fn of_session() -> &'static str {
+    stages::of_sessions().last().copied().unwrap_or_default()
 }
 
-fn places(
-    discovery: &Discovery,
-    belongs: impl Fn(&pipeline_base::session::Session) -> bool,
-) -> Vec<usize> {
-    let sessions = discovery.sessions.iter().enumerate();
-    let members = sessions.filter(|(_, located)| belongs(&located.session));
-    members.map(|(k, _)| k).collect()
+/// The stages whose units are jobs, in order; `report` is an ordinary run, when the others are done.
+pub fn of_stages() -> Vec<&'static str> {
+    let mut stages: Vec<&str> = jobs().map(|(stage, _)| stage).collect();
+    stages.dedup();
+    stages
+}
+
+/// The rules whose units are jobs: of those of sessions, the last.
+fn jobs() -> impl Iterator<Item = (&'static str, &'static Rule)> {
+    rules().filter(|(stage, rule)| rule.scope != Scope::Session || *stage == of_session())
+}
+
+/// The stages that a unit goes through before a rule can be applied to it.
+fn before(rule: &Rule) -> Vec<&'static str> {
+    if rule.scope == Scope::Session {
+        let mut before = stages::of_sessions();
+        before.pop();
+        return before;
+    }
+    let mut before = BTreeSet::new();
+    let mut open: Vec<&str> = rule.reads_own().collect();
+    while let Some(stage) = open.pop() {
+        let makers = rules().filter(|(name, maker)| *name == stage && maker.scope == rule.scope);
+        open.extend(makers.flat_map(|(_, maker)| maker.reads_own()));
+        before.insert(stage);
+    }
+    before.into_iter().collect()
+}
+
+/// All jobs, by stage.
+pub fn all(discovery: &Discovery, config: &Config) -> Vec<Job> {
+    let of_rule = |(stage, rule): (&'static str, &Rule)| {
+        let units = rule.units(discovery, config).into_iter();
+        let before = before(rule);
+        let job = |unit: crate::units::Unit| Job {
+            stage,
+            unit: unit.name,
+            sessions: unit.sessions,
+            before: before.clone(),
+        };
+        units.map(job).collect::<Vec<Job>>()
+    };
+    jobs().flat_map(of_rule).collect()
 }
 
 /// The job of that name, `STAGE:UNIT`.
@@ -124,7 +120,7 @@ pub fn named(name: &str, discovery: &Discovery, config: &Config) -> Result<Job> 
     let place = names.iter().position(|n| n == name).ok_or_else(|| {
         Error::Usage(format!(
             "no job is called \"{name}\"; a job is STAGE:UNIT, with a stage of {}; {hint}",
-            STAGES.join(", ")
+            of_stages().join(", ")
         ))
     })?;
     Ok(jobs[place].clone())

@@ -9,32 +9,43 @@
 //!                                                             └────────────────────┴── report   tables; figures, one unit a group; pages
 //! ```
 //! The tables are in place before a figure is drawn or a page typeset, and a figure or document that cannot be built is left out and named.
-//! Everything that a stage reads comes through [`engine::Engine::step`], which derives its key; a stage function itself is pure: values
-//! in, values out. Where no file has changed at all no stage is asked ([`unchanged`]). The result is independent of the number of threads, because units meet only in sorted collections. The units can also
-//! be brought up to date one by one, by many processes on one cache ([`jobs`]).
+//!
+//! A stage is a declaration ([`rule`]), one file each in [`stages`]: on what it works, from what, with which options, and the function. [`walk`]
+//! takes the units of one kind side by side through the stages of the list, and [`engine::Engine::step`] derives the key of each step. The
+//! function of a stage is pure: it sees what is declared ([`given`]) and returns bytes; [`artifact`] makes values of them and back. `report` has
+//! a name in the list and no rules, since its results are put in place between its units ([`reports`]).
+//!
+//! Where no file has changed at all no stage is asked ([`unchanged`]). The result is independent of the number of threads, because units meet
+//! only in sorted collections. The units can also be brought up to date one by one, by many processes on one cache ([`jobs`]).
 
 pub mod ancestry;
+pub mod artifact;
 pub mod cache;
+pub mod code;
 pub mod defect;
-pub mod diagnosis;
 pub mod engine;
 pub mod figures;
 #[cfg(test)]
 mod fingerprint;
 #[cfg(test)]
 mod fingerprint_tests;
-pub mod groups;
+pub mod given;
 pub mod jobs;
+pub mod made;
 pub mod materialize;
 pub mod parallel;
+pub mod raw;
 pub mod reports;
-pub mod sessions;
+pub mod rule;
+pub mod stages;
 pub mod step;
 pub mod told;
-pub mod torque;
 pub mod unchanged;
+pub mod units;
+pub mod walk;
 
 use engine::Engine;
+use made::Made;
 use pipeline_base::diagnostics::Diagnostic;
 use pipeline_base::error::{Error, Result};
 use pipeline_base::reject::Extent;
@@ -43,23 +54,14 @@ use pipeline_findings::CampaignFindings;
 use pipeline_formats::discover::{Discovery, discover};
 use pipeline_report::left_out::LeftOut;
 use serde::{Deserialize, Serialize};
-use sessions::{SessionResult, Workshop};
 use std::path::{Path, PathBuf};
-use step::{Failure, Step, Work};
+use step::{Failure, Work};
 use told::Told;
 use unchanged::Watch;
+use units::Scope;
+use walk::Walk;
 
-/// The stages, in order, as users name them.
-pub const STAGES: &[&str] = &[
-    "ingest",
-    "clean",
-    "normalize",
-    "fit",
-    "compare",
-    "diagnose",
-    "torque",
-    "report",
-];
+pub use stages::NAMES as STAGES;
 
 /// What a run is to do.
 #[derive(Clone, Debug)]
@@ -189,33 +191,24 @@ fn drive(
     progress: &dyn Progress,
 ) -> Result<Outcome> {
     let (jobs, config) = (options.jobs, &options.config);
-    progress.begin("sessions", discovery.sessions.len());
-    let workshop = Workshop::new(engine, config)?;
-    let results: Vec<SessionResult> = parallel::each(jobs, &discovery.sessions, |located| {
-        let result = sessions::process(&workshop, located);
-        progress.tick();
-        result
-    })?;
-    let groups = groups::of(discovery, &config.fit);
-    progress.begin("fits", groups.len());
-    let group_results = parallel::each(jobs, &groups, |group| {
-        let process = || groups::process(engine, group, discovery, &results, config);
-        let result = pool.install(process);
-        progress.tick();
-        result
-    })?;
-    let torque = pool.install(|| torque::process(engine, discovery, &results, config))?;
+    let walk = Walk {
+        engine,
+        discovery,
+        config,
+        pool,
+        jobs,
+    };
+    let made = walk.all(progress)?;
     let done = reports::Done {
         discovery,
-        sessions: &results,
-        groups: &group_results,
-        torque: &torque,
+        made: &made,
     };
     progress.begin("tables", 1);
     let tables = pool.install(|| reports::tables(engine, &done, options))?;
     progress.tick();
+    let groups = made.of(Scope::Group);
     progress.begin("figures", groups.len());
-    let figures = parallel::each(jobs, &group_results, |group| {
+    let figures = parallel::each(jobs, groups, |group| {
         let step = pool.install(|| figures::process(engine, group, config));
         progress.tick();
         step
@@ -224,28 +217,24 @@ fn drive(
     let written = pool.install(|| reports::pages(engine, &done, &figures, tables, options))?;
     progress.tick();
     let only_look = options.dry_run || options.only.is_some();
-    let told = pool.install(|| told::all(engine, &results, only_look))?;
+    let told = pool.install(|| told::all(engine, made.of(Scope::Session), only_look))?;
     let mut outcome = summary(discovery, told);
     outcome.pdfs = written.pdfs;
     outcome.written = written.changed;
     outcome.findings_file = written.findings;
     outcome.left_out = written.left_out;
-    outcome.answers = answers(engine, &group_results)?;
-    outcome
-        .answers
-        .extend(torque::fresh_findings(engine, &torque)?);
+    outcome.answers = answers(engine, &made)?;
     Ok(outcome)
 }
 
 /// The answers that this run has computed.
-fn answers(engine: &Engine, groups: &[groups::GroupResult]) -> Result<Vec<CampaignFindings>> {
+fn answers(engine: &Engine, made: &Made) -> Result<Vec<CampaignFindings>> {
     let mut answers = Vec::new();
-    for step in groups.iter().filter_map(|g| g.diagnose.as_ref()) {
-        if let Step::Done(..) = step
-            && let Some(found) = diagnosis::findings(engine, step)?
-        {
-            answers.push(found);
-        }
+    for group in made.of(Scope::Group) {
+        answers.extend(stages::diagnose::fresh_findings(engine, group)?);
+    }
+    for campaign in made.of(Scope::TorqueCampaign) {
+        answers.extend(stages::torque::fresh_findings(engine, campaign)?);
     }
     Ok(answers)
 }

@@ -5,7 +5,10 @@
 
 use crate::RunOptions;
 use crate::engine::Engine;
-use crate::sessions::{READINGS, ROWS, SessionResult};
+use crate::made::UnitMade;
+use crate::stages::clean::READINGS;
+use crate::stages::ingest;
+use crate::stages::normalize::ROWS;
 use crate::step::Step;
 use pipeline_base::digest::Digest;
 use pipeline_base::error::{Error, Result};
@@ -32,6 +35,8 @@ pub struct Written {
 
 /// Folder of the sessions' tidy data, below `derived/`.
 pub const SESSIONS: &str = "sessions";
+/// The tables of a session beside its logs: stage and name.
+const TIDY: [(&str, &str); 2] = [(READINGS.stage, READINGS.name), (ROWS.stage, ROWS.name)];
 const DERIVED: &str = "derived/";
 const REPORTS: &str = "reports/";
 const FINDINGS: &str = "reports/findings.json";
@@ -87,11 +92,7 @@ impl<'a> Shelf<'a> {
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn put_sessions(
-        &mut self,
-        sessions: &[SessionResult],
-        discovery: &Discovery,
-    ) -> Result<()> {
+    pub fn put_sessions(&mut self, sessions: &[UnitMade], discovery: &Discovery) -> Result<()> {
         let (engine, options) = (self.engine, self.options);
         let raw = raw_files(engine, sessions, discovery)?;
         let path = options.reports.join(PROVENANCE);
@@ -99,7 +100,7 @@ impl<'a> Shelf<'a> {
         let differs = write(engine, &name, (&path, &digest), || Ok(raw), options)?;
         self.note(&name, path, differs, &digest);
         let linked = sessions.par_iter().map(|session| {
-            let folder = session_folder(&session.id, options);
+            let folder = session_folder(&session.unit.name, options);
             let is_other = link_session(engine, session, &folder, options.dry_run)?;
             Ok(is_other.then_some(folder))
         });
@@ -142,7 +143,7 @@ impl<'a> Shelf<'a> {
     ///
     /// # Errors
     /// A file cannot be removed.
-    pub fn finish(self, sessions: &[SessionResult]) -> Result<Written> {
+    pub fn finish(self, sessions: &[UnitMade]) -> Result<Written> {
         let (engine, options) = (self.engine, self.options);
         if !options.dry_run {
             remove_sessions(sessions, options);
@@ -175,14 +176,10 @@ fn write(
 
 /// `reports/provenance.json`: the SHA-256 of every raw file, by session. It stands outside of the report stage, because a raw file may change
 /// without a change of any number.
-fn raw_files(
-    engine: &Engine,
-    sessions: &[SessionResult],
-    discovery: &Discovery,
-) -> Result<Vec<u8>> {
+fn raw_files(engine: &Engine, sessions: &[UnitMade], discovery: &Discovery) -> Result<Vec<u8>> {
     let mut files: BTreeMap<&str, BTreeMap<String, Digest>> = BTreeMap::new();
     for (result, located) in sessions.iter().zip(&discovery.sessions) {
-        let Some(entry) = result.ingest.entry() else {
+        let Some(entry) = result.step(ingest::NAME).and_then(Step::entry) else {
             continue;
         };
         let mut digests = entry.parts.inputs.clone();
@@ -194,10 +191,10 @@ fn raw_files(
             let path = located.directory.join(name);
             let found = engine
                 .hashes
-                .digest(&format!("{}:{name}", result.id), &path);
+                .digest(&format!("{}:{name}", result.unit.name), &path);
             digests.extend(found.ok().map(|(digest, _)| (name.to_owned(), digest)));
         }
-        files.insert(&result.id, digests);
+        files.insert(&result.unit.name, digests);
     }
     let json = serde_json::json!({ "schema": "bpa-provenance/1", "sessions": files });
     let mut bytes = serde_json::to_vec_pretty(&json).map_err(Error::internal)?;
@@ -264,30 +261,25 @@ fn session_folder(id: &str, options: &RunOptions) -> PathBuf {
 /// (copies where the file system has no links). Whether something was missing or other; `only_look` leaves it so.
 fn link_session(
     engine: &Engine,
-    session: &SessionResult,
+    session: &UnitMade,
     folder: &Path,
     only_look: bool,
 ) -> Result<bool> {
-    let (Some(ingest), Some(clean), Some(normalize)) = (
-        session.ingest.entry(),
-        session.clean.entry(),
-        session.normalize.entry(),
-    ) else {
+    if !session.is_whole() {
         return Ok(false);
+    }
+    let outputs = |stage| {
+        let entry = session.step(stage).and_then(Step::entry);
+        entry.into_iter().flat_map(|entry| &entry.outputs)
     };
-    let mut links: Vec<(PathBuf, &Object)> = Vec::new();
-    let logs = ingest
-        .outputs
-        .iter()
-        .filter(|(name, _)| name.ends_with(".parquet"));
-    links.extend(logs.map(|(name, object)| (folder.join("logs").join(name), object)));
-    links.extend(
-        clean
-            .outputs
-            .get(READINGS)
-            .map(|o| (folder.join(READINGS), o)),
-    );
-    links.extend(normalize.outputs.get(ROWS).map(|o| (folder.join(ROWS), o)));
+    let logs = outputs(ingest::NAME).filter(|(name, _)| name.ends_with(".parquet"));
+    let mut links: Vec<(PathBuf, &Object)> = logs
+        .map(|(name, object)| (folder.join("logs").join(name), object))
+        .collect();
+    for (stage, name) in TIDY {
+        let tidy = outputs(stage).filter(|(output, _)| *output == name);
+        links.extend(tidy.map(|(_, object)| (folder.join(name), object)));
+    }
     let mut is_other = false;
     for (path, object) in &links {
         let place = engine.object_path(object);
@@ -317,16 +309,16 @@ fn files_of_session(folder: &Path) -> impl Iterator<Item = PathBuf> {
         let is_number = !stem.is_empty() && stem.bytes().all(|b| b.is_ascii_digit());
         is_number && path.extension().is_some_and(|e| e == "parquet")
     });
-    let others = [READINGS, ROWS].map(|name| folder.join(name));
+    let others = TIDY.map(|(_, name)| folder.join(name));
     logs.chain(others.into_iter().filter(|path| path.exists()))
 }
 
 /// Removes what earlier runs put into the folders of sessions that are no longer there. What somebody else put there stays, and what cannot
 /// be removed hurts nobody.
-fn remove_sessions(sessions: &[SessionResult], options: &RunOptions) {
+fn remove_sessions(sessions: &[UnitMade], options: &RunOptions) {
     let known: BTreeSet<PathBuf> = sessions
         .iter()
-        .map(|session| session_folder(&session.id, options))
+        .map(|session| session_folder(&session.unit.name, options))
         .collect();
     let folders = std::fs::read_dir(options.derived.join(SESSIONS));
     let folders = folders.into_iter().flatten().flatten().map(|f| f.path());

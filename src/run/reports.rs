@@ -1,48 +1,42 @@
 //! The report stage over everything: first a unit of the tables, which are in place before any figure is drawn, then one of the pages.
 
 use crate::RunOptions;
-use crate::engine::{self, Engine};
+use crate::engine::Engine;
 use crate::figures;
-use crate::groups::GroupResult;
+use crate::made::{Made, UnitMade};
 use crate::materialize::{Shelf, Written};
-use crate::sessions::SessionResult;
-use crate::step::{Stage, Step};
-use crate::torque::TorqueResult;
+use crate::stages::normalize::{self, REJECTS, ROWS};
+use crate::stages::report::{STAGE, read, reads};
+use crate::stages::torque::{self, REFERENCE, TORQUE};
+use crate::stages::{clean, fit, ingest};
+use crate::step::Step;
+use crate::units::Scope;
 use pipeline_base::diagnostics::Diagnostic;
 use pipeline_base::digest::Digest;
 use pipeline_base::error::{Error, Result};
 use pipeline_base::row::Row;
 use pipeline_cache::Entry;
 use pipeline_compare::Predictions;
-use pipeline_config::flatten;
 use pipeline_formats::discover::{Discovery, Unusable};
 use pipeline_report::stage as report;
 use pipeline_report::stage::{KneeInput, Provenance, ReportInput, SessionInput, Trace};
 use std::collections::BTreeMap;
 
-/// The stage.
-pub const REPORT: Stage = Stage {
-    name: "report",
-    version: report::VERSION,
-    code: engine::REPORT,
-};
-
 /// The unit of everything that needs no page.
 const TABLES: &str = "tables";
 /// The unit of the pages.
 const PAGES: &str = "reports";
+/// The options that tables read, and pages.
+const OF_TABLES: &[&str] = &["fit"];
+const OF_PAGES: &[&str] = &["report", "fit"];
 
 /// What the other stages have done.
 #[derive(Clone, Copy)]
 pub struct Done<'a> {
     /// What is below the raw directories.
     pub discovery: &'a Discovery,
-    /// Session by session.
-    pub sessions: &'a [SessionResult],
-    /// Group by group.
-    pub groups: &'a [GroupResult],
-    /// Campaign by campaign of torque.
-    pub torque: &'a TorqueResult,
+    /// What the stages before have made.
+    pub made: &'a Made,
 }
 
 /// The tables as they were made, and where everything is put.
@@ -60,19 +54,19 @@ pub fn tables<'a>(engine: &'a Engine, done: &Done, options: &'a RunOptions) -> R
     let inputs = match results(done)? {
         Ok(inputs) => inputs,
         Err(on) => {
-            let step = engine.waits(REPORT, TABLES, &on)?;
+            let step = engine.waits(STAGE.stage, TABLES, &on)?;
             return Ok(Tables { step, shelf });
         }
     };
     let input_digest = Digest::of_named(inputs.iter());
-    let keyed = flatten("fit", &options.config.fit)?;
-    let step = engine.step(REPORT, TABLES, keyed, inputs, || {
+    let part = options.config.part(OF_TABLES)?;
+    let step = engine.step(STAGE.stage, TABLES, part.keyed, inputs, || {
         let input = gather(engine, done, &input_digest)?;
-        report::tables(&input, &options.config)
+        report::tables(&input, &part.config)
     })?;
     if step.entry().is_some() {
         shelf.put(&step)?;
-        shelf.put_sessions(done.sessions, done.discovery)?;
+        shelf.put_sessions(done.made.of(Scope::Session), done.discovery)?;
         shelf.remember()?;
     }
     let step = step.settled();
@@ -96,7 +90,7 @@ pub fn pages(
     let (mut inputs, drawn, listed) = match (results, drawn, listed) {
         (Ok(results), Ok(drawn), Ok(listed)) => (results, drawn, listed),
         (Err(on), ..) | (_, Err(on), _) | (.., Err(on)) => {
-            engine.waits(REPORT, PAGES, &on)?;
+            engine.waits(STAGE.stage, PAGES, &on)?;
             return Ok(shelf.unfinished());
         }
     };
@@ -104,12 +98,11 @@ pub fn pages(
     let input_digest = Digest::of_named(inputs.iter());
     inputs.extend(drawn);
     inputs.insert(report::TABLES.to_owned(), listed);
-    let mut keyed = flatten("report", &options.config.report)?;
-    keyed.extend(flatten("fit", &options.config.fit)?);
-    let step = engine.step(REPORT, PAGES, keyed, inputs, || {
+    let part = options.config.part(OF_PAGES)?;
+    let step = engine.step(STAGE.stage, PAGES, part.keyed, inputs, || {
         let input = gather(engine, done, &input_digest)?;
         let input = with_figures(engine, input, (done, figures), &tables.step)?;
-        report::pages(&input, &options.config)
+        report::pages(&input, &part.config)
     })?;
     if step.entry().is_none() {
         return Ok(shelf.unfinished());
@@ -118,7 +111,7 @@ pub fn pages(
         .iter()
         .chain([&step])
         .try_for_each(|s| shelf.put(s))?;
-    let mut written = shelf.finish(done.sessions)?;
+    let mut written = shelf.finish(done.made.of(Scope::Session))?;
     written.left_out = figures::left_out(engine, &step)?;
     Ok(written)
 }
@@ -156,63 +149,52 @@ fn results(done: &Done) -> Result<Inputs> {
 /// What the other stages gave.
 fn of_stages(done: &Done) -> Inputs {
     let mut inputs = BTreeMap::new();
-    for session in done.sessions {
-        let gave = session
-            .gave()
-            .ok_or_else(|| format!("session {}", session.id))?;
-        inputs.extend(gave.map(|(stage, d)| (format!("{} {stage}", session.id), d.clone())));
-    }
-    for group in done.groups {
-        for (stage, step) in group.steps() {
-            let digest = digest(step, || format!("{stage} of {}", group.unit()))?;
-            inputs.insert(format!("{} {stage}", group.unit()), digest);
+    for (scope, made) in done.made.all() {
+        let name = &made.unit.name;
+        for (stage, gave) in reads(made) {
+            let digest = gave.ok_or_else(|| match scope {
+                Scope::Session => format!("session {name}"),
+                _ => format!("{stage} of {name}"),
+            })?;
+            inputs.insert(format!("{name} {stage}"), digest.clone());
         }
-    }
-    let knee = done.torque.campaigns.iter().map(|(id, s)| (id.as_str(), s));
-    let shipped = done.torque.reference.iter().map(|s| ("shipped knees", s));
-    for (name, step) in knee.chain(shipped) {
-        let digest = digest(step, || format!("torque of {name}"))?;
-        inputs.insert(format!("{name} torque"), digest);
     }
     Ok(inputs)
 }
 
 /// The figures of the groups.
 fn figures_drawn(done: &Done, figures: &[Step]) -> Inputs {
-    let both = done.groups.iter().zip(figures);
+    let both = done.made.of(Scope::Group).iter().zip(figures);
     let one = both.map(|(group, step)| {
-        let name = format!("{} figures", group.unit());
-        digest(step, || format!("figures of {}", group.unit())).map(|d| (name, d))
+        let name = &group.unit.name;
+        let digest = digest(step, || format!("figures of {name}"))?;
+        Ok((format!("{name} figures"), digest))
     });
     one.collect()
 }
 
-/// What went into every session and fit, and what came out.
+/// What went into every session, fit and campaign of torque, and what came out.
 fn provenance(done: &Done) -> Vec<Provenance> {
-    let row = |unit: String, kind, inputs: Digest, last: &Step| {
-        Some(Provenance {
-            unit,
-            kind,
-            inputs: inputs.to_string(),
-            outputs: last.entry()?.digest().to_string(),
-        })
+    let entry = |made: &UnitMade, stage| made.step(stage).and_then(Step::entry).cloned();
+    let row = |unit: String, kind, inputs: Digest, last: &Entry| Provenance {
+        unit,
+        kind,
+        inputs: inputs.to_string(),
+        outputs: last.digest().to_string(),
     };
-    let of_sessions = done.sessions.iter().filter_map(|s| {
-        let read = s.ingest.entry()?.digest();
-        row(s.id.clone(), "session", read, &s.normalize)
+    let read_by = |entry: &Entry| Digest::of_named(entry.parts.inputs.iter());
+    let of_sessions = done.made.of(Scope::Session).iter().filter_map(|s| {
+        let (first, last) = (entry(s, ingest::NAME)?, entry(s, normalize::NAME)?);
+        Some(row(s.unit.name.clone(), "session", first.digest(), &last))
     });
-    let of_groups = done.groups.iter().filter_map(|g| {
-        let unit = format!("{}, {} mm", g.group.campaign, g.group.diameter_mm);
-        row(
-            unit,
-            "fit",
-            Digest::of_named(g.fit.entry()?.parts.inputs.iter()),
-            &g.fit,
-        )
+    let of_groups = done.made.of(Scope::Group).iter().filter_map(|g| {
+        let (group, fit) = (g.unit.group.as_ref()?, entry(g, fit::NAME)?);
+        let unit = format!("{}, {} mm", group.campaign, group.diameter_mm);
+        Some(row(unit, "fit", read_by(&fit), &fit))
     });
-    let of_torque = done.torque.campaigns.iter().filter_map(|(campaign, step)| {
-        let inputs = Digest::of_named(step.entry()?.parts.inputs.iter());
-        row(campaign.clone(), "torque", inputs, step)
+    let of_torque = done.made.of(Scope::TorqueCampaign).iter().filter_map(|c| {
+        let found = entry(c, torque::NAME)?;
+        Some(row(c.unit.name.clone(), "torque", read_by(&found), &found))
     });
     of_sessions.chain(of_groups).chain(of_torque).collect()
 }
@@ -229,26 +211,19 @@ fn discovery_digest(discovery: &Discovery) -> Result<Digest> {
 
 /// What tables are made of.
 fn gather(engine: &Engine, done: &Done, input_digest: &Digest) -> Result<ReportInput> {
-    let (mut sessions, mut rows) = (Vec::with_capacity(done.sessions.len()), Vec::new());
-    for result in done.sessions {
-        let Some((ingest, clean)) = result.headers(engine)? else {
-            return Err(Error::internal("a report without its sessions"));
-        };
-        let session_rows = result.rows(engine)?;
+    let made = done.made.of(Scope::Session);
+    let (mut sessions, mut rows) = (Vec::with_capacity(made.len()), Vec::new());
+    for session in made {
+        let session_rows = read(engine, session, &ROWS)?;
         sessions.push(SessionInput {
             readings: session_rows.len(),
-            ingest,
-            clean,
-            normalize_rejects: result.normalize_rejects(engine)?,
+            ingest: read(engine, session, &ingest::HEADER)?,
+            clean: read(engine, session, &clean::HEADER)?,
+            normalize_rejects: read(engine, session, &REJECTS)?,
         });
         rows.extend(session_rows);
     }
-    let campaigns = done.torque.campaigns(engine)?;
-    let knee = done.torque.reference(engine)?.map(|reference| KneeInput {
-        campaigns,
-        reference,
-    });
-    let groups = done.groups.iter();
+    let groups = done.made.of(Scope::Group).iter();
     let groups = groups.map(|g| figures::input(engine, g, Predictions::default()));
     let unusable = done.discovery.unusable.iter();
     Ok(ReportInput {
@@ -260,11 +235,24 @@ fn gather(engine: &Engine, done: &Done, input_digest: &Digest) -> Result<ReportI
         figures: Vec::new(),
         left_out: Vec::new(),
         tables: Vec::new(),
-        knee,
+        knee: knee(engine, done)?,
         traces: Vec::new(),
         provenance: provenance(done),
         input_digest: input_digest.to_string(),
     })
+}
+
+/// What was found of torque; none where nobody has measured it.
+fn knee(engine: &Engine, done: &Done) -> Result<Option<KneeInput>> {
+    let [shipped] = done.made.of(Scope::ShippedKnees) else {
+        return Ok(None);
+    };
+    let campaigns = done.made.of(Scope::TorqueCampaign).iter();
+    let campaigns = campaigns.map(|c| read(engine, c, &TORQUE));
+    Ok(Some(KneeInput {
+        campaigns: campaigns.collect::<Result<_>>()?,
+        reference: read(engine, shipped, &REFERENCE)?,
+    }))
 }
 
 fn name_and_reasons(unusable: &Unusable) -> (String, Vec<Diagnostic>) {
@@ -279,7 +267,12 @@ fn with_figures(
     (done, figures): (&Done, &[Step]),
     tables: &Step,
 ) -> Result<ReportInput> {
-    input.traces = traces(engine, done.sessions, &input.sessions, &input.rows)?;
+    input.traces = traces(
+        engine,
+        done.made.of(Scope::Session),
+        &input.sessions,
+        &input.rows,
+    )?;
     let with_section = report::with_section(&input.groups).into_iter();
     let drawn = with_section
         .zip(figures)
@@ -296,21 +289,21 @@ fn with_figures(
 /// The samples of the logs that the report draws.
 fn traces(
     engine: &Engine,
-    sessions: &[SessionResult],
+    sessions: &[UnitMade],
     inputs: &[SessionInput],
     rows: &[Row],
 ) -> Result<Vec<Trace>> {
     report::traces_wanted(inputs, rows)
         .into_iter()
         .map(|(session, log)| {
-            let (result, input) = (&sessions[session], &inputs[session]);
+            let (made, input) = (&sessions[session], &inputs[session]);
             let header = &input.ingest.logs[log];
             Ok(Trace {
-                session: result.id.clone(),
+                session: made.unit.name.clone(),
                 campaign: input.ingest.session.campaign.clone(),
                 log: header.spec.name(),
                 simulated: input.ingest.session.is_simulated(),
-                samples: result.samples(engine, &header.output)?,
+                samples: made.table(engine, ingest::NAME, &header.output)?,
             })
         })
         .collect()

@@ -1,7 +1,9 @@
 //! What the user is told of every session, remembered so that a run without changes need not open what its sessions left.
 
 use crate::engine::Engine;
-use crate::sessions::SessionResult;
+use crate::made::UnitMade;
+use crate::stages::normalize::REJECTS;
+use crate::stages::{clean, ingest};
 use pipeline_base::diagnostics::{Diagnostic, Severity};
 use pipeline_base::digest::Digest;
 use pipeline_base::error::Result;
@@ -28,18 +30,20 @@ type Remembered = BTreeMap<String, (Digest, Told)>;
 ///
 /// # Errors
 /// A damaged cache; system errors of the store.
-pub fn all(engine: &Engine, results: &[SessionResult], only_look: bool) -> Result<Vec<Told>> {
+pub fn all(engine: &Engine, sessions: &[UnitMade], only_look: bool) -> Result<Vec<Told>> {
     let before: Remembered = engine.read_aside(TOLD);
-    let known = results.par_iter().map(|result| {
-        let Some(digest) = outputs(result) else {
+    let known = sessions.par_iter().map(|session| {
+        let Some(digest) = outputs(session) else {
             return Ok(None);
         };
-        let remembered = before.get(&result.id).filter(|(of, _)| *of == digest);
+        let remembered = before
+            .get(&session.unit.name)
+            .filter(|(of, _)| *of == digest);
         let told = match remembered {
             Some((_, told)) => told.clone(),
-            None => told(engine, result)?,
+            None => told(engine, session)?,
         };
-        Ok(Some((result.id.clone(), (digest, told))))
+        Ok(Some((session.unit.name.clone(), (digest, told))))
     });
     let now: Vec<Option<(String, (Digest, Told))>> = known.collect::<Result<_>>()?;
     let now: Remembered = now.into_iter().flatten().collect();
@@ -49,20 +53,18 @@ pub fn all(engine: &Engine, results: &[SessionResult], only_look: bool) -> Resul
     Ok(now.into_values().map(|(_, told)| told).collect())
 }
 
-/// One digest over what the stages of a session gave.
-fn outputs(result: &SessionResult) -> Option<Digest> {
-    let gave = result.gave()?.map(|(name, d)| (name.to_owned(), d));
-    let gave: Vec<(String, &Digest)> = gave.collect();
+/// One digest over what the stages of a session gave; none while one of them is pending.
+fn outputs(session: &UnitMade) -> Option<Digest> {
+    let gave = session.gave().map(|(name, d)| Some((name.to_owned(), d?)));
+    let gave: Vec<(String, &Digest)> = gave.collect::<Option<_>>()?;
     Some(Digest::of_named(gave.iter().map(|(name, d)| (name, *d))))
 }
 
-fn told(engine: &Engine, result: &SessionResult) -> Result<Told> {
-    let Some((ingest, clean)) = result.headers(engine)? else {
-        return Ok(Told::default());
-    };
+fn told(engine: &Engine, session: &UnitMade) -> Result<Told> {
+    let ingest = session.read(engine, &ingest::HEADER)?;
     let mut rejects = ingest.rejects;
-    rejects.extend(clean.rejects);
-    rejects.extend(result.normalize_rejects(engine)?);
+    rejects.extend(session.read(engine, &clean::HEADER)?.rejects);
+    rejects.extend(session.read(engine, &REJECTS)?);
     rejects.retain(|r| matches!(r.extent, Extent::Session | Extent::Log));
     let mut diagnostics = ingest.diagnostics;
     diagnostics.retain(|d| d.severity != Severity::Note);

@@ -6,7 +6,8 @@
 //! saves time and decides nothing.
 
 use crate::cache::{Access, Cache};
-use crate::engine::{self, Engine};
+use crate::code;
+use crate::engine::Engine;
 use crate::{Outcome, Progress, RunOptions, parallel};
 use pipeline_base::digest::Digest;
 use pipeline_base::error::Result;
@@ -93,7 +94,7 @@ impl<'a> Watch<'a> {
 
 fn program(options: &RunOptions) -> Digest {
     let places = (&options.raw, &options.derived, &options.reports);
-    let text = format!("{} {places:?} {:?}", engine::PROGRAM, options.config);
+    let text = format!("{} {places:?} {:?}", code::CLI, options.config);
     Digest::of(text.as_bytes())
 }
 

@@ -1,98 +1,102 @@
-//! The stage `diagnose` of one group: its key, and what it leaves behind.
+//! `diagnose`: what the model lacks on the rows of a group.
 
-use crate::engine::{self, Engine};
-use crate::groups;
-use crate::step::{Stage, Step};
-use pipeline_base::digest::Digest;
-use pipeline_base::digest::Outputs;
-use pipeline_base::error::{Error, Result};
+use super::normalize::{ROWS_OF_EACH, rows};
+use super::parts::*;
+use crate::engine::Engine;
+use crate::made::UnitMade;
+use crate::step::Step;
+use crate::units::Unit;
 use pipeline_base::frame::{Frame, Values};
-use pipeline_base::json;
-use pipeline_base::row::Row;
-use pipeline_config::{Config, DiagnoseOptions, flatten};
+use pipeline_config::Config;
 use pipeline_diagnose as diagnose;
 use pipeline_diagnose::Diagnosis;
 use pipeline_findings::{CampaignFindings, Residuals};
-use pipeline_fit::Group;
 use pipeline_formats::discover::Discovery;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// The stage.
-pub const DIAGNOSE: Stage = Stage {
-    name: "diagnose",
-    version: diagnose::VERSION,
-    code: engine::DIAGNOSE,
+pub const STAGE: Declared = Declared {
+    stage: Stage {
+        name: NAME,
+        version: diagnose::VERSION,
+        code: code::DIAGNOSE,
+    },
+    rules: &[Rule {
+        scope: Scope::Group,
+        takes: is_searched,
+        inputs: &[Input::Group, ROWS_OF_EACH],
+        options: &["fit", "diagnose"],
+        run,
+    }],
 };
 
-/// The answer, or null where a campaign has too few readings.
-const FINDINGS: &str = "findings.json";
-/// One row a reading: the residuals.
-const RESIDUALS: &str = "residuals.parquet";
-/// One row a reading: the columns that were tested.
-const TESTED: &str = "tested.parquet";
+/// As users name it.
+pub const NAME: &str = "diagnose";
 
-/// Whether a group is asked at all: a pool of many specimens is not, because its parts say as much in a fraction of the time.
-pub fn is_asked(group: &Group, discovery: &Discovery, options: &DiagnoseOptions) -> bool {
-    let own = discovery.sessions.iter().map(|l| &l.session);
-    let own = own.filter(|s| groups::belongs(group, s));
-    let specimens: BTreeSet<(&str, &str)> = own
+/// The answer, or null where a campaign has too few readings.
+pub const FINDINGS: Artifact<Option<CampaignFindings>> = Artifact::json(NAME, "findings.json");
+/// One row a reading: the residuals.
+const RESIDUALS: Artifact<Frame> = Artifact::table(NAME, "residuals.parquet");
+/// One row a reading: the columns that were tested.
+const TESTED: Artifact<Frame> = Artifact::table(NAME, "tested.parquet");
+
+/// A pool of many specimens is not searched, because its parts say as much in a fraction of the time.
+fn is_searched(unit: &Unit, discovery: &Discovery, config: &Config) -> bool {
+    let sessions = unit.sessions.iter();
+    let sessions = sessions.map(|k| &discovery.sessions[*k].session);
+    let specimens: BTreeSet<(&str, &str)> = sessions
         .map(|s| (s.campaign.as_str(), s.specimen.id.as_str()))
         .collect();
-    group.members.len() == 1 || specimens.len() <= options.pooled_specimens
+    let campaigns = unit.group.as_ref().map_or(0, |group| group.members.len());
+    campaigns == 1 || specimens.len() <= config.diagnose.pooled_specimens
 }
 
-/// Brings the diagnosis of one group up to date; `inputs` are its rows.
-///
-/// # Errors
-/// System errors of the store, damaged entries.
-pub fn step(
-    engine: &Engine,
-    group: &Group,
-    unit: &str,
-    inputs: BTreeMap<String, Digest>,
-    rows: impl FnOnce() -> Result<Vec<Row>>,
-    config: &Config,
-) -> Result<Step> {
-    let mut options = flatten("fit", &config.fit)?;
-    options.extend(flatten("diagnose", &config.diagnose)?);
-    engine.step(DIAGNOSE, unit, options, inputs, || {
-        let diagnosis = diagnose::diagnose(group, &rows()?, &config.fit, &config.diagnose);
-        let findings = diagnosis.as_ref().map(|d| &d.findings);
-        let findings = serde_json::to_vec(&findings).map_err(Error::internal)?;
-        let mut outputs = Outputs::from([(FINDINGS.to_owned(), findings)]);
-        if let Some(diagnosis) = &diagnosis {
-            let residuals = &diagnosis.residuals;
-            outputs.insert(
-                RESIDUALS.to_owned(),
-                residuals_frame(residuals).to_parquet()?,
-            );
-            outputs.insert(TESTED.to_owned(), tested_frame(residuals).to_parquet()?);
-        }
-        Ok(outputs)
-    })
+fn run(given: &Given) -> Result<Outputs> {
+    let (group, config) = (given.group()?, given.config());
+    let diagnosis = diagnose::diagnose(group, &rows(given)?, &config.fit, &config.diagnose);
+    let Some(Diagnosis {
+        findings,
+        residuals,
+    }) = diagnosis
+    else {
+        return FINDINGS.alone(&None);
+    };
+    let mut outputs = FINDINGS.alone(&Some(findings))?;
+    RESIDUALS.put(&residuals_frame(&residuals), &mut outputs)?;
+    TESTED.put(&tested_frame(&residuals), &mut outputs)?;
+    Ok(outputs)
 }
 
-/// What was found; none where a campaign has too few readings.
+/// What was found in a group, with the residuals; none where it was not searched or has too few readings.
 ///
 /// # Errors
 /// A damaged entry.
-pub fn findings(engine: &Engine, step: &Step) -> Result<Option<CampaignFindings>> {
-    json::from_slice(&engine.read(step, FINDINGS)?)
-}
-
-/// What was found, with the residuals.
-///
-/// # Errors
-/// A damaged entry.
-pub fn diagnosis(engine: &Engine, step: &Step) -> Result<Option<Diagnosis>> {
-    let Some(findings) = findings(engine, step)? else {
+pub fn diagnosis(engine: &Engine, group: &UnitMade) -> Result<Option<Diagnosis>> {
+    if group.step(NAME).is_none() {
+        return Ok(None);
+    }
+    let Some(findings) = group.read(engine, &FINDINGS)? else {
         return Ok(None);
     };
-    let frame = |name| Frame::from_parquet(&engine.read(step, name)?);
+    let (found, tested) = (
+        group.read(engine, &RESIDUALS)?,
+        group.read(engine, &TESTED)?,
+    );
     Ok(Some(Diagnosis {
         findings,
-        residuals: residuals(frame(RESIDUALS)?, frame(TESTED)?),
+        residuals: residuals(found, tested),
     }))
+}
+
+/// What this run has found in a group; none where an earlier one has.
+///
+/// # Errors
+/// A damaged entry.
+pub fn fresh_findings(engine: &Engine, group: &UnitMade) -> Result<Option<CampaignFindings>> {
+    match group.step(NAME) {
+        Some(Step::Done(..)) => group.read(engine, &FINDINGS),
+        _ => Ok(None),
+    }
 }
 
 fn numbers(list: &[f64]) -> Values {
