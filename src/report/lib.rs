@@ -6,6 +6,7 @@
 //! | [`input`] | everything that a report is made of |
 //! | [`extent`] | how much the pages of a large laboratory hold |
 //! | [`table`], [`number`], [`markup`], [`symbols`] | one table model: cells, rounding, symbols |
+//! | [`described`] | how a table is described: columns of headings, units, roundings and what they say of a row |
 //! | [`render`] | tables as CSV, LaTeX, Typst, Markdown: one file a format |
 //! | [`tables`] | one file a table |
 //! | [`plot`] | journal figures on plotters: axes, layers, legends |
@@ -21,6 +22,7 @@
 //! Architecture invariant: only this folder knows plotters and Typst, and it computes no statistic: every number comes from a stage.
 
 pub mod audit;
+pub mod described;
 pub mod extent;
 pub mod figures;
 pub mod fonts;

@@ -85,6 +85,55 @@ pub enum Audience {
     People,
 }
 
+/// The unit of a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// Pure numbers, and numbers whose unit stands in another column.
+    One,
+    /// Percent.
+    PerCent,
+    /// Percent of the maximum force.
+    PercentOfMaximum,
+    /// m.
+    M,
+    /// mm.
+    Mm,
+    /// Degrees.
+    Degree,
+    /// s.
+    S,
+    /// N.
+    N,
+    /// N.m.
+    Nm,
+    /// (N.m)^2.
+    Nm2,
+    /// N/m.
+    NPerM,
+    /// kPa.
+    KPa,
+}
+
+impl Unit {
+    /// In markup, as it stands in headings; empty for pure numbers.
+    pub fn markup(self) -> &'static str {
+        match self {
+            Unit::One => "",
+            Unit::PerCent => "%",
+            Unit::PercentOfMaximum => "% of F_{max}",
+            Unit::M => "m",
+            Unit::Mm => "mm",
+            Unit::Degree => "°",
+            Unit::S => "s",
+            Unit::N => "N",
+            Unit::Nm => "N.m",
+            Unit::Nm2 => "N^{2}m^{2}",
+            Unit::NPerM => "N/m",
+            Unit::KPa => "kPa",
+        }
+    }
+}
+
 /// What a column means.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Column {
@@ -221,6 +270,12 @@ impl Table {
             self.id
         );
         self.rows.push(row);
+    }
+
+    /// The same table under a name of its own: that of one group or campaign after that of the table.
+    pub fn named(mut self, of: &str) -> Table {
+        self.id = format!("{}-{of}", self.id);
+        self
     }
 
     /// The same table with its first rows only, and a remark that says where the others are; the table as it is where it has no more.
