@@ -64,7 +64,7 @@ impl<'a, R: Copy + 'a> Described<'a, R> {
         says: impl Fn(R) -> C + 'a,
     ) -> Self {
         let cell = move |row| says(row).count().map_or(Cell::Empty, Cell::Integer);
-        self.column(Column::number(key, heading, unit.markup()), cell)
+        self.column(Column::number(key, heading, unit), cell)
     }
 
     /// Adds a column of numbers that are rounded alike; empty where there is none.
@@ -91,7 +91,7 @@ impl<'a, R: Copy + 'a> Described<'a, R> {
             let (value, rounding) = says(row);
             Cell::number(value, rounding)
         };
-        self.column(Column::number(key, heading, unit.markup()), cell)
+        self.column(Column::number(key, heading, unit), cell)
     }
 
     /// Adds a column of the values of estimates, which are rounded as their intervals allow.
@@ -103,7 +103,7 @@ impl<'a, R: Copy + 'a> Described<'a, R> {
         estimate: impl Fn(R) -> [Cell; 2] + 'a,
     ) -> Self {
         let cell = move |row| estimate(row)[0].clone();
-        self.column(Column::number(key, heading, unit.markup()), cell)
+        self.column(Column::number(key, heading, unit), cell)
     }
 
     /// Adds a column of the intervals of estimates.
@@ -115,7 +115,7 @@ impl<'a, R: Copy + 'a> Described<'a, R> {
         estimate: impl Fn(R) -> [Cell; 2] + 'a,
     ) -> Self {
         let cell = move |row| estimate(row)[1].clone();
-        self.column(Column::interval(key, heading, unit.markup()), cell)
+        self.column(Column::interval(key, heading, unit), cell)
     }
 
     /// Adds a column of marks; empty where there is none.
@@ -288,7 +288,7 @@ mod tests {
             .count("n", "\\v{n}", One, |(_, x)| (x > 0.0).then_some(7_usize))
             .machines()
             .blocks(runs(rows, |a, b| a.0 == b.0));
-        assert_eq!(table.columns[1].unit, Mm.markup());
+        assert_eq!(table.columns[1].unit, Mm);
         assert_eq!(table.columns[2].audience, Audience::Machines);
         assert_eq!(table.rules, [2]);
         let number = |x| Cell::number(x, Decimals(1));

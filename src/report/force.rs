@@ -148,29 +148,9 @@ pub fn force_pdf(
     let mut document = Document::new(TEMPLATE)
         .data("data.json", &data)?
         .dated(date_of(input, options));
-    for table in [
-        tables::sessions(input),
-        tables::zeros(input),
-        tables::rejects_summary(input),
-        tables::baselines(input),
-        tables::provenance(input),
-    ] {
+    let tables_of_groups = input.with_section().flat_map(|(g, _)| tables::of_group(g));
+    for table in tables::once(input).into_iter().chain(tables_of_groups) {
         document = with_table(document, table);
-    }
-    for (group, _) in input.with_section() {
-        let of_group = [
-            tables::specimens_of(group),
-            tables::table1_of(group),
-            tables::table2_of(group),
-            tables::coefficients_of(group),
-            tables::statistics_of(group),
-            tables::comparison_of(group),
-            tables::comparison_by_length_of(group),
-            tables::intervals_of(group),
-        ];
-        for table in of_group {
-            document = with_table(document, table);
-        }
     }
     let of_groups = input.with_section().flat_map(|(_, f)| &f.group);
     for named in traces.iter().flatten().chain(of_groups) {

@@ -109,7 +109,7 @@ pub fn knee_pdf(
     if input.knee.is_none() {
         return Ok(None);
     }
-    let campaigns: Vec<&CampaignTorque> = input.torque().collect();
+    let campaigns = input.torque();
     let told = campaigns.iter().zip(figures.campaigns);
     let data = Data {
         only_simulated: campaigns.iter().all(|c| c.simulated),
@@ -123,11 +123,8 @@ pub fn knee_pdf(
     let mut document = Document::new(TEMPLATE)
         .data("data.json", &data)?
         .dated(date);
-    let of_campaigns = campaigns
-        .iter()
-        .flat_map(|c| tables::OF_CAMPAIGN.iter().map(|make| make(c)));
-    let once = tables::ONCE.iter().map(|make| make(input));
-    for table in of_campaigns.chain(once) {
+    let of_campaigns = campaigns.iter().flat_map(tables::of_campaign);
+    for table in of_campaigns.chain(tables::once(input)) {
         document = with_table(document, &table);
     }
     let drawn = figures.campaigns.iter().flatten();

@@ -8,7 +8,7 @@
 //! | [`table`], [`number`], [`markup`], [`symbols`] | one table model: cells, rounding, symbols |
 //! | [`described`] | how a table is described: columns of headings, units, roundings and what they say of a row |
 //! | [`render`] | tables as CSV, LaTeX, Typst, Markdown: one file a format |
-//! | [`tables`] | one file a table |
+//! | [`tables`] | the tables, those that are variants of each other in one file |
 //! | [`plot`] | journal figures on plotters: axes, layers, legends |
 //! | [`figures`] | one file a figure |
 //! | [`wording`] | names, numbers and sentences of what was found |

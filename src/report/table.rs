@@ -141,8 +141,8 @@ pub struct Column {
     pub key: String,
     /// Name for people, in markup, without its unit.
     pub heading: String,
-    /// Unit in markup, shown in parentheses; empty where there is none.
-    pub unit: String,
+    /// Unit, shown in parentheses.
+    pub unit: Unit,
     /// Side on which cells stand.
     pub align: Align,
     /// Holds intervals: two fields in data files.
@@ -157,26 +157,26 @@ impl Column {
         Column {
             key: key.into(),
             heading: heading.into(),
-            unit: String::new(),
+            unit: Unit::One,
             align: Align::Left,
             interval: false,
             audience: Audience::Everyone,
         }
     }
 
-    /// A column of numbers in `unit`; an empty unit for pure numbers.
-    pub fn number(key: &str, heading: &str, unit: &str) -> Column {
+    /// A column of numbers in `unit`.
+    pub fn number(key: &str, heading: &str, unit: Unit) -> Column {
         Column {
-            unit: unit.into(),
+            unit,
             align: Align::Right,
             ..Column::text(key, heading)
         }
     }
 
     /// A column of intervals in `unit`.
-    pub fn interval(key: &str, heading: &str, unit: &str) -> Column {
+    pub fn interval(key: &str, heading: &str, unit: Unit) -> Column {
         Column {
-            unit: unit.into(),
+            unit,
             align: Align::Center,
             interval: true,
             ..Column::text(key, heading)
@@ -189,12 +189,6 @@ impl Column {
             align: Align::Center,
             ..Column::text(key, heading)
         }
-    }
-
-    /// The same column for another audience.
-    pub fn seen_by(mut self, audience: Audience) -> Column {
-        self.audience = audience;
-        self
     }
 }
 
