@@ -13,6 +13,7 @@
 //! | [`figures`] | one file a figure |
 //! | [`wording`] | names, numbers and sentences of what was found |
 //! | [`left_out`] | figures and documents that could not be built |
+//! | [`pages`] | what every document has in common: data of its template, tables, pictures |
 //! | [`force`] | the pages of `force.pdf` |
 //! | [`audit`] | the pages of `audit.pdf` |
 //! | [`residual`] | the pages of `residual.pdf` |
@@ -32,6 +33,7 @@ pub mod knee;
 pub mod left_out;
 pub mod markup;
 pub mod number;
+pub mod pages;
 pub mod plot;
 pub mod raster;
 pub mod render;

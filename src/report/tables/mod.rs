@@ -1,7 +1,7 @@
 //! The tables: a file has one, or a few that are variants of each other, as [`Described`]. A new file is one line in the list below, with the
 //! tables in it; `docs/adding-a-table.md` is a worked example.
 
-use crate::described::Described;
+use crate::described::{Described, Unit::Mm, Unit::One, finite};
 use crate::figures::slug;
 use crate::input::{GroupInput, ReportInput};
 use crate::symbols;
@@ -11,8 +11,6 @@ use pipeline_base::group::Group;
 use pipeline_findings::CampaignFindings;
 use pipeline_torque::CampaignTorque;
 use std::slice::from_ref;
-
-use crate::described::{Unit::Mm, Unit::One, finite};
 
 /// What a table is made of.
 #[derive(Clone, Copy)]
