@@ -170,7 +170,7 @@ fn sweep_command(
     }
     let steps = steps(args, axis, &predictor)?;
     let answers = sweep::sweep(&predictor, axis, &steps.values()?, around)?;
-    write_csv(args, &tables::table(&answers))?;
+    write_csv(args, &tables::force(&answers))?;
     if let Some(file) = &args.plot {
         let fine = sweep::sweep(&predictor, axis, &steps.fine(), around)?;
         draw(file, drawing::sweep(&predictor, axis, &fine))?;
@@ -181,7 +181,7 @@ fn sweep_command(
 fn table_command(args: &PredictArgs, predictor: &Predictor) -> Result<()> {
     let contractions = sweep::table_contractions(predictor)?;
     let rows = sweep::table(predictor, &contractions)?;
-    write_csv(args, &tables::table(rows.iter().flatten()))?;
+    write_csv(args, &tables::force(rows.iter().flatten()))?;
     if let Some(file) = &args.plot {
         let fine = Steps::usual(Axis::Contraction, predictor).fine();
         let fine = sweep::table(predictor, &fine)?;

@@ -11,7 +11,7 @@ use pipeline_mechanics::knee::{Knee, Leg, choice, human};
 use pipeline_predict::Predictor;
 use pipeline_predict::torque::{self, AtAngle, Built, Target};
 use pipeline_report::figures::leg_prediction as drawing;
-use pipeline_report::tables::leg_prediction as tables;
+use pipeline_report::tables::prediction as tables;
 use serde_json::json;
 
 /// Steps of the printed table, of the CSV and of the plot, degrees.
@@ -63,7 +63,7 @@ pub fn command(args: &PredictArgs, name: &str, predictor: &Predictor) -> Result<
     let pressure = values::quantity("--pressure", pressure, Quantity::Pressure)?;
     let over = |step| torque::over_the_range(predictor, &built, target.as_ref(), pressure, step);
     let fine = over(FINE_DEG)?;
-    write_csv(args, &tables::table(&fine))?;
+    write_csv(args, &tables::torque(&fine))?;
     if let Some(file) = &args.plot {
         let human = target.as_ref().map(|t| t.name.as_str());
         draw(

@@ -1,7 +1,8 @@
 //! The pages of `audit.pdf`: the claims that differ, all claims by section, the tests of consistency.
 
 use crate::number::Rounding;
-use crate::typeset::{Document, Pdf};
+use crate::pages::PageData;
+use crate::typeset::Pdf;
 use pipeline_audit::claims::Relation;
 use pipeline_audit::findings::{Audit, Case, ClaimFinding, RuleFinding, Verdict};
 use pipeline_audit::printed::Printed;
@@ -12,15 +13,13 @@ use serde::Serialize;
 const TEMPLATE: &str = include_str!("templates/audit.typ");
 
 #[derive(Serialize)]
-struct Data {
+struct Own {
     counts: Counts,
     differ: Vec<Row>,
     last_digit: Vec<Row>,
     inconsistent: Vec<Inconsistent>,
     sections: Vec<Section>,
     rules: Vec<Rule>,
-    version: &'static str,
-    input: String,
 }
 
 #[derive(Serialize)]
@@ -79,9 +78,8 @@ struct CaseRow {
 /// # Errors
 /// A template that does not compile.
 pub fn audit_pdf(audit: &Audit, input: &str, date: Option<(i32, u8, u8)>) -> Result<Pdf> {
-    Document::new(TEMPLATE)
-        .data("data.json", &data(audit, input))?
-        .dated(date)
+    PageData::new(input, [], own(audit))
+        .document(TEMPLATE, date)?
         .compile()
 }
 
@@ -159,14 +157,14 @@ pub fn remark(finding: &ClaimFinding) -> String {
     parts.join("; ")
 }
 
-fn data(audit: &Audit, input: &str) -> Data {
+fn own(audit: &Audit) -> Own {
     let of = |wanted: &str| -> Vec<Row> {
         let found = audit.claims.iter().filter(|f| status(&f.status) == wanted);
         found.map(row).collect()
     };
     let rules: Vec<Rule> = audit.rules.iter().map(rule).collect();
     let (differ, last_digit) = (of("differs"), of("differs in the last digit"));
-    Data {
+    Own {
         counts: Counts {
             claims: audit.claims.len(),
             reproduced: of("reproduced").len(),
@@ -181,8 +179,6 @@ fn data(audit: &Audit, input: &str) -> Data {
         inconsistent: inconsistent(audit),
         sections: sections(audit),
         rules,
-        version: env!("CARGO_PKG_VERSION"),
-        input: input.to_owned(),
     }
 }
 

@@ -4,16 +4,15 @@ use crate::extent::{MOST_GROUPS, MOST_NAMED, MOST_ROWS_ON_PAGES, SIDE_BY_SIDE};
 use crate::figures::{Drawn, slug};
 use crate::input::{GroupInput, ReportInput};
 use crate::left_out::LeftOut;
-use crate::render::{Renderer, typst::Typst};
-use crate::table::Table;
+use crate::pages::{PageData, Picture, date_of};
 use crate::tables;
-use crate::typeset::{Document, Pdf};
+use crate::typeset::Pdf;
 use crate::wording::{name::capitalised, sentence::in_doubt};
 use pipeline_base::error::Result;
 use pipeline_base::reject::Extent;
 use pipeline_base::session::Kind;
 use pipeline_compare::NEW;
-use pipeline_config::{Config, ReportOptions};
+use pipeline_config::Config;
 use pipeline_fit::equations::JOINT;
 use serde::Serialize;
 
@@ -21,11 +20,9 @@ const TEMPLATE: &str = include_str!("templates/force.typ");
 
 /// What the template is told.
 #[derive(Serialize)]
-struct Data {
+struct Own {
     title: String,
     authors: Vec<String>,
-    simulated: bool,
-    only_simulated: bool,
     counts: Counts,
     campaigns: Vec<Campaign>,
     groups: Vec<Group>,
@@ -36,8 +33,6 @@ struct Data {
     /// Figures that could not be built.
     left_out: Vec<String>,
     more_left_out: usize,
-    version: &'static str,
-    input: String,
     split: Split,
 }
 
@@ -98,14 +93,6 @@ impl Excluded {
 }
 
 #[derive(Serialize)]
-struct Picture {
-    file: String,
-    caption: String,
-    simulated: bool,
-    alt: String,
-}
-
-#[derive(Serialize)]
 struct Group {
     slug: String,
     campaign: String,
@@ -141,75 +128,36 @@ pub fn force_pdf(
 ) -> Result<Pdf> {
     let options = &config.report;
     let traces = &traces[..traces.len().min(MOST_GROUPS)];
-    let mut data = data(input, traces, config, split_digest);
-    data.more_left_out = left_out.len().saturating_sub(MOST_NAMED);
-    let named = left_out.iter().take(MOST_NAMED);
-    data.left_out = named.map(|l| l.name.clone()).collect();
-    let mut document = Document::new(TEMPLATE)
-        .data("data.json", &data)?
-        .dated(date_of(input, options));
-    for table in [
-        tables::sessions(input),
-        tables::zeros(input),
-        tables::rejects_summary(input),
-        tables::baselines(input),
-        tables::provenance(input),
-    ] {
-        document = with_table(document, table);
-    }
-    for (group, _) in input.with_section() {
-        let of_group = [
-            tables::specimens_of(group),
-            tables::table1_of(group),
-            tables::table2_of(group),
-            tables::coefficients_of(group),
-            tables::statistics_of(group),
-            tables::comparison_of(group),
-            tables::comparison_by_length_of(group),
-            tables::intervals_of(group),
-        ];
-        for table in of_group {
-            document = with_table(document, table);
-        }
-    }
+    let own = Own {
+        more_left_out: left_out.len().saturating_sub(MOST_NAMED),
+        left_out: names_of(left_out),
+        ..own(input, traces, config, split_digest)
+    };
+    let simulated = input
+        .sessions
+        .iter()
+        .map(|s| s.ingest.session.is_simulated());
+    let tables_of_groups = input.with_section().flat_map(|(g, _)| tables::of_group(g));
+    let tables = tables::once(input).into_iter().chain(tables_of_groups);
     let of_groups = input.with_section().flat_map(|(_, f)| &f.group);
-    for named in traces.iter().flatten().chain(of_groups) {
-        document = document.file(&format!("figures/{}.svg", named.name), &named.svg);
-    }
+    let document = PageData::new(&input.input_digest, simulated, own)
+        .document(TEMPLATE, date_of(input, options))?
+        .with_tables(tables.map(|t| t.first_rows(MOST_ROWS_ON_PAGES)))
+        .with_figures(traces.iter().flatten().chain(of_groups));
     if input.sessions.len() > SIDE_BY_SIDE {
-        document = document.forgotten();
+        return document.forgotten().compile();
     }
     document.compile()
 }
 
-fn with_table(document: Document, table: Table) -> Document {
-    let table = table.first_rows(MOST_ROWS_ON_PAGES);
-    document.file(&format!("tables/{}.typ", table.id), Typst.render(&table))
+/// The names of the first figures that could not be built.
+fn names_of(left_out: &[LeftOut]) -> Vec<String> {
+    let named = left_out.iter().take(MOST_NAMED);
+    named.map(|l| l.name.clone()).collect()
 }
 
-/// The date that a document carries: the configured one, else the last day on which anything in it was measured. Never today's.
-pub fn date_of(input: &ReportInput, options: &ReportOptions) -> Option<(i32, u8, u8)> {
-    let measured = input.sessions.iter().map(|s| &s.ingest.session.date);
-    date(&options.date).or_else(|| measured.flatten().filter_map(|d| date(d)).max())
-}
-
-/// Year, month and day of an ISO 8601 date; none where it is empty.
-fn date(text: &str) -> Option<(i32, u8, u8)> {
-    let mut parts = text.splitn(3, '-');
-    let year = parts.next()?.parse().ok()?;
-    let month = parts.next()?.parse().ok()?;
-    let day = parts.next().map_or(Some(1), |d| d.parse().ok())?;
-    Some((year, month, day))
-}
-
-fn data(
-    input: &ReportInput,
-    traces: &[Option<Drawn>],
-    config: &Config,
-    split_digest: &str,
-) -> Data {
+fn own(input: &ReportInput, traces: &[Option<Drawn>], config: &Config, split_digest: &str) -> Own {
     let options = &config.report;
-    let simulated = |s: &crate::input::SessionInput| s.ingest.session.is_simulated();
     let rejects = || input.sessions.iter().flat_map(|s| s.rejects());
     let of_extent = |extent: Extent| rejects().filter(|r| r.extent == extent).count();
     let clipped = |r: &&pipeline_base::reject::Reject| {
@@ -221,11 +169,9 @@ fn data(
         .map(|a| a.trim().to_owned())
         .filter(|a| !a.is_empty());
     let unusable = input.unusable.iter().flat_map(|(_, all)| all);
-    Data {
+    Own {
         title: options.title.clone(),
         authors: authors.collect(),
-        simulated: input.sessions.iter().any(simulated),
-        only_simulated: !input.sessions.is_empty() && input.sessions.iter().all(simulated),
         counts: Counts {
             sessions: input.sessions.len(),
             rejected_sessions: input.unusable.len() + of_extent(Extent::Session),
@@ -243,7 +189,9 @@ fn data(
         traces: traces
             .iter()
             .zip(&input.traces)
-            .filter_map(|(named, trace)| Some(picture(named.as_ref()?, trace.simulated)))
+            .filter_map(|(drawn, trace)| {
+                Some(Picture::new(drawn.as_ref()?).simulated(trace.simulated))
+            })
             .collect(),
         left_out: Vec::new(),
         more_left_out: 0,
@@ -252,8 +200,6 @@ fn data(
             .take(MOST_ROWS_ON_PAGES)
             .map(ToString::to_string)
             .collect(),
-        version: env!("CARGO_PKG_VERSION"),
-        input: input.input_digest.clone(),
         split: Split {
             seed: config.fit.seed,
             train_percent: 100.0 * config.fit.train_fraction,
@@ -269,15 +215,6 @@ fn further_groups(input: &ReportInput) -> Vec<String> {
     let name =
         |g: &GroupInput| format!("{} ({} mm)", g.fit.group.campaign, g.fit.group.diameter_mm);
     further.map(|(group, _)| name(group)).collect()
-}
-
-fn picture(named: &Drawn, simulated: bool) -> Picture {
-    Picture {
-        file: format!("figures/{}.svg", named.name),
-        caption: named.caption.clone(),
-        simulated,
-        alt: named.title.clone(),
-    }
 }
 
 fn campaigns(input: &ReportInput) -> Vec<Campaign> {
@@ -358,10 +295,7 @@ fn group(input: &GroupInput, figures: &[Drawn]) -> Group {
             .chain(in_doubt(input.doubtful()).map(|s| capitalised(&s)))
             .collect(),
         domain: domain(input),
-        figures: figures
-            .iter()
-            .map(|f| picture(f, fit.group.simulated))
-            .collect(),
+        figures: figures.iter().map(Picture::new).collect(),
     }
 }
 

@@ -160,13 +160,14 @@ impl ReportInput {
     /// What was found of torque, joint by joint.
     pub fn torque_findings(&self) -> impl Iterator<Item = &CampaignFindings> {
         self.torque()
+            .iter()
             .flat_map(|c| &c.diagnoses)
             .map(|d| &d.findings)
     }
 
     /// The campaigns of torque.
-    pub fn torque(&self) -> impl Iterator<Item = &CampaignTorque> {
-        self.knee.iter().flat_map(|k| &k.campaigns)
+    pub fn torque(&self) -> &[CampaignTorque] {
+        self.knee.as_ref().map_or(&[], |k| &k.campaigns)
     }
 
     /// Whether a session's data are simulated, by its id.

@@ -3,10 +3,9 @@
 use crate::figures::Drawn;
 use crate::input::ReportInput;
 use crate::number::Rounding;
-use crate::render::{Renderer, typst::Typst};
-use crate::table::Table;
+use crate::pages::{PageData, Picture};
 use crate::tables::knee as tables;
-use crate::typeset::{Document, Pdf};
+use crate::typeset::Pdf;
 use crate::wording::name;
 use crate::wording::sentence::sentences;
 use pipeline_base::error::Result;
@@ -31,14 +30,10 @@ pub struct Figures<'a> {
 
 /// What the template is told.
 #[derive(Serialize)]
-struct Data {
-    only_simulated: bool,
-    simulated: bool,
+struct Own {
     campaigns: Vec<Campaign>,
     legs: Vec<Picture>,
     once: Vec<Picture>,
-    version: &'static str,
-    input: String,
 }
 
 #[derive(Serialize)]
@@ -89,14 +84,6 @@ struct Errors {
     rmse: String,
 }
 
-#[derive(Serialize)]
-struct Picture {
-    name: String,
-    file: String,
-    caption: String,
-    alt: String,
-}
-
 /// Typesets `knee.pdf`; none where nobody measured torque.
 ///
 /// # Errors
@@ -109,45 +96,21 @@ pub fn knee_pdf(
     if input.knee.is_none() {
         return Ok(None);
     }
-    let campaigns: Vec<&CampaignTorque> = input.torque().collect();
+    let campaigns = input.torque();
     let told = campaigns.iter().zip(figures.campaigns);
-    let data = Data {
-        only_simulated: campaigns.iter().all(|c| c.simulated),
-        simulated: campaigns.iter().any(|c| c.simulated),
+    let own = Own {
         campaigns: told.map(|(c, f)| campaign(c, f)).collect(),
-        legs: figures.legs.iter().flatten().map(picture).collect(),
-        once: figures.once.iter().flatten().map(picture).collect(),
-        version: env!("CARGO_PKG_VERSION"),
-        input: input.input_digest.clone(),
+        legs: figures.legs.iter().flatten().map(Picture::new).collect(),
+        once: figures.once.iter().flatten().map(Picture::new).collect(),
     };
-    let mut document = Document::new(TEMPLATE)
-        .data("data.json", &data)?
-        .dated(date);
-    let of_campaigns = campaigns
-        .iter()
-        .flat_map(|c| tables::OF_CAMPAIGN.iter().map(|make| make(c)));
-    let once = tables::ONCE.iter().map(|make| make(input));
-    for table in of_campaigns.chain(once) {
-        document = with_table(document, &table);
-    }
+    let simulated = campaigns.iter().map(|c| c.simulated);
+    let of_campaigns = campaigns.iter().flat_map(tables::of_campaign);
     let drawn = figures.campaigns.iter().flatten();
-    for drawn in drawn.chain(figures.legs).chain(figures.once).flatten() {
-        document = document.file(&format!("figures/{}.svg", drawn.name), &drawn.svg);
-    }
+    let document = PageData::new(&input.input_digest, simulated, own)
+        .document(TEMPLATE, date)?
+        .with_tables(of_campaigns.chain(tables::once(input)))
+        .with_figures(drawn.chain(figures.legs).chain(figures.once).flatten());
     document.compile().map(Some)
-}
-
-fn with_table(document: Document, table: &Table) -> Document {
-    document.file(&format!("tables/{}.typ", table.id), Typst.render(table))
-}
-
-fn picture(drawn: &Drawn) -> Picture {
-    Picture {
-        name: drawn.name.clone(),
-        file: format!("figures/{}.svg", drawn.name),
-        caption: drawn.caption.clone(),
-        alt: drawn.title.clone(),
-    }
 }
 
 fn campaign(c: &CampaignTorque, figures: &[Option<Drawn>]) -> Campaign {
@@ -173,7 +136,7 @@ fn campaign(c: &CampaignTorque, figures: &[Option<Drawn>]) -> Campaign {
         figures: figures[..c.configurations.len()]
             .iter()
             .flatten()
-            .map(picture)
+            .map(Picture::new)
             .collect(),
     }
 }
@@ -184,7 +147,7 @@ fn joints(c: &CampaignTorque, figures: &[Option<Drawn>]) -> Vec<Joint> {
     let with_figures = c.diagnoses.iter().zip(of_joints);
     with_figures
         .map(|(j, figure)| Joint {
-            figure: figure.as_ref().map(picture),
+            figure: figure.as_ref().map(Picture::new),
             ..joint(&j.findings)
         })
         .collect()

@@ -6,12 +6,14 @@
 //! | [`input`] | everything that a report is made of |
 //! | [`extent`] | how much the pages of a large laboratory hold |
 //! | [`table`], [`number`], [`markup`], [`symbols`] | one table model: cells, rounding, symbols |
+//! | [`described`] | how a table is described: columns of headings, units, roundings and what they say of a row |
 //! | [`render`] | tables as CSV, LaTeX, Typst, Markdown: one file a format |
-//! | [`tables`] | one file a table |
+//! | [`tables`] | the tables, those that are variants of each other in one file |
 //! | [`plot`] | journal figures on plotters: axes, layers, legends |
 //! | [`figures`] | one file a figure |
 //! | [`wording`] | names, numbers and sentences of what was found |
 //! | [`left_out`] | figures and documents that could not be built |
+//! | [`pages`] | what every document has in common: data of its template, tables, pictures |
 //! | [`force`] | the pages of `force.pdf` |
 //! | [`audit`] | the pages of `audit.pdf` |
 //! | [`residual`] | the pages of `residual.pdf` |
@@ -21,6 +23,7 @@
 //! Architecture invariant: only this folder knows plotters and Typst, and it computes no statistic: every number comes from a stage.
 
 pub mod audit;
+pub mod described;
 pub mod extent;
 pub mod figures;
 pub mod fonts;
@@ -30,6 +33,7 @@ pub mod knee;
 pub mod left_out;
 pub mod markup;
 pub mod number;
+pub mod pages;
 pub mod plot;
 pub mod raster;
 pub mod render;

@@ -1,15 +1,17 @@
 //! Report: tables, figures, pages and the summary, from what the other stages left.
 
 use crate::audit::audit_pdf;
+use crate::described::Described;
 use crate::extent::{MOST_ROWS_PRINTED, SIDE_BY_SIDE};
 use crate::figures::found::Kind;
 use crate::figures::{self, Built, Composed, Drawn};
-use crate::force::{date_of, force_pdf};
+use crate::force::force_pdf;
 use crate::knee::{self, knee_pdf};
 use crate::left_out::{LeftOut, Part, Task, attempt};
+use crate::pages::date_of;
 use crate::render::{self, Renderer};
 use crate::residual::{self, residual_pdf};
-use crate::table::{Cell, Column, Table};
+use crate::table::{Table, Unit};
 use crate::tables;
 use crate::typeset::Pdf;
 use crate::wording::sentence::sentences;
@@ -102,12 +104,12 @@ pub fn tables(input: &ReportInput, config: &Config) -> Result<Outputs> {
         ("reports/findings.json".to_owned(), findings_json(input)?),
     ]);
     if input.knee.is_some() {
-        let readings = tidy::frame(input.torque()).to_parquet()?;
+        let readings = tidy::frame(input.torque().iter()).to_parquet()?;
         outputs.insert("derived/torque.parquet".to_owned(), readings);
     }
     let mut names = Vec::new();
     let every = tables::ALL.iter().chain(tables::knee::ALL);
-    let made = every.map(|make| make(input));
+    let made = every.map(|of| of.all(input));
     for table in made.chain([tables::audit(&audit_of(input))]) {
         let table = tables::naming_groups(table);
         names.push(format!("tables/{}.csv", table.id));
@@ -178,14 +180,14 @@ impl Pictures {
             built.drawn
         };
         let traces = build(figures::plateaus(input));
-        let campaigns = input.torque().map(figures::knee::of_campaign);
+        let campaigns = input.torque().iter().map(figures::knee::of_campaign);
         let torque = campaigns.map(&mut build).collect();
         let legs = build(figures::knee::legs(input));
         let once = build(figures::knee::once(input));
         let shown = residual::on_the_first_page(input);
         let budget = figures::compose("budget", || figures::found::budget(&shown));
         let budget = build(vec![budget]).into_iter().flatten().next();
-        let joints = input.torque().flat_map(|c| &c.diagnoses);
+        let joints = input.torque().iter().flat_map(|c| &c.diagnoses);
         let joints = joints.map(|joint| {
             let (kinds, composed): (Vec<_>, Vec<_>) = figures::of_joint(joint).into_iter().unzip();
             with_kinds(kinds, build(composed.into_iter().map(Some).collect()))
@@ -293,19 +295,14 @@ fn fits_json(input: &ReportInput) -> Result<Vec<u8>> {
 fn split_csv(input: &ReportInput, config: &Config) -> Vec<u8> {
     let rows: Vec<&Row> = input.rows.iter().filter(|r| is_usable(r)).collect();
     let parts = split::by_row(&rows, &config.fit);
-    let names = ["session", "log", "first_row", "specimen", "role", "by_row"];
-    let columns = names.map(|n| Column::text(n, n)).to_vec();
-    let mut table = Table::new("split", "", columns);
-    for (row, part) in rows.iter().zip(parts) {
-        table.push(vec![
-            Cell::text(&row.session),
-            Cell::text(&row.log),
-            Cell::Integer(row.first_row),
-            Cell::text(&row.specimen),
-            row.role.map_or(Cell::Empty, |r| Cell::text(role_name(r))),
-            part.map_or(Cell::Empty, |p| Cell::text(p.name())),
-        ]);
-    }
+    let table = Described::<(&Row, Option<split::Part>)>::new("split", "")
+        .text("session", "", |(row, _)| &row.session)
+        .text("log", "", |(row, _)| &row.log)
+        .count("first_row", "", Unit::One, |(row, _)| row.first_row)
+        .text("specimen", "", |(row, _)| &row.specimen)
+        .text("role", "", |(row, _)| row.role.map(role_name))
+        .text("by_row", "", |(_, part)| part.map(|p| p.name()))
+        .rows(rows.into_iter().zip(parts));
     render::csv::Csv.render(&table).into_bytes()
 }
 

@@ -85,6 +85,55 @@ pub enum Audience {
     People,
 }
 
+/// The unit of a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// Pure numbers, and numbers whose unit stands in another column.
+    One,
+    /// Percent.
+    PerCent,
+    /// Percent of the maximum force.
+    PercentOfMaximum,
+    /// m.
+    M,
+    /// mm.
+    Mm,
+    /// Degrees.
+    Degree,
+    /// s.
+    S,
+    /// N.
+    N,
+    /// N.m.
+    Nm,
+    /// (N.m)^2.
+    Nm2,
+    /// N/m.
+    NPerM,
+    /// kPa.
+    KPa,
+}
+
+impl Unit {
+    /// In markup, as it stands in headings; empty for pure numbers.
+    pub fn markup(self) -> &'static str {
+        match self {
+            Unit::One => "",
+            Unit::PerCent => "%",
+            Unit::PercentOfMaximum => "% of F_{max}",
+            Unit::M => "m",
+            Unit::Mm => "mm",
+            Unit::Degree => "°",
+            Unit::S => "s",
+            Unit::N => "N",
+            Unit::Nm => "N.m",
+            Unit::Nm2 => "N^{2}m^{2}",
+            Unit::NPerM => "N/m",
+            Unit::KPa => "kPa",
+        }
+    }
+}
+
 /// What a column means.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Column {
@@ -92,8 +141,8 @@ pub struct Column {
     pub key: String,
     /// Name for people, in markup, without its unit.
     pub heading: String,
-    /// Unit in markup, shown in parentheses; empty where there is none.
-    pub unit: String,
+    /// Unit, shown in parentheses.
+    pub unit: Unit,
     /// Side on which cells stand.
     pub align: Align,
     /// Holds intervals: two fields in data files.
@@ -108,26 +157,26 @@ impl Column {
         Column {
             key: key.into(),
             heading: heading.into(),
-            unit: String::new(),
+            unit: Unit::One,
             align: Align::Left,
             interval: false,
             audience: Audience::Everyone,
         }
     }
 
-    /// A column of numbers in `unit`; an empty unit for pure numbers.
-    pub fn number(key: &str, heading: &str, unit: &str) -> Column {
+    /// A column of numbers in `unit`.
+    pub fn number(key: &str, heading: &str, unit: Unit) -> Column {
         Column {
-            unit: unit.into(),
+            unit,
             align: Align::Right,
             ..Column::text(key, heading)
         }
     }
 
     /// A column of intervals in `unit`.
-    pub fn interval(key: &str, heading: &str, unit: &str) -> Column {
+    pub fn interval(key: &str, heading: &str, unit: Unit) -> Column {
         Column {
-            unit: unit.into(),
+            unit,
             align: Align::Center,
             interval: true,
             ..Column::text(key, heading)
@@ -140,12 +189,6 @@ impl Column {
             align: Align::Center,
             ..Column::text(key, heading)
         }
-    }
-
-    /// The same column for another audience.
-    pub fn seen_by(mut self, audience: Audience) -> Column {
-        self.audience = audience;
-        self
     }
 }
 
@@ -221,6 +264,12 @@ impl Table {
             self.id
         );
         self.rows.push(row);
+    }
+
+    /// The same table under a name of its own: that of one group or campaign after that of the table.
+    pub fn named(mut self, of: &str) -> Table {
+        self.id = format!("{}-{of}", self.id);
+        self
     }
 
     /// The same table with its first rows only, and a remark that says where the others are; the table as it is where it has no more.

@@ -4,7 +4,12 @@
 //! letters of 7 points or more (subscripts 5), lines of half a point or more, ticks outwards, no grid, colours that the colour blind
 //! tell apart and that never stand alone, legends that cover no data where that is possible.
 //!
-//! plotters maps coordinates and draws its elements through the backend in [`backend`]; letters are outlines ([`glyphs`] says why).
+//! What plotters does for us: its Cartesian coordinates map data to the paper, its paths, polygons and rectangles come through
+//! [`backend`] as primitives, and its types of colour and stroke are ours. Only [`chart`], [`pencil`] and [`backend`] draw with it.
+//!
+//! What we do: the page in millimetres; axes and their ticks; clipping and thinning of curves; labels and legends, and where they find
+//! room; marks, dashes, letters as outlines ([`glyphs`] says why) and the SVG itself. plotters' own chart builder, legends and text
+//! know neither millimetres nor journals.
 //!
 //! Invariants: nothing that is not finite reaches the file; numbers in it are whole hundredths of a millimetre; no order depends on
 //! a hash; the same figure gives the same bytes.

@@ -230,7 +230,7 @@ mod tests {
 \toprule
  &  & \multicolumn{2}{c}{Estimate} &  &  \\
 \cmidrule(lr){3-4}
-Model & Coefficient & {Value (1/m)} & 95 \% CI (1/m) & \(n\) & Fitted \\
+Model & Coefficient & {Value (N/m)} & 95 \% CI (N/m) & \(n\) & Fitted \\
 \midrule
 A\&B ''x'', \#1 & \(b_{1}\) & -7.1 & {[}\num{-8.3}, \num{-5.9}{]} & \num{12345} & yes \\
 \midrule

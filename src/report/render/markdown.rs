@@ -119,7 +119,7 @@ mod tests {
     fn golden() {
         let expected = r#"**Coefficients of *F*<sub>620</sub>, *R*<sup>2</sup> &amp; *ε*\***
 
-| Model | Coefficient | Estimate: Value (1/m) | Estimate: 95 % CI (1/m) | *n* | Fitted |
+| Model | Coefficient | Estimate: Value (N/m) | Estimate: 95 % CI (N/m) | *n* | Fitted |
 | :--- | :--- | ---: | :---: | ---: | :---: |
 | A&amp;B "x", \#1 | *b*<sub>1</sub> | −7.1 | \[−8.3, −5.9\] | 12 345 | yes |
 | two lines \| a\_b | *F*<sub>620</sub> | 0.25 |  | 7 | no |

@@ -28,43 +28,61 @@ pub const ALL: [&dyn Renderer; 4] = [&csv::Csv, &latex::Latex, &typst::Typst, &m
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::table::{Audience, Cell, Column, Rounding};
+    use crate::described::*;
+
+    #[derive(Clone, Copy)]
+    struct Row {
+        model: &'static str,
+        campaign: &'static str,
+        symbol: &'static str,
+        value: f64,
+        ends: Option<(f64, f64)>,
+        n: usize,
+        fitted: bool,
+    }
+
+    const ROWS: [Row; 2] = [
+        Row {
+            model: "A&B \"x\", #1",
+            campaign: "c_1",
+            symbol: "b_1",
+            value: -7.1234,
+            ends: Some((-8.3, -5.9)),
+            n: 12345,
+            fitted: true,
+        },
+        Row {
+            model: "two\nlines | a_b",
+            campaign: "c2",
+            symbol: "F_{620}",
+            value: 0.25,
+            ends: None,
+            n: 7,
+            fitted: false,
+        },
+    ];
+
+    fn estimate(row: Row) -> [Cell; 2] {
+        match row.ends {
+            Some((low, high)) => Cell::with_interval(row.value, low, high),
+            None => [Cell::number(row.value, Decimals(2)), Cell::Empty],
+        }
+    }
 
     /// A small table that uses every kind of cell, a span, a rule, a note and characters that need escapes.
     pub(crate) fn sample() -> Table {
-        let columns = vec![
-            Column::text("model", "Model"),
-            Column::text("campaign", "Campaign").seen_by(Audience::Machines),
-            Column::text("coefficient", "Coefficient"),
-            Column::number("value", "Value", "1/m"),
-            Column::interval("ci", "95 % CI", "1/m"),
-            Column::number("n", "\\v{n}", ""),
-            Column::flag("fitted_here", "Fitted"),
-        ];
-        let mut table = Table::new("coefficients", "Coefficients of F_{620}, R^2 & ε*", columns)
+        Described::<Row>::new("coefficients", "Coefficients of F_{620}, R^2 & ε*")
+            .text("model", "Model", |r| r.model)
+            .text("campaign", "Campaign", |r| r.campaign)
+            .machines()
+            .symbol("coefficient", "Coefficient", |r| r.symbol.to_owned())
+            .value("value", "Value", NPerM, estimate)
+            .interval("ci", "95 % CI", NPerM, estimate)
+            .count("n", "\\v{n}", One, |r| r.n)
+            .flag("fitted_here", "Fitted", |r| r.fitted)
             .note("Sizes in µm_; 5 % of all.")
-            .span("Estimate", "value", "ci");
-        let [value, ci] = Cell::with_interval(-7.1234, -8.3, -5.9);
-        table.push(vec![
-            Cell::text("A&B \"x\", #1"),
-            Cell::text("c_1"),
-            Cell::Symbol("b_1".into()),
-            value,
-            ci,
-            Cell::Integer(12345),
-            Cell::Flag(true),
-        ]);
-        table.rule();
-        table.push(vec![
-            Cell::text("two\nlines | a_b"),
-            Cell::text("c2"),
-            Cell::Symbol("F_{620}".into()),
-            Cell::number(0.25, Rounding::Decimals(2)),
-            Cell::Empty,
-            Cell::Integer(7),
-            Cell::Flag(false),
-        ]);
-        table
+            .span("Estimate", "value", "ci")
+            .blocks(ROWS.map(|row| [row]))
     }
 
     #[test]

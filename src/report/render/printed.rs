@@ -60,10 +60,9 @@ impl PrintedTable {
 }
 
 fn head<'a>(column: &Column, cells: impl Iterator<Item = &'a Printed>) -> Head {
-    let heading = if column.unit.is_empty() {
-        column.heading.clone()
-    } else {
-        format!("{} ({})", column.heading, column.unit)
+    let heading = match column.unit.markup() {
+        "" => column.heading.clone(),
+        unit => format!("{} ({unit})", column.heading),
     };
     Head {
         heading: markup::parse(&heading),

@@ -272,7 +272,7 @@ mod tests {
         [],
         [],
         table.hline(start: 2, end: 4, stroke: 0.3pt),
-        [#"Model";], [#"Coefficient";], [#"Value (1/m)";], [#"95 % CI (1/m)";], [#emph("n");], [#"Fitted";],
+        [#"Model";], [#"Coefficient";], [#"Value (N/m)";], [#"95 % CI (N/m)";], [#emph("n");], [#"Fitted";],
         table.hline(stroke: 0.5pt),
       ),
       "A&B \"x\", #1", [#emph("b");#sub("1");], "−7.1 ", "[−8.3,~−5.9]", "12 345", "yes",

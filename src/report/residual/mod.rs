@@ -19,7 +19,8 @@ use crate::extent::{MOST_GROUPS, MOST_ROWS_ON_PAGES};
 use crate::figures::Drawn;
 use crate::figures::found::Kind;
 use crate::input::ReportInput;
-use crate::typeset::{Document, Pdf};
+use crate::pages::{PageData, Picture};
+use crate::typeset::Pdf;
 use crate::wording::name;
 use crate::wording::number::unit;
 use pipeline_base::error::Result;
@@ -50,8 +51,7 @@ impl Figures {
 
 /// What the template is told.
 #[derive(Serialize)]
-struct Data {
-    only_simulated: bool,
+struct Own {
     /// Those with a section.
     campaigns: Vec<Campaign>,
     /// The errors of these in three forms.
@@ -61,8 +61,6 @@ struct Data {
     /// Those without a section: name, answer.
     others: Vec<[String; 2]>,
     budget: Option<Picture>,
-    version: &'static str,
-    input: String,
 }
 
 /// A section.
@@ -108,15 +106,6 @@ struct Campaign {
     not_measurable: Vec<limits::Cannot>,
     next: Vec<[String; 2]>,
     figures: Vec<Picture>,
-}
-
-#[derive(Serialize)]
-struct Picture {
-    kind: Option<Kind>,
-    file: String,
-    caption: String,
-    alt: String,
-    width_mm: f64,
 }
 
 /// One campaign, pool or joint, with its figures where it has a section.
@@ -172,8 +161,7 @@ pub fn residual_pdf(
     }
     let with_section = || entries.iter().filter_map(|e| Some((e.found, e.figures?)));
     let without = entries.iter().filter(|e| e.figures.is_none());
-    let data = Data {
-        only_simulated: entries.iter().all(|e| e.found.simulated),
+    let own = Own {
         campaigns: with_section()
             .enumerate()
             .map(|(k, (found, f))| campaign(k, found, f))
@@ -188,32 +176,14 @@ pub fn residual_pdf(
             .take(MOST_ROWS_ON_PAGES)
             .map(|e| front::in_short(e.found))
             .collect(),
-        budget: figures.budget.as_ref().map(|drawn| picture(None, drawn)),
-        version: env!("CARGO_PKG_VERSION"),
-        input: input.input_digest.clone(),
+        budget: figures.budget.as_ref().map(Picture::new),
     };
-    let mut document = Document::new(TEMPLATE)
-        .data("data.json", &data)?
-        .dated(date);
+    let simulated = entries.iter().map(|e| e.found.simulated);
     let drawn = with_section().flat_map(|(_, f)| f.iter().map(|(_, drawn)| drawn));
-    for drawn in drawn.chain(&figures.budget) {
-        document = document.file(&path(drawn), &drawn.svg);
-    }
+    let document = PageData::new(&input.input_digest, simulated, own)
+        .document(TEMPLATE, date)?
+        .with_figures(drawn.chain(&figures.budget));
     document.compile().map(Some)
-}
-
-fn path(drawn: &Drawn) -> String {
-    format!("figures/{}.svg", drawn.name)
-}
-
-fn picture(kind: Option<Kind>, drawn: &Drawn) -> Picture {
-    Picture {
-        kind,
-        file: path(drawn),
-        caption: drawn.caption.clone(),
-        alt: drawn.title.clone(),
-        width_mm: drawn.size_mm.0,
-    }
 }
 
 fn campaign(place: usize, found: &CampaignFindings, figures: &[(Kind, Drawn)]) -> Campaign {
@@ -276,7 +246,7 @@ fn campaign(place: usize, found: &CampaignFindings, figures: &[(Kind, Drawn)]) -
         next: limits::next(found),
         figures: figures
             .iter()
-            .map(|(kind, drawn)| picture(Some(*kind), drawn))
+            .map(|(kind, drawn)| Picture::new(drawn).of_kind(*kind))
             .collect(),
     }
 }

@@ -1,127 +1,80 @@
 //! `audit`: every numeric claim of the papers beside what is recomputed, then every test of consistency.
 
 use crate::audit::{besides, near, remark, status};
-use crate::table::{Audience, Cell, Column, Rounding, Table};
+use crate::described::*;
 use pipeline_audit::claims::Relation;
 use pipeline_audit::findings::{Audit, Case, ClaimFinding, RuleFinding};
 use pipeline_audit::recompute::Status;
 
-/// The table of an audit.
-pub fn table(audit: &Audit) -> Table {
-    let mut table = Table::new(
-        "audit",
-        "The papers' numeric claims beside what is recomputed, and their consistency",
-        columns(),
-    );
-    for finding in &audit.claims {
-        table.push(claim(finding));
-    }
-    for rule in &audit.rules {
-        table.rule();
-        for found in &rule.cases {
-            table.push(case(rule, found));
+/// What a row says.
+#[derive(Clone, Copy)]
+enum Row<'a> {
+    Claim(&'a ClaimFinding),
+    Case(&'a RuleFinding, &'a Case),
+}
+
+impl<'a> Row<'a> {
+    /// Something of a claim, or else of a case.
+    fn of<T>(
+        self,
+        claim: impl Fn(&'a ClaimFinding) -> T,
+        case: impl Fn(&'a RuleFinding, &'a Case) -> T,
+    ) -> T {
+        match self {
+            Row::Claim(c) => claim(c),
+            Row::Case(rule, c) => case(rule, c),
         }
     }
-    table
+
+    /// Something of a claim, and nothing of a case.
+    fn claim<T>(self, claim: impl Fn(&'a ClaimFinding) -> T) -> Option<T> {
+        self.of(|c| Some(claim(c)), |_, _| None)
+    }
 }
 
-fn columns() -> Vec<Column> {
-    let machines = |column: Column| column.seen_by(Audience::Machines);
-    vec![
-        machines(Column::text("kind", "Kind")),
-        machines(Column::text("id", "Id")),
-        machines(Column::text("paper", "Paper")),
-        machines(Column::text("section", "Section")),
-        Column::text("where", "Where"),
-        Column::text("quote", "Claim"),
-        Column::text("printed", "Printed"),
-        machines(Column::number("published", "Published", "")),
-        Column::text("recomputed", "Recomputed").seen_by(Audience::People),
-        machines(Column::number("recomputed", "Recomputed", "")),
-        machines(Column::number(
-            "from_printed_inputs",
-            "From the printed inputs",
-            "",
-        )),
-        machines(Column::number(
-            "relative_difference",
-            "Relative difference",
-            "",
-        )),
-        Column::text("unit", "Unit"),
-        Column::text("status", "Status"),
-        machines(Column::text("relation", "Relation")),
-        machines(Column::text("how", "How")),
-        machines(Column::text("traced_to", "Traced to")),
-        machines(Column::text("beside", "Beside")),
-        machines(Column::text("reasoning", "Reasoning")),
-    ]
+/// The table of an audit.
+#[rustfmt::skip]
+pub fn audit(audit: &Audit) -> Table {
+    let claims: Vec<Row> = audit.claims.iter().map(Row::Claim).collect();
+    let cases = audit.rules.iter().map(|rule| rule.cases.iter().map(move |case| Row::Case(rule, case)).collect());
+    Described::<Row>::new("audit", "The papers' numeric claims beside what is recomputed, and their consistency")
+        .text("kind", "Kind", |r| r.of(|_| "claim", |_, _| "consistency")).machines()
+        .text("id", "Id", |r| r.of(|f| f.claim.id.as_str(), |rule, _| rule.id)).machines()
+        .text("paper", "Paper", |r| r.claim(|f| &f.paper)).machines()
+        .text("section", "Section", |r| r.of(|f| f.section.as_str(), |rule, _| rule.title)).machines()
+        .text("where", "Where", |r| r.of(|f| &f.claim.at, |_, c| &c.subject))
+        .text("quote", "Claim", |r| r.claim(|f| &f.claim.quote))
+        .text("printed", "Printed", |r| r.of(|f| Some(f.claim.printed.text.clone()), |_, c| ascii(c.left)))
+        .number("published", "Published", One, Digits(5), |r| r.of(|f| Some(f.claim.printed.value), |_, c| c.left)).machines()
+        .text("recomputed", "Recomputed", |r| r.of(|f| Some(near(&f.claim.printed, f.recomputed?.value)), |_, c| ascii(c.right))).people()
+        .number("recomputed", "Recomputed", One, Digits(5), |r| r.of(|f| Some(f.recomputed?.value), |_, c| c.right)).machines()
+        .number("from_printed_inputs", "From the printed inputs", One, Digits(5), |r| r.of(|f| Some(f.from_print?.value), |_, _| None)).machines()
+        .number("relative_difference", "Relative difference", One, Digits(5), |r| r.of(|f| off(&f.status), |_, c| finite(c.right? / c.left? - 1.0))).machines()
+        .text("unit", "Unit", |r| r.of(|f| &f.claim.unit, |_, c| &c.unit))
+        .text("status", "Status", |r| r.of(|f| status(&f.status), |_, c| c.verdict.name()))
+        .text("relation", "Relation", |r| r.claim(|f| relation(f.claim.relation))).machines()
+        .text("how", "How", |r| r.of(|f| f.claim.recompute.as_ref().map_or_else(String::new, |e| e.text.clone()), |_, c| c.of.join(" "))).machines()
+        .text("traced_to", "Traced to", |r| r.claim(|f| f.traced_to.join(" "))).machines()
+        .text("beside", "Beside", |r| r.claim(besides)).machines()
+        .text("reasoning", "Reasoning", |r| r.of(remark, |_, c| c.reasoning.clone())).machines()
+        .blocks([claims].into_iter().chain(cases))
 }
 
-fn number(value: Option<f64>) -> Cell {
-    Cell::number(value, Rounding::Digits(5))
+/// A number of a test of consistency, as people read it.
+fn ascii(value: Option<f64>) -> Option<String> {
+    Some(Digits(4).round(value?)?.ascii())
 }
 
-fn claim(finding: &ClaimFinding) -> Vec<Cell> {
-    let claim = &finding.claim;
-    let relative = match finding.status {
-        Status::Differs { relative, .. } => Some(relative),
+fn off(status: &Status) -> Option<f64> {
+    match status {
+        Status::Differs { relative, .. } => Some(*relative),
         Status::Reproduced | Status::CannotBeRecomputed(_) => None,
-    };
-    let how = claim.recompute.as_ref().map_or("", |e| e.text.as_str());
-    vec![
-        Cell::text("claim"),
-        Cell::text(&claim.id),
-        Cell::text(&finding.paper),
-        Cell::text(&finding.section),
-        Cell::text(&claim.at),
-        Cell::text(&claim.quote),
-        Cell::text(&claim.printed.text),
-        number(Some(claim.printed.value)),
-        finding
-            .recomputed
-            .map_or(Cell::Empty, |n| Cell::text(near(&claim.printed, n.value))),
-        number(finding.recomputed.map(|n| n.value)),
-        number(finding.from_print.map(|n| n.value)),
-        number(relative),
-        Cell::text(&claim.unit),
-        Cell::text(status(&finding.status)),
-        Cell::text(match claim.relation {
-            Relation::Equal => "equal",
-            Relation::AtMost => "at most",
-        }),
-        Cell::text(how),
-        Cell::text(finding.traced_to.join(" ")),
-        Cell::text(besides(finding)),
-        Cell::text(remark(finding)),
-    ]
+    }
 }
 
-fn case(rule: &RuleFinding, case: &Case) -> Vec<Cell> {
-    let text = |value: Option<f64>| {
-        let rounded = value.and_then(|x| Rounding::Digits(4).round(x));
-        rounded.map_or(Cell::Empty, |r| Cell::text(r.ascii()))
-    };
-    let relative = case.left.zip(case.right).map(|(a, b)| b / a - 1.0);
-    vec![
-        Cell::text("consistency"),
-        Cell::text(rule.id),
-        Cell::Empty,
-        Cell::text(rule.title),
-        Cell::text(&case.subject),
-        Cell::Empty,
-        text(case.left),
-        number(case.left),
-        text(case.right),
-        number(case.right),
-        Cell::Empty,
-        number(relative.filter(|x| x.is_finite())),
-        Cell::text(&case.unit),
-        Cell::text(case.verdict.name()),
-        Cell::Empty,
-        Cell::text(case.of.join(" ")),
-        Cell::Empty,
-        Cell::Empty,
-        Cell::text(&case.reasoning),
-    ]
+fn relation(relation: Relation) -> &'static str {
+    match relation {
+        Relation::Equal => "equal",
+        Relation::AtMost => "at most",
+    }
 }

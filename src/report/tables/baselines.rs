@@ -1,64 +1,38 @@
 //! `baselines`: what each compared model reproduces of its authors' own numbers.
 
+use crate::described::*;
 use crate::input::ReportInput;
-use crate::table::{Cell, Column, Rounding, Table};
 use pipeline_mechanics::models::gate::{Gate, gate};
 
 /// The table; it depends on no data.
-pub fn table(_: &ReportInput) -> Table {
-    let columns = vec![
-        Column::text("model", "Model"),
-        Column::number("diameter_mm", "⌀", "mm"),
-        Column::text("against", "Reproduces"),
-        Column::number("values", "Values", ""),
-        Column::number("miss", "Miss", ""),
-        Column::number("claimed", "Claimed", ""),
-        Column::number("allowed", "Allowed", ""),
-        Column::text("verdict", "Compared"),
-    ];
-    let mut table = Table::new(
-        "baselines",
-        "Baselines: what each model reproduces before it is compared",
-        columns,
-    )
-    .note("Misses are the largest, as a share of the largest force among the values. A model that misses by more than is allowed is not compared.");
-    let mut model = None;
-    for gate in gate() {
-        if model != Some(gate.model) {
-            table.rule();
-        }
-        model = Some(gate.model);
-        table.push(row(&gate));
-    }
-    table
+#[rustfmt::skip]
+pub fn baselines(_: &ReportInput) -> Table {
+    let gates = gate();
+    Described::<&Gate>::new("baselines", "Baselines: what each model reproduces before it is compared")
+        .text("model", "Model", |g| g.model)
+        .count("diameter_mm", "⌀", Mm, |g| is_known(g).then_some(g.diameter_mm))
+        .text("against", "Reproduces", |g| if is_known(g) { g.against } else { "nothing: its authors printed no force" })
+        .count("values", "Values", One, |g| g.values)
+        .rounded("miss", "Miss", One, |g| share(g.miss))
+        .rounded("claimed", "Claimed", One, |g| share(g.claimed.unwrap_or(f64::NAN)))
+        .rounded("allowed", "Allowed", One, |g| share(g.allowed))
+        .text("verdict", "Compared", verdict)
+        .note("Misses are the largest, as a share of the largest force among the values. A model that misses by more than is allowed is not compared.")
+        .blocks(runs(&gates, |a, b| a.model == b.model))
 }
 
-fn row(gate: &Gate) -> Vec<Cell> {
-    let share = |x: f64| {
-        let decimals = if x < 1e-3 { 3 } else { 1 };
-        Cell::number(x.is_finite().then_some(x), Rounding::Percent(decimals))
-    };
-    let known = gate.values > 0;
-    vec![
-        Cell::text(gate.model),
-        if known {
-            Cell::Integer(i64::from(gate.diameter_mm))
-        } else {
-            Cell::Empty
-        },
-        Cell::text(if known {
-            gate.against
-        } else {
-            "nothing: its authors printed no force"
-        }),
-        Cell::Integer(gate.values as i64),
-        share(gate.miss),
-        gate.claimed.map_or(Cell::Empty, share),
-        share(gate.allowed),
-        Cell::text(match (known, gate.passes()) {
-            (false, _) => "yes, unchecked",
-            (true, true) => "yes",
-            (true, false) => "no",
-        }),
-    ]
+fn is_known(gate: &Gate) -> bool {
+    gate.values > 0
+}
+
+fn share(x: f64) -> (Option<f64>, Rounding) {
+    (finite(x), Percent(if x < 1e-3 { 3 } else { 1 }))
+}
+
+fn verdict(gate: &Gate) -> &'static str {
+    match (is_known(gate), gate.passes()) {
+        (false, _) => "yes, unchecked",
+        (true, true) => "yes",
+        (true, false) => "no",
+    }
 }

@@ -1,98 +1,104 @@
-//! `coefficients`: what was fitted, with intervals, beside what was published.
+//! `coefficients`, `intervals`: what was fitted beside what was published, and the interval of every coefficient by every method.
 
-use crate::figures::slug;
-use crate::input::{GroupInput, ReportInput};
-use crate::symbols;
-use crate::table::{Audience, Cell, Column, Rounding, Table};
+use crate::described::*;
+use crate::input::GroupInput;
 use crate::wording::name::coefficient_state;
 use pipeline_compare::NEW;
 use pipeline_fit::engine::{CoefficientFit, CoefficientState, EquationFit};
 
-/// All groups.
-pub fn table(input: &ReportInput) -> Table {
-    build(input.groups.iter().collect())
+type Row<'a> = (&'a GroupInput, &'a EquationFit, &'a CoefficientFit);
+
+/// One row a coefficient.
+#[rustfmt::skip]
+pub fn coefficients(groups: &[GroupInput]) -> Table {
+    Described::<Row>::new("coefficients", "Coefficients of the new model")
+        .text("model", "Model", |_| NEW).machines()
+        .count("diameter_mm", "⌀", Mm, |(g, ..)| g.fit.group.diameter_mm).machines()
+        .equation(|(_, e, _)| &e.id)
+        .coefficient("Coefficient", |(.., c)| &c.symbol)
+        .value("value", "Fitted", One, estimate)
+        .text("unit", "Unit", |(.., c)| &c.unit)
+        .interval("ci", "95% CI", One, estimate)
+        .text("ci_method", "CI by", |(_, e, c)| c.ci_low.map(|_| &e.ci_method)).machines()
+        .number("published", "Published", One, Digits(4), |(.., c)| c.published)
+        .flag("inside_published_ci", "In publ. CI", |(.., c)| c.published_interval.map(|(low, high)| (low..=high).contains(&c.value)))
+        .text("campaign", "Campaign", |(g, ..)| &g.fit.group.campaign).machines()
+        .text("state", "Remark", |(.., c)| (c.state != CoefficientState::Ok).then(|| coefficient_state(&c.state)))
+        .count("n", "\\v{n}", One, |(_, e, _)| e.n).machines()
+        .number("rmse", "RMSE", One, Digits(4), |(_, e, _)| finite(e.rmse)).machines()
+        .number("adj_r2", "Adj. R^2", One, Decimals(4), |(_, e, _)| finite(e.adjusted_r2)).machines()
+        .number("max_abs_error", "Max. error", One, Digits(4), |(_, e, _)| finite(e.max_abs_error)).machines()
+        .text("rmse_unit", "Unit of errors", |(_, e, _)| &e.unit).machines()
+        .text("loss", "Loss", |(_, e, _)| &e.loss).machines()
+        .blocks(equations(groups).map(|(g, e)| e.coefficients.iter().map(move |c| (g, e, c))))
 }
 
-/// One group.
-pub fn of_group(group: &GroupInput) -> Table {
-    let mut table = build(vec![group]);
-    table.id = format!("coefficients-{}", slug(group));
-    table
+fn equations(groups: &[GroupInput]) -> impl Iterator<Item = (&GroupInput, &EquationFit)> {
+    let all = groups.iter();
+    all.flat_map(|g| g.fit.equations.iter().map(move |e| (g, e)))
 }
 
-fn build(groups: Vec<&GroupInput>) -> Table {
-    let columns = vec![
-        Column::text("model", "Model").seen_by(Audience::Machines),
-        Column::number("diameter_mm", "⌀", "mm").seen_by(Audience::Machines),
-        Column::text("equation", "Equation").seen_by(Audience::Machines),
-        Column::text("equation", "Equation").seen_by(Audience::People),
-        Column::text("coefficient", "Coefficient").seen_by(Audience::Machines),
-        Column::text("coefficient", "Coefficient").seen_by(Audience::People),
-        Column::number("value", "Fitted", ""),
-        Column::text("unit", "Unit"),
-        Column::interval("ci", "95% CI", ""),
-        Column::text("ci_method", "CI by").seen_by(Audience::Machines),
-        Column::number("published", "Published", ""),
-        Column::flag("inside_published_ci", "In publ. CI"),
-        Column::text("campaign", "Campaign").seen_by(Audience::Machines),
-        Column::text("state", "Remark"),
-        Column::number("n", "\\v{n}", "").seen_by(Audience::Machines),
-        Column::number("rmse", "RMSE", "").seen_by(Audience::Machines),
-        Column::number("adj_r2", "Adj. R^2", "").seen_by(Audience::Machines),
-        Column::number("max_abs_error", "Max. error", "").seen_by(Audience::Machines),
-        Column::text("rmse_unit", "Unit of errors").seen_by(Audience::Machines),
-        Column::text("loss", "Loss").seen_by(Audience::Machines),
-    ];
-    let mut table = Table::new("coefficients", "Coefficients of the new model", columns);
-    for group in groups {
-        for equation in &group.fit.equations {
-            table.rule();
-            for coefficient in &equation.coefficients {
-                table.push(row(group, equation, coefficient));
-            }
-        }
-    }
-    table
-}
-
-fn row(group: &GroupInput, equation: &EquationFit, c: &CoefficientFit) -> Vec<Cell> {
-    let [value, interval] = match (c.ci_low, c.ci_high) {
+fn estimate((.., c): Row) -> [Cell; 2] {
+    match (c.ci_low, c.ci_high) {
         (Some(low), Some(high)) => Cell::with_interval(c.value, low, high),
-        _ => [Cell::number(c.value, Rounding::Digits(4)), Cell::Empty],
-    };
-    let method = if c.ci_low.is_some() {
-        Cell::text(&equation.ci_method)
-    } else {
-        Cell::Empty
-    };
-    let inside = c.published_interval.map_or(Cell::Empty, |(low, high)| {
-        Cell::Flag((low..=high).contains(&c.value))
-    });
-    let finite = |x: f64, rounding| Cell::number(x.is_finite().then_some(x), rounding);
-    vec![
-        Cell::text(NEW),
-        Cell::Integer(i64::from(group.fit.group.diameter_mm)),
-        Cell::text(&equation.id),
-        Cell::Symbol(symbols::equation(&equation.id)),
-        Cell::text(&c.symbol),
-        Cell::Symbol(symbols::coefficient(&c.symbol)),
-        value,
-        Cell::text(&c.unit),
-        interval,
+        _ => [Cell::number(c.value, Digits(4)), Cell::Empty],
+    }
+}
+
+/// The interval of a coefficient by one method.
+#[derive(Clone, Copy)]
+struct By<'a> {
+    row: Row<'a>,
+    method: &'static str,
+    value: f64,
+    low: Option<f64>,
+    high: Option<f64>,
+    rounding: Rounding,
+}
+
+/// One row a method: those of the fit, of the LAR-compatible statistics and of the papers.
+#[rustfmt::skip]
+pub fn intervals(groups: &[GroupInput]) -> Table {
+    Described::<By>::new("intervals", "95% intervals of every coefficient, by every method")
+        .group(|r| &r.row.0.fit.group)
+        .equation(|r| &r.row.1.id).once()
+        .coefficient("Coefficient", |r| &r.row.2.symbol).once()
+        .text("unit", "Unit", |r| &r.row.2.unit)
+        .text("method", "Interval by", |r| r.method)
+        .rounded("value", "Value", One, |r| (r.value, r.rounding))
+        .rounded("ci_low", "From", One, |r| (r.low, r.rounding))
+        .rounded("ci_high", "To", One, |r| (r.high, r.rounding))
+        .note(
+            "The methods by specimen let readings of one specimen depend on each other; profile and linearised intervals, like the \
+             LAR-compatible and the published ones, count every reading as independent and are too narrow. An empty end is open.",
+        )
+        .blocks(equations(groups).flat_map(|(g, e)| (0..e.coefficients.len()).map(move |k| by_every_method(g, e, k))))
+}
+
+fn by_every_method<'a>(group: &'a GroupInput, equation: &'a EquationFit, k: usize) -> Vec<By<'a>> {
+    let c = &equation.coefficients[k];
+    let by = |method, value, [low, high]: [Option<f64>; 2]| By {
+        row: (group, equation, c),
         method,
-        Cell::number(c.published, Rounding::Digits(4)),
-        inside,
-        Cell::text(&group.fit.group.campaign),
-        if c.state == CoefficientState::Ok {
-            Cell::Empty
-        } else {
-            Cell::text(coefficient_state(&c.state))
+        value,
+        low,
+        high,
+        rounding: match (low, high) {
+            (Some(low), Some(high)) => Rounding::ByInterval { low, high },
+            _ => Digits(4),
         },
-        Cell::Integer(equation.n as i64),
-        finite(equation.rmse, Rounding::Digits(4)),
-        finite(equation.adjusted_r2, Rounding::Decimals(4)),
-        finite(equation.max_abs_error, Rounding::Digits(4)),
-        Cell::text(&equation.unit),
-        Cell::text(&equation.loss),
-    ]
+    };
+    let both = |ends: Option<(f64, f64)>| [ends.map(|e| e.0), ends.map(|e| e.1)];
+    let own = c.intervals.iter();
+    let mut rows: Vec<By> = own
+        .map(|i| by(i.method.name(), c.value, [i.low, i.high]))
+        .collect();
+    if let Some(lar) = &equation.compatible {
+        let (value, ends) = (lar.coefficients[k], lar.intervals[k]);
+        rows.push(by("LAR-compatible", value, both(ends)));
+    }
+    if let Some(published) = c.published {
+        rows.push(by("published", published, both(c.published_interval)));
+    }
+    rows
 }

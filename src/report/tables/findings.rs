@@ -1,119 +1,99 @@
 //! `findings`: what every campaign's model lacks, one row a parameter of an effect, a column without a name, or a campaign without either.
 
-use super::described::{self, Of, interval, number, of_all, optional, text};
+use crate::described::*;
 use crate::input::ReportInput;
-use crate::table::{Cell, Rounding, Table};
-use crate::wording::number::{cells, finite};
+use crate::wording::name;
+use crate::wording::number::cells;
 use pipeline_findings::{ActsOn, CampaignFindings, EffectFinding, Parameter, Unexplained};
 
 /// What stands in the place of an effect where none of the library explains the dependence on a column.
 const UNEXPLAINED: &str = "unexplained";
 
 /// What a row says.
+#[derive(Clone, Copy)]
 enum Found<'a> {
     Effect(&'a EffectFinding, &'a Parameter),
     Unexplained(&'a Unexplained),
     Nothing,
 }
-use Found::{Effect, Nothing};
-
-type Row<'a> = Of<'a, Found<'a>>;
 
 /// All campaigns.
-pub fn table(input: &ReportInput) -> Table {
-    let columns = vec![
-        described::verdict(),
-        text("effect", "Effect", |r: &Row| match r.one {
-            Effect(e, _) => Cell::text(&e.id),
-            Found::Unexplained(_) => Cell::text(UNEXPLAINED),
-            Nothing => Cell::Empty,
-        }),
-        text("class", "Alias set", |r| {
-            effect(r, |e| Cell::text(e.class.join(" ")))
-        })
-        .for_machines(),
-        text("form", "Form", |r| effect(r, |e| Cell::text(&e.form))).for_machines(),
-        text("acts_on", "Acts on", |r| {
-            effect(r, |e| Cell::text(acts_on(e.acts_on)))
-        })
-        .for_machines(),
-        text("column", "Column", |r: &Row| match r.one {
-            Effect(e, _) => optional(e.column.as_deref()),
-            Found::Unexplained(u) => Cell::text(&u.column),
-            Nothing => Cell::Empty,
-        }),
-        text("from", "From", |r| {
-            effect(r, |e| optional(e.from.as_deref()))
-        })
-        .for_machines(),
-        text("parameter", "Parameter", |r| {
-            parameter(r, |p| Cell::text(&p.name))
-        }),
-        number("value", "Value", "", |r| {
-            parameter(r, |p| size(p)[0].clone())
-        }),
-        interval("ci", "95%", |r| parameter(r, |p| size(p)[1].clone())),
-        text("unit", "Unit", |r| parameter(r, |p| Cell::text(&p.unit))),
-        number("p_familywise", "\\v{p}", "", |r| {
-            both(
-                r,
-                |e| Some(e.p_familywise),
-                |u| Some(u.p_familywise),
-                Rounding::Digits(2),
-            )
-        }),
-        number("log_likelihood_gain", "Gain", "", |r| {
-            both(
-                r,
-                |e| e.log_likelihood_gain,
-                |u| u.log_likelihood_gain,
-                Rounding::Decimals(1),
-            )
-        }),
-        number("p_form", "\\v{p} (form)", "", |r| {
-            effect(r, |e| {
-                let form = e.free_form.as_ref();
-                form.map_or(Cell::Empty, |f| finite(f.p, Rounding::Digits(2)))
-            })
-        }),
-        number("found_in_folds", "In folds", "", |r| {
-            effect(r, |e| {
-                let share = e.found_in_folds;
-                share.map_or(Cell::Empty, |x| finite(x, Rounding::Percent(0)))
-            })
-        }),
-        described::flag("negligible", "Negligible", |r| {
-            effect(r, |e| Cell::Flag(e.negligible))
-        })
-        .for_machines(),
-        number("rms", "RMS", "", |r| {
-            effect(r, |e| finite(e.rms, Rounding::Digits(3)))
-        }),
-        number("share_of_variance", "Share", "", |r: &Row| match r.one {
-            Found::Unexplained(u) => finite(u.share_of_variance, Rounding::Decimals(3)),
-            _ => Cell::Empty,
-        })
-        .for_machines(),
-    ];
-    of_all(input, ("findings", "What the model of every campaign lacks"), columns, rows).note(
-        "\\v{p}: probability of a candidate as strong as this anywhere. \\v{Gain}: in marginal log-likelihood, variances estimated again. \\v{p} (form): probability of as large a \
-         change of the size with the effect's own argument, where one size is enough. \\v{In folds}: share of the \
-         held-out searches that find it too. \\v{RMS}: of what it does to the readings, in the unit of the errors. \\v{unexplained}: a dependence on a column for which the library has no effect.",
-    )
+#[rustfmt::skip]
+pub fn findings(input: &ReportInput) -> Table {
+    Described::<(&CampaignFindings, Found)>::found("findings", "What the model of every campaign lacks")
+        .text("verdict", "Verdict", |(found, _)| name::verdict_id(found.verdict)).machines()
+        .text("effect", "Effect", |(_, f)| f.effect().map(|e| e.id.as_str()).or(f.unexplained().map(|_| UNEXPLAINED)))
+        .text("class", "Alias set", |(_, f)| f.effect().map(|e| e.class.join(" "))).machines()
+        .text("form", "Form", |(_, f)| f.effect().map(|e| &e.form)).machines()
+        .text("acts_on", "Acts on", |(_, f)| f.effect().map(|e| acts_on(e.acts_on))).machines()
+        .text("column", "Column", |(_, f)| f.effect().map_or_else(|| Some(&f.unexplained()?.column), |e| e.column.as_ref()))
+        .text("from", "From", |(_, f)| f.effect().map(|e| &e.from)).machines()
+        .text("parameter", "Parameter", |(_, f)| f.parameter().map(|p| &p.name))
+        .value("value", "Value", One, |(_, f)| size(f.parameter()))
+        .interval("ci", "95%", One, |(_, f)| size(f.parameter()))
+        .text("unit", "Unit", |(_, f)| f.parameter().map(|p| &p.unit))
+        .number("p_familywise", "\\v{p}", One, Digits(2), |(_, f)| f.either(|e| Some(e.p_familywise), |u| Some(u.p_familywise)))
+        .number("log_likelihood_gain", "Gain", One, Decimals(1), |(_, f)| f.either(|e| e.log_likelihood_gain, |u| u.log_likelihood_gain))
+        .number("p_form", "\\v{p} (form)", One, Digits(2), |(_, f)| finite(f.effect().and_then(|e| Some(e.free_form.as_ref()?.p))))
+        .number("found_in_folds", "In folds", One, Percent(0), |(_, f)| finite(f.effect().and_then(|e| e.found_in_folds)))
+        .flag("negligible", "Negligible", |(_, f)| f.effect().map(|e| e.negligible)).machines()
+        .number("rms", "RMS", One, Digits(3), |(_, f)| finite(f.effect().map(|e| e.rms)))
+        .number("share_of_variance", "Share", One, Decimals(3), |(_, f)| finite(f.unexplained().map(|u| u.share_of_variance))).machines()
+        .note(
+            "\\v{p}: probability of a candidate as strong as this anywhere. \\v{Gain}: in marginal log-likelihood, variances estimated again. \\v{p} (form): probability of as large a \
+             change of the size with the effect's own argument, where one size is enough. \\v{In folds}: share of the \
+             held-out searches that find it too. \\v{RMS}: of what it does to the readings, in the unit of the errors. \\v{unexplained}: a dependence on a column for which the library has no effect.",
+        )
+        .of_all(input, rows)
 }
 
 fn rows(found: &CampaignFindings) -> Vec<Found<'_>> {
-    let effects = found
-        .effects
-        .iter()
-        .flat_map(|e| e.parameters.iter().map(move |p| Effect(e, p)));
-    let all: Vec<Found> = effects
-        .chain(found.unexplained.iter().map(Found::Unexplained))
-        .collect();
-    if all.is_empty() { vec![Nothing] } else { all }
+    let effects = found.effects.iter();
+    let effects = effects.flat_map(|e| e.parameters.iter().map(move |p| Found::Effect(e, p)));
+    let unexplained = found.unexplained.iter().map(Found::Unexplained);
+    let all: Vec<Found> = effects.chain(unexplained).collect();
+    if all.is_empty() {
+        vec![Found::Nothing]
+    } else {
+        all
+    }
 }
 
-fn acts_on(acts_on: ActsOn) -> &'static str {
+impl<'a> Found<'a> {
+    fn effect(self) -> Option<&'a EffectFinding> {
+        match self {
+            Found::Effect(effect, _) => Some(effect),
+            Found::Unexplained(_) | Found::Nothing => None,
+        }
+    }
+
+    fn parameter(self) -> Option<&'a Parameter> {
+        match self {
+            Found::Effect(_, parameter) => Some(parameter),
+            Found::Unexplained(_) | Found::Nothing => None,
+        }
+    }
+
+    fn unexplained(self) -> Option<&'a Unexplained> {
+        match self {
+            Found::Unexplained(unexplained) => Some(unexplained),
+            Found::Effect(..) | Found::Nothing => None,
+        }
+    }
+
+    /// A number that effects and columns without a name both have.
+    fn either(
+        self,
+        effect: fn(&EffectFinding) -> Option<f64>,
+        unexplained: fn(&Unexplained) -> Option<f64>,
+    ) -> Option<f64> {
+        let of_effect = self.effect().map(effect);
+        finite(of_effect.or(self.unexplained().map(unexplained)).flatten())
+    }
+}
+
+/// On what an effect acts, in data files.
+pub(super) fn acts_on(acts_on: ActsOn) -> &'static str {
     match acts_on {
         ActsOn::All => "all",
         ActsOn::Levels => "levels",
@@ -121,33 +101,9 @@ fn acts_on(acts_on: ActsOn) -> &'static str {
     }
 }
 
-fn effect(row: &Row, cell: fn(&EffectFinding) -> Cell) -> Cell {
-    match row.one {
-        Effect(e, _) => cell(e),
-        _ => Cell::Empty,
-    }
-}
-
-fn parameter(row: &Row, cell: fn(&Parameter) -> Cell) -> Cell {
-    match row.one {
-        Effect(_, p) => cell(p),
-        _ => Cell::Empty,
-    }
-}
-
-fn both(
-    row: &Row,
-    e: fn(&EffectFinding) -> Option<f64>,
-    u: fn(&Unexplained) -> Option<f64>,
-    rounding: Rounding,
-) -> Cell {
-    match row.one {
-        Effect(effect, _) => finite(e(effect), rounding),
-        Found::Unexplained(unexplained) => finite(u(unexplained), rounding),
-        Nothing => Cell::Empty,
-    }
-}
-
-fn size(p: &Parameter) -> [Cell; 2] {
-    cells(p.value, p.ci_low, p.ci_high)
+/// Value and interval of a parameter; empty where there is none.
+pub(super) fn size(parameter: Option<&Parameter>) -> [Cell; 2] {
+    parameter.map_or([Cell::Empty, Cell::Empty], |p| {
+        cells(p.value, p.ci_low, p.ci_high)
+    })
 }

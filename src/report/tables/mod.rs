@@ -1,80 +1,163 @@
-//! The tables, one file each. A new table is one new file and one line in [`ALL`].
+//! The tables: a file has one, or a few that are variants of each other, as [`Described`]. A new file is one line in the list below, with the
+//! tables in it; `docs/adding-a-table.md` is a worked example.
 
-mod alternatives;
-mod audit;
-mod baselines;
-mod budget;
-mod coefficients;
-mod comparison_by_length;
-mod described;
-mod detection_limits;
-mod findings;
-mod fits;
-mod intervals;
-pub mod knee;
-pub mod leg_prediction;
-mod model_comparison;
-mod paper;
-mod plateaus;
-pub mod prediction;
-mod provenance;
-mod recording_errors;
-mod rejects;
-mod residual_errors;
-mod scatter;
-mod sessions;
-mod specimens;
-mod statistics;
-mod table1;
-mod table2;
-mod tested;
-mod zeros;
-
-use crate::input::ReportInput;
+use crate::described::{Described, Unit::Mm, Unit::One, finite};
+use crate::figures::slug;
+use crate::input::{GroupInput, ReportInput};
+use crate::symbols;
 use crate::table::{Audience, Table};
+use crate::wording::number::error_rounding;
+use pipeline_base::group::Group;
+use pipeline_findings::CampaignFindings;
+use pipeline_torque::CampaignTorque;
+use std::slice::from_ref;
 
-/// Every table, in the order in which the summary lists them.
-pub const ALL: &[fn(&ReportInput) -> Table] = &[
-    sessions::table,
-    rejects::table,
-    zeros::table,
-    plateaus::table,
-    specimens::table,
-    table1::table,
-    table2::table,
-    coefficients::table,
-    intervals::table,
-    fits::table,
-    statistics::table,
-    baselines::table,
-    model_comparison::table,
-    comparison_by_length::table,
-    findings::table,
-    scatter::table,
-    budget::table,
-    tested::table,
-    detection_limits::table,
-    recording_errors::table,
-    residual_errors::table,
-    alternatives::table,
-    provenance::table,
-];
+/// What a table is made of.
+#[derive(Clone, Copy)]
+pub enum Of {
+    /// Everything.
+    Report(fn(&ReportInput) -> Table),
+    /// Groups of rows: all of them, or one.
+    Groups(fn(&[GroupInput]) -> Table),
+    /// Campaigns of torque: all of them, or one.
+    Torque(fn(&[CampaignTorque]) -> Table),
+}
 
-pub use audit::table as audit;
-pub use baselines::table as baselines;
-pub use coefficients::of_group as coefficients_of;
-pub use comparison_by_length::of_group as comparison_by_length_of;
-pub use fits::of_group as fits_of;
-pub use intervals::of_group as intervals_of;
-pub use model_comparison::of_group as comparison_of;
-pub use provenance::table as provenance;
-pub use rejects::summary as rejects_summary;
-pub use sessions::table as sessions;
-pub use specimens::of_group as specimens_of;
-pub use statistics::of_group as statistics_of;
-pub use table1::of_group as table1_of;
-pub use table2::of_group as table2_of;
-pub use zeros::table as zeros;
+impl Of {
+    /// The table of everything there is.
+    pub fn all(self, input: &ReportInput) -> Table {
+        match self {
+            Of::Report(make) => make(input),
+            Of::Groups(make) => make(&input.groups),
+            Of::Torque(make) => make(input.torque()),
+        }
+    }
+}
+
+/// Declares the files of tables and lists their tables, so that both stand in one line a file.
+macro_rules! tables {
+    ($($file:ident: $of:ident[$($table:ident),+],)+) => {
+        $(pub mod $file;)+
+
+        /// Every table, in the order in which the summary lists them.
+        pub const ALL: &[$crate::tables::Of] = &[$($($crate::tables::Of::$of($file::$table),)+)+];
+    };
+}
+
+// rustfmt does not follow modules declared by a macro: check them with `rustfmt --edition 2024 --check src/report/tables/*.rs`.
+tables! {
+    sessions: Report[sessions],
+    rejects: Report[rejects],
+    zeros: Report[zeros],
+    plateaus: Report[plateaus],
+    specimens: Groups[specimens],
+    paper: Groups[table1, table2],
+    coefficients: Groups[coefficients, intervals],
+    goodness: Groups[fits, statistics],
+    baselines: Report[baselines],
+    comparison: Groups[models, by_length],
+    findings: Report[findings],
+    scatter: Report[scatter, budget],
+    tested: Report[tested, detection_limits],
+    recording_errors: Report[recording_errors],
+    held_out: Report[residual_errors, alternatives],
+    provenance: Report[provenance],
+}
+
+mod audit;
+pub mod knee;
+pub mod prediction;
+
+pub use audit::audit;
+
+/// The tables that the pages show once.
+pub fn once(input: &ReportInput) -> [Table; 5] {
+    [
+        sessions::sessions(input),
+        zeros::zeros(input),
+        rejects::summary(input),
+        baselines::baselines(input),
+        provenance::provenance(input),
+    ]
+}
+
+/// The tables that the pages show of one group, named after it.
+pub fn of_group(group: &GroupInput) -> impl Iterator<Item = Table> {
+    let shown: [fn(&[GroupInput]) -> Table; 8] = [
+        specimens::specimens,
+        paper::table1,
+        paper::table2,
+        coefficients::coefficients,
+        goodness::statistics,
+        comparison::models_in_print,
+        comparison::by_length,
+        coefficients::intervals,
+    ];
+    let table = |make: fn(&[GroupInput]) -> Table| make(from_ref(group)).named(&slug(group));
+    shown.into_iter().map(table)
+}
+
+impl<'a, R: Copy + 'a> Described<'a, R> {
+    /// The columns that tell groups of rows apart, for machines: [`naming_groups`] shows people those that they need.
+    fn group(self, of: impl Fn(R) -> &'a Group + Copy + 'a) -> Self {
+        self.text("campaign", "Campaign", move |r| &of(r).campaign)
+            .machines()
+            .count("diameter_mm", "⌀", Mm, move |r| of(r).diameter_mm)
+            .machines()
+    }
+
+    /// An equation: its id for machines, its symbol for people.
+    fn equation(self, id: impl Fn(R) -> &'a str + Copy + 'a) -> Self {
+        self.text("equation", "Equation", id)
+            .machines()
+            .symbol("equation", "Equation", move |r| symbols::equation(id(r)))
+            .people()
+    }
+
+    /// A coefficient: its name for machines, its symbol for people.
+    fn coefficient(self, heading: &str, name: impl Fn(R) -> &'a str + Copy + 'a) -> Self {
+        let symbol = move |r| symbols::coefficient(name(r));
+        self.text("coefficient", "Coefficient", name)
+            .machines()
+            .symbol("coefficient", heading, symbol)
+            .people()
+    }
+}
+
+/// Tables of all campaigns, pools and joints: rows are one of these and a thing that was found of it.
+impl<'a, T: Copy + 'a> Described<'a, (&'a CampaignFindings, T)> {
+    /// A table with the columns that name the campaign, pool or joint.
+    fn found(id: &str, caption: &str) -> Self {
+        Self::new(id, caption)
+            .text("campaign", "Campaign", |(found, _)| &found.campaign)
+            .text("part", "Joint", |(found, _)| &found.part)
+            .count("diameter_mm", "⌀", Mm, |(found, _)| found.diameter_mm)
+    }
+
+    /// Adds a column of errors, in the unit of the campaign's; empty where there is none.
+    fn error<X: Into<Option<f64>>>(
+        self,
+        key: &str,
+        heading: &str,
+        says: impl Fn((&'a CampaignFindings, T)) -> X + 'a,
+    ) -> Self {
+        self.rounded(key, heading, One, move |row| {
+            let error = finite(says(row));
+            let rounding = error_rounding(error.unwrap_or(f64::NAN), &row.0.unit);
+            (error, rounding)
+        })
+    }
+
+    /// The table of the things that `list` gives of each campaign, pool and joint.
+    fn of_all(
+        self,
+        input: &'a ReportInput,
+        list: impl Fn(&'a CampaignFindings) -> Vec<T>,
+    ) -> Table {
+        let rows = |found| list(found).into_iter().map(move |one| (found, one));
+        self.blocks(input.all_findings().map(rows))
+    }
+}
 
 /// The columns that tell groups of rows apart, in tables of all groups.
 const GROUPS: [&str; 3] = ["campaign", "group", "diameter_mm"];

@@ -1,28 +1,90 @@
-//! The layout that Tables 1 and 2 of the force paper share: a block an equation, in it three sets of statistics, in each a row a
-//! coefficient. The honest set comes first, the LAR-compatible and the published ones stand below it.
+//! `table1`, `table2`: the force paper's tables. Both have a block an equation, in it three sets of statistics, in each a row a coefficient. The
+//! honest set comes first, the LAR-compatible and the published ones stand below it.
 
-use crate::figures::slug;
+use crate::described::*;
 use crate::input::GroupInput;
-use crate::symbols;
-use crate::table::{Audience, Cell, Column, Rounding, Table};
 use crate::wording::name::coefficient_state;
 use pipeline_audit::claims::{Kind, Split};
-use pipeline_fit::engine::{CoefficientState, Compatible, EquationFit, Goodness};
+use pipeline_fit::engine::{CoefficientFit, CoefficientState, Compatible, EquationFit, Goodness};
+use pipeline_fit::equations::{FORCE_AT_REST, MAXIMUM_FORCE, SURFACE};
+
+const HONEST: &str = "honest";
+const PUBLISHED: &str = "published";
+
+/// Maximum force. Eq. 7 is compared with the measured maxima at 620 kPa, Eqs. 5 and 6 with what the Festo tool says of the same maxima.
+#[rustfmt::skip]
+pub fn table1(groups: &[GroupInput]) -> Table {
+    let blocks = groups.iter().flat_map(maximum_force);
+    described("table1", "Maximum force: coefficients and goodness of fit", "Comparison", One)
+        .note(
+            "As in the force paper, the comparison of F_{max} is with the measured maxima at 620 kPa, and that of F_{620} is what the Festo \
+             tool leaves of the same maxima. Honest: of the residuals, intervals as configured; LAR-compatible: as a robust fit prints them.",
+        )
+        .blocks(blocks.map(Block::rows))
+}
+
+/// Relative force: the surface F*(eps*, P*), on training and validation rows.
+#[rustfmt::skip]
+pub fn table2(groups: &[GroupInput]) -> Table {
+    let blocks = groups.iter().filter_map(relative_force);
+    described("table2", "Relative force: coefficients and goodness of fit", "Validation", PerCent)
+        .note(
+            "Model: the rows that the split by row trains on; validation: the others. Honest coefficients and intervals are those of all \
+             rows, LAR-compatible ones those of the training rows. Rows of one log lie on both sides of this split: it says how well the \
+             surface interpolates, not how well it predicts another actuator.",
+        )
+        .blocks(blocks.map(Block::rows))
+}
+
+fn maximum_force(group: &GroupInput) -> impl Iterator<Item = Block<'_>> {
+    let maxima = group.comparison.maxima.as_ref();
+    let at_rest = maxima.and_then(|m| m.force_at_rest);
+    let festo = maxima.and_then(|m| m.festo_tool);
+    let equations = [
+        (FORCE_AT_REST, "Eq. 7", at_rest),
+        (MAXIMUM_FORCE, "Eqs. 5, 6", festo),
+    ];
+    let block = move |(id, number, compared): (&str, _, Option<Goodness>)| {
+        let equation = group.fit.equation(id)?;
+        Some(Block {
+            group,
+            equation,
+            number,
+            model: all_rows(equation),
+            lar: equation.compatible.as_ref(),
+            compared: compared.map(|g| Side::of(&g)),
+            compared_as: Split::Comparison,
+            unit: One,
+        })
+    };
+    equations.into_iter().filter_map(block)
+}
+
+fn relative_force(group: &GroupInput) -> Option<Block<'_>> {
+    let equation = group.fit.equation(SURFACE)?;
+    let split = equation.by_rows.as_ref();
+    Some(Block {
+        group,
+        equation,
+        number: "Eq. 8",
+        model: split.map_or_else(|| all_rows(equation), |s| Side::of(&s.train)),
+        lar: split.and_then(|s| s.compatible.as_ref()),
+        compared: split.map(|s| Side::of(&s.validation)),
+        compared_as: Split::Validation,
+        unit: PerCent,
+    })
+}
 
 /// Adjusted R2, RMSE and largest error of one half of the table.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Side {
-    /// Adjusted R2.
-    pub adjusted_r2: Option<f64>,
-    /// RMSE.
-    pub rmse: Option<f64>,
-    /// Largest absolute error.
-    pub max_abs_error: Option<f64>,
+#[derive(Clone, Copy, Default)]
+struct Side {
+    adjusted_r2: Option<f64>,
+    rmse: Option<f64>,
+    max_abs_error: Option<f64>,
 }
 
 impl Side {
-    /// The statistics of residuals.
-    pub fn of(goodness: &Goodness) -> Self {
+    fn of(goodness: &Goodness) -> Self {
         Self {
             adjusted_r2: goodness.adjusted_r2,
             rmse: goodness.rmse,
@@ -31,29 +93,7 @@ impl Side {
     }
 }
 
-/// One equation of one group.
-pub struct Block<'a> {
-    /// The group.
-    pub group: &'a GroupInput,
-    /// The fit.
-    pub equation: &'a EquationFit,
-    /// Its number in the force paper.
-    pub number: &'a str,
-    /// Left half, honest.
-    pub model: Side,
-    /// The LAR-compatible fit beside it.
-    pub lar: Option<&'a Compatible>,
-    /// Right half.
-    pub compared: Option<Side>,
-    /// What the paper prints in its right half.
-    pub compared_as: Split,
-    /// Largest errors are shares of F_620, in percent.
-    pub percent: bool,
-}
-
-/// The statistics of a fit on all of its rows.
-pub fn all_rows(equation: &EquationFit) -> Side {
-    let finite = |x: f64| x.is_finite().then_some(x);
+fn all_rows(equation: &EquationFit) -> Side {
     Side {
         adjusted_r2: finite(equation.adjusted_r2),
         rmse: finite(equation.rmse),
@@ -61,151 +101,133 @@ pub fn all_rows(equation: &EquationFit) -> Side {
     }
 }
 
-/// The columns; the last of each half is given.
-pub fn columns(largest: &[Column; 2]) -> Vec<Column> {
-    let [model, compared] = largest.clone();
-    vec![
-        Column::text("campaign", "Campaign").seen_by(Audience::Machines),
-        Column::number("diameter_mm", "⌀", "mm").seen_by(Audience::Machines),
-        Column::text("equation", "Equation").seen_by(Audience::Machines),
-        Column::text("number", "Equation").seen_by(Audience::People),
-        Column::text("statistics", "Statistics").seen_by(Audience::Machines),
-        Column::text("statistics", "Statistics").seen_by(Audience::People),
-        Column::text("coefficient", "Coefficient").seen_by(Audience::Machines),
-        Column::text("coefficient", "").seen_by(Audience::People),
-        Column::number("value", "Value", ""),
-        Column::text("unit", "Unit"),
-        Column::interval("ci", "95% CI", ""),
-        Column::number("adj_r2", "Adj. R^2", ""),
-        Column::number("rmse", "RMSE", ""),
-        model,
-        Column::number("compared_adj_r2", "Adj. R^2", ""),
-        Column::number("compared_rmse", "RMSE", ""),
-        compared,
-        Column::text("state", "Remark"),
-    ]
+/// One equation of one group.
+#[derive(Clone, Copy)]
+struct Block<'a> {
+    group: &'a GroupInput,
+    equation: &'a EquationFit,
+    /// Its number in the force paper.
+    number: &'static str,
+    /// Left half, honest.
+    model: Side,
+    /// The LAR-compatible fit beside it.
+    lar: Option<&'a Compatible>,
+    /// Right half.
+    compared: Option<Side>,
+    /// What the paper prints in its right half.
+    compared_as: Split,
+    /// Unit of the largest errors.
+    unit: Unit,
 }
 
-/// The table of one group alone, under a name of its own.
-pub fn of_group(mut table: Table, group: &GroupInput) -> Table {
-    table.id = format!("{}-{}", table.id, slug(group));
+/// One coefficient of one set of statistics.
+#[derive(Clone, Copy)]
+struct Row<'a> {
+    block: Block<'a>,
+    statistics: &'static str,
+    coefficient: &'a CoefficientFit,
+    value: f64,
+    ends: Option<(f64, f64)>,
+    /// Both halves; in the first row of the set.
+    sides: Option<[Side; 2]>,
+}
+
+#[rustfmt::skip]
+fn described<'a>(id: &str, caption: &str, compared: &str, unit: Unit) -> Described<'a, Row<'a>> {
+    let side = |table: Described<'a, Row<'a>>, prefix: &str, of: usize| table
+        .number(&format!("{prefix}adj_r2"), "Adj. R^2", One, Decimals(4), move |r| r.sides?[of].adjusted_r2)
+        .number(&format!("{prefix}rmse"), "RMSE", One, Digits(4), move |r| r.sides?[of].rmse)
+        .number(&format!("{prefix}max_abs_error"), "Max. error", unit, Digits(3), move |r| Some(factor(unit) * r.sides?[of].max_abs_error?));
+    let table = Described::<Row>::new(id, caption)
+        .group(|r| &r.block.group.fit.group)
+        .text("equation", "Equation", |r| &r.block.equation.id).machines()
+        .text("number", "Equation", |r| r.block.number).people().once()
+        .text("statistics", "Statistics", |r| r.statistics).machines()
+        .text("statistics", "Statistics", |r| r.sides.map(|_| r.statistics)).people()
+        .coefficient("", |r| &r.coefficient.symbol)
+        .value("value", "Value", One, estimate)
+        .text("unit", "Unit", |r| &r.coefficient.unit)
+        .interval("ci", "95% CI", One, estimate);
+    let table = side(side(table, "", 0), "compared_", 1);
     table
+        .text("state", "Remark", |r| (r.statistics == HONEST && r.coefficient.state != CoefficientState::Ok).then(|| coefficient_state(&r.coefficient.state)))
+        .span("Model", "adj_r2", "max_abs_error")
+        .span(compared, "compared_adj_r2", "compared_max_abs_error")
 }
 
-/// Adds the rows of one block.
-pub fn push(table: &mut Table, block: &Block) {
-    table.rule();
-    let fit = block.equation;
-    let honest = fit
-        .coefficients
-        .iter()
-        .map(|c| (c.value, c.ci_low.zip(c.ci_high)))
-        .collect();
-    set(table, block, "honest", honest, block.model, block.compared);
-    if let Some(lar) = block.lar {
-        let values = lar.coefficients.iter().zip(&lar.intervals);
-        let side = Side {
-            adjusted_r2: lar.adjusted_r2,
-            rmse: Some(lar.rmse),
-            max_abs_error: Some(lar.max_abs_error),
-        };
-        let values = values.map(|(v, i)| (*v, *i)).collect();
-        set(table, block, "LAR-compatible", values, side, None);
-    }
-    let published: Vec<_> = fit
-        .coefficients
-        .iter()
-        .filter_map(|c| Some((c.published?, c.published_interval)))
-        .collect();
-    if published.len() == fit.coefficients.len() {
-        let (model, compared) = (
-            printed(block, Split::Model),
-            printed(block, block.compared_as),
-        );
-        set(table, block, "published", published, model, Some(compared));
-    }
+/// By what a share of F_620 is multiplied.
+fn factor(unit: Unit) -> f64 {
+    if unit == PerCent { 100.0 } else { 1.0 }
 }
 
-/// What the force paper prints for the equation.
-fn printed(block: &Block, split: Split) -> Side {
-    let diameter = block.group.fit.group.diameter_mm;
-    let of = |kind| {
-        pipeline_audit::published(&block.equation.id, diameter, split, kind, None)
-            .map(|claim| claim.printed.value)
-    };
-    let unit = if block.percent { 0.01 } else { 1.0 };
-    Side {
-        adjusted_r2: of(Kind::AdjR2),
-        rmse: of(Kind::Rmse),
-        max_abs_error: of(Kind::MaxError).map(|x| unit * x),
+/// What a paper printed keeps its digits.
+fn estimate(row: Row) -> [Cell; 2] {
+    let rounding = Digits(4);
+    match row.ends {
+        Some((low, high)) if row.statistics == PUBLISHED => {
+            let interval = Cell::Interval {
+                low,
+                high,
+                rounding,
+            };
+            [Cell::number(row.value, rounding), interval]
+        }
+        Some((low, high)) => Cell::with_interval(row.value, low, high),
+        None => [Cell::number(row.value, rounding), Cell::Empty],
     }
 }
 
 type Estimate = (f64, Option<(f64, f64)>);
 
-fn set(
-    table: &mut Table,
-    block: &Block,
-    name: &str,
-    estimates: Vec<Estimate>,
-    model: Side,
-    compared: Option<Side>,
-) {
-    let group = &block.group.fit.group;
-    let coefficients = block.equation.coefficients.iter();
-    for (k, (coefficient, (value, ends))) in coefficients.zip(estimates).enumerate() {
-        let first = k == 0;
-        let once = |cell: Cell| if first { cell } else { Cell::Empty };
-        // What a paper printed keeps its digits.
-        let as_printed = Rounding::Digits(4);
-        let [value, interval] = match ends {
-            Some((low, high)) if name == "published" => [
-                Cell::number(value, as_printed),
-                Cell::Interval {
-                    low,
-                    high,
-                    rounding: as_printed,
-                },
-            ],
-            Some((low, high)) => Cell::with_interval(value, low, high),
-            None => [Cell::number(value, Rounding::Digits(4)), Cell::Empty],
-        };
-        let mut row = vec![
-            Cell::text(&group.campaign),
-            Cell::Integer(i64::from(group.diameter_mm)),
-            Cell::text(&block.equation.id),
-            if first && name == "honest" {
-                Cell::text(block.number)
-            } else {
-                Cell::Empty
-            },
-            Cell::text(name),
-            once(Cell::text(name)),
-            Cell::text(&coefficient.symbol),
-            Cell::Symbol(symbols::coefficient(&coefficient.symbol)),
-            value,
-            Cell::text(&coefficient.unit),
-            interval,
-        ];
-        row.extend(side(Some(model), block.percent).map(once));
-        row.extend(side(compared, block.percent).map(once));
-        row.push(
-            if name == "honest" && coefficient.state != CoefficientState::Ok {
-                Cell::text(coefficient_state(&coefficient.state))
-            } else {
-                Cell::Empty
-            },
-        );
-        table.push(row);
+impl<'a> Block<'a> {
+    fn rows(self) -> Vec<Row<'a>> {
+        let all = &self.equation.coefficients;
+        let honest = all.iter().map(|c| (c.value, c.ci_low.zip(c.ci_high)));
+        let sides = [self.model, self.compared.unwrap_or_default()];
+        let mut rows = self.set(HONEST, honest.collect(), sides);
+        if let Some(lar) = self.lar {
+            let values = lar.coefficients.iter().copied();
+            let side = Side {
+                adjusted_r2: lar.adjusted_r2,
+                rmse: Some(lar.rmse),
+                max_abs_error: Some(lar.max_abs_error),
+            };
+            let values = values.zip(lar.intervals.iter().copied()).collect();
+            rows.extend(self.set("LAR-compatible", values, [side, Side::default()]));
+        }
+        let published = all
+            .iter()
+            .map(|c| Some((c.published?, c.published_interval)));
+        if let Some(published) = published.collect() {
+            let sides = [Split::Model, self.compared_as].map(|split| self.printed(split));
+            rows.extend(self.set(PUBLISHED, published, sides));
+        }
+        rows
     }
-}
 
-fn side(side: Option<Side>, percent: bool) -> [Cell; 3] {
-    let side = side.unwrap_or_default();
-    let factor = if percent { 100.0 } else { 1.0 };
-    [
-        Cell::number(side.adjusted_r2, Rounding::Decimals(4)),
-        Cell::number(side.rmse, Rounding::Digits(4)),
-        Cell::number(side.max_abs_error.map(|x| factor * x), Rounding::Digits(3)),
-    ]
+    fn set(self, statistics: &'static str, of: Vec<Estimate>, sides: [Side; 2]) -> Vec<Row<'a>> {
+        let coefficients = self.equation.coefficients.iter().zip(of).enumerate();
+        let row = |(k, (coefficient, (value, ends)))| Row {
+            block: self,
+            statistics,
+            coefficient,
+            value,
+            ends,
+            sides: (k == 0).then_some(sides),
+        };
+        coefficients.map(row).collect()
+    }
+
+    /// What the force paper prints for the equation.
+    fn printed(self, split: Split) -> Side {
+        let (id, diameter) = (&self.equation.id, self.group.fit.group.diameter_mm);
+        let of = |kind| pipeline_audit::published(id, diameter, split, kind, None);
+        let of = |kind| of(kind).map(|claim| claim.printed.value);
+        let share = if self.unit == PerCent { 0.01 } else { 1.0 };
+        Side {
+            adjusted_r2: of(Kind::AdjR2),
+            rmse: of(Kind::Rmse),
+            max_abs_error: of(Kind::MaxError).map(|x| share * x),
+        }
+    }
 }

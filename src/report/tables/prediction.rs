@@ -1,48 +1,59 @@
-//! Predicted forces as a table: a sweep or the designer's table, one row a state. Not among the tables of a run.
+//! Predicted forces and torques, one row a state or an angle. Not among the tables of a run.
 
-use crate::table::{Cell, Column, Rounding, Table};
+use crate::described::*;
 use pipeline_predict::Answer;
+use pipeline_predict::torque::AtAngle;
 
-/// One row an answer.
-pub fn table<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
-    let columns = vec![
-        Column::number("diameter_mm", "⌀", "mm"),
-        Column::number("rest_length_mm", "l_{rest}", "mm"),
-        Column::number("contraction_620", "ε_{620}", ""),
-        Column::number("pressure_kpa", "\\v{P}", "kPa"),
-        Column::number("length_mm", "\\v{l}", "mm"),
-        Column::number("contraction", "ε", ""),
-        Column::number("contraction_rel", "ε*", ""),
-        Column::number("force_n", "\\v{F}", "N"),
-        Column::interval("interval_n", "95% interval", "N"),
-        Column::text("warnings", "Outside"),
-    ];
-    let mut table = Table::new("prediction", "Predicted force", columns);
-    for answer in answers {
-        table.push(row(answer));
-    }
-    table
+/// Predicted force: a sweep or the designer's table, one row an answer.
+#[rustfmt::skip]
+pub fn force<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
+    Described::<&Answer>::new("prediction", "Predicted force")
+        .count("diameter_mm", "⌀", Mm, |a| a.muscle.diameter_mm)
+        .number("rest_length_mm", "l_{rest}", Mm, Decimals(1), |a| 1e3 * a.muscle.rest_length_m)
+        .number("contraction_620", "ε_{620}", One, Decimals(3), |a| a.muscle.contraction_620)
+        .number("pressure_kpa", "\\v{P}", KPa, Decimals(1), |a| a.pressure_kpa)
+        .number("length_mm", "\\v{l}", Mm, Decimals(1), |a| 1e3 * a.length_m)
+        .number("contraction", "ε", One, Decimals(4), |a| a.contraction)
+        .number("contraction_rel", "ε*", One, Decimals(3), |a| a.contraction_rel)
+        .value("force_n", "\\v{F}", N, estimate)
+        .interval("interval_n", "95% interval", N, estimate)
+        .text("warnings", "Outside", |a| a.warnings.join("; "))
+        .rows(answers)
 }
 
-fn row(answer: &Answer) -> Vec<Cell> {
-    let number = |x: f64, decimals: usize| Cell::number(x, Rounding::Decimals(decimals));
-    let optional = |x: Option<f64>| Cell::number(x, Rounding::Decimals(3));
-    let muscle = &answer.muscle;
-    let force = match (answer.force_n, &answer.interval) {
+fn estimate(answer: &Answer) -> [Cell; 2] {
+    match (answer.force_n, &answer.interval) {
         (Some(force), Some(i)) => Cell::with_interval(force, i.low_n, i.high_n),
-        (force, _) => [Cell::number(force, Rounding::Digits(4)), Cell::Empty],
+        (force, _) => [Cell::number(force, Digits(4)), Cell::Empty],
+    }
+}
+
+/// Predicted torque over the range of a knee, one row an angle.
+#[rustfmt::skip]
+pub fn torque(found: &[AtAngle]) -> Table {
+    Described::<&AtAngle>::new("torque", "Predicted torque")
+        .number("angle_deg", "Knee angle", Degree, Decimals(1), |a| a.angle_deg)
+        .number("length_mm", "l_m", Mm, Decimals(1), |a| 1e3 * a.length_m)
+        .number("contraction_rel", "ε*", One, Decimals(3), |a| a.contraction_rel)
+        .number("arm_mm", "\\v{r}", Mm, Decimals(1), |a| 1e3 * a.arm_m)
+        .number("force_n", "\\v{F}", N, Decimals(1), |a| a.force_n)
+        .value("torque_nm", "\\v{M}", Nm, moment)
+        .interval("interval_nm", "95% interval", Nm, moment)
+        .number("human_nm", "Human", Nm, Decimals(2), |a| a.human_nm)
+        .flag("meets", "Meets it", |a| a.meets)
+        .text("warnings", "Outside", |a| a.warnings.join("; "))
+        .rows(found)
+}
+
+fn moment(at: &AtAngle) -> [Cell; 2] {
+    let rounding = Decimals(2);
+    let interval = |(low, high)| Cell::Interval {
+        low,
+        high,
+        rounding,
     };
-    let [force, interval] = force;
-    vec![
-        Cell::Integer(i64::from(muscle.diameter_mm)),
-        number(1e3 * muscle.rest_length_m, 1),
-        optional(muscle.contraction_620),
-        number(answer.pressure_kpa, 1),
-        number(1e3 * answer.length_m, 1),
-        number(answer.contraction, 4),
-        optional(answer.contraction_rel),
-        force,
-        interval,
-        Cell::text(answer.warnings.join("; ")),
+    [
+        Cell::number(at.torque_nm, rounding),
+        at.interval_nm.map_or(Cell::Empty, interval),
     ]
 }

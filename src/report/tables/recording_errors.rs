@@ -1,42 +1,27 @@
 //! `recording_errors`: sessions, specimens and tests that the model fitted without them makes too improbable.
 
-use super::described::{Of, flag, number, of_all, optional, text};
+use crate::described::*;
 use crate::input::ReportInput;
-use crate::table::{Cell, Rounding, Table};
 use crate::wording::name;
-use crate::wording::number::{error_rounding, finite};
-use pipeline_findings::{ErrorKind, RecordingError};
+use pipeline_findings::{CampaignFindings, ErrorKind, RecordingError};
 
-type Row<'a> = Of<'a, &'a RecordingError>;
-
-/// All campaigns.
-pub fn table(input: &ReportInput) -> Table {
-    let columns = vec![
-        text("level", "What", |r: &Row| {
-            Cell::text(name::level(r.one.level))
-        }),
-        text("group", "Id", |r| Cell::text(&r.one.group)),
-        text("kind", "Kind", |r| Cell::text(kind(r.one.kind))),
-        text("quantity", "Quantity", |r| {
-            optional(r.one.quantity.as_deref())
-        }),
-        number("value", "Size", "", |r| {
-            finite(r.one.value, Rounding::Digits(3))
-        }),
-        text("unit", "Unit", |r| Cell::text(&r.one.unit)),
-        number("p", "\\v{p}", "", |r| finite(r.one.p, Rounding::Digits(2))),
-        number("rms", "RMS", "", |r| {
-            finite(r.one.rms, error_rounding(r.one.rms, &r.found.unit))
-        }),
-        number("rms_corrected", "Corrected", "", |r| {
-            let rms = r.one.rms_corrected.unwrap_or(f64::NAN);
-            finite(rms, error_rounding(rms, &r.found.unit))
-        }),
-        flag("set_aside", "Set aside", |r| Cell::Flag(r.one.set_aside)),
-    ];
+/// One row a mistake.
+#[rustfmt::skip]
+pub fn recording_errors(input: &ReportInput) -> Table {
     let caption = "Recording errors: what the model fitted without it makes too improbable";
-    of_all(input, ("recording_errors", caption), columns, |f| f.recording_errors.iter().collect())
+    Described::<(&CampaignFindings, &RecordingError)>::found("recording_errors", caption)
+        .text("level", "What", |(_, e)| name::level(e.level))
+        .text("group", "Id", |(_, e)| &e.group)
+        .text("kind", "Kind", |(_, e)| kind(e.kind))
+        .text("quantity", "Quantity", |(_, e)| &e.quantity)
+        .number("value", "Size", One, Digits(3), |(_, e)| finite(e.value))
+        .text("unit", "Unit", |(_, e)| &e.unit)
+        .number("p", "\\v{p}", One, Digits(2), |(_, e)| finite(e.p))
+        .error("rms", "RMS", |(_, e)| e.rms)
+        .error("rms_corrected", "Corrected", |(_, e)| e.rms_corrected)
+        .flag("set_aside", "Set aside", |(_, e)| e.set_aside)
         .note("\\v{Size}: true less recorded, or the factor of a unit. \\v{RMS} of its readings about that model, as recorded and with the mistake taken back.")
+        .of_all(input, |found| found.recording_errors.iter().collect())
 }
 
 fn kind(kind: ErrorKind) -> &'static str {

@@ -1,90 +1,78 @@
 //! `rejects`: everything that was left out, and why.
 
+use crate::described::*;
 use crate::input::ReportInput;
-use crate::table::{Cell, Column, Table};
+use pipeline_base::diagnostics::Diagnostic;
 use pipeline_base::reject::{Extent, Reject};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// Every reject, session by session.
-pub fn table(input: &ReportInput) -> Table {
-    let columns = vec![
-        Column::text("session", "Session"),
-        Column::text("log", "Log"),
-        Column::number("first_row", "First row", ""),
-        Column::number("last_row", "Last row", ""),
-        Column::number("count", "Rows", ""),
-        Column::text("reason", "Reason"),
-        Column::text("extent", "Extent"),
-    ];
-    let mut table = Table::new("rejects", "Everything that was left out, and why", columns);
-    let row = |k: Option<u64>| k.map_or(Cell::Empty, |k| Cell::Integer(k as i64));
-    for (name, diagnostics) in &input.unusable {
-        for diagnostic in diagnostics {
-            table.push(vec![
-                Cell::text(name),
-                Cell::text("session.toml"),
-                row(diagnostic.row),
-                row(diagnostic.row),
-                Cell::Integer(0),
-                Cell::text(format!(
-                    "{}: found {}, expected {}",
-                    diagnostic.column.as_deref().unwrap_or("session.toml"),
-                    diagnostic.found,
-                    diagnostic.expected
-                )),
-                Cell::text(Extent::Session.name()),
-            ]);
-        }
-    }
-    for reject in input.sessions.iter().flat_map(|s| s.rejects()) {
-        table.push(vec![
-            Cell::text(&reject.session),
-            Cell::text(&reject.log),
-            row(reject.first_row),
-            row(reject.last_row),
-            Cell::Integer(reject.count as i64),
-            Cell::text(&reject.reason),
-            Cell::text(reject.extent.name()),
-        ]);
-    }
-    table
+/// One row a reject: unusable sessions, then session by session.
+#[rustfmt::skip]
+pub fn rejects(input: &ReportInput) -> Table {
+    let unusable = input.unusable.iter().flat_map(|(name, all)| all.iter().map(move |d| unusable(name, d)));
+    let unusable: Vec<Reject> = unusable.collect();
+    let of_sessions = input.sessions.iter().flat_map(|s| s.rejects());
+    Described::<&Reject>::new("rejects", "Everything that was left out, and why")
+        .text("session", "Session", |r| &r.session)
+        .text("log", "Log", |r| &r.log)
+        .count("first_row", "First row", One, |r| r.first_row)
+        .count("last_row", "Last row", One, |r| r.last_row)
+        .count("count", "Rows", One, |r| r.count)
+        .text("reason", "Reason", |r| &r.reason)
+        .text("extent", "Extent", |r| r.extent.name())
+        .rows(unusable.iter().chain(of_sessions))
 }
 
-/// The rejects by extent and reason, for people: how often, and how many rows.
+/// A session that could not be read.
+fn unusable(name: &str, diagnostic: &Diagnostic) -> Reject {
+    let column = diagnostic.column.as_deref().unwrap_or("session.toml");
+    let (found, expected) = (&diagnostic.found, &diagnostic.expected);
+    Reject {
+        session: name.to_owned(),
+        log: "session.toml".to_owned(),
+        first_row: diagnostic.row,
+        last_row: diagnostic.row,
+        count: 0,
+        extent: Extent::Session,
+        reason: format!("{column}: found {found}, expected {expected}"),
+    }
+}
+
+/// How often something was left out for one reason.
+#[derive(Default)]
+struct Tally<'a> {
+    times: usize,
+    rows: u64,
+    sessions: BTreeSet<&'a str>,
+}
+
+/// The rejects by extent and reason, for people.
+#[rustfmt::skip]
 pub fn summary(input: &ReportInput) -> Table {
-    let columns = vec![
-        Column::text("extent", "Extent"),
-        Column::text("reason", "Reason"),
-        Column::number("times", "Times", ""),
-        Column::number("rows", "Rows", ""),
-        Column::number("sessions", "Sessions", ""),
-    ];
-    let mut table = Table::new("rejects_summary", "What was left out, by reason", columns);
-    let mut by_reason: BTreeMap<(Extent, &str), (i64, i64, std::collections::BTreeSet<&str>)> =
-        BTreeMap::new();
-    let all: Vec<&Reject> = input.sessions.iter().flat_map(|s| s.rejects()).collect();
-    for reject in all {
-        let slot = by_reason
-            .entry((reject.extent, &reject.reason))
-            .or_default();
-        slot.0 += 1;
-        slot.1 += reject.count as i64;
-        slot.2.insert(&reject.session);
+    let tallies = tallies(input);
+    Described::<(Extent, &str, &Tally)>::new("rejects_summary", "What was left out, by reason")
+        .text("extent", "Extent", |(extent, ..)| extent.name())
+        .text("reason", "Reason", |(_, reason, _)| reason)
+        .count("times", "Times", One, |(.., t)| t.times)
+        .count("rows", "Rows", One, |(.., t)| t.rows)
+        .count("sessions", "Sessions", One, |(.., t)| t.sessions.len())
+        .rows(tallies.iter().map(|((extent, reason), t)| (*extent, *reason, t)))
+}
+
+fn tallies(input: &ReportInput) -> BTreeMap<(Extent, &str), Tally<'_>> {
+    let mut tallies: BTreeMap<(Extent, &str), Tally> = BTreeMap::new();
+    let mut add = |extent, reason, rows, session| {
+        let tally = tallies.entry((extent, reason)).or_default();
+        tally.times += 1;
+        tally.rows += rows;
+        tally.sessions.insert(session);
+    };
+    for r in input.sessions.iter().flat_map(|s| s.rejects()) {
+        add(r.extent, &r.reason, r.count, &r.session);
     }
     for (name, diagnostics) in &input.unusable {
         let reason = diagnostics.first().map_or("unusable", |d| &d.found);
-        let slot = by_reason.entry((Extent::Session, reason)).or_default();
-        slot.0 += 1;
-        slot.2.insert(name);
+        add(Extent::Session, reason, 0, name);
     }
-    for ((extent, reason), (times, rows, sessions)) in by_reason {
-        table.push(vec![
-            Cell::text(extent.name()),
-            Cell::text(reason),
-            Cell::Integer(times),
-            Cell::Integer(rows),
-            Cell::Integer(sessions.len() as i64),
-        ]);
-    }
-    table
+    tallies
 }

@@ -1,71 +1,39 @@
 //! `sessions`: what was measured, one line a session.
 
-use crate::input::ReportInput;
-use crate::table::{Audience, Cell, Column, Rounding, Table};
+use crate::described::*;
+use crate::input::{ReportInput, SessionInput};
 use pipeline_base::reject::Extent;
 use pipeline_base::row::{kind_name, role_name};
+use pipeline_base::session::Session;
 
-/// The table.
-pub fn table(input: &ReportInput) -> Table {
-    let columns = vec![
-        Column::text("session", "Session"),
-        Column::text("campaign", "Campaign").seen_by(Audience::Machines),
-        Column::text("kind", "Kind"),
-        Column::text("specimen", "Specimen").seen_by(Audience::Machines),
-        Column::number("diameter_mm", "⌀", "mm"),
-        Column::number("rest_length_mm", "l_{rest}", "mm"),
-        Column::number("contracted_length_mm", "l_{620}", "mm"),
-        Column::number("rows", "Rows", ""),
-        Column::number("readings", "Readings", ""),
-        Column::number("rejected_logs", "Logs left out", ""),
-        Column::text("role", "Role").seen_by(Audience::Machines),
-        Column::text("exclude", "Excluded because").seen_by(Audience::Machines),
-        Column::flag("simulated", "Simulated").seen_by(Audience::Machines),
-        Column::text("remark", "Remark").seen_by(Audience::People),
-        Column::text("notes", "Notes").seen_by(Audience::Machines),
-    ];
-    let mut table = Table::new(
-        "sessions",
-        "Sessions: what was measured, and how many steady readings it gave",
-        columns,
-    );
-    let mut campaign = None;
-    for session in &input.sessions {
-        let s = &session.ingest.session;
-        if campaign.is_some_and(|c| c != &s.campaign) {
-            table.rule();
-        }
-        campaign = Some(&s.campaign);
-        let lost = session
-            .rejects()
-            .filter(|r| r.extent == Extent::Log)
-            .count();
-        table.push(vec![
-            Cell::text(&s.id),
-            Cell::text(&s.campaign),
-            Cell::text(kind_name(s.kind)),
-            Cell::text(&s.specimen.id),
-            Cell::number(s.specimen.diameter_mm, Rounding::Decimals(0)),
-            Cell::number(1e3 * s.specimen.rest_length_m, Rounding::Decimals(0)),
-            Cell::number(1e3 * s.specimen.contracted_length_m, Rounding::Decimals(0)),
-            Cell::Integer(session.clean.rows as i64),
-            Cell::Integer(session.readings as i64),
-            Cell::Integer(lost as i64),
-            s.role.map_or(Cell::Empty, |r| Cell::text(role_name(r))),
-            s.exclude.as_ref().map_or(Cell::Empty, Cell::text),
-            Cell::Flag(s.is_simulated()),
-            remark(s),
-            s.notes.as_ref().map_or(Cell::Empty, Cell::text),
-        ]);
-    }
-    table
+/// One row a session.
+#[rustfmt::skip]
+pub fn sessions(input: &ReportInput) -> Table {
+    let all = input.sessions.iter().map(|s| (&s.ingest.session, s));
+    Described::<(&Session, &SessionInput)>::new("sessions", "Sessions: what was measured, and how many steady readings it gave")
+        .text("session", "Session", |(s, _)| &s.id)
+        .text("campaign", "Campaign", |(s, _)| &s.campaign).machines()
+        .text("kind", "Kind", |(s, _)| kind_name(s.kind))
+        .text("specimen", "Specimen", |(s, _)| &s.specimen.id).machines()
+        .number("diameter_mm", "⌀", Mm, Decimals(0), |(s, _)| s.specimen.diameter_mm)
+        .number("rest_length_mm", "l_{rest}", Mm, Decimals(0), |(s, _)| 1e3 * s.specimen.rest_length_m)
+        .number("contracted_length_mm", "l_{620}", Mm, Decimals(0), |(s, _)| 1e3 * s.specimen.contracted_length_m)
+        .count("rows", "Rows", One, |(_, i)| i.clean.rows)
+        .count("readings", "Readings", One, |(_, i)| i.readings)
+        .count("rejected_logs", "Logs left out", One, |(_, i)| i.rejects().filter(|r| r.extent == Extent::Log).count())
+        .text("role", "Role", |(s, _)| s.role.map(role_name)).machines()
+        .text("exclude", "Excluded because", |(s, _)| &s.exclude).machines()
+        .flag("simulated", "Simulated", |(s, _)| s.is_simulated()).machines()
+        .text("remark", "Remark", |(s, _)| remark(s)).people()
+        .text("notes", "Notes", |(s, _)| &s.notes).machines()
+        .blocks(runs(all, |a, b| a.0.campaign == b.0.campaign))
 }
 
 /// What a reader must know of a session.
-fn remark(session: &pipeline_base::session::Session) -> Cell {
-    match (&session.exclude, session.is_simulated()) {
-        (Some(why), _) => Cell::text(format!("excluded: {why}")),
-        (None, true) => Cell::text("simulated"),
-        (None, false) => Cell::Empty,
-    }
+fn remark(session: &Session) -> Option<String> {
+    let excluded = session
+        .exclude
+        .as_ref()
+        .map(|why| format!("excluded: {why}"));
+    excluded.or_else(|| session.is_simulated().then(|| "simulated".to_owned()))
 }

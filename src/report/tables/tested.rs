@@ -1,38 +1,57 @@
-//! `tested`: the candidates of the first step of every search.
+//! `tested`, `detection_limits`: the candidates of the first step of every search; the smallest size of every effect that a campaign could have
+//! shown, and what it cannot show at all.
 
-use super::described::{Of, flag, number, of_all, text};
+use super::findings::acts_on;
+use crate::described::*;
 use crate::input::ReportInput;
-use crate::table::{Cell, Rounding, Table};
-use crate::wording::number::finite;
-use pipeline_findings::{ActsOn, Tested};
+use pipeline_findings::{CampaignFindings, DetectionLimit, NotMeasurable, Tested, WhyNot};
 
-type Row<'a> = Of<'a, &'a Tested>;
+/// One row a candidate.
+#[rustfmt::skip]
+pub fn tested(input: &ReportInput) -> Table {
+    Described::<(&CampaignFindings, &Tested)>::found("tested", "The candidates of the first step of the search")
+        .text("id", "Candidate", |(_, t)| &t.id)
+        .flag("is_column", "Column", |(_, t)| t.is_column)
+        .text("form", "Form", |(_, t)| &t.form)
+        .text("acts_on", "Acts on", |(_, t)| acts_on(t.acts_on))
+        .number("log_likelihood_gain", "Gain", One, Decimals(1), |(_, t)| finite(t.log_likelihood_gain))
+        .number("amplitude", "Size", One, Digits(2), |(_, t)| finite(t.amplitude))
+        .text("unit", "Unit", |(_, t)| &t.unit)
+        .number("p_familywise", "\\v{p}", One, Digits(2), |(_, t)| finite(t.p_familywise))
+        .note("\\v{Gain}: in log-likelihood. \\v{Size}: of the linearised effect. \\v{p}: probability of a candidate as strong as this anywhere.")
+        .of_all(input, |found| found.tested.iter().collect())
+}
 
-/// All campaigns.
-pub fn table(input: &ReportInput) -> Table {
-    let columns = vec![
-        text("id", "Candidate", |r: &Row| Cell::text(&r.one.id)),
-        flag("is_column", "Column", |r| Cell::Flag(r.one.is_column)),
-        text("form", "Form", |r| Cell::text(&r.one.form)),
-        text("acts_on", "Acts on", |r| {
-            Cell::text(match r.one.acts_on {
-                ActsOn::All => "all",
-                ActsOn::Levels => "levels",
-                ActsOn::From => "from",
-            })
-        }),
-        number("log_likelihood_gain", "Gain", "", |r| {
-            finite(r.one.log_likelihood_gain, Rounding::Decimals(1))
-        }),
-        number("amplitude", "Size", "", |r| {
-            finite(r.one.amplitude, Rounding::Digits(2))
-        }),
-        text("unit", "Unit", |r| Cell::text(&r.one.unit)),
-        number("p_familywise", "\\v{p}", "", |r| {
-            finite(r.one.p_familywise, Rounding::Digits(2))
-        }),
-    ];
-    of_all(input, ("tested", "The candidates of the first step of the search"), columns, |f| f.tested.iter().collect()).note(
-        "\\v{Gain}: in log-likelihood. \\v{Size}: of the linearised effect. \\v{p}: probability of a candidate as strong as this anywhere.",
-    )
+/// What a row says: how small an effect is seen, or why it cannot be.
+type Limit<'a> = Result<&'a DetectionLimit, &'a NotMeasurable>;
+
+/// One row an effect.
+#[rustfmt::skip]
+pub fn detection_limits(input: &ReportInput) -> Table {
+    let caption = "The smallest size of every effect that a campaign would have shown in 80 of 100 cases";
+    Described::<(&CampaignFindings, Limit)>::found("detection_limits", caption)
+        .text("id", "Effect", |(_, l)| l.map_or_else(|n| &n.id, |l| &l.id))
+        .text("form", "Form", |(_, l)| l.map_or_else(|n| n.form.as_ref(), |l| Some(&l.form)))
+        .number("smallest", "Smallest", One, Digits(2), |(_, l)| finite(l.ok().map(|l| l.smallest)))
+        .text("unit", "Unit", |(_, l)| l.ok().map(|l| &l.unit))
+        .number("identifiable_share", "Identifiable share", One, Decimals(2), |(_, l)| finite(l.ok().map(|l| l.identifiable_share)))
+        .text("not_measurable", "Not measurable", |(_, l)| l.err().map(|n| reason(n.reason)))
+        .text("by", "By", |(_, l)| l.err().map(|n| &n.by))
+        .note(
+            "\\v{Identifiable share}: what the fitted coefficients leave of the effect's sensitivity. \\v{Not measurable}: absorbed by a coefficient or an effect, no column for it, \
+             beyond its physical bounds, or without any trace in the readings.",
+        )
+        .of_all(input, |found| {
+            let limits = found.detection_limits.iter().map(Ok);
+            limits.chain(found.not_measurable.iter().map(Err)).collect()
+        })
+}
+
+fn reason(why: WhyNot) -> &'static str {
+    match why {
+        WhyNot::Absorbed => "absorbed",
+        WhyNot::NoColumn => "no_column",
+        WhyNot::Bound => "bound",
+        WhyNot::NoTrace => "no_trace",
+    }
 }

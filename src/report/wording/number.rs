@@ -1,5 +1,6 @@
 //! Numbers and units as people read them.
 
+use crate::described::finite;
 use crate::number::Rounding;
 use crate::table::Cell;
 use pipeline_findings::Parameter;
@@ -151,12 +152,7 @@ pub fn cells(value: f64, low: Option<f64>, high: Option<f64>) -> [Cell; 2] {
             rounding,
         },
     };
-    [finite(value, rounding), interval]
-}
-
-/// A number in a table; empty where it is not finite.
-pub fn finite(value: impl Into<Option<f64>>, rounding: Rounding) -> Cell {
-    Cell::number(value.into().filter(|x| x.is_finite()), rounding)
+    [Cell::number(finite(value), rounding), interval]
 }
 
 /// A parameter without its interval: `60 kPa`.

@@ -32,7 +32,7 @@ pub fn of_campaign(campaign: &CampaignTorque) -> Vec<Option<Composed>> {
 /// The legs that are used, each once.
 pub fn legs(input: &ReportInput) -> Vec<Option<Composed>> {
     let mut seen = BTreeSet::new();
-    let configurations = input.torque().flat_map(|c| &c.configurations);
+    let configurations = input.torque().iter().flat_map(|c| &c.configurations);
     configurations
         .filter(|c| seen.insert(leg::name(c)))
         .map(|c| compose(&leg::name(c), || Some(leg::figure(c))))

@@ -1,46 +1,62 @@
-//! `knee_human`: the human muscles beside OpenSim's exports and the design targets.
+//! `knee_human`, `knee_design`: the human muscles beside OpenSim's exports and the design targets; over which angles the full-size actuators meet
+//! them.
 
-use super::decimals;
+use super::{law_words, mm};
+use crate::described::*;
 use crate::input::ReportInput;
-use crate::table::{Cell, Column, Rounding, Table};
-use pipeline_torque::reference::human::Compares;
+use pipeline_torque::diagnose::fittings::LAWS;
+use pipeline_torque::reference::design::Design;
+use pipeline_torque::reference::human::{Compared, Compares};
 
-/// The table.
-pub fn table(input: &ReportInput) -> Table {
-    let columns = vec![
-        Column::text("muscle", "Muscle"),
-        Column::text("quantity", "Quantity"),
-        Column::text("against", "Beside"),
-        Column::number("n", "\\v{n}", ""),
-        Column::number("rms", "rms", ""),
-        Column::number("max", "Largest", ""),
-        Column::text("unit", ""),
-        Column::number("at_deg", "at", "°"),
-        Column::number("max_relative", "Largest", "%"),
-        Column::text("why", "What is left"),
-    ];
-    let mut table = Table::new(
-        "knee_human",
-        "Human muscles: calculated moment arm and torque beside the references, over the whole range of the knee",
-        columns,
-    );
-    for h in input.knee.iter().flat_map(|k| &k.reference.human) {
-        let (factor, unit) = match h.what {
-            Compares::Arm => (1e3, "mm"),
-            Compares::Torque => (1.0, "N.m"),
-        };
-        table.push(vec![
-            Cell::text(&h.muscle),
-            Cell::text(h.what.name()),
-            Cell::text(&h.against),
-            Cell::Integer(h.rows.len() as i64),
-            Cell::number(factor * h.rms, Rounding::Digits(2)),
-            Cell::number(factor * h.max, Rounding::Digits(2)),
-            Cell::text(unit),
-            decimals(h.at_deg, 0),
-            Cell::number(100.0 * h.max_relative, Rounding::Digits(2)),
-            Cell::text(&h.why),
-        ]);
+/// One row a muscle and reference.
+#[rustfmt::skip]
+pub fn human(input: &ReportInput) -> Table {
+    let unit = |h: &Compared| match h.what {
+        Compares::Arm => (1e3, "mm"),
+        Compares::Torque => (1.0, "N.m"),
+    };
+    Described::<&Compared>::new("knee_human", "Human muscles: calculated moment arm and torque beside the references, over the whole range of the knee")
+        .text("muscle", "Muscle", |h| &h.muscle)
+        .text("quantity", "Quantity", |h| h.what.name())
+        .text("against", "Beside", |h| &h.against)
+        .count("n", "\\v{n}", One, |h| h.rows.len())
+        .number("rms", "rms", One, Digits(2), move |h| unit(h).0 * h.rms)
+        .number("max", "Largest", One, Digits(2), move |h| unit(h).0 * h.max)
+        .text("unit", "", move |h| unit(h).1)
+        .number("at_deg", "at", Degree, Decimals(0), |h| h.at_deg)
+        .number("max_relative", "Largest", PerCent, Digits(2), |h| 100.0 * h.max_relative)
+        .text("why", "What is left", |h| &h.why)
+        .rows(input.knee.iter().flat_map(|k| &k.reference.human))
+}
+
+/// One row an actuator and law of force, by its place.
+#[rustfmt::skip]
+pub fn design(input: &ReportInput) -> Table {
+    let designs = input.knee.iter().flat_map(|k| &k.reference.design);
+    Described::<(&Design, usize)>::new("knee_design", "Full-size actuators on the biomimetic knee at 620 kPa beside the human muscles that they stand for")
+        .text("muscle", "Muscle", |(d, _)| &d.muscle)
+        .text("human", "Human", |(d, _)| &d.human)
+        .count("diameter_mm", "⌀", Mm, |(d, _)| d.diameter_mm)
+        .number("rest_length_mm", "l_{rest}", Mm, Decimals(0), |(d, _)| mm(d.rest_length_m))
+        .text("law", "Law of force", |(_, law)| LAWS[law]).machines()
+        .text("law_words", "Law of force", |(_, law)| law_words(LAWS[law])).people()
+        .number("largest_nm", "Largest", Nm, Decimals(1), |(d, law)| largest(d.actuator_nm[law].iter().flatten()))
+        .number("human_largest_nm", "Human, largest", Nm, Decimals(1), |(d, _)| largest(&d.human_nm))
+        .text("met_deg", "Meets the human muscle at", |(d, law)| stretches(&d.met_deg[law]))
+        .text("met_within_data_deg", "Of that within its data", |(d, law)| stretches(&d.met_within_data_deg[law]))
+        .rows(designs.flat_map(|d| (0..LAWS.len()).map(move |law| (d, law))))
+}
+
+fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
+    values.into_iter().fold(0.0, |m: f64, x| m.max(x.abs()))
+}
+
+/// "−120 to −68 deg".
+fn stretches(met: &[(f64, f64)]) -> String {
+    let one = |(from, to): &(f64, f64)| format!("{from:.0} to {to:.0}°");
+    if met.is_empty() {
+        "no angle".to_owned()
+    } else {
+        met.iter().map(one).collect::<Vec<_>>().join(", ")
     }
-    table
 }

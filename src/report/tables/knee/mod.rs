@@ -1,84 +1,54 @@
-//! The tables of torque: `knee_*`.
-
-mod arms;
-mod by_hand;
-mod centres;
-mod design;
-mod effects;
-mod errors;
-mod fitting_errors;
-mod fittings;
-mod found;
-mod human;
-mod laws;
-mod models;
-mod stress;
-mod switches;
-mod table1;
-mod tests;
+//! The tables of torque: `knee_*`. A new file of tables is one line in the list below, with the tables in it.
 
 use crate::input::ReportInput;
-use crate::table::{Cell, Rounding, Table};
+use crate::table::Table;
 use pipeline_base::names::file_name;
 use pipeline_torque::CampaignTorque;
+use std::slice::from_ref;
 
-/// Every table of torque, in the order in which the summary lists them.
-pub const ALL: &[fn(&ReportInput) -> Table] = &[
-    tests::table,
-    laws::table,
-    models::table,
-    errors::table,
-    fittings::table,
-    fitting_errors::table,
-    found::table,
-    effects::table,
-    by_hand::table,
-    table1::table,
-    arms::table,
-    switches::table,
-    centres::table,
-    human::table,
-    design::table,
-    stress::table,
-];
+tables! {
+    tests: Torque[tests],
+    errors: Torque[laws, models, errors],
+    fittings: Torque[fittings, fitting_errors],
+    joints: Torque[found, effects, by_hand],
+    table1: Report[table1],
+    geometry: Report[arms, switches, centres],
+    human: Report[human, design],
+    walls: Report[stress],
+}
 
 /// The tables that the pages show for one campaign, named after it.
-pub const OF_CAMPAIGN: &[fn(&CampaignTorque) -> Table] = &[
-    tests::of_campaign,
-    laws::of_campaign,
-    models::of_campaign,
-    fittings::of_campaign,
-    found::of_campaign,
-    effects::of_campaign,
-    by_hand::of_campaign,
-];
+pub fn of_campaign(campaign: &CampaignTorque) -> impl Iterator<Item = Table> {
+    let shown: [fn(&[CampaignTorque]) -> Table; 7] = [
+        tests::tests,
+        errors::laws,
+        errors::models,
+        fittings::fittings,
+        joints::found,
+        joints::effects,
+        joints::by_hand,
+    ];
+    let name = file_name(&campaign.campaign);
+    let table = move |make: fn(&[CampaignTorque]) -> Table| make(from_ref(campaign)).named(&name);
+    shown.into_iter().map(table)
+}
 
 /// The tables that the pages show once.
-pub const ONCE: &[fn(&ReportInput) -> Table] = &[
-    table1::table,
-    arms::table,
-    switches::table,
-    centres::table,
-    human::table,
-    design::table,
-    stress::table,
-];
-
-/// The same table, named after its campaign.
-fn named(mut table: Table, campaign: &CampaignTorque) -> Table {
-    table.id = format!("{}-{}", table.id, file_name(&campaign.campaign));
-    table
+pub fn once(input: &ReportInput) -> [Table; 7] {
+    [
+        table1::table1(input),
+        geometry::arms(input),
+        geometry::switches(input),
+        geometry::centres(input),
+        human::human(input),
+        human::design(input),
+        walls::stress(input),
+    ]
 }
 
 /// A length in mm, given in m.
-fn mm(length_m: impl Into<Option<f64>>, decimals: usize) -> Cell {
-    let length: Option<f64> = length_m.into();
-    Cell::number(length.map(|m| 1e3 * m), Rounding::Decimals(decimals))
-}
-
-/// A number with so many decimals.
-fn decimals(value: impl Into<Option<f64>>, decimals: usize) -> Cell {
-    Cell::number(value.into(), Rounding::Decimals(decimals))
+fn mm(length_m: f64) -> f64 {
+    1e3 * length_m
 }
 
 /// What people call a law of force.

@@ -1,120 +1,60 @@
 //! `knee_tests`: what was measured of torque, and how far length, eps* and arm measured by hand are from the geometry.
 
-use super::{decimals, mm, named};
-use crate::input::ReportInput;
-use crate::table::{Audience, Cell, Column, Table};
+use super::mm;
+use crate::described::*;
 use pipeline_numerics::statistics::mean;
-use pipeline_torque::errors::Difference;
 use pipeline_torque::{CampaignTorque, Configuration, Test};
 
-/// All campaigns.
-pub fn table(input: &ReportInput) -> Table {
-    build(input.torque())
+type Row<'a> = (&'a CampaignTorque, &'a Configuration, &'a Test);
+
+/// One row a test.
+#[rustfmt::skip]
+pub fn tests(campaigns: &[CampaignTorque]) -> Table {
+    let configurations = campaigns.iter().flat_map(|campaign| campaign.configurations.iter().map(move |c| (campaign, c)));
+    Described::<Row>::new("knee_tests", "Tests of torque: what was measured by hand, less what the geometry of the leg expects (means over the readings)")
+        .text("campaign", "Campaign", |(campaign, ..)| &campaign.campaign).machines()
+        .text("session", "Test", |(.., t)| &t.session)
+        .text("configuration", "Configuration", |(_, c, _)| &c.id).machines()
+        .text("knee", "Knee", |(_, c, _)| &c.knee).machines()
+        .text("muscle", "Muscle", |(_, c, _)| &c.muscle).machines()
+        .text("leg", "Leg", |(_, c, _)| format!("{} {}", c.knee, c.muscle)).people()
+        .text("route", "Route", |(_, c, _)| &c.route).machines()
+        .text("specimen", "Specimen", |(_, c, _)| &c.specimen).machines()
+        .count("diameter_mm", "⌀", Mm, |(_, c, _)| c.diameter_mm)
+        .number("rest_length_mm", "l_{rest}", Mm, Decimals(0), |(_, c, _)| mm(c.rest_length_m))
+        .number("contracted_length_mm", "l_{620}", Mm, Decimals(0), |(_, c, _)| mm(c.contracted_length_m)).machines()
+        .number("tendon_mm", "Tendon", Mm, Decimals(0), |(_, c, _)| c.tendon_m.map(mm))
+        .number("fitting_mm", "l_{fit}", Mm, Decimals(1), |(_, c, _)| mm(c.fitting_m)).machines()
+        .count("readings", "\\v{n}", One, |(.., t)| t.points.len())
+        .count("beyond_joint", "Beyond joint", One, |(.., t)| t.points.iter().filter(|p| p.beyond.is_some()).count()).machines()
+        .number("pressure_kpa", "\\v{P}", KPa, Decimals(0), |(.., t)| finite(pressure_kpa(t)))
+        .number("contraction_rel_difference", "Δε*", One, Decimals(3), |(.., t)| Some(t.hand.contraction_rel?.mean))
+        .number("contraction_rel_rms", "rms Δε*", One, Decimals(3), |(.., t)| Some(t.hand.contraction_rel?.rms)).machines()
+        .number("length_difference_mm", "Δl_m", Mm, Decimals(1), |(.., t)| Some(mm(t.hand.length_m?.mean)))
+        .number("length_rms_mm", "rms Δl_m", Mm, Decimals(1), |(.., t)| Some(mm(t.hand.length_m?.rms))).machines()
+        .number("arm_difference_mm", "Δ\\v{r}", Mm, Decimals(1), |(.., t)| Some(mm(t.hand.arm_m?.mean)))
+        .number("arm_rms_mm", "rms Δ\\v{r}", Mm, Decimals(1), |(.., t)| Some(mm(t.hand.arm_m?.rms))).machines()
+        .number("projected_arm_difference_mm", "Δ\\v{r} (Eq. 3)", Mm, Decimals(1), |(.., t)| Some(mm(t.hand.projected_arm_m?.mean))).machines()
+        .number("projected_arm_rms_mm", "rms Δ\\v{r} (Eq. 3)", Mm, Decimals(1), |(.., t)| Some(mm(t.hand.projected_arm_m?.rms))).machines()
+        .flag("simulated", "Simulated", |(campaign, ..)| campaign.simulated).machines()
+        .text("excluded", "Excluded because", |(.., t)| &t.excluded).machines()
+        .text("doubtful", "Doubtful because", |(.., t)| &t.doubtful).machines()
+        .text("remark", "Remark", |(.., t)| remark(t)).people()
+        .text("remarks", "Remarks", |(_, c, _)| c.remarks.join("; ")).machines()
+        .text("notes", "Notes", |(.., t)| &t.notes).machines()
+        .note("Δε*, Δl_m and Δ\\v{r}: measured relative contraction, length and moment arm less those that follow from the knee angle.")
+        .blocks(configurations.map(|(campaign, c)| c.tests.iter().map(move |t| (campaign, c, t))))
 }
 
-/// One campaign.
-pub fn of_campaign(campaign: &CampaignTorque) -> Table {
-    named(build([campaign]), campaign)
+fn pressure_kpa(test: &Test) -> f64 {
+    let all: Vec<f64> = test.points.iter().map(|p| p.pressure_kpa).collect();
+    mean(&all)
 }
 
-fn build<'a>(campaigns: impl IntoIterator<Item = &'a CampaignTorque>) -> Table {
-    let columns = vec![
-        Column::text("campaign", "Campaign").seen_by(Audience::Machines),
-        Column::text("session", "Test"),
-        Column::text("configuration", "Configuration").seen_by(Audience::Machines),
-        Column::text("knee", "Knee").seen_by(Audience::Machines),
-        Column::text("muscle", "Muscle").seen_by(Audience::Machines),
-        Column::text("leg", "Leg").seen_by(Audience::People),
-        Column::text("route", "Route").seen_by(Audience::Machines),
-        Column::text("specimen", "Specimen").seen_by(Audience::Machines),
-        Column::number("diameter_mm", "⌀", "mm"),
-        Column::number("rest_length_mm", "l_{rest}", "mm"),
-        Column::number("contracted_length_mm", "l_{620}", "mm").seen_by(Audience::Machines),
-        Column::number("tendon_mm", "Tendon", "mm"),
-        Column::number("fitting_mm", "l_{fit}", "mm").seen_by(Audience::Machines),
-        Column::number("readings", "\\v{n}", ""),
-        Column::number("beyond_joint", "Beyond joint", "").seen_by(Audience::Machines),
-        Column::number("pressure_kpa", "\\v{P}", "kPa"),
-        Column::number("contraction_rel_difference", "Δε*", ""),
-        Column::number("contraction_rel_rms", "rms Δε*", "").seen_by(Audience::Machines),
-        Column::number("length_difference_mm", "Δl_m", "mm"),
-        Column::number("length_rms_mm", "rms Δl_m", "mm").seen_by(Audience::Machines),
-        Column::number("arm_difference_mm", "Δ\\v{r}", "mm"),
-        Column::number("arm_rms_mm", "rms Δ\\v{r}", "mm").seen_by(Audience::Machines),
-        Column::number("projected_arm_difference_mm", "Δ\\v{r} (Eq. 3)", "mm")
-            .seen_by(Audience::Machines),
-        Column::number("projected_arm_rms_mm", "rms Δ\\v{r} (Eq. 3)", "mm")
-            .seen_by(Audience::Machines),
-        Column::flag("simulated", "Simulated").seen_by(Audience::Machines),
-        Column::text("excluded", "Excluded because").seen_by(Audience::Machines),
-        Column::text("doubtful", "Doubtful because").seen_by(Audience::Machines),
-        Column::text("remark", "Remark").seen_by(Audience::People),
-        Column::text("remarks", "Remarks").seen_by(Audience::Machines),
-        Column::text("notes", "Notes").seen_by(Audience::Machines),
-    ];
-    let mut table = Table::new(
-        "knee_tests",
-        "Tests of torque: what was measured by hand, less what the geometry of the leg expects (means over the readings)",
-        columns,
-    )
-    .note("Δε*, Δl_m and Δ\\v{r}: measured relative contraction, length and moment arm less those that follow from the knee angle.");
-    for campaign in campaigns {
-        for configuration in &campaign.configurations {
-            table.rule();
-            for test in &configuration.tests {
-                table.push(row(campaign, configuration, test));
-            }
-        }
-    }
-    table
-}
-
-fn row(campaign: &CampaignTorque, c: &Configuration, test: &Test) -> Vec<Cell> {
-    let pressures: Vec<f64> = test.points.iter().map(|p| p.pressure_kpa).collect();
-    let beyond = test.points.iter().filter(|p| p.beyond.is_some()).count();
-    let hand = &test.hand;
-    let in_mm = |d: Option<Difference>, f: fn(&Difference) -> f64| mm(d.as_ref().map(f), 1);
-    let plain = |d: Option<Difference>, f: fn(&Difference) -> f64| decimals(d.as_ref().map(f), 3);
-    let text = |t: &Option<String>| t.as_ref().map_or(Cell::Empty, Cell::text);
-    vec![
-        Cell::text(&campaign.campaign),
-        Cell::text(&test.session),
-        Cell::text(&c.id),
-        Cell::text(&c.knee),
-        Cell::text(&c.muscle),
-        Cell::text(format!("{} {}", c.knee, c.muscle)),
-        Cell::text(&c.route),
-        Cell::text(&c.specimen),
-        Cell::Integer(i64::from(c.diameter_mm)),
-        mm(c.rest_length_m, 0),
-        mm(c.contracted_length_m, 0),
-        mm(c.tendon_m, 0),
-        mm(c.fitting_m, 1),
-        Cell::Integer(test.points.len() as i64),
-        Cell::Integer(beyond as i64),
-        decimals(Some(mean(&pressures)).filter(|p| p.is_finite()), 0),
-        plain(hand.contraction_rel, |d| d.mean),
-        plain(hand.contraction_rel, |d| d.rms),
-        in_mm(hand.length_m, |d| d.mean),
-        in_mm(hand.length_m, |d| d.rms),
-        in_mm(hand.arm_m, |d| d.mean),
-        in_mm(hand.arm_m, |d| d.rms),
-        in_mm(hand.projected_arm_m, |d| d.mean),
-        in_mm(hand.projected_arm_m, |d| d.rms),
-        Cell::Flag(campaign.simulated),
-        text(&test.excluded),
-        text(&test.doubtful),
-        remark(test),
-        Cell::text(c.remarks.join("; ")),
-        text(&test.notes),
-    ]
-}
-
-fn remark(test: &Test) -> Cell {
+fn remark(test: &Test) -> Option<&'static str> {
     match (&test.excluded, &test.doubtful) {
-        (Some(_), _) => Cell::text("excluded"),
-        (None, Some(_)) => Cell::text("doubtful"),
-        (None, None) if test.is_fitted() => Cell::Empty,
-        (None, None) => Cell::text("not fitted"),
+        (Some(_), _) => Some("excluded"),
+        (None, Some(_)) => Some("doubtful"),
+        (None, None) => (!test.is_fitted()).then_some("not fitted"),
     }
 }
