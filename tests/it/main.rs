@@ -7,6 +7,7 @@ mod closed_loop;
 mod commands;
 mod coverage;
 mod crash;
+mod crates;
 mod declared;
 mod documents;
 mod findings_schema;
