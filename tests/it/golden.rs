@@ -20,7 +20,7 @@ key = ["session"]
 
 /// A bench whose results are blessed.
 fn blessed() -> Bench {
-    let bench = Bench::small();
+    let bench = Bench::small_done();
     std::fs::create_dir_all(golden(&bench, "")).unwrap();
     std::fs::write(golden(&bench, "golden.toml"), SETTINGS).unwrap();
     let said = bench.run(&["check", "--bless", "--reason", "the first ones"]);
