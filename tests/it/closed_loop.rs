@@ -232,7 +232,7 @@ mod long {
     }
 
     #[test]
-    #[ignore = "long: some five minutes of processor time"]
+    #[ignore = "long: 390 s of processor time"]
     fn three_campaigns_of_every_part_of_the_benchmark_but_rediscovery_keep_to_its_bars() {
         let reached = [
             bar(Part::Nothing, 0.925, |o| o.found.is_empty()),
