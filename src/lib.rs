@@ -50,17 +50,39 @@
 //! | [`cli`] | arguments, and all printing: run, status, explain, graph, check, predict, simulate, new-session, gc, export, completions, man | |
 //!
 //! # Invariants
-//! - **Directions**: every folder with a `Cargo.toml` is a crate, and what it does not name there it cannot use:
+//! - **Directions**: every folder with a `Cargo.toml` is a crate, and what it does not name there it cannot use. Each line has all that one crate
+//!   names, and names only crates of lines below it; `tests/it/crates.rs` holds every `Cargo.toml` to this list:
 //!   ```text
-//!   cli     -> run, report, predict, draft, golden, export, simulate, cache, formats, fit, mechanics, config, findings, base
-//!   export  -> run
-//!   run     -> report, every stage, cache, formats, config, findings, base
-//!   report  -> audit, predict, draft, every stage but normalize, formats, mechanics, numerics, config, findings, base
-//!   audit, predict -> compare, fit, mechanics, numerics           golden, cache -> base          draft -> formats, base
-//!   torque  -> diagnose -> fit, inference, mechanics, numerics, config, findings, base
-//!   compare -> fit -> mechanics, numerics, config, findings, base
-//!   clean   -> ingest -> formats, base                            normalize -> base
-//!   formats, config, simulate -> mechanics -> numerics, base      inference -> numerics
+//!   cli       -> export, run, report, predict, draft, fit, config, formats, simulate, cache, golden, mechanics, base, findings
+//!   export    -> run, formats, base
+//!   run       -> report, torque, clean, compare, diagnose, fit, ingest, config, formats, cache, normalize, base, findings
+//!   report    -> audit, predict, torque, clean, compare, diagnose, draft, fit, ingest, config, formats, mechanics, base, findings, numerics
+//!   audit     -> compare, fit, mechanics, numerics
+//!   predict   -> compare, fit, mechanics, base, numerics
+//!   torque    -> diagnose, config, inference, mechanics, base, findings, numerics
+//!   clean     -> ingest, config, base, numerics
+//!   compare   -> fit, config, mechanics, base, numerics
+//!   diagnose  -> fit, config, inference, mechanics, base, findings, numerics; its tests -> simulate
+//!   draft     -> formats, base
+//!   fit       -> config, mechanics, base, findings, numerics
+//!   ingest    -> formats, base
+//!   config    -> mechanics, base, numerics
+//!   simulate  -> mechanics, base, numerics; its tests -> formats
+//!   formats   -> mechanics, base
+//!   cache     -> base
+//!   golden    -> base
+//!   inference -> numerics
+//!   mechanics -> base, numerics
+//!   normalize -> base
+//!   base      -> nothing
+//!   findings  -> nothing
+//!   numerics  -> nothing
+//!   ```
+//!   and these libraries are used by no other crate:
+//!   ```text
+//!   plotters, plotters-backend, resvg, rustybuzz, png, typst, typst-as-lib, typst-pdf: report
+//!   clap, clap_complete, clap_mangen, indicatif: cli
+//!   polars, polars-buffer, polars-parquet: base, formats
 //!   ```
 //!   So `cache` knows no stage, and stages know neither cache nor command line; `mechanics`, `inference` and `numerics` do no I/O and see no data frame. Only
 //!   `report` knows plotters and Typst, and it computes no statistic: every number comes from a stage, every

@@ -1,6 +1,9 @@
 //! Bad input: a clear message, the rest of the run goes on, nothing is lost without being counted.
 
 use crate::support::Bench;
+use std::collections::BTreeMap;
+
+type Row = BTreeMap<String, String>;
 
 const POINTS: &str = r#"schema = "bpa-session/1"
 id = "points"
@@ -25,14 +28,15 @@ file = "points.csv"
 
 const DATA: &str = "length_mm,pressure_kpa,force_n\n182,620,388\n182,400,230\n174,620,280\n174,500,200\n167,620,140\n167,500,90\n160,620,50\n";
 
-/// The good session with one replacement, beside an untouched one.
-fn with(file: &str, from: &str, to: &str) -> Bench {
-    let bench = Bench::empty();
-    bench.write(
-        "good/session.toml",
-        POINTS.replace("\"points\"\nkind", "\"good\"\nkind"),
-    );
-    bench.write("good/points.csv", DATA);
+/// A session with a mistake: its folder, which is its id as well unless that is what is wrong, and its files.
+struct Bad {
+    name: String,
+    session: String,
+    log: Option<Vec<u8>>,
+}
+
+/// The good session with one replacement in a file.
+fn bad(name: &str, file: &str, from: &str, to: &str) -> Bad {
     let (mut session, mut data) = (POINTS.to_owned(), DATA.to_owned());
     let target = if file == "session.toml" {
         &mut session
@@ -41,39 +45,66 @@ fn with(file: &str, from: &str, to: &str) -> Bench {
     };
     assert!(target.contains(from), "{from:?}");
     *target = target.replacen(from, to, 1);
-    bench.write("bad/session.toml", session);
-    bench.write("bad/points.csv", data);
+    Bad {
+        name: name.to_owned(),
+        session: session.replacen("\nid = \"points\"\n", &format!("\nid = \"{name}\"\n"), 1),
+        log: Some(data.into_bytes()),
+    }
+}
+
+/// The good session, and beside it these.
+fn beside_a_good_one(all: &[Bad]) -> Bench {
+    let bench = Bench::empty();
+    bench.write("good/session.toml", POINTS.replacen("points", "good", 1));
+    bench.write("good/points.csv", DATA);
+    for bad in all {
+        bench.write(&format!("{}/session.toml", bad.name), &bad.session);
+        if let Some(log) = &bad.log {
+            bench.write(&format!("{}/points.csv", bad.name), log);
+        }
+    }
     bench
 }
 
-/// Runs and expects a message with these parts, the good session used, and a reject in the table.
-fn expect(bench: &Bench, parts: &[&str]) {
-    let said = bench.run(&["run"]);
+/// The good session with one replacement, beside an untouched one.
+fn with(file: &str, from: &str, to: &str) -> Bench {
+    beside_a_good_one(&[bad("bad", file, from, to)])
+}
+
+/// Runs with all these mistakes at once and expects of each messages about its files with these parts, and a line in the table of rejects; and
+/// the good session used.
+fn expect(all: Vec<(Bad, &[&str])>) -> Bench {
+    let (bad, parts): (Vec<Bad>, Vec<&[&str]>) = all.into_iter().unzip();
+    let bench = beside_a_good_one(&bad);
+    let said = bench.run(&["run", "--verbose"]);
     assert_eq!(said.code, 0, "{}", said.err);
-    for part in parts {
-        assert!(said.err.contains(part), "{part:?} is not in\n{}", said.err);
+    let (plateaus, rejects) = (bench.table("plateaus"), bench.table("rejects"));
+    let good = plateaus.iter().filter(|r| r["session"] == "good");
+    assert_eq!(good.count(), 7);
+    for (bad, parts) in bad.iter().zip(parts) {
+        let place = format!(": {}/", bad.name);
+        let own = said.err.lines().filter(|l| l.contains(&place));
+        let own = own.collect::<Vec<&str>>().join("\n");
+        for part in parts {
+            assert!(
+                own.contains(part),
+                "{part:?} is not in {own:?} of\n{}",
+                said.err
+            );
+        }
+        let is_counted = rejects.iter().any(|r| r["session"] == bad.name);
+        assert!(is_counted, "{} is not in {rejects:?}", bad.name);
     }
-    let plateaus = bench.table("plateaus");
-    assert_eq!(
-        plateaus.iter().filter(|r| r["session"] == "good").count(),
-        7
-    );
-    let rejects = bench.table("rejects");
-    assert!(
-        rejects
-            .iter()
-            .any(|r| r["session"] == "points" || r["session"] == "bad"),
-        "{rejects:?}"
-    );
+    bench
 }
 
 #[test]
 fn mistakes_in_session_toml_name_line_key_found_expected_and_hint() {
-    let cases: [(&str, &str, &[&str]); 20] = [
+    let cases: [(&str, &str, &'static [&'static str]); 20] = [
         (
             "kind = \"isometric\"",
             "kind = \"isometrik\"",
-            &["bad/session.toml:3 [kind]", "did you mean \"isometric\"?"],
+            &["/session.toml:3 [kind]", "did you mean \"isometric\"?"],
         ),
         (
             "campaign = \"hand\"\n",
@@ -160,80 +191,92 @@ fn mistakes_in_session_toml_name_line_key_found_expected_and_hint() {
         (
             "id = \"points\"",
             "id = \"points",
-            &["bad/session.toml:2", "valid TOML"],
+            &["/session.toml:2", "valid TOML"],
         ),
     ];
-    for (from, to, parts) in cases {
-        expect(&with("session.toml", from, to), parts);
-    }
+    let numbered = cases.into_iter().enumerate();
+    let one = |(k, (from, to, parts)): (usize, (&str, &str, &'static [&'static str]))| {
+        (bad(&format!("bad-{k:02}"), "session.toml", from, to), parts)
+    };
+    expect(numbered.map(one).collect());
 }
 
 #[test]
 fn all_mistakes_of_a_file_are_reported_at_once() {
-    let bench = with(
-        "session.toml",
-        "rest_length_mm = 182",
-        "rest_length_mm = -182\ncolour = \"red\"",
-    );
-    expect(&bench, &["found -182", "[specimen.colour]"]);
+    let to = "rest_length_mm = -182\ncolour = \"red\"";
+    let twice = bad("bad", "session.toml", "rest_length_mm = 182", to);
+    expect(vec![(twice, &["found -182", "[specimen.colour]"])]);
 }
 
 #[test]
 fn a_bad_cell_costs_its_row_and_is_quoted_with_its_place() {
-    for (to, quoted) in [
-        ("182,abc,388", "\"abc\""),
-        ("182,,388", "an empty field"),
-        ("182,NaN,388", "\"NaN\""),
-        ("182,620,inf", "\"inf\""),
-    ] {
-        let bench = with("points.csv", "182,620,388", to);
-        expect(&bench, &["bad/points.csv:2", quoted, "a finite number"]);
-        let left = bench
-            .table("plateaus")
-            .iter()
-            .filter(|r| r["session"] == "points")
-            .count();
-        assert_eq!(left, 6, "{to}");
+    let cases: [(&str, &str, &[&str]); 4] = [
+        (
+            "no-number",
+            "182,abc,388",
+            &["/points.csv:2", "\"abc\"", "a finite number"],
+        ),
+        (
+            "empty",
+            "182,,388",
+            &["/points.csv:2", "an empty field", "a finite number"],
+        ),
+        (
+            "nan",
+            "182,NaN,388",
+            &["/points.csv:2", "\"NaN\"", "a finite number"],
+        ),
+        (
+            "infinite",
+            "182,620,inf",
+            &["/points.csv:2", "\"inf\"", "a finite number"],
+        ),
+    ];
+    let one = |(name, to, parts)| (bad(name, "points.csv", "182,620,388", to), parts);
+    let bench = expect(cases.into_iter().map(one).collect());
+    let plateaus = bench.table("plateaus");
+    for (name, ..) in cases {
+        let left = plateaus.iter().filter(|r| r["session"] == name);
+        assert_eq!(left.count(), 6, "{name}");
     }
 }
 
 #[test]
 fn unreadable_logs_are_left_out_with_their_reason() {
-    let replace = |contents: &[u8]| {
-        let bench = with("points.csv", "182,620,388", "182,620,388");
-        bench.write("bad/points.csv", contents);
-        bench
+    type Case = (&'static str, Option<&'static [u8]>, &'static [&'static str]);
+    let cases: [Case; 6] = [
+        ("empty", Some(b""), &["/points.csv", "an empty file"]),
+        (
+            "header",
+            Some(b"length_mm,pressure_kpa,force_n\n"),
+            &["a header and no rows"],
+        ),
+        (
+            "narrow",
+            Some(b"length_mm,pressure_kpa\n182,620\n"),
+            &["a column named \"force_n\"", "length_mm, pressure_kpa"],
+        ),
+        (
+            "bytes",
+            Some(b"length_mm,pressure_kpa,force_n\n182,\xff\xfe,3\n"),
+            &["/points.csv:2", "not UTF-8"],
+        ),
+        ("wide", Some(&[b'1'; 1 << 20]), &["a line of more than"]),
+        ("missing", None, &["/points.csv", "no such file"]),
+    ];
+    let one = |(name, log, parts): Case| {
+        let sound = bad(name, "points.csv", "182,620,388", "182,620,388");
+        let log = log.map(<[u8]>::to_vec);
+        (Bad { log, ..sound }, parts)
     };
-    expect(&replace(b""), &["bad/points.csv", "an empty file"]);
-    expect(
-        &replace(b"length_mm,pressure_kpa,force_n\n"),
-        &["a header and no rows"],
-    );
-    expect(
-        &replace(b"length_mm,pressure_kpa\n182,620\n"),
-        &["a column named \"force_n\"", "length_mm, pressure_kpa"],
-    );
-    expect(
-        &replace(b"length_mm,pressure_kpa,force_n\n182,\xff\xfe,3\n"),
-        &["points.csv:2", "not UTF-8"],
-    );
-    expect(&replace(&[b'1'; 1 << 20]), &["a line of more than"]);
-    let missing = with("points.csv", "182,620,388", "182,620,388");
-    std::fs::remove_file(missing.raw().join("bad/points.csv")).unwrap();
-    expect(&missing, &["bad/points.csv", "no such file"]);
-    let rejects = missing.table("rejects");
-    assert!(
-        rejects
-            .iter()
-            .any(|r| r["extent"] == "log" && r["log"] == "points.csv"),
-        "{rejects:?}"
-    );
-    assert!(
-        rejects
-            .iter()
-            .any(|r| r["extent"] == "session" && r["session"] == "points"),
-        "{rejects:?}"
-    );
+    let bench = expect(cases.into_iter().map(one).collect());
+    let rejects = bench.table("rejects");
+    for (name, ..) in cases {
+        for (extent, log) in [("log", "points.csv"), ("session", "")] {
+            let is = |r: &Row| r["session"] == name && r["extent"] == extent && r["log"] == log;
+            assert!(rejects.iter().any(is), "{name} {extent}: {rejects:?}");
+        }
+    }
 }
 
 #[test]
@@ -241,29 +284,35 @@ fn a_line_of_a_gigabyte_is_refused_without_being_held_in_memory() {
     let bench = with("points.csv", "182,620,388", "182,620,388");
     let log = std::fs::File::create(bench.raw().join("bad/points.csv")).unwrap();
     log.set_len(1 << 30).unwrap();
-    expect(&bench, &["bad/points.csv:1", "a line of more than"]);
+    let said = bench.run(&["run"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    for part in ["bad/points.csv:1", "a line of more than"] {
+        assert!(said.err.contains(part), "{part:?} is not in\n{}", said.err);
+    }
+    let rejects = bench.table("rejects");
+    assert!(rejects.iter().any(|r| r["session"] == "bad"), "{rejects:?}");
 }
 
 #[test]
 fn impossible_values_are_left_out_and_counted() {
-    let bench = with("points.csv", "182,620,388", "182,53152,388");
-    bench.run(&["run"]);
+    let bench = beside_a_good_one(&[
+        bad("pressure", "points.csv", "182,620,388", "182,53152,388"),
+        bad("length", "points.csv", "182,620,388", "-182,620,388"),
+    ]);
+    assert_eq!(bench.run(&["run"]).code, 0);
     let rejects = bench.table("rejects");
-    assert!(
-        rejects
-            .iter()
-            .any(|r| r["reason"].contains("pressure outside")
-                && r["first_row"] == "2"
-                && r["count"] == "1")
-    );
-    let bench = with("points.csv", "182,620,388", "-182,620,388");
-    bench.run(&["run"]);
-    assert!(
-        bench
-            .table("rejects")
-            .iter()
-            .any(|r| r["reason"].contains("length that is not positive"))
-    );
+    for (session, reason) in [
+        ("pressure", "pressure outside"),
+        ("length", "length that is not positive"),
+    ] {
+        let is = |r: &&Row| r["session"] == session && r["reason"].contains(reason);
+        let found = rejects.iter().find(is);
+        let found = found.unwrap_or_else(|| panic!("{session}: {rejects:?}"));
+        assert_eq!(
+            (found["first_row"].as_str(), found["count"].as_str()),
+            ("2", "1")
+        );
+    }
 }
 
 #[test]
@@ -296,16 +345,11 @@ fn a_loop_of_links_is_reported_and_not_entered() {
 #[cfg(unix)]
 #[test]
 fn an_unreadable_folder_is_reported_and_the_rest_is_used() {
-    use std::os::unix::fs::PermissionsExt;
     let bench = with("points.csv", "182,620,388", "182,620,388");
-    let locked = bench.raw().join("bad");
-    std::fs::set_permissions(&locked, std::fs::Permissions::from_mode(0o000)).unwrap();
-    if std::fs::read_dir(&locked).is_ok() {
-        println!("skipped the unreadable folder: this user may read everything");
-        return;
-    }
-    let said = bench.run(&["run"]);
-    std::fs::set_permissions(&locked, std::fs::Permissions::from_mode(0o755)).unwrap();
+    bench.set_mode("", 0o777);
+    bench.set_mode("raw/bad", 0o000);
+    let said = bench.run_unprivileged(&["run"]);
+    bench.set_mode("raw/bad", 0o755);
     assert_eq!(said.code, 0, "{}", said.err);
     assert!(
         said.err.contains("a readable file or folder"),

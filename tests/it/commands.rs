@@ -114,7 +114,7 @@ fn simulate_refuses_to_overwrite_and_labels_what_it_writes() {
 
 #[test]
 fn strict_turns_rejected_sessions_into_exit_code_3() {
-    let bench = Bench::small();
+    let bench = Bench::small_done();
     bench.write("broken/session.toml", "schema = \"bpa-session/1\"\n");
     assert_eq!(bench.run(&["run"]).code, 0);
     let said = bench.run(&["run", "--strict"]);

@@ -1,6 +1,6 @@
 //! Everything below `derived/` damaged, one file at a time; disks that are full or read-only; inputs that are edited while they are read.
 
-use crate::support::{Bench, Said, files};
+use crate::support::{Bench, FAST, Said, files};
 use pipeline::base::digest::{Digest, Outputs};
 use pipeline::base::error::Error;
 use pipeline::base::random::Stream;
@@ -13,24 +13,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-const RUN: [&str; 3] = ["run", "--config", "fast.toml"];
-
-/// What is tried here is not the resamples nor the pictures.
-fn small() -> Bench {
-    let bench = Bench::small();
-    let options =
-        "[fit]\nbootstrap_refits = 20\n[diagnose]\ndraws = 39\n[report]\npng_dpi = 20.0\n";
-    std::fs::write(bench.root().join("fast.toml"), options).unwrap();
-    bench
-}
-
-/// Everything that people look at.
-fn shown(bench: &Bench) -> BTreeMap<String, Vec<u8>> {
-    let mut all = bench.snapshot("reports");
-    let derived = bench.snapshot("derived").into_iter();
-    all.extend(derived.filter(|(name, _)| !name.starts_with("cache")));
-    all
-}
+const RUN: [&str; 3] = ["run", "--config", FAST];
 
 fn runs(bench: &Bench) -> Said {
     let said = bench.run(&RUN);
@@ -57,37 +40,11 @@ fn remove(file: &Path) {
     std::fs::remove_file(file).unwrap();
 }
 
-/// Damages every file below `derived/`, some at a time and each in one of three ways; the next run has to mend them.
-#[test]
-fn every_damaged_file_below_derived_is_mended_by_the_next_run() {
-    const AT_ONCE: usize = 32;
-    let bench = small();
-    runs(&bench);
-    let right = shown(&bench);
-    let objects = bench.snapshot("derived/cache/objects");
-    let damages: [Damage; 3] = [("flipped", flip), ("cut", cut), ("removed", remove)];
-    let mut all = files(&bench.root().join("derived"));
-    all.retain(|f| !f.ends_with("lock"));
-    for batch in all.chunks(AT_ONCE) {
-        let mut done = Vec::new();
-        for (k, file) in batch.iter().enumerate() {
-            let (how, damage) = damages[k % 3];
-            damage(file);
-            done.push(format!("{} {how}", file.display()));
-        }
-        let said = runs(&bench);
-        assert_eq!(shown(&bench), right, "{done:#?}: {}", said.out);
-        let mended = bench.snapshot("derived/cache/objects");
-        assert_eq!(mended, objects, "{done:#?}: {}", said.out);
-    }
-}
-
 /// The small files of the cache and one of every other kind, in each of the three ways.
 #[test]
 fn a_file_of_each_kind_is_mended_however_it_is_damaged() {
-    let bench = small();
-    runs(&bench);
-    let right = shown(&bench);
+    let bench = Bench::quick_done();
+    let right = bench.results();
     let first = |folder: &str| {
         files(&bench.root().join(folder))
             .into_iter()
@@ -106,21 +63,18 @@ fn a_file_of_each_kind_is_mended_however_it_is_damaged() {
         for damage in [flip, cut, remove] {
             damage(&file);
             let said = runs(&bench);
-            assert_eq!(shown(&bench), right, "{}: {}", file.display(), said.out);
+            assert_eq!(bench.results(), right, "{}: {}", file.display(), said.out);
         }
     }
-    let said = runs(&bench);
-    assert!(said.out.starts_with("nothing to do"), "{}", said.out);
+    assert_eq!(bench.outcome(&RUN)["computed"], serde_json::json!([]));
 }
 
 /// A file may not grow beyond some blocks: every write of more fails as on a full disk, wherever the run is.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_is_said_and_the_next_run_goes_on() {
-    let whole = small();
-    runs(&whole);
-    let right = shown(&whole);
-    let bench = small();
+    let right = Bench::quick_done().results();
+    let bench = Bench::quick();
     let mut stopped = 0;
     for blocks in [0, 1, 4, 16, 64, 256] {
         let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
@@ -141,7 +95,8 @@ fn a_full_disk_is_said_and_the_next_run_goes_on() {
             said.starts_with("error: cannot write"),
             "{blocks} blocks: {said}"
         );
-        for (name, bytes) in shown(&bench)
+        for (name, bytes) in bench
+            .results()
             .into_iter()
             .filter(|(n, _)| !n.contains(".writing-"))
         {
@@ -150,91 +105,37 @@ fn a_full_disk_is_said_and_the_next_run_goes_on() {
     }
     assert!(stopped >= 3, "only {stopped} runs found the disk full");
     runs(&bench);
-    assert_eq!(shown(&bench), right);
+    assert_eq!(bench.results(), right);
 }
 
-/// A place that belongs to somebody else. Root may write everywhere, so that where the tests run as root the program runs as nobody.
+/// A place that belongs to somebody else.
 #[cfg(unix)]
 #[test]
 fn a_read_only_place_is_said_and_left_as_it_is() {
-    use std::os::unix::fs::{MetadataExt, PermissionsExt};
-    use std::os::unix::process::CommandExt;
-    let bench = small();
-    runs(&bench);
+    let bench = Bench::quick_done();
     remove(&bench.root().join("reports/force.pdf"));
-    let mode = |path: &Path, mode: u32| {
-        let permissions = std::fs::Permissions::from_mode(mode);
-        std::fs::set_permissions(path, permissions).unwrap();
-    };
-    let folders = ["", "reports", "derived", "derived/cache"].map(|f| bench.root().join(f));
-    folders.iter().for_each(|f| mode(f, 0o555));
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pipeline"));
-    if std::fs::metadata(bench.root()).unwrap().uid() == 0 {
-        command.uid(65534);
-    }
-    let output = command
-        .args(RUN)
-        .current_dir(bench.root())
-        .output()
-        .unwrap();
-    folders.iter().for_each(|f| mode(f, 0o755));
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.starts_with("error: cannot open the lock"), "{said}");
-    let said = runs(&bench);
-    assert!(said.out.contains("1 files written"), "{}", said.out);
-}
-
-/// A log that is edited while the program reads it: whatever that run made of it, the next one gives what the log then says.
-#[test]
-fn a_log_that_is_edited_during_a_run_poisons_nothing() {
-    let bench = small();
-    let began = Instant::now();
-    runs(&bench);
-    let whole = began.elapsed();
-    let log = bench.raw().join("small/b/c50/test8.csv");
-    let mut stream = Stream::new(1, &["edited"]);
-    for _ in 0..12 {
-        std::fs::remove_dir_all(bench.root().join("derived")).unwrap();
-        // Which figures there are depends on what is found; without derived/ nobody knows those of an earlier log.
-        let reports = bench.root().join("reports");
-        if reports.exists() {
-            std::fs::remove_dir_all(&reports).unwrap();
-        }
-        let mut child = Command::new(env!("CARGO_BIN_EXE_pipeline"))
-            .args(RUN)
-            .current_dir(bench.root())
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        std::thread::sleep(whole.mul_f64(0.3 * stream.uniform()));
-        let mut bytes = std::fs::read(&log).unwrap();
-        let digits = (0..bytes.len()).filter(|k| bytes[*k].is_ascii_digit());
-        let digits: Vec<usize> = digits.collect();
-        let at = digits[(stream.uniform() * digits.len() as f64) as usize];
-        bytes[at] = b'0' + (bytes[at] - b'0' + 1) % 10;
-        std::fs::write(&log, &bytes).unwrap();
-        child.wait().unwrap();
-    }
-    std::thread::sleep(Duration::from_millis(10));
-    runs(&bench);
-    let fresh = small();
-    std::fs::write(
-        fresh.raw().join("small/b/c50/test8.csv"),
-        std::fs::read(&log).unwrap(),
-    )
-    .unwrap();
-    runs(&fresh);
-    assert_eq!(shown(&bench), shown(&fresh));
+    let folders = ["", "reports", "derived", "derived/cache"];
+    folders.iter().for_each(|f| bench.set_mode(f, 0o555));
+    let said = bench.run_unprivileged(&RUN);
+    folders.iter().for_each(|f| bench.set_mode(f, 0o755));
+    assert_eq!(said.code, 2, "{}", said.err);
+    assert!(
+        said.err.starts_with("error: cannot open the lock"),
+        "{}",
+        said.err
+    );
+    let outcome = bench.outcome(&RUN);
+    assert_eq!(
+        outcome["files_written"],
+        serde_json::json!(["reports/force.pdf"])
+    );
 }
 
 /// As after `cp -p` or with a clock that was set back: other contents, the same size and time of change.
 #[cfg(unix)]
 #[test]
 fn other_contents_of_the_same_size_and_time_are_seen() {
-    let bench = small();
-    runs(&bench);
+    let bench = Bench::quick_done();
     let log = bench.raw().join("small/b/c50/test8.csv");
     let (size, time) = {
         let metadata = std::fs::metadata(&log).unwrap();
@@ -244,7 +145,7 @@ fn other_contents_of_the_same_size_and_time_are_seen() {
     let open = std::fs::File::options().write(true).open(&log).unwrap();
     open.set_modified(time).unwrap();
     assert_eq!(std::fs::metadata(&log).unwrap().len(), size);
-    let said = bench.run(&["status", "--config", "fast.toml"]);
+    let said = bench.run(&["status", "--config", FAST]);
     let line = "ingest small-b-c50: input changed: test8.csv";
     assert!(said.out.contains(line), "{}", said.out);
 }
@@ -311,7 +212,7 @@ fn a_panic_in_one_unit_is_named_and_stops_only_a_run_that_does_not_keep_going() 
 
 #[test]
 fn a_run_that_is_to_stay_offline_refuses_an_address() {
-    let bench = small();
+    let bench = Bench::quick();
     let said = bench.run(&["run", "--offline-only", "--raw", "https://lab.example/raw"]);
     assert_eq!(said.code, 2, "{}", said.err);
     assert!(
@@ -319,12 +220,81 @@ fn a_run_that_is_to_stay_offline_refuses_an_address() {
         "{}",
         said.err
     );
-    let said = bench.run(&[
-        "run",
-        "--config",
-        "fast.toml",
-        "--offline-only",
-        "--keep-going",
-    ]);
+    let said = bench.run(&["run", "--config", FAST, "--offline-only", "--keep-going"]);
     assert_eq!(said.code, 0, "{}", said.err);
+}
+
+/// Minutes: run by `.ci/run`.
+mod long {
+    use super::*;
+
+    /// A log that is edited while the program reads it: whatever that run made of it, the next one gives what the log then says.
+    #[test]
+    #[ignore = "long: 47 s of processor time"]
+    fn a_log_that_is_edited_during_a_run_poisons_nothing() {
+        let bench = Bench::quick();
+        let began = Instant::now();
+        runs(&bench);
+        let whole = began.elapsed();
+        let log = bench.raw().join("small/b/c50/test8.csv");
+        let mut stream = Stream::new(1, &["edited"]);
+        for _ in 0..12 {
+            std::fs::remove_dir_all(bench.root().join("derived")).unwrap();
+            // Which figures there are depends on what is found; without derived/ nobody knows those of an earlier log.
+            let reports = bench.root().join("reports");
+            if reports.exists() {
+                std::fs::remove_dir_all(&reports).unwrap();
+            }
+            let mut child = Command::new(env!("CARGO_BIN_EXE_pipeline"))
+                .args(RUN)
+                .current_dir(bench.root())
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .spawn()
+                .unwrap();
+            std::thread::sleep(whole.mul_f64(0.3 * stream.uniform()));
+            let mut bytes = std::fs::read(&log).unwrap();
+            let digits = (0..bytes.len()).filter(|k| bytes[*k].is_ascii_digit());
+            let digits: Vec<usize> = digits.collect();
+            let at = digits[(stream.uniform() * digits.len() as f64) as usize];
+            bytes[at] = b'0' + (bytes[at] - b'0' + 1) % 10;
+            std::fs::write(&log, &bytes).unwrap();
+            child.wait().unwrap();
+        }
+        std::thread::sleep(Duration::from_millis(10));
+        runs(&bench);
+        let fresh = Bench::quick();
+        std::fs::write(
+            fresh.raw().join("small/b/c50/test8.csv"),
+            std::fs::read(&log).unwrap(),
+        )
+        .unwrap();
+        runs(&fresh);
+        assert_eq!(bench.results(), fresh.results());
+    }
+
+    /// Damages every file below `derived/`, some at a time and each in one of three ways; the next run has to mend them.
+    #[test]
+    #[ignore = "long: 16 s of processor time"]
+    fn every_damaged_file_below_derived_is_mended_by_the_next_run() {
+        const AT_ONCE: usize = 32;
+        let bench = Bench::quick_done();
+        let right = bench.results();
+        let objects = bench.snapshot("derived/cache/objects");
+        let damages: [Damage; 3] = [("flipped", flip), ("cut", cut), ("removed", remove)];
+        let mut all = files(&bench.root().join("derived"));
+        all.retain(|f| !f.ends_with("lock"));
+        for batch in all.chunks(AT_ONCE) {
+            let mut done = Vec::new();
+            for (k, file) in batch.iter().enumerate() {
+                let (how, damage) = damages[k % 3];
+                damage(file);
+                done.push(format!("{} {how}", file.display()));
+            }
+            let said = runs(&bench);
+            assert_eq!(bench.results(), right, "{done:#?}: {}", said.out);
+            let mended = bench.snapshot("derived/cache/objects");
+            assert_eq!(mended, objects, "{done:#?}: {}", said.out);
+        }
+    }
 }

@@ -28,7 +28,7 @@ fn settings(bench: &Bench) -> String {
 
 /// A bench whose results are blessed.
 fn blessed() -> Bench {
-    let bench = Bench::small();
+    let bench = Bench::small_done();
     std::fs::create_dir_all(golden(&bench, "")).unwrap();
     std::fs::write(golden(&bench, "golden.toml"), settings(&bench)).unwrap();
     let said = bench.run(&["check", "--bless", "--reason", "the first ones"]);

@@ -135,7 +135,7 @@ bench = { name = "bench" }
 "#;
 
 fn words(session: &str, log: &str) -> Bench {
-    let bench = Bench::small();
+    let bench = Bench::small_done();
     let session = format!("{session}\n[[log]]\nfile = \"points.csv\"\n");
     bench.write("words/session.toml", session);
     bench.write("words/points.csv", log);

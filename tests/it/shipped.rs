@@ -55,60 +55,6 @@ fn raw_is_small_and_every_simulated_session_says_so() {
     }
 }
 
-#[test]
-fn the_main_job_gives_tables_figures_and_a_report_and_recovers_the_truth() {
-    let bench = Bench::empty();
-    let raw = root().join("raw");
-    let said = bench.run(&["run", "--raw", raw.to_str().unwrap()]);
-    assert_eq!(said.code, 0, "{}", said.err);
-    let reports = bench.root().join("reports");
-    let pdf = std::fs::read(reports.join("force.pdf")).unwrap();
-    assert!(pdf.starts_with(b"%PDF") && pdf.len() > 100_000);
-    for extension in ["csv", "tex", "typ", "md"] {
-        assert!(
-            reports
-                .join(format!("tables/model_comparison.{extension}"))
-                .is_file()
-        );
-    }
-    for kind in [
-        "f620",
-        "rest",
-        "isobars",
-        "curves",
-        "models",
-        "predicted",
-        "specimen-errors",
-        "residuals",
-    ] {
-        for extension in ["svg", "pdf", "png"] {
-            let name = format!("figures/{kind}-simulated-10mm.{extension}");
-            assert!(reports.join(&name).is_file(), "{name}");
-        }
-    }
-    let summary: serde_json::Value =
-        serde_json::from_slice(&std::fs::read(reports.join("summary.json")).unwrap()).unwrap();
-    assert_eq!(summary["sessions_used"].as_array().unwrap().len(), 56);
-    let torque = std::fs::read(reports.join("knee.pdf")).unwrap();
-    assert!(torque.starts_with(b"%PDF") && torque.len() > 100_000);
-    answers(&said.out, &reports, &summary);
-    let coefficients = read_table(&reports.join("tables/coefficients.csv"));
-    let joint: Vec<_> = coefficients
-        .iter()
-        .filter(|r| {
-            r["equation"] == "F(eps*, P*, l_rest)" && r["campaign"].starts_with("simulated")
-        })
-        .collect();
-    assert_eq!(joint.len(), 10);
-    for row in joint {
-        let number = |name: &str| row[name].parse::<f64>().unwrap();
-        assert!(
-            number("ci_low") <= number("published") && number("published") <= number("ci_high"),
-            "{row:?}"
-        );
-    }
-}
-
 /// Every campaign has its answer: in the file for programs, in the summary, in the tables, on paper and on the screen.
 fn answers(out: &str, reports: &Path, summary: &serde_json::Value) {
     let pdf = std::fs::read(reports.join("residual.pdf")).unwrap();
@@ -148,5 +94,65 @@ fn answers(out: &str, reports: &Path, summary: &serde_json::Value) {
         };
         assert!(table.iter().any(|r| of(&r)), "{name}");
         assert!(out.contains(&format!("{name}, {diameter} mm: ")), "{out}");
+    }
+}
+
+/// Minutes: run by `.ci/run`.
+mod long {
+    use super::*;
+
+    #[test]
+    #[ignore = "long: 26 s of processor time"]
+    fn the_main_job_gives_tables_figures_and_a_report_and_recovers_the_truth() {
+        let bench = Bench::empty();
+        let raw = root().join("raw");
+        let said = bench.run(&["run", "--raw", raw.to_str().unwrap()]);
+        assert_eq!(said.code, 0, "{}", said.err);
+        let reports = bench.root().join("reports");
+        let pdf = std::fs::read(reports.join("force.pdf")).unwrap();
+        assert!(pdf.starts_with(b"%PDF") && pdf.len() > 100_000);
+        for extension in ["csv", "tex", "typ", "md"] {
+            assert!(
+                reports
+                    .join(format!("tables/model_comparison.{extension}"))
+                    .is_file()
+            );
+        }
+        for kind in [
+            "f620",
+            "rest",
+            "isobars",
+            "curves",
+            "models",
+            "predicted",
+            "specimen-errors",
+            "residuals",
+        ] {
+            for extension in ["svg", "pdf", "png"] {
+                let name = format!("figures/{kind}-simulated-10mm.{extension}");
+                assert!(reports.join(&name).is_file(), "{name}");
+            }
+        }
+        let summary: serde_json::Value =
+            serde_json::from_slice(&std::fs::read(reports.join("summary.json")).unwrap()).unwrap();
+        assert_eq!(summary["sessions_used"].as_array().unwrap().len(), 56);
+        let torque = std::fs::read(reports.join("knee.pdf")).unwrap();
+        assert!(torque.starts_with(b"%PDF") && torque.len() > 100_000);
+        answers(&said.out, &reports, &summary);
+        let coefficients = read_table(&reports.join("tables/coefficients.csv"));
+        let joint: Vec<_> = coefficients
+            .iter()
+            .filter(|r| {
+                r["equation"] == "F(eps*, P*, l_rest)" && r["campaign"].starts_with("simulated")
+            })
+            .collect();
+        assert_eq!(joint.len(), 10);
+        for row in joint {
+            let number = |name: &str| row[name].parse::<f64>().unwrap();
+            assert!(
+                number("ci_low") <= number("published") && number("published") <= number("ci_high"),
+                "{row:?}"
+            );
+        }
     }
 }

@@ -124,6 +124,41 @@ impl Bench {
         )
     }
 
+    /// What a run says of itself for programs (`--json`).
+    pub fn outcome(&self, run: &[&str]) -> serde_json::Value {
+        let said = self.run(&[run, &["--json"]].concat());
+        let value = serde_json::from_str(&said.out);
+        value.unwrap_or_else(|e| panic!("{e}: {}{}", said.out, said.err))
+    }
+
+    /// Permissions of a file or folder here.
+    #[cfg(unix)]
+    pub fn set_mode(&self, path: &str, mode: u32) {
+        use std::os::unix::fs::PermissionsExt;
+        let permissions = std::fs::Permissions::from_mode(mode);
+        std::fs::set_permissions(self.root().join(path), permissions).unwrap();
+    }
+
+    /// Runs the program as somebody who may not do everything: root becomes nobody, with a copy of the program, for nobody may not even look
+    /// into the folder of root's in which it may lie.
+    #[cfg(unix)]
+    pub fn run_unprivileged(&self, arguments: &[&str]) -> Said {
+        use std::os::unix::fs::{MetadataExt, PermissionsExt};
+        use std::os::unix::process::CommandExt;
+        let place = tempfile::tempdir().unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pipeline"));
+        if std::fs::metadata(place.path()).unwrap().uid() == 0 {
+            let copy = place.path().join("pipeline");
+            std::fs::copy(env!("CARGO_BIN_EXE_pipeline"), &copy).unwrap();
+            let permissions = std::fs::Permissions::from_mode(0o755);
+            std::fs::set_permissions(place.path(), permissions).unwrap();
+            command = Command::new(copy);
+            command.uid(65534);
+        }
+        let command = command.args(arguments).current_dir(self.root());
+        said(command.output().unwrap())
+    }
+
     /// Every file below a directory with its contents, by relative path.
     pub fn snapshot(&self, directory: &str) -> BTreeMap<String, Vec<u8>> {
         let root = self.root().join(directory);
@@ -204,29 +239,36 @@ fn fields(line: &str) -> Vec<String> {
     fields
 }
 
-/// A program that is no part of a Rust machine, from the environment variable or the path; none if it does not answer to `probe`, which is said
-/// aloud (past the test harness, which shows nothing of a test that passes).
-pub fn outside_program(variable: &str, usual: &str, probe: &[&str]) -> Option<PathBuf> {
-    use std::io::Write;
+/// A program that is no part of a Rust machine, from the environment variable or the path.
+///
+/// # Panics
+/// If it does not answer to `probe`: a test that needs it is ignored (`mod outside`) unless it is asked for.
+pub fn outside_program(variable: &str, usual: &str, probe: &[&str]) -> PathBuf {
     let program = std::env::var_os(variable).map_or_else(|| usual.into(), PathBuf::from);
     let answer = Command::new(&program).args(probe).output();
-    if answer.is_ok_and(|output| output.status.success()) {
-        return Some(program);
-    }
-    let (program, probe) = (program.display(), probe.join(" "));
-    let _ = writeln!(
-        std::io::stderr(),
-        "NOT RUN: a test needs `{program} {probe}` to succeed; {variable} names another {usual}"
+    let (shown, words) = (program.display(), probe.join(" "));
+    let answer =
+        answer.unwrap_or_else(|e| panic!("{shown} {words}: {e}; {variable} names another"));
+    let said = String::from_utf8_lossy(&answer.stderr);
+    assert!(
+        answer.status.success(),
+        "{shown} {words}: {said}; {variable} names another"
     );
-    None
+    program
 }
 
-/// The real rig sessions, where they are; the line says that the test was skipped where they are not.
-pub fn rig(test: &str) -> Option<PathBuf> {
-    let rig = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/rig");
-    if rig.is_dir() {
-        return Some(rig);
-    }
-    println!("skipped {test}: no real rig sessions at {}", rig.display());
-    None
+/// The laboratory's own sessions, which are not in the repository: the folder that `RIG_SESSIONS` names, or `../shared/rig`.
+///
+/// # Panics
+/// If there is no such folder: a test that needs it is ignored (`mod rig`) unless it is asked for.
+pub fn rig() -> PathBuf {
+    let usual = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/rig");
+    let rig = std::env::var_os("RIG_SESSIONS").map_or_else(usual, PathBuf::from);
+    let is_there = rig.is_dir();
+    assert!(
+        is_there,
+        "no sessions in {}: RIG_SESSIONS names another folder",
+        rig.display()
+    );
+    rig
 }

@@ -5,6 +5,7 @@ use pipeline::models::new::NewPublished;
 use pipeline::models::{Direction, ForceModel, State};
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::LazyLock;
 
 /// Centre of the joint, origin and insertion relative to it, m: a triangle, whose third side is the path.
 const CENTRE: [f64; 2] = [0.01, -0.4];
@@ -205,24 +206,24 @@ fn the_stated_fittings_are_used_and_another_leg_is_another_result() {
 
 #[test]
 fn mistakes_in_a_joint_are_named_with_file_key_and_remedy() {
-    for (file, from, to, parts) in [
+    let cases: [(&str, &str, &str, &[&str]); 8] = [
         (
             "leg.toml",
             "kind = \"pinned\"",
             "kind = \"pined\"",
-            &["t1/leg.toml:2 [joint.kind]", "pinned"][..],
+            &["/leg.toml:2 [joint.kind]", "pinned"],
         ),
         (
             "leg.toml",
             "tibia_m",
             "femur_m",
-            &["t1/leg.toml", "no point on femur or tibia"],
+            &["/leg.toml", "no point on femur or tibia"],
         ),
         (
             "session.toml",
             "file = \"leg.toml\"",
             "file = \"log.toml\"",
-            &["t1/log.toml", "mend"],
+            &["/log.toml", "mend"],
         ),
         (
             "session.toml",
@@ -254,20 +255,33 @@ fn mistakes_in_a_joint_are_named_with_file_key_and_remedy() {
             "",
             &["[columns.pressure]", "pressure_kpa"],
         ),
-    ] {
-        let bench = campaign();
-        let path = bench.raw().join("t1").join(file);
+    ];
+    let bench = campaign();
+    for (k, (file, from, to, _)) in cases.iter().enumerate() {
+        let id = format!("wrong{k}");
+        write(&bench, &id, "", 0.0);
+        let path = bench.raw().join(&id).join(file);
         let text = std::fs::read_to_string(&path).unwrap();
         assert!(text.contains(from), "{from}");
         std::fs::write(&path, text.replace(from, to)).unwrap();
-        let said = bench.run(&["run"]);
-        assert_eq!(said.code, 0, "{}", said.err);
-        for part in parts {
-            assert!(said.err.contains(part), "{part:?} is not in\n{}", said.err);
-        }
-        let tests = bench.table("knee_tests");
-        assert!(tests.iter().all(|t| t["session"] != "t1") && tests.len() == 4);
     }
+    let said = bench.run(&["run"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    for (k, (.., parts)) in cases.iter().enumerate() {
+        let place = format!(": wrong{k}/");
+        let own = said.err.lines().filter(|l| l.contains(&place));
+        let own = own.collect::<Vec<&str>>().join("\n");
+        for part in *parts {
+            assert!(
+                own.contains(part),
+                "{part:?} is not in {own:?} of\n{}",
+                said.err
+            );
+        }
+    }
+    let tests = bench.table("knee_tests");
+    let used: Vec<&str> = tests.iter().map(|t| t["session"].as_str()).collect();
+    assert_eq!(used, ["t1", "t2", "t3", "t4", "t5"]);
 }
 
 #[test]
@@ -347,92 +361,46 @@ fn predict_tells_where_a_described_leg_meets_the_human_muscle() {
     );
 }
 
-/// The campaign that the repository ships: fittings of 33 mm and a frame that yields by up to 6 mm, so that the torques have about 35 mm; noise of
-/// 0.15 N.m and half a degree.
-#[test]
-fn the_shipped_campaign_is_recovered() {
+type Table = Vec<BTreeMap<String, String>>;
+
+/// What a run makes of the campaign of torque that the repository ships.
+struct Shipped {
+    fittings: Table,
+    tests: Table,
+    findings: serde_json::Value,
+}
+
+static SHIPPED: LazyLock<Shipped> = LazyLock::new(|| {
     let bench = Bench::empty();
     let raw = Path::new(env!("CARGO_MANIFEST_DIR")).join("raw/simulated-knee");
     let said = bench.run(&["run", "--raw", raw.to_str().unwrap()]);
     assert_eq!(said.code, 0, "{}", said.err);
-    let fits = bench.table("knee_fittings");
+    Shipped {
+        fittings: bench.table("knee_fittings"),
+        tests: bench.table("knee_tests"),
+        findings: findings(&bench),
+    }
+});
+
+/// The campaign that the repository ships: fittings of 33 mm and a frame that yields by up to 6 mm, so that the torques have about 35 mm; noise of
+/// 0.15 N.m and half a degree.
+#[test]
+fn the_shipped_campaign_is_recovered() {
+    let fits = &SHIPPED.fittings;
     let wanted = [
         ("diameter_mm", "10"),
         ("muscle", "flexor"),
         ("law", "new_published"),
     ];
-    let of = |origin| find(&fits, &[&wanted[..], &[("origin", origin)]].concat());
+    let of = |origin| find(fits, &[&wanted[..], &[("origin", origin)]].concat());
     let fit = of("fitted to skn10-l485");
     assert!((33.0..36.0).contains(&number(fit, "fitting_mm")), "{fit:?}");
     assert!(number(fit, "rmse_held_out_nm") < 0.6, "{fit:?}");
     assert!(number(of("as stated"), "rmse_held_out_nm") > 5.0);
-    let tests = bench.table("knee_tests");
+    let tests = &SHIPPED.tests;
     assert!(tests.iter().all(|t| t["simulated"] == "true"));
-    let excluded = find(&tests, &[("session", "sim-flxpin10-485-t4")]);
+    let excluded = find(tests, &[("session", "sim-flxpin10-485-t4")]);
     assert_eq!(excluded["excluded"], "resting length uncertain");
-}
-
-/// Yardsticks that were calculated apart from this program (the issue on the knee, and section "What the knee paper shows"): rigid RMSE of 4.2
-/// to 9.6 N.m for the tests of the 48.5 cm flexor, 1.2 to 2.4 N.m from length and arm by hand, and with fittings of 35.2 mm SSE 473 and 344.
-#[test]
-fn the_laboratorys_tests_give_the_known_errors() {
-    let Some(rig) = rig("torque of the real rig") else {
-        return;
-    };
-    let bench = Bench::empty();
-    let raw = rig.join("knee-torque");
-    let said = bench.run(&["run", "--raw", raw.to_str().unwrap()]);
-    assert_eq!(said.code, 0, "{}", said.err);
-    let tables = bench.root().join("reports/tables");
-    let table = |name: &str| read_table(&tables.join(format!("{name}.csv")));
-    assert_eq!(table("knee_tests").len(), 22);
-    let laws = table("knee_laws");
-    let rigid: Vec<f64> = (1..=4)
-        .map(|k| {
-            let session = format!("knee-flxpin10-48-t{k}");
-            let row = find(&laws, &[("session", &session), ("law", "new_published")]);
-            let by_hand = number(row, "by_hand_rmse_nm");
-            assert!((1.2..2.45).contains(&by_hand), "{row:?}");
-            number(row, "rmse_nm")
-        })
-        .collect();
-    for (found, known) in rigid.iter().zip([9.59, 9.31, 5.94, 4.21]) {
-        assert!((found - known).abs() < 0.01, "{rigid:?}");
-    }
-    let errors = table("knee_fitting_errors");
-    for (law, configuration, sse) in [
-        ("new_published", "pinned-flexor-bpa10-l485", 473.4),
-        ("new_published", "pinned-flexor-bpa10-l457", 344.6),
-        // The paper has 554.6 and 315.3.
-        ("knee_paper", "pinned-flexor-bpa10-l485", 520.7),
-        ("knee_paper", "pinned-flexor-bpa10-l457", 312.5),
-    ] {
-        let wanted = [
-            ("law", law),
-            ("configuration", configuration),
-            ("origin", "knee paper"),
-        ];
-        let found = number(find(&errors, &wanted), "sse_nm2");
-        assert!((found - sse).abs() < 0.1, "{law} {configuration} {found}");
-    }
-    let fits = table("knee_fittings");
-    for (law, length) in [("knee_paper", 35.36), ("new_published", 35.10)] {
-        let fit = find(&fits, &[("law", law), ("origin", "fitted to bpa10-l485")]);
-        assert!((number(fit, "fitting_mm") - length).abs() < 0.01, "{fit:?}");
-        assert!(number(fit, "interval_mm_low") < 35.2 && 35.2 < number(fit, "interval_mm_high"));
-        assert_eq!(
-            (fit["n_fitted"].as_str(), fit["n_held_out"].as_str()),
-            ("90", "65")
-        );
-    }
-    let human = table("knee_human");
-    for row in human.iter().filter(|r| r["against"].starts_with("OpenSim")) {
-        match row["quantity"].as_str() {
-            "moment arm" => assert!(number(row, "max") < 0.5, "{row:?}"),
-            _ => assert!(number(row, "max_relative") < 3.0, "{row:?}"),
-        }
-    }
-    the_loop_finds_what_the_measurers_found(&bench);
 }
 
 /// Beside what the measurers reached by hand over years (the specification of the knee, section "Series stiffness"): their 2.12 N.m on the 45.7 cm
@@ -500,44 +468,6 @@ fn the_loop_finds_what_the_measurers_found(bench: &Bench) {
     }
 }
 
-/// What the search by sets reached on the flexors, and the mixed model does not: kept until it does.
-#[test]
-#[ignore = "not reached: lengths and arms by hand ask for another geometry than the torques of the flexors (docs/loop.md, the loop on torque)"]
-fn the_flexors_come_to_what_the_measurers_reached() {
-    let rig = rig("torque of the real rig").unwrap();
-    let bench = Bench::empty();
-    let raw = rig.join("knee-torque");
-    let said = bench.run(&["run", "--raw", raw.to_str().unwrap()]);
-    assert_eq!(said.code, 0, "{}", said.err);
-    let by_hand = bench.table("knee_by_hand");
-    let of = |actuator| find(&by_hand, &[("actuator", actuator)]);
-    let row = of("45.7 cm");
-    assert!(
-        number(row, "held_out_rmse_nm") < number(row, "theirs_rmse_nm"),
-        "{row:?}"
-    );
-    let row = of("48.5 cm");
-    assert!(
-        number(row, "held_out_rmse_nm") < 0.35 * number(row, "rigid_rmse_nm"),
-        "{row:?}"
-    );
-    let tests = bench.table("knee_effects");
-    for k in 1..=4 {
-        let session = format!("knee-flxpin10-48-t{k}");
-        let row = find(&tests, &[("session", &session)]);
-        assert!(number(row, "own_rmse_nm") < 1.7, "{row:?}");
-    }
-    for part in ["pinned knee, flexor", "pinned knee, extensor"] {
-        let found = joint(&findings(&bench), part, 10);
-        let effect = &found["effects"][0];
-        assert_eq!(effect["id"], "series_compliance");
-        let compliance = &effect["parameters"][0];
-        assert_eq!(compliance["unit"], "um/N");
-        let end = |name: &str| compliance[name].as_f64().unwrap();
-        assert!(end("ci_low") < 94.0 && end("ci_high") > 54.0, "{found}");
-    }
-}
-
 /// The findings of one joint.
 fn joint(findings: &serde_json::Value, part: &str, diameter_mm: u64) -> serde_json::Value {
     let campaigns = findings["campaigns"].as_array().unwrap();
@@ -554,10 +484,6 @@ fn findings(bench: &Bench) -> serde_json::Value {
 /// equations are not those of the search.
 #[test]
 fn the_loop_finds_the_length_that_the_simulated_legs_lack() {
-    let bench = Bench::empty();
-    let raw = Path::new(env!("CARGO_MANIFEST_DIR")).join("raw/simulated-knee");
-    let said = bench.run(&["run", "--raw", raw.to_str().unwrap()]);
-    assert_eq!(said.code, 0, "{}", said.err);
     // One test of one actuator hardly tells a length from what yields: it has to find one of the two, and nothing else.
     for (part, diameter) in [
         ("pinned knee, flexor", 10),
@@ -567,12 +493,12 @@ fn the_loop_finds_the_length_that_the_simulated_legs_lack() {
         ("biomimetic knee, flexor", 20),
         ("described knee, flexor", 10),
     ] {
-        let ids = ids(&joint(&findings(&bench), part, diameter));
+        let ids = ids(&joint(&SHIPPED.findings, part, diameter));
         assert!(!ids.is_empty(), "{part}");
         let is_there = |id: &String| id == "length_offset" || id == "series_compliance";
         assert!(ids.iter().all(is_there), "{part}: {ids:?}");
     }
-    let found = joint(&findings(&bench), "pinned knee, flexor", 10);
+    let found = joint(&SHIPPED.findings, "pinned knee, flexor", 10);
     assert_eq!(
         ids(&found),
         ["length_offset", "series_compliance"],
@@ -585,23 +511,6 @@ fn the_loop_finds_the_length_that_the_simulated_legs_lack() {
         found["after"]["rmse_heldout"].as_f64().unwrap() < 0.4,
         "{found}"
     );
-}
-
-/// The length itself, in every leg and inside its interval.
-#[test]
-#[ignore = "not reached: one test of one actuator does not tell a length from what yields, and compliance of another form takes 0.7 mm of the 15.2"]
-fn the_length_is_told_from_what_yields_in_every_simulated_leg() {
-    let bench = Bench::empty();
-    let raw = Path::new(env!("CARGO_MANIFEST_DIR")).join("raw/simulated-knee");
-    let said = bench.run(&["run", "--raw", raw.to_str().unwrap()]);
-    assert_eq!(said.code, 0, "{}", said.err);
-    for found in findings(&bench)["campaigns"].as_array().unwrap() {
-        assert_eq!(found["effects"][0]["id"], "length_offset", "{found}");
-    }
-    let found = joint(&findings(&bench), "pinned knee, flexor", 10);
-    let d = &found["effects"][0]["parameters"][0];
-    let end = |name: &str| d[name].as_f64().unwrap();
-    assert!(end("ci_low") < 15.2 && 15.2 < end("ci_high"), "{d}");
 }
 
 /// The ids of the effects that were found.
@@ -627,4 +536,129 @@ fn the_loop_finds_nothing_in_a_rigid_leg() {
     assert_eq!(said.code, 0, "{}", said.err);
     let found = joint(&findings(&bench), "described knee, flexor", 10);
     assert_eq!(found["verdict"], "none", "{found}");
+}
+
+/// What is not reached yet, and why: run by nobody.
+mod not_reached {
+    use super::*;
+
+    /// What the search by sets reached on the flexors, and the mixed model does not: kept until it does.
+    #[test]
+    #[ignore = "not reached: lengths and arms by hand ask for another geometry than the torques of the flexors (docs/loop.md, the loop on torque)"]
+    fn the_flexors_come_to_what_the_measurers_reached() {
+        let rig = rig();
+        let bench = Bench::empty();
+        let raw = rig.join("knee-torque");
+        let said = bench.run(&["run", "--raw", raw.to_str().unwrap()]);
+        assert_eq!(said.code, 0, "{}", said.err);
+        let by_hand = bench.table("knee_by_hand");
+        let of = |actuator| find(&by_hand, &[("actuator", actuator)]);
+        let row = of("45.7 cm");
+        assert!(
+            number(row, "held_out_rmse_nm") < number(row, "theirs_rmse_nm"),
+            "{row:?}"
+        );
+        let row = of("48.5 cm");
+        assert!(
+            number(row, "held_out_rmse_nm") < 0.35 * number(row, "rigid_rmse_nm"),
+            "{row:?}"
+        );
+        let tests = bench.table("knee_effects");
+        for k in 1..=4 {
+            let session = format!("knee-flxpin10-48-t{k}");
+            let row = find(&tests, &[("session", &session)]);
+            assert!(number(row, "own_rmse_nm") < 1.7, "{row:?}");
+        }
+        for part in ["pinned knee, flexor", "pinned knee, extensor"] {
+            let found = joint(&findings(&bench), part, 10);
+            let effect = &found["effects"][0];
+            assert_eq!(effect["id"], "series_compliance");
+            let compliance = &effect["parameters"][0];
+            assert_eq!(compliance["unit"], "um/N");
+            let end = |name: &str| compliance[name].as_f64().unwrap();
+            assert!(end("ci_low") < 94.0 && end("ci_high") > 54.0, "{found}");
+        }
+    }
+
+    /// The length itself, in every leg and inside its interval.
+    #[test]
+    #[ignore = "not reached: one test of one actuator does not tell a length from what yields, and compliance of another form takes 0.7 mm of the 15.2"]
+    fn the_length_is_told_from_what_yields_in_every_simulated_leg() {
+        for found in SHIPPED.findings["campaigns"].as_array().unwrap() {
+            assert_eq!(found["effects"][0]["id"], "length_offset", "{found}");
+        }
+        let found = joint(&SHIPPED.findings, "pinned knee, flexor", 10);
+        let d = &found["effects"][0]["parameters"][0];
+        let end = |name: &str| d[name].as_f64().unwrap();
+        assert!(end("ci_low") < 15.2 && 15.2 < end("ci_high"), "{d}");
+    }
+}
+
+/// On the real rig sessions (`support::rig`): run by `.ci/run` where they are.
+mod rig {
+    use super::*;
+
+    /// Yardsticks that were calculated apart from this program (the issue on the knee, and section "What the knee paper shows"): rigid RMSE of 4.2
+    /// to 9.6 N.m for the tests of the 48.5 cm flexor, 1.2 to 2.4 N.m from length and arm by hand, and with fittings of 35.2 mm SSE 473 and 344.
+    #[test]
+    #[ignore = "needs the real rig sessions"]
+    fn the_laboratorys_tests_give_the_known_errors() {
+        let rig = rig();
+        let bench = Bench::empty();
+        let raw = rig.join("knee-torque");
+        let said = bench.run(&["run", "--raw", raw.to_str().unwrap()]);
+        assert_eq!(said.code, 0, "{}", said.err);
+        let tables = bench.root().join("reports/tables");
+        let table = |name: &str| read_table(&tables.join(format!("{name}.csv")));
+        assert_eq!(table("knee_tests").len(), 22);
+        let laws = table("knee_laws");
+        let rigid: Vec<f64> = (1..=4)
+            .map(|k| {
+                let session = format!("knee-flxpin10-48-t{k}");
+                let row = find(&laws, &[("session", &session), ("law", "new_published")]);
+                let by_hand = number(row, "by_hand_rmse_nm");
+                assert!((1.2..2.45).contains(&by_hand), "{row:?}");
+                number(row, "rmse_nm")
+            })
+            .collect();
+        for (found, known) in rigid.iter().zip([9.59, 9.31, 5.94, 4.21]) {
+            assert!((found - known).abs() < 0.01, "{rigid:?}");
+        }
+        let errors = table("knee_fitting_errors");
+        for (law, configuration, sse) in [
+            ("new_published", "pinned-flexor-bpa10-l485", 473.4),
+            ("new_published", "pinned-flexor-bpa10-l457", 344.6),
+            // The paper has 554.6 and 315.3.
+            ("knee_paper", "pinned-flexor-bpa10-l485", 520.7),
+            ("knee_paper", "pinned-flexor-bpa10-l457", 312.5),
+        ] {
+            let wanted = [
+                ("law", law),
+                ("configuration", configuration),
+                ("origin", "knee paper"),
+            ];
+            let found = number(find(&errors, &wanted), "sse_nm2");
+            assert!((found - sse).abs() < 0.1, "{law} {configuration} {found}");
+        }
+        let fits = table("knee_fittings");
+        for (law, length) in [("knee_paper", 35.36), ("new_published", 35.10)] {
+            let fit = find(&fits, &[("law", law), ("origin", "fitted to bpa10-l485")]);
+            assert!((number(fit, "fitting_mm") - length).abs() < 0.01, "{fit:?}");
+            assert!(
+                number(fit, "interval_mm_low") < 35.2 && 35.2 < number(fit, "interval_mm_high")
+            );
+            assert_eq!(
+                (fit["n_fitted"].as_str(), fit["n_held_out"].as_str()),
+                ("90", "65")
+            );
+        }
+        let human = table("knee_human");
+        for row in human.iter().filter(|r| r["against"].starts_with("OpenSim")) {
+            match row["quantity"].as_str() {
+                "moment arm" => assert!(number(row, "max") < 0.5, "{row:?}"),
+                _ => assert!(number(row, "max_relative") < 3.0, "{row:?}"),
+            }
+        }
+        the_loop_finds_what_the_measurers_found(&bench);
+    }
 }

@@ -230,20 +230,6 @@ fn one_effect_that_nobody_declares_is_found_with_its_size() {
     }
 }
 
-/// The smaller kinking that the search by sets found.
-#[test]
-#[ignore = "not reached: found in 5 of 10 such campaigns, because a misfit of the law of 5% that all tests share takes part of it"]
-fn a_kinking_of_half_the_size_is_found() {
-    let bench = Bench::empty();
-    let missing = Missing {
-        kinks: 0.4,
-        ..Missing::default()
-    };
-    write(&bench, "kinks", &missing);
-    let (chosen, ..) = first(&found(&bench), "kinks", 2);
-    assert_eq!(chosen, "kinking");
-}
-
 #[test]
 fn nothing_is_found_where_nothing_is_missing_and_no_physical_name_is_borrowed() {
     let bench = Bench::empty();
@@ -267,46 +253,6 @@ fn nothing_is_found_where_nothing_is_missing_and_no_physical_name_is_borrowed() 
     }
     assert_eq!(of("room")["verdict"], "unexplained", "{}", of("room"));
     assert_eq!(of("room")["unexplained"][0]["column"], "room");
-}
-
-#[test]
-fn a_zero_of_the_torque_is_named_only_if_slack_actuators_show_it() {
-    let bench = Bench::empty();
-    let everywhere = Missing {
-        zero_nm: -1.2,
-        zero_at_slack: true,
-        further_deg: 12.0,
-        ..Missing::default()
-    };
-    let again = [
-        "everywhere",
-        "everywhere-2",
-        "everywhere-3",
-        "everywhere-4",
-        "everywhere-5",
-    ];
-    for campaign in again {
-        write(&bench, campaign, &everywhere);
-    }
-    let where_it_pulls = Missing {
-        zero_at_slack: false,
-        ..everywhere
-    };
-    write(&bench, "where-it-pulls", &where_it_pulls);
-    let all = found(&bench);
-    let mut inside = 0;
-    for campaign in again {
-        let (id, value, [low, high]) = first(&all, campaign, 1);
-        assert_eq!(id, "force_zero_offset", "{campaign}");
-        assert!((value + 1.2).abs() < 0.2, "{campaign} {value}");
-        inside += usize::from(low < -1.2 && -1.2 < high);
-    }
-    // Of five intervals of 95% two miss in 2 of 100 cases.
-    assert!(inside >= 4, "{inside} of 5 intervals hold -1.2");
-    let other = all.iter().find(|c| c["campaign"] == "where-it-pulls");
-    let effects = other.unwrap()["effects"].as_array().unwrap();
-    let zero = effects.iter().any(|e| e["id"] == "force_zero_offset");
-    assert!(!zero, "{effects:?}");
 }
 
 #[test]
@@ -461,5 +407,70 @@ fn has_all_of_a_mixed_model(found: &Value) {
             !effect["by_specimen"].as_object().unwrap().is_empty(),
             "{effect}"
         );
+    }
+}
+
+/// What is not reached yet, and why: run by nobody.
+mod not_reached {
+    use super::*;
+
+    /// The smaller kinking that the search by sets found.
+    #[test]
+    #[ignore = "not reached: found in 5 of 10 such campaigns, because a misfit of the law of 5% that all tests share takes part of it"]
+    fn a_kinking_of_half_the_size_is_found() {
+        let bench = Bench::empty();
+        let missing = Missing {
+            kinks: 0.4,
+            ..Missing::default()
+        };
+        write(&bench, "kinks", &missing);
+        let (chosen, ..) = first(&found(&bench), "kinks", 2);
+        assert_eq!(chosen, "kinking");
+    }
+}
+
+/// Minutes: run by `.ci/run`.
+mod long {
+    use super::*;
+
+    #[test]
+    #[ignore = "long: 14 s of processor time"]
+    fn a_zero_of_the_torque_is_named_only_if_slack_actuators_show_it() {
+        let bench = Bench::empty();
+        let everywhere = Missing {
+            zero_nm: -1.2,
+            zero_at_slack: true,
+            further_deg: 12.0,
+            ..Missing::default()
+        };
+        let again = [
+            "everywhere",
+            "everywhere-2",
+            "everywhere-3",
+            "everywhere-4",
+            "everywhere-5",
+        ];
+        for campaign in again {
+            write(&bench, campaign, &everywhere);
+        }
+        let where_it_pulls = Missing {
+            zero_at_slack: false,
+            ..everywhere
+        };
+        write(&bench, "where-it-pulls", &where_it_pulls);
+        let all = found(&bench);
+        let mut inside = 0;
+        for campaign in again {
+            let (id, value, [low, high]) = first(&all, campaign, 1);
+            assert_eq!(id, "force_zero_offset", "{campaign}");
+            assert!((value + 1.2).abs() < 0.2, "{campaign} {value}");
+            inside += usize::from(low < -1.2 && -1.2 < high);
+        }
+        // Of five intervals of 95% two miss in 2 of 100 cases.
+        assert!(inside >= 4, "{inside} of 5 intervals hold -1.2");
+        let other = all.iter().find(|c| c["campaign"] == "where-it-pulls");
+        let effects = other.unwrap()["effects"].as_array().unwrap();
+        let zero = effects.iter().any(|e| e["id"] == "force_zero_offset");
+        assert!(!zero, "{effects:?}");
     }
 }

@@ -64,7 +64,7 @@ fn swap(a: &Path, b: &Path) {
 
 #[test]
 fn every_change_of_a_file_is_seen_by_status_and_mended_by_the_run() {
-    let bench = Bench::quick();
+    let bench = Bench::quick_done();
     settled(&bench);
     let good = bench.results();
     let log = logs(&bench)[0].clone();
@@ -105,8 +105,7 @@ fn every_change_of_a_file_is_seen_by_status_and_mended_by_the_run() {
 
 #[test]
 fn what_a_removed_session_left_is_removed_and_what_others_put_there_stays() {
-    let bench = Bench::quick();
-    run(&bench);
+    let bench = Bench::quick_done();
     let sessions = bench.root().join("derived/sessions");
     let of = || fs::read_dir(&sessions).unwrap().count();
     let before = of();
@@ -131,8 +130,7 @@ fn what_a_removed_session_left_is_removed_and_what_others_put_there_stays() {
 
 #[test]
 fn provenance_has_the_digest_of_every_raw_file() {
-    let bench = Bench::quick();
-    run(&bench);
+    let bench = Bench::quick_done();
     let text = fs::read_to_string(bench.root().join("reports/provenance.json")).unwrap();
     let all = files(&bench.raw());
     assert!(all.iter().any(|f| f.ends_with("session.toml")));

@@ -1,0 +1,163 @@
+//! The directions between the crates: every `Cargo.toml` of the workspace against the list in `src/lib.rs`.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use toml::{Table, Value};
+
+const MAP: &str = include_str!("../../src/lib.rs");
+
+type Names = BTreeSet<String>;
+
+/// What a crate names: crates of the workspace that its code uses, those that only its tests use, other libraries.
+#[derive(Debug, Default, PartialEq)]
+struct Uses {
+    code: Names,
+    tests: Names,
+    libraries: Names,
+}
+
+/// The lines of a block of text in the paragraph "Directions".
+fn block(number: usize) -> impl Iterator<Item = &'static str> {
+    let directions = MAP.split("**Directions**").nth(1).unwrap();
+    let text = directions.split("```").nth(2 * number + 1).unwrap();
+    let bare = |line: &'static str| line.trim_start_matches("//!").trim();
+    text.lines().skip(1).map(bare).filter(|l| !l.is_empty())
+}
+
+fn list(text: &str) -> Names {
+    let names = text.split(',').map(str::trim);
+    names
+        .filter(|n| *n != "nothing")
+        .map(str::to_owned)
+        .collect()
+}
+
+/// The crates in the order of the list, each with what it may use.
+fn allowed() -> Vec<(String, Uses)> {
+    let line = |line: &'static str| {
+        let (name, uses) = line.split_once("->").unwrap();
+        let (code, tests) = uses
+            .split_once("; its tests ->")
+            .unwrap_or((uses, "nothing"));
+        let uses = Uses {
+            code: list(code),
+            tests: list(tests),
+            libraries: Names::new(),
+        };
+        (name.trim().to_owned(), uses)
+    };
+    block(0).map(line).collect()
+}
+
+fn read(file: &Path) -> Table {
+    let text = std::fs::read_to_string(file).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+    text.parse().unwrap()
+}
+
+/// The names in a table of dependencies, also below `[target.…]`: crates of the workspace without their prefix, and libraries.
+fn dependencies(manifest: &Table, kind: &str) -> (Names, Names) {
+    let targets = manifest.get("target").and_then(Value::as_table);
+    let targets = targets.into_iter().flat_map(|t| t.values());
+    let tables = targets.filter_map(Value::as_table).chain([manifest]);
+    let names = tables
+        .filter_map(|t| t.get(kind)?.as_table())
+        .flat_map(Table::keys);
+    let (own, others): (Vec<&String>, Vec<&String>) = names.partition(|n| n.starts_with(PREFIX));
+    let bare = |name: &String| name.trim_start_matches(PREFIX).to_owned();
+    (
+        own.into_iter().map(bare).collect(),
+        others.into_iter().cloned().collect(),
+    )
+}
+
+const PREFIX: &str = "pipeline-";
+
+/// What every member of the workspace names in its `Cargo.toml`.
+fn found() -> BTreeMap<String, Uses> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let workspace = read(&root.join("Cargo.toml"));
+    let members = workspace["workspace"]["members"].as_array().unwrap();
+    let member = |folder: &Value| {
+        let manifest = read(&root.join(folder.as_str().unwrap()).join("Cargo.toml"));
+        let name = manifest["package"]["name"].as_str().unwrap();
+        let (mut code, mut libraries) = dependencies(&manifest, "dependencies");
+        let (build, others) = dependencies(&manifest, "build-dependencies");
+        code.extend(build);
+        libraries.extend(others);
+        let tests = dependencies(&manifest, "dev-dependencies").0;
+        let uses = Uses {
+            code,
+            tests,
+            libraries,
+        };
+        (name.trim_start_matches(PREFIX).to_owned(), uses)
+    };
+    members.iter().map(member).collect()
+}
+
+#[test]
+fn every_crate_uses_the_crates_that_the_map_allows_and_no_others() {
+    let (allowed, found) = (allowed(), found());
+    let mapped: Names = allowed.iter().map(|(name, _)| name.clone()).collect();
+    let there: Names = found.keys().cloned().collect();
+    assert_eq!(
+        there, mapped,
+        "the crates (left) and the list in src/lib.rs (right)"
+    );
+    for (name, allowed) in &allowed {
+        let found = &found[name];
+        let both = [
+            (&found.code, &allowed.code, "uses"),
+            (&found.tests, &allowed.tests, "has tests that use"),
+        ];
+        for (found, allowed, uses) in both {
+            let beyond: Vec<_> = found.difference(allowed).collect();
+            assert!(
+                beyond.is_empty(),
+                "{name} {uses} {beyond:?}, which src/lib.rs does not allow"
+            );
+            let stale: Vec<_> = allowed.difference(found).collect();
+            assert!(
+                stale.is_empty(),
+                "src/lib.rs says that {name} {uses} {stale:?}, which it does not"
+            );
+        }
+    }
+}
+
+#[test]
+fn every_line_of_the_map_names_crates_of_lines_below_it() {
+    let allowed = allowed();
+    for (at, (name, uses)) in allowed.iter().enumerate() {
+        let below: Names = allowed[at + 1..].iter().map(|(n, _)| n.clone()).collect();
+        let upward: Vec<_> = uses.code.difference(&below).collect();
+        assert!(
+            upward.is_empty(),
+            "{name} names {upward:?}, which is not below it"
+        );
+    }
+}
+
+#[test]
+fn libraries_of_one_layer_are_used_by_no_other() {
+    let found = found();
+    for line in block(1) {
+        let (libraries, users) = line.split_once(':').unwrap();
+        for library in list(libraries) {
+            let uses = |uses: &Uses| uses.libraries.contains(&library);
+            let by: Names = found
+                .iter()
+                .filter(|(_, u)| uses(u))
+                .map(|(n, _)| n.clone())
+                .collect();
+            assert!(
+                !by.is_empty(),
+                "src/lib.rs lists {library}, which no crate uses"
+            );
+            assert!(
+                by.is_subset(&list(users)),
+                "{library} is used by {by:?}, and may be by{users}"
+            );
+        }
+    }
+}
