@@ -19,7 +19,7 @@
 //! angles in degrees where people write them.
 //!
 //! ```
-//! use pipeline::knee::{self, Setup};
+//! use pipeline_mechanics::knee::{self, Setup};
 //! let knees = knee::shipped().unwrap();
 //! let pinned = knees.iter().find(|k| k.name == "pinned").unwrap();
 //! let leg = pinned.leg("flexor").unwrap();
@@ -30,7 +30,7 @@
 //!     fitting_m: 0.0254,
 //!     tendon_m: 0.0,
 //! };
-//! let model = &pipeline::models::knee_paper::KneePaper;
+//! let model = &pipeline_mechanics::models::knee_paper::KneePaper;
 //! let bent = leg.torque(&setup, model, 605.7, -0.5).unwrap();
 //! assert!(bent.torque_nm.unwrap() < 0.0);
 //! ```
