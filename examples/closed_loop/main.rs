@@ -72,7 +72,7 @@ fn main() -> std::io::Result<()> {
     let list = given("--list");
     let outcomes = run(&trials, &log, |trial, outcome| {
         if list {
-            eprintln!("{}", told(trial, outcome));
+            eprintln!("{}", line(trial, outcome));
         }
     });
     println!("{}", digest::line(&answers));
@@ -81,12 +81,12 @@ fn main() -> std::io::Result<()> {
 }
 
 /// One campaign in a line.
-fn told(trial: &Trial, outcome: &Outcome) -> String {
+fn line(trial: &Trial, outcome: &Outcome) -> String {
     format!(
         "{} {}: {} (size {:.3?}, log density {:+.3?}, {:.1} s)",
         if outcome.exact { "+" } else { "-" },
         trial.name(),
-        outcome.words(),
+        outcome.text(),
         outcome.size.amplitudes,
         outcome.log_density_gap,
         outcome.seconds

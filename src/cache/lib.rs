@@ -5,10 +5,10 @@
 //! derived/cache/objects/ab/cdef…        every stage output, named by the SHA-256 of its bytes
 //! derived/cache/entries/ab/cdef….jsonl  one computation: the parts of its key, and the digests of its outputs
 //! derived/cache/state.jsonl             what each stage and unit had last time: its key, to say why it differs now, and its outputs
-//! derived/cache/unchanged.jsonl         fingerprints of all files before and after the last run ([`tree`]), and what it told
+//! derived/cache/unchanged.jsonl         fingerprints of all files before and after the last run ([`tree`]), and its messages
 //! derived/cache/hashes.jsonl            size and times of raw files and reports with their digests, only to skip re-hashing
 //! ```
-//! Everything but the objects begins with its own digest ([`sealed`]): what is damaged is not believed.
+//! Everything but the objects begins with its own digest ([`sealed`]): what is damaged is not accepted.
 //!
 //! A run without changes ends after a look at the names, sizes and times of all files (`unchanged.jsonl`). With any change it opens only those
 //! entries, of which a large campaign has tens of thousands, that the change concerns: `state.jsonl` holds what is needed of the others, and

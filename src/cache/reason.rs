@@ -33,7 +33,7 @@ impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Reason::FirstTime => write!(f, "no earlier result"),
-            Reason::Forced => write!(f, "asked for with --force"),
+            Reason::Forced => write!(f, "requested with --force"),
             Reason::CodeChanged => write!(f, "code of the stage changed"),
             Reason::VersionChanged(old, new) => write!(f, "version of the stage {old} -> {new}"),
             Reason::OptionChanged(name, old, new) => write!(f, "option {name} {old} -> {new}"),

@@ -65,7 +65,7 @@ fn print_blessing(blessing: &Blessing, golden: &Path, as_json: bool) -> Result<(
         return print_json(&json!({ "golden": golden, "blessed": blessing }));
     }
     for change in &blessing.changed {
-        line(format!("{}: {}", change.table, change.words()));
+        line(format!("{}: {}", change.table, change.text()));
     }
     for table in &blessing.removed {
         line(format!(
@@ -144,8 +144,8 @@ fn cells(d: &Difference) -> Vec<String> {
     let size = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.3e}"));
     let row = match (d.kind, d.row.is_empty()) {
         (Kind::Cell, _) => shortened(&d.row, LONGEST_KEY),
-        (kind, true) => kind.words().to_owned(),
-        (kind, false) => format!("{}: {}", shortened(&d.row, LONGEST_KEY), kind.words()),
+        (kind, true) => kind.text().to_owned(),
+        (kind, false) => format!("{}: {}", shortened(&d.row, LONGEST_KEY), kind.text()),
     };
     let value = |text: &str| match (d.kind, text) {
         (Kind::Cell, "") => "(empty)".to_owned(),

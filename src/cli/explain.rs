@@ -70,7 +70,7 @@ pub fn command(args: &ExplainArgs) -> Result<u8> {
         Some(number) => narrowed(&ancestry, unit, &number.row),
         None => ancestry.upstream([unit]),
     };
-    let told = Told {
+    let explained = Explained {
         args,
         ancestry: &ancestry,
         unit: &ancestry.units[unit],
@@ -79,9 +79,9 @@ pub fn command(args: &ExplainArgs) -> Result<u8> {
         through,
     };
     if args.json {
-        told.json()?;
+        explained.json()?;
     } else {
-        told.print()?;
+        explained.print()?;
     }
     Ok(DONE)
 }
@@ -166,7 +166,7 @@ fn narrowed(ancestry: &Ancestry, unit: usize, row: &BTreeMap<String, String>) ->
 }
 
 /// All that is said of an artifact.
-struct Told<'a> {
+struct Explained<'a> {
     args: &'a ExplainArgs,
     ancestry: &'a Ancestry,
     unit: &'a Unit,
@@ -175,7 +175,7 @@ struct Told<'a> {
     through: BTreeSet<usize>,
 }
 
-impl Told<'_> {
+impl Explained<'_> {
     fn print(&self) -> Result<()> {
         if let Some(output) = &self.output {
             let object = &self.unit.entry.outputs[output];

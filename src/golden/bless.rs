@@ -25,7 +25,7 @@ pub struct Change {
 
 impl Change {
     /// In words: "3 changed".
-    pub fn words(&self) -> String {
+    pub fn text(&self) -> String {
         match self.new {
             true => format!("new, {} rows", self.changed),
             false => format!("{} changed", self.changed),
@@ -53,7 +53,7 @@ impl Blessing {
     fn line(&self) -> String {
         let changed = self.changed.iter();
         let mut parts: Vec<String> = changed
-            .map(|c| format!("{} ({})", c.table, c.words()))
+            .map(|c| format!("{} ({})", c.table, c.text()))
             .collect();
         parts.extend(self.removed.iter().map(|t| format!("{t} (taken away)")));
         format!(

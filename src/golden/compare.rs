@@ -32,7 +32,7 @@ pub enum Kind {
 
 impl Kind {
     /// What it means, in words; nothing for a cell, whose values speak.
-    pub fn words(self) -> &'static str {
+    pub fn text(self) -> &'static str {
         match self {
             Kind::Cell => "",
             Kind::RowMissing => "the row is missing",

@@ -14,12 +14,12 @@
 //!
 //! # The interval
 //! It is to hold, in 95 of 100 cases, one steady reading of the force of **a specimen that was not measured**, of the same make, on the
-//! same rig, in the range that was measured. Its force is F = k f(x) + e, with f the law, k the specimen's strength and e what is left
+//! same rig, in the range that was measured. Its force is F = k f(x) + e, with f the law, k the specimen's gain and e what is left
 //! around its own curve. What is predicted is f^(x), the joint fit (Eq. 9) at the state x, and the variance of F - f^(x) is taken as
 //!
 //! ```text
 //! s^2 = (G - 1)/G sum_g (f_g(x) - f^(x))^2     the fit itself: jackknife over the G specimens (Tukey 1958; Efron 1982), f_g without g
-//!     + tau^2 f^(x)^2                          strengths of specimens: the same fraction everywhere   (stages::fit::scatter)
+//!     + tau^2 f^(x)^2                          gains of specimens: the same fraction everywhere   (stages::fit::scatter)
 //!     + sigma^2                                readings around a specimen's own curve, in N           (stages::fit::scatter)
 //!     + s_e^2                                  where eps_620 was not given
 //! interval: f^(x) -/+ t(0.975; G - q) s, cut off at zero

@@ -45,7 +45,7 @@ impl<'a, R: Copy + 'a> Described<'a, R> {
 
     /// Adds a column of words; empty where there are none.
     pub fn text<W: Words>(self, key: &str, heading: &str, says: impl Fn(R) -> W + 'a) -> Self {
-        let cell = move |row| says(row).words().map_or(Cell::Empty, Cell::Text);
+        let cell = move |row| says(row).text().map_or(Cell::Empty, Cell::Text);
         self.column(Column::text(key, heading), cell)
     }
 
@@ -205,35 +205,35 @@ pub fn finite(value: impl Into<Option<f64>>) -> Option<f64> {
 /// What a column of words can say.
 pub trait Words {
     /// The words; none where there is nothing to say.
-    fn words(self) -> Option<String>;
+    fn text(self) -> Option<String>;
 }
 
 impl Words for String {
-    fn words(self) -> Option<String> {
+    fn text(self) -> Option<String> {
         Some(self)
     }
 }
 
 impl Words for &str {
-    fn words(self) -> Option<String> {
+    fn text(self) -> Option<String> {
         Some(self.to_owned())
     }
 }
 
 impl Words for &String {
-    fn words(self) -> Option<String> {
+    fn text(self) -> Option<String> {
         Some(self.clone())
     }
 }
 
 impl<W: Words> Words for Option<W> {
-    fn words(self) -> Option<String> {
-        self?.words()
+    fn text(self) -> Option<String> {
+        self?.text()
     }
 }
 
 impl Words for &Option<String> {
-    fn words(self) -> Option<String> {
+    fn text(self) -> Option<String> {
         self.clone()
     }
 }

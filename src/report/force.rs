@@ -18,7 +18,7 @@ use serde::Serialize;
 
 const TEMPLATE: &str = include_str!("templates/force.typ");
 
-/// What the template is told.
+/// The data of the template.
 #[derive(Serialize)]
 struct Own {
     title: String,

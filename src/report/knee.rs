@@ -28,7 +28,7 @@ pub struct Figures<'a> {
     pub once: &'a [Option<Drawn>],
 }
 
-/// What the template is told.
+/// The data of the template.
 #[derive(Serialize)]
 struct Own {
     campaigns: Vec<Campaign>,
@@ -97,9 +97,9 @@ pub fn knee_pdf(
         return Ok(None);
     }
     let campaigns = input.torque();
-    let told = campaigns.iter().zip(figures.campaigns);
+    let pairs = campaigns.iter().zip(figures.campaigns);
     let own = Own {
-        campaigns: told.map(|(c, f)| campaign(c, f)).collect(),
+        campaigns: pairs.map(|(c, f)| campaign(c, f)).collect(),
         legs: figures.legs.iter().flatten().map(Picture::new).collect(),
         once: figures.once.iter().flatten().map(Picture::new).collect(),
     };

@@ -17,7 +17,7 @@ pub enum Part {
 
 impl Part {
     /// In words.
-    pub fn words(self) -> &'static str {
+    pub fn text(self) -> &'static str {
         match self {
             Part::Figure => "figure",
             Part::Document => "document",
@@ -54,7 +54,7 @@ pub struct LeftOut {
 
 impl fmt::Display for LeftOut {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}: {}", self.part.words(), self.name, self.why)
+        write!(f, "{} {}: {}", self.part.text(), self.name, self.why)
     }
 }
 
@@ -86,7 +86,7 @@ pub fn counted(left_out: &[LeftOut]) -> String {
     let of = |part: Part| {
         let count = left_out.iter().filter(|l| l.part == part).count();
         let plural = if count == 1 { "" } else { "s" };
-        (count > 0).then(|| format!("{count} {}{plural}", part.words()))
+        (count > 0).then(|| format!("{count} {}{plural}", part.text()))
     };
     let parts = [Part::Figure, Part::Document].into_iter().filter_map(of);
     parts.collect::<Vec<String>>().join(" and ")

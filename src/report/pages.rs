@@ -1,4 +1,4 @@
-//! What every document has in common: what its template is told, the tables that it includes, the pictures that it shows, its date.
+//! What every document has in common: the data of its template, the tables that it includes, the pictures that it shows, its date.
 
 use crate::figures::Drawn;
 use crate::figures::found::Kind;
@@ -10,7 +10,7 @@ use pipeline_base::error::Result;
 use pipeline_config::ReportOptions;
 use serde::Serialize;
 
-/// What a template is told: what stands on every document, and what one has of its own.
+/// The data of a template: what stands on every document, and what one has of its own.
 #[derive(Serialize)]
 pub struct PageData<T> {
     /// Whether a part of it comes from a program.

@@ -26,8 +26,8 @@ pub fn process(engine: &Engine, group: &UnitMade, config: &Config) -> Result<Ste
     let name = &group.unit.name;
     let unit = format!("figures of {name}");
     let mut inputs = BTreeMap::new();
-    for (stage, gave) in reads(group) {
-        let Some(digest) = gave else {
+    for (stage, output) in reads(group) {
+        let Some(digest) = output else {
             return engine.waits(STAGE.stage, &unit, &format!("{stage} of {name}"));
         };
         inputs.insert(format!("{name} {stage}"), digest.clone());

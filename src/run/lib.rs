@@ -33,19 +33,20 @@ pub mod given;
 pub mod jobs;
 pub mod made;
 pub mod materialize;
+pub mod messages;
 pub mod parallel;
 pub mod raw;
 pub mod reports;
 pub mod rule;
 pub mod stages;
 pub mod step;
-pub mod told;
 pub mod unchanged;
 pub mod units;
 pub mod walk;
 
 use engine::Engine;
 use made::Made;
+use messages::Messages;
 use pipeline_base::diagnostics::Diagnostic;
 use pipeline_base::error::{Error, Result};
 use pipeline_base::reject::Extent;
@@ -56,7 +57,6 @@ use pipeline_report::left_out::LeftOut;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use step::{Failure, Work};
-use told::Told;
 use unchanged::Watch;
 use units::Scope;
 use walk::Walk;
@@ -101,7 +101,7 @@ pub struct Outcome {
     pub sessions: usize,
     /// Sessions whose `session.toml` cannot be used.
     pub unusable: usize,
-    /// Sessions that gave nothing, the unusable ones first: id or folder, and why.
+    /// Sessions without a result, the unusable ones first: id or folder, and why.
     pub rejected: Vec<(String, String)>,
     /// Logs left out: session, log, why.
     pub rejected_logs: Vec<(String, String, String)>,
@@ -217,8 +217,8 @@ fn drive(
     let written = pool.install(|| reports::pages(engine, &done, &figures, tables, options))?;
     progress.tick();
     let only_look = options.dry_run || options.only.is_some();
-    let told = pool.install(|| told::all(engine, made.of(Scope::Session), only_look))?;
-    let mut outcome = summary(discovery, told);
+    let messages = pool.install(|| messages::all(engine, made.of(Scope::Session), only_look))?;
+    let mut outcome = summary(discovery, messages);
     outcome.pdfs = written.pdfs;
     outcome.written = written.changed;
     outcome.findings_file = written.findings;
@@ -282,8 +282,8 @@ fn no_sessions(options: &RunOptions, discovery: &Discovery) -> String {
     message
 }
 
-/// What the user is told of the inputs.
-fn summary(discovery: &Discovery, told: Vec<Told>) -> Outcome {
+/// The messages about the inputs.
+fn summary(discovery: &Discovery, messages: Vec<Messages>) -> Outcome {
     let mut outcome = Outcome {
         sessions: discovery.sessions.len(),
         unusable: discovery.unusable.len(),
@@ -300,7 +300,7 @@ fn summary(discovery: &Discovery, told: Vec<Told>) -> Outcome {
             .diagnostics
             .extend(unusable.diagnostics.iter().cloned());
     }
-    for session in told {
+    for session in messages {
         outcome.diagnostics.extend(session.diagnostics);
         for r in session.rejects {
             match r.extent {

@@ -17,8 +17,8 @@ pub struct UnitMade {
     /// On what they worked.
     pub unit: Unit,
     steps: Steps,
-    /// Digests of what each step gave; none where it is pending.
-    gave: Vec<Option<Digest>>,
+    /// Digests of the outputs of each step; none where it is pending.
+    outputs: Vec<Option<Digest>>,
 }
 
 /// What the stages have made of all units.
@@ -52,10 +52,10 @@ impl UnitMade {
             .into_iter()
             .map(|(stage, step)| (stage, step.settled()));
         let steps: Steps = settled.collect();
-        let gave = steps.iter().map(|(_, step)| Some(step.entry()?.digest()));
+        let outputs = steps.iter().map(|(_, step)| Some(step.entry()?.digest()));
         Self {
             unit,
-            gave: gave.collect(),
+            outputs: outputs.collect(),
             steps,
         }
     }
@@ -65,15 +65,15 @@ impl UnitMade {
         find(&self.steps, stage)
     }
 
-    /// Names of its stages, with a digest of what each gave; none where that is pending.
-    pub fn gave(&self) -> impl Iterator<Item = (&'static str, Option<&Digest>)> {
+    /// Names of its stages, with a digest of the output of each; none where that is pending.
+    pub fn outputs(&self) -> impl Iterator<Item = (&'static str, Option<&Digest>)> {
         let stages = self.steps.iter().map(|(stage, _)| *stage);
-        stages.zip(self.gave.iter().map(Option::as_ref))
+        stages.zip(self.outputs.iter().map(Option::as_ref))
     }
 
     /// Whether none of its steps is pending.
     pub fn is_whole(&self) -> bool {
-        self.gave.iter().all(Option::is_some)
+        self.outputs.iter().all(Option::is_some)
     }
 
     /// The value of an output.

@@ -88,7 +88,7 @@ impl<'a> Shelf<'a> {
         Ok(())
     }
 
-    /// Puts in place what the sessions gave, and where it comes from.
+    /// Puts in place the outputs of the sessions, and where it comes from.
     ///
     /// # Errors
     /// A file cannot be written.

@@ -134,7 +134,7 @@ fn digest_of(
     object.map(|o| o.digest.clone()).ok_or_else(waits_on)
 }
 
-/// What was found and what the other stages gave.
+/// What was found and the outputs of the other stages.
 ///
 /// # Errors
 /// What was found cannot be written as JSON.
@@ -146,13 +146,13 @@ fn results(done: &Done) -> Result<Inputs> {
     }))
 }
 
-/// What the other stages gave.
+/// The outputs of the other stages.
 fn of_stages(done: &Done) -> Inputs {
     let mut inputs = BTreeMap::new();
     for (scope, made) in done.made.all() {
         let name = &made.unit.name;
-        for (stage, gave) in reads(made) {
-            let digest = gave.ok_or_else(|| match scope {
+        for (stage, output) in reads(made) {
+            let digest = output.ok_or_else(|| match scope {
                 Scope::Session => format!("session {name}"),
                 _ => format!("{stage} of {name}"),
             })?;

@@ -1,8 +1,8 @@
 //! The shortest answer: no file has changed since the last run, so there is nothing to ask the stages.
 //!
 //! A whole run writes down the fingerprint of the raw files, taken before it read any of them, that of everything that it has left below
-//! `derived/` and `reports/`, and what it told its user. Where both are the same in the next run, and the program and its options too, that
-//! is told again: no `session.toml` is read and no key is made. With anything else the stages are asked as if this did not exist, so that it
+//! `derived/` and `reports/`, and its messages. Where both are the same in the next run, and the program and its options too, that
+//! is said again: no `session.toml` is read and no key is made. With anything else the stages are asked as if this did not exist, so that it
 //! saves time and decides nothing.
 
 use crate::cache::{Access, Cache};
@@ -36,7 +36,7 @@ pub struct Watch<'a> {
 }
 
 impl<'a> Watch<'a> {
-    /// Looks at the raw files, and what the last run told if nothing has changed since. No watch for a run that is to do something in any case or
+    /// Looks at the raw files, and the messages of the last run if nothing has changed since. No watch for a run that is to do something in any case or
     /// concerns a part only, and where the files prove nothing ([`tree::fingerprint`]).
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! The measurement chain: length and pressure make a force, and the sensors show what they show of it.
 //!
 //! 1. The length held and the true pressure in the actuator (see [`super::staircase`]).
-//! 2. The force of the new model at these, times the specimen's strength: F = u F_620 F*(eps*, P*) (force paper, Eqs. 5 to 9).
+//! 2. The force of the new model at these, times the specimen's gain: F = u F_620 F*(eps*, P*) (force paper, Eqs. 5 to 9).
 //! 3. What the force sensor receives.
 //! 4. The sensor: zero, noise, steps of the converter, its two ends ([`Channel`]).
 //!
@@ -22,7 +22,7 @@ use pipeline_mechanics::models::{Direction, State};
 pub struct Actuator {
     /// c0, c1 and c2.
     pub surface: [f64; 3],
-    /// F_620 of the resting length times the specimen's strength, N.
+    /// F_620 of the resting length times the specimen's gain, N.
     pub f620_n: f64,
     /// Uninflated inner diameter, mm.
     pub diameter_mm: f64,

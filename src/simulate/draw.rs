@@ -1,4 +1,4 @@
-//! What a campaign draws before anything is measured: the specimens' strengths, and each session's zeros and pressures.
+//! What a campaign draws before anything is measured: the specimens' gains, and each session's zeros and pressures.
 
 use super::chain::{Actuator, Channel};
 use super::effect_draws::{DrawnEffect, effects};
@@ -34,8 +34,8 @@ pub struct DrawnSession {
     /// Length held, mm.
     pub length_mm: f64,
     /// Factor on the specimen's F_620: the same in all its sessions.
-    pub strength: f64,
-    /// F_620 of this specimen, strength included, N.
+    pub gain: f64,
+    /// F_620 of this specimen, gain included, N.
     pub f620_n: f64,
     /// Zero of the force channel, N; 0 for steady readings, which are taken with a tared display.
     pub force_zero_n: f64,
@@ -156,7 +156,7 @@ fn session(truth: &Truth, k: usize, contraction: f64) -> DrawnSession {
     let shortening = specimen.rest_length_mm - specimen.contracted_length_mm;
     let length = specimen.rest_length_mm - contraction * shortening;
     let scatter = Stream::new(truth.seed, &["specimen", &specimen.id]).normal();
-    let strength = (1.0 + truth.rig.specimen_scatter * scatter).max(0.1);
+    let gain = (1.0 + truth.rig.specimen_scatter * scatter).max(0.1);
     let mut stream = Stream::new(truth.seed, &["session", &id]);
     let zero = truth.rig.zero_mean_n + truth.rig.zero_sd_n * stream.normal();
     let supply_kpa = truth.rig.supply_kpa + truth.rig.supply_sd_kpa * stream.normal();
@@ -172,8 +172,8 @@ fn session(truth: &Truth, k: usize, contraction: f64) -> DrawnSession {
         specimen: k,
         contraction_rel: contraction,
         length_mm: (100.0 * length).round() / 100.0,
-        strength,
-        f620_n: strength * truth.coefficients.f620(specimen.rest_length_mm * 1e-3),
+        gain,
+        f620_n: gain * truth.coefficients.f620(specimen.rest_length_mm * 1e-3),
         force_zero_n: if tared { 0.0 } else { zero },
         supply_kpa,
         floor_kpa: floor.clamp(0.0, supply_kpa),

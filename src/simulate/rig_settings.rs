@@ -69,7 +69,7 @@ pub struct Rig {
     pub zero_sd_n: f64,
     /// What the pressure sensor shows without pressure, kPa. Other than 0 it is an error that no file declares.
     pub pressure_zero_kpa: f64,
-    /// Relative standard deviation of a specimen's strength.
+    /// Relative standard deviation of a specimen's gain.
     pub specimen_scatter: f64,
 }
 

@@ -13,7 +13,7 @@ const CYCLE: &str = "cycle";
 pub enum Whose {
     /// That of the session's own actuator, everything that was drawn included.
     Own,
-    /// That of an actuator of mean strength, with every drawn size at its mean: the best that can be said of a specimen or session
+    /// That of an actuator of mean gain, with every drawn size at its mean: the best that can be said of a specimen or session
     /// that has not been seen yet.
     Expected,
 }
@@ -35,7 +35,7 @@ impl Setting {
         let place_of = |name: &str| truth.columns.iter().position(|c| c.name == name);
         let mut actuator = drawn.actuator(session);
         if whose == Whose::Expected {
-            actuator.f620_n /= session.strength;
+            actuator.f620_n /= session.gain;
         }
         let acting = truth.effects.iter().zip(&drawn.effects);
         let acting = acting.filter_map(|(effect, sizes)| {

@@ -1,6 +1,6 @@
 //! Steady readings without logs: what a perfect plateau search would give, a thousand times faster.
 //!
-//! Kept: the staircase with its jitter, relaxation and leak; the model's force, strengths included; the noise of a mean over the
+//! Kept: the staircase with its jitter, relaxation and leak; the model's force, gains included; the noise of a mean over the
 //! samples of a plateau, rounding included; the error of the declared zero, common to a session; the readings that clipping
 //! takes away.
 //!
@@ -38,10 +38,10 @@ pub struct SteadyRow {
     pub force_n: f64,
     /// The same without noise and without the zero log's error: everything that the generating model knows, what was drawn included, N.
     pub true_force_n: f64,
-    /// What the generating model expects of a specimen and session that it has not seen, at the pressure as read: mean strength, every
+    /// What the generating model expects of a specimen and session that it has not seen, at the pressure as read: mean gain, every
     /// drawn size at its mean, N. The error of this is what no model can beat.
     pub expected_force_n: f64,
-    /// What the generating model says that knows what was drawn (the specimen's strength among it), at the pressure as read, N.
+    /// What the generating model says that knows what was drawn (the specimen's gain among it), at the pressure as read, N.
     pub known_force_n: f64,
     /// The declared columns as they are shown, in the order of the truth file.
     pub columns: Vec<f64>,

@@ -165,7 +165,7 @@ fn keep_to_bars(bars: &[Bar], campaigns: usize) {
 }
 
 fn told((trial, outcome): (&Trial, &Outcome)) -> String {
-    format!("{}: {}", trial.name(), outcome.words())
+    format!("{}: {}", trial.name(), outcome.text())
 }
 
 /// What is not reached yet, and why: run by nobody.

@@ -51,7 +51,7 @@ fn a_file_of_each_kind_is_mended_however_it_is_damaged() {
             .next()
             .unwrap()
     };
-    let small = ["state", "hashes", "told", "materialized"];
+    let small = ["state", "hashes", "messages", "materialized"];
     let small = small.map(|n| bench.root().join(format!("derived/cache/{n}.jsonl")));
     let others = [
         "derived/cache/entries",

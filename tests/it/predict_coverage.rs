@@ -106,7 +106,7 @@ mod long {
 
     /// Measured above 20 N: with this test's 50 campaigns and eight unseen specimens each 96.3% (six specimens) and 97.0% (four); with 100
     /// campaigns and four unseen specimens each 96.0% (eight), 94.3% (six), 96.3% (four), 97.3% (three). Below 20 N a reading is mostly noise, cut
-    /// at zero, and lies inside more often: 97 to 98.5% of all readings. Readings of one specimen share its strength, so that the 400 specimens
+    /// at zero, and lies inside more often: 97 to 98.5% of all readings. Readings of one specimen share its gain, so that the 400 specimens
     /// of a line tell its share to about one or two percent.
     #[test]
     #[ignore = "long: 20 s of processor time"]

@@ -204,7 +204,7 @@ fn a_removed_and_an_added_session_are_named() {
 fn a_forced_stage_and_a_lost_file_say_so() {
     let bench = Bench::small_done();
     let said = lines(&bench.run(&["run", "--dry-run", "--force", "fit"]).out);
-    assert_eq!(said[0], "fit small 10 mm: asked for with --force");
+    assert_eq!(said[0], "fit small 10 mm: requested with --force");
     assert_eq!(said[1..], AFTER_FIT);
     std::fs::remove_file(bench.root().join("reports/force.pdf")).unwrap();
     assert_eq!(

@@ -76,7 +76,7 @@ pub struct Outcome {
 
 impl Outcome {
     /// What was found, in few words.
-    pub fn words(&self) -> String {
+    pub fn text(&self) -> String {
         let effects = self.found.iter().map(|f| f[0].clone());
         let columns = self.columns.iter().map(|c| format!("?{c}"));
         let pointed = self.pointed.iter().map(|_| "!recording".to_owned());

@@ -320,7 +320,7 @@ fn label(trial: &Trial) -> (Part, String, String) {
 fn instead(list: &[Pair]) -> String {
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
     for (_, o) in list.iter().filter(|(_, o)| !o.exact) {
-        *counts.entry(o.words()).or_default() += 1;
+        *counts.entry(o.text()).or_default() += 1;
     }
     let mut counts: Vec<(String, usize)> = counts.into_iter().collect();
     counts.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));

@@ -41,11 +41,11 @@ const MOST_STEPS: usize = 40;
 /// The force balance is solved to this, N.
 const BALANCED_N: f64 = 1e-10;
 
-/// The force that the sensor shows, N: base model, strength of the specimen (1 for a mean one) and effects.
+/// The force that the sensor shows, N: base model, gain of the specimen (1 for a mean one) and effects.
 pub fn force<A: Actuator, R: Real>(
     actuator: &A,
     coefficients: &[R],
-    strength: R,
+    gain: R,
     effects: &[Applied<R>],
     at: &Conditions,
 ) -> R {
@@ -57,9 +57,9 @@ pub fn force<A: Actuator, R: Real>(
     at_place(Place::Input, effects, at, &mut link);
     let yields = effects.iter().any(|e| e.place() == Place::Frame);
     link.force = if yields {
-        balanced(actuator, coefficients, strength, effects, at, link)
+        balanced(actuator, coefficients, gain, effects, at, link)
     } else {
-        pulled(actuator, coefficients, strength, effects, at, link)
+        pulled(actuator, coefficients, gain, effects, at, link)
     };
     at_place(Place::Sensor, effects, at, &mut link);
     link.force
@@ -86,12 +86,12 @@ fn at_place<R: Real>(place: Place, effects: &[Applied<R>], at: &Conditions, link
 fn pulled<A: Actuator, R: Real>(
     actuator: &A,
     coefficients: &[R],
-    strength: R,
+    gain: R,
     effects: &[Applied<R>],
     at: &Conditions,
     mut link: Link<R>,
 ) -> R {
-    link.force = actuator.force(coefficients, link.pressure, link.length, at) * strength;
+    link.force = actuator.force(coefficients, link.pressure, link.length, at) * gain;
     at_place(Place::Actuator, effects, at, &mut link);
     link.force
 }
@@ -104,7 +104,7 @@ fn pulled<A: Actuator, R: Real>(
 fn balanced<A: Actuator, R: Real>(
     actuator: &A,
     coefficients: &[R],
-    strength: R,
+    gain: R,
     effects: &[Applied<R>],
     at: &Conditions,
     link: Link<R>,
@@ -126,7 +126,7 @@ fn balanced<A: Actuator, R: Real>(
             length: plain(link.length),
         };
         at_place(Place::Frame, &held, at, &mut yielded);
-        pulled(actuator, &values, plain(strength), &held, at, yielded)
+        pulled(actuator, &values, plain(gain), &held, at, yielded)
     };
     let (force, slope) = solve(at_force);
     let mut yielded = Link {
@@ -134,7 +134,7 @@ fn balanced<A: Actuator, R: Real>(
         ..link
     };
     at_place(Place::Frame, effects, at, &mut yielded);
-    let pulled = pulled(actuator, coefficients, strength, effects, at, yielded);
+    let pulled = pulled(actuator, coefficients, gain, effects, at, yielded);
     pulled.chain(force, 1.0 / slope)
 }
 

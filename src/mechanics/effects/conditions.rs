@@ -27,7 +27,7 @@ pub enum Need {
 
 impl Need {
     /// What a campaign lacks without it.
-    pub fn words(self) -> &'static str {
+    pub fn text(self) -> &'static str {
         match self {
             Need::Direction => "the direction of the pressure (filling and venting)",
             Need::LogTime => "the time within a log",

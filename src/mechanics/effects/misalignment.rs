@@ -1,6 +1,6 @@
 //! The load cell stands at an angle to the actuator.
 //!
-//! At first order in phi there is no trace, so the search looks for it near 10 degrees. It is a gain below one: an angle common to all
+//! At first order in phi the sensitivity is 0, so the search looks for it near 10 degrees. It is a gain below one: an angle common to all
 //! readings hides in b1, one of a session or specimen is told from a gain by its sign alone.
 
 use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place};

@@ -95,7 +95,7 @@ pub trait Effect: Sync {
     fn measurement(&self) -> &'static str;
     /// Where it is described.
     fn source(&self) -> &'static str;
-    /// Value of the amplitude near which its trace is taken; other than 0 only where the trace vanishes to first order at 0.
+    /// Value of the amplitude near which its sensitivity is taken; other than 0 only where the trace vanishes to first order at 0.
     fn near(&self) -> f64 {
         0.0
     }

@@ -1,7 +1,7 @@
-//! Actuators of one make differ in strength.
+//! Actuators of one make differ in gain.
 //!
-//! Every model here lets each specimen have a strength of its own, F (1 + u), with u normal about 0; that is no finding. The effect is
-//! found where the strengths scatter more than is usual for one batch. This file names it; the strengths live in
+//! Every model here lets each specimen have a gain of its own, F (1 + u), with u normal about 0; that is no finding. The effect is
+//! found where the gains scatter more than is usual for one batch. This file names it; the gains live in
 //! [`super::force`].
 
 use super::{Conditions, Effect, Form, Link, Parameter, Place};
@@ -11,7 +11,7 @@ use pipeline_numerics::real::Real;
 pub struct SpecimenVariation;
 
 const FORMS: &[Form] = &[Form {
-    name: "strength of a specimen",
+    name: "specimen gain",
     place: Place::Actuator,
     equation: "F -> F (1 + u), u ~ N(0, sd)",
     amplitude: Parameter {
@@ -29,7 +29,7 @@ impl Effect for SpecimenVariation {
         "specimen_variation"
     }
     fn title(&self) -> &'static str {
-        "scatter of the specimens' strengths"
+        "scatter of the specimens' gains"
     }
     fn forms(&self) -> &'static [Form] {
         FORMS

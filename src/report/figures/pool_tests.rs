@@ -31,7 +31,7 @@ fn specimen(k: usize, count: usize, equal: bool) -> (String, f64) {
     (format!("pooled_{k:04}"), length)
 }
 
-/// A pool of so many specimens, each a copy of one of five with another id, length and strength.
+/// A pool of so many specimens, each a copy of one of five with another id, length and gain.
 fn pool(five: &GroupInput, count: usize, equal: bool) -> GroupInput {
     let mut group = five.clone();
     group.fit.specimens.clear();

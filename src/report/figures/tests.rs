@@ -54,7 +54,7 @@ fn group(campaign: &str, diameter_mm: u32, lengths_m: &[f64], pressures: &[f64])
     }
 }
 
-/// A reading of an actuator that follows the force paper but for its own strength and a little scatter.
+/// A reading of an actuator that follows the force paper but for its own gain and a little scatter.
 fn row(
     campaign: &str,
     diameter_mm: u32,
@@ -63,7 +63,7 @@ fn row(
     (s, quarter, k): (usize, usize, usize),
 ) -> Row {
     let (contraction_620, relative) = (0.16 + 0.004 * s as f64, 0.25 * quarter as f64);
-    let strength = 1.0 + 0.03 * [0.0, 1.0, -1.0, 0.5, -0.4][s];
+    let gain = 1.0 + 0.03 * [0.0, 1.0, -1.0, 0.5, -0.4][s];
     let scatter = 3.0 * (((7 * s + 5 * quarter + 3 * k) % 11) as f64 / 5.0 - 1.0);
     let f620 = f64::from(3 * diameter_mm * diameter_mm) * libm::atan(19.0 * (length - 0.0075));
     let force = new::force([0.57, 4.25, 0.56], f620, relative, pressure / 620.0);
@@ -81,7 +81,7 @@ fn row(
         pressure_kpa: pressure,
         pressure_rel: pressure / 620.0,
         time_s: k as f64,
-        force_n: strength * force + scatter,
+        force_n: gain * force + scatter,
         extras: BTreeMap::from([("humidity_#1".to_owned(), (k + 3 * s) as f64)]),
         ..Row::blank()
     }

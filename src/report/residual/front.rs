@@ -79,23 +79,23 @@ pub(super) struct Said {
 }
 
 impl From<Answer> for Said {
-    fn from(told: Answer) -> Self {
+    fn from(answer: Answer) -> Self {
         Said {
-            opening: told.opening,
-            limits: told.limits,
-            rest: told.rest,
+            opening: answer.opening,
+            limits: answer.limits,
+            rest: answer.rest,
         }
     }
 }
 
 /// For a section.
 pub(super) fn answer(found: &CampaignFindings) -> Said {
-    sentence::told(found).into()
+    sentence::full_answer(found).into()
 }
 
 /// For the first page, of which a table has the errors after three readings.
 pub(super) fn answer_on_first_page(found: &CampaignFindings) -> Said {
-    sentence::told_beside_errors(found).into()
+    sentence::answer_beside_errors(found).into()
 }
 
 /// A campaign without a section: name and answer.

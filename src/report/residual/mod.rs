@@ -49,7 +49,7 @@ impl Figures {
     }
 }
 
-/// What the template is told.
+/// The data of the template.
 #[derive(Serialize)]
 struct Own {
     /// Those with a section.

@@ -10,7 +10,7 @@ use pipeline_base::session::Session;
 #[rustfmt::skip]
 pub fn sessions(input: &ReportInput) -> Table {
     let all = input.sessions.iter().map(|s| (&s.ingest.session, s));
-    Described::<(&Session, &SessionInput)>::new("sessions", "Sessions: what was measured, and how many steady readings it gave")
+    Described::<(&Session, &SessionInput)>::new("sessions", "Sessions: what was measured, and how many steady readings it contains")
         .text("session", "Session", |(s, _)| &s.id)
         .text("campaign", "Campaign", |(s, _)| &s.campaign).machines()
         .text("kind", "Kind", |(s, _)| kind_name(s.kind))

@@ -39,7 +39,7 @@ pub fn detection_limits(input: &ReportInput) -> Table {
         .text("by", "By", |(_, l)| l.err().map(|n| &n.by))
         .note(
             "\\v{Identifiable share}: what the fitted coefficients leave of the effect's sensitivity. \\v{Not measurable}: absorbed by a coefficient or an effect, no column for it, \
-             beyond its physical bounds, or without any trace in the readings.",
+             beyond its physical bounds, or without any change of the predictions.",
         )
         .of_all(input, |found| {
             let limits = found.detection_limits.iter().map(Ok);

@@ -163,7 +163,7 @@ fn of_one_group(found: &CampaignFindings, e: &EffectFinding) -> Option<String> {
     let scatters = |s: &&Scatter| s.id == e.id && s.values.len() == 1;
     let own = found.scatter.iter().find(scatters)?;
     let level = name::level(own.level);
-    (e.acts_on == ActsOn::All).then(|| format!("not told apart from that of the one {level}"))
+    (e.acts_on == ActsOn::All).then(|| format!("indistinguishable from that of the one {level}"))
 }
 
 /// `threshold pressure of the bladder 60 kPa (indistinguishable from zero of the pressure sensor)`.
@@ -715,12 +715,12 @@ pub struct Answer {
 }
 
 /// What was found with the errors; what they are made of and what would help; recording errors.
-pub fn told(found: &CampaignFindings) -> Answer {
+pub fn full_answer(found: &CampaignFindings) -> Answer {
     said(clauses(found))
 }
 
 /// The same in fewer words, where a table beside it has the errors after a few readings.
-pub fn told_beside_errors(found: &CampaignFindings) -> Answer {
+pub fn answer_beside_errors(found: &CampaignFindings) -> Answer {
     let all = clauses(found);
     said(Clauses {
         readings: None,
@@ -763,7 +763,7 @@ pub fn sentences(found: &CampaignFindings) -> Vec<String> {
         opening,
         limits,
         rest,
-    } = told(found);
+    } = full_answer(found);
     let limits = if limits {
         "; the smallest detectable sizes are in tables/detection_limits.csv"
     } else {

@@ -2,7 +2,7 @@
 
 use super::name::{self, listed};
 use super::number::{amount, cells, equals_probability, error, percent, size};
-use super::sentence::{clauses, measurement, sentences, told, worth_words};
+use super::sentence::{clauses, full_answer, measurement, sentences, worth_words};
 use crate::table::Cell;
 use pipeline_findings::{
     CampaignFindings, Findings, NextKind, NextMeasurement, NotAssessed, Parameter, Verdict,
@@ -132,7 +132,7 @@ fn nothing_found_points_to_the_detection_limits() {
         "the error on unseen specimens is 18.7\u{a0}N"
     );
     assert_eq!(c.unexplained, None);
-    let said = told(&none);
+    let said = full_answer(&none);
     assert_eq!(
         (said.opening.as_str(), said.limits),
         ("No effect detected", true)

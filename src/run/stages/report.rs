@@ -30,9 +30,9 @@ const READS: &[&str] = &[
     torque::NAME,
 ];
 
-/// What it reads of a unit: stages, with a digest of what each gave; none where that is pending.
+/// What it reads of a unit: stages, with a digest of each one's output; none where that is pending.
 pub fn reads(made: &UnitMade) -> impl Iterator<Item = (&'static str, Option<&Digest>)> {
-    made.gave().filter(|(stage, _)| READS.contains(stage))
+    made.outputs().filter(|(stage, _)| READS.contains(stage))
 }
 
 /// The value of an output, of a stage that it reads.

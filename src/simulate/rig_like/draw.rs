@@ -4,7 +4,7 @@
 //!
 //! | what | standard deviation |
 //! |---|---|
-//! | strength of a specimen | 4% |
+//! | gain of a specimen | 4% |
 //! | length set in a session, against the length recorded | 0.8 mm |
 //! | resting and contracted length | recorded in whole mm |
 //! | zero of the force in a session | 0.6 N |
@@ -29,7 +29,7 @@ pub const ROUNDING: f64 = 0.288_675_134_594_812_9;
 /// Standard deviations of a campaign.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sizes {
-    /// Strength of a specimen, as a share.
+    /// Gain of a specimen, as a share.
     pub gain: f64,
     /// Length set less length recorded, of a session, mm.
     pub length_mm: f64,

@@ -1,4 +1,4 @@
-//! Campaigns that scatter as a laboratory's rig does, as rows in memory: specimens of different strength, lengths that are set and recorded
+//! Campaigns that scatter as a laboratory's rig does, as rows in memory: specimens of different gain, lengths that are set and recorded
 //! with an error, a force zero of each session's own, and a law that is not exactly the model's. What the loop is designed on and judged on.
 //!
 //! | file | idea |

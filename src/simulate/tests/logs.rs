@@ -105,9 +105,9 @@ fn the_zero_wanders_and_the_strength_belongs_to_the_specimen() {
     let drawn = DrawnTruth::new(&truth(COMMITTED[0]));
     let of = |k: usize| drawn.sessions.iter().filter(move |s| s.specimen == k);
     for k in 0..6 {
-        let strengths: Vec<f64> = of(k).map(|s| s.strength).collect();
-        assert!(strengths.windows(2).all(|w| w[0] == w[1]));
-        assert!((strengths[0] - 1.0).abs() < 0.1);
+        let gains: Vec<f64> = of(k).map(|s| s.gain).collect();
+        assert!(gains.windows(2).all(|w| w[0] == w[1]));
+        assert!((gains[0] - 1.0).abs() < 0.1);
     }
     let zeros: Vec<f64> = drawn.sessions.iter().map(|s| s.force_zero_n).collect();
     assert!(zeros.iter().any(|z| *z > 6.0) && zeros.iter().any(|z| *z < 2.0));

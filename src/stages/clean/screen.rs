@@ -54,7 +54,7 @@ enum Reason {
 }
 
 impl Reason {
-    fn words(self) -> &'static str {
+    fn text(self) -> &'static str {
         match self {
             Reason::None => "none",
             Reason::NotANumber => "a cell that is not a finite number",
@@ -217,7 +217,7 @@ fn summarise(log: &LogSamples, reasons: &[Reason]) -> Summary {
     let rows = reasons.iter().enumerate();
     for (k, reason) in rows.filter(|(_, reason)| **reason != Reason::None) {
         let line = log.first_line + k as u64;
-        let slot = summary.entry(reason.words()).or_insert((line, line, 0));
+        let slot = summary.entry(reason.text()).or_insert((line, line, 0));
         slot.1 = line;
         slot.2 += 1;
     }

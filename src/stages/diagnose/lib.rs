@@ -11,7 +11,7 @@
 //!    The search tests every term against the maximum over all of them in draws from it ([`pipeline_inference::search`]).
 //! 4. [`unseen`]: the same search without each specimen; [`tally`]: errors, predictive intervals, the budget of the expected error.
 //! 5. [`form`]: whether one number is enough for the size of what was found.
-//! 6. [`limits`]: what could have been seen, and what leaves the same trace. [`answer`]: the [`pipeline_findings`], as values.
+//! 6. [`limits`]: what could have been seen, and what is indistinguishable. [`answer`]: the [`pipeline_findings`], as values.
 //!
 //! The numbers on which decisions rest stand in [`settings`], each with its reason. No rule names an effect.
 //!

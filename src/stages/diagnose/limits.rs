@@ -210,14 +210,14 @@ fn missing(data: &Data) -> Vec<NotMeasurable> {
                 } else {
                     WhyNot::NoColumn
                 },
-                by: (!is_of_base).then(|| need.words().to_owned()),
+                by: (!is_of_base).then(|| need.text().to_owned()),
                 form: None,
             }
         })
         .collect()
 }
 
-/// Pairs of effects, each by its most visible form, whose whitened sensitivities are nearly parallel.
+/// Pairs of effects, each by its most identifiable form, whose whitened sensitivities are nearly parallel.
 fn aliases(
     setting: &Setting,
     problem: &ForceProblem,

@@ -11,7 +11,7 @@
 //! | Eq. 9 | all coefficients jointly, in N: the model that is compared | [`equations`] |
 //! | - | eps_620 against l_rest, a straight line | [`equations`] |
 //!
-//! Intervals: rows of one specimen share its strength and rows of one session its zero, so the usual covariance, which counts every
+//! Intervals: rows of one specimen share its gain and rows of one session its zero, so the usual covariance, which counts every
 //! row as independent, gives intervals that contain a true b1 in one campaign of seven (measured on simulated campaigns of eight
 //! specimens with 2% scatter). The default interval is therefore the jackknife over specimens with Student's t of G - 1 degrees of
 //! freedom (Efron 1982; Tukey 1958), which the refits for leave-one-specimen-out give for nothing; below three specimens there is only

@@ -1,13 +1,13 @@
 //! How far specimens lie from the joint fit: what a muscle that was not measured may differ by.
 //!
-//! The strength of specimen g is k_g = sum(y f)/sum(f^2) over its fitted rows, f being the force of Eq. 9: its force as a multiple of the
+//! The gain of specimen g is k_g = sum(y f)/sum(f^2) over its fitted rows, f being the force of Eq. 9: its force as a multiple of the
 //! law's. Two laws are put to it, the fit to all specimens (r_g = k_g - 1) and the fit that has not seen it (d_g = k'_g - 1).
 //!
 //! **Between specimens.** r_g is too small for the scatter of new specimens, because each specimen pulls the fit towards itself, and d_g
 //! is too large, because it holds the error of a fit to one specimen less. In a linear model with leverage h_g, d_g = r_g/(1 - h_g) and
 //! E[r_g^2] = (1 - h_g) tau^2, so that E[r_g d_g] = tau^2 whatever the leverages: the mean of r_g d_g estimates the variance of the
-//! strengths without bias. Its degrees of freedom are the specimens less the coefficients of the law of length (b1, and b2 where it is
-//! fitted), for those are what the strengths determine.
+//! gains without bias. Its degrees of freedom are the specimens less the coefficients of the law of length (b1, and b2 where it is
+//! fitted), for those are what the gains determine.
 //!
 //! **Within a specimen.** What is left around k_g f: noise, zeros, hysteresis, and whatever the surface has not caught. Its mean square is
 //! averaged over specimens, each counting the same.
@@ -28,20 +28,20 @@ const OF_THE_SURFACE: usize = 3;
 pub struct SpecimenScatter {
     /// Specimen id.
     pub specimen: String,
-    /// Its strength against the fit to all specimens.
-    pub strength: f64,
-    /// Its strength against the fit that has not seen it.
-    pub strength_unseen: f64,
-    /// Standard deviation of its rows around its own strength, N.
+    /// Its gain against the fit to all specimens.
+    pub gain: f64,
+    /// Its gain against the fit that has not seen it.
+    pub gain_unseen: f64,
+    /// Standard deviation of its rows around its own gain, N.
     pub within_n: f64,
 }
 
 /// How the specimens of a group scatter about the joint fit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scatter {
-    /// Standard deviation of the strengths of specimens, as a fraction of the force.
+    /// Standard deviation of the gains of specimens, as a fraction of the force.
     pub between: f64,
-    /// Standard deviation of readings around the law times the specimen's strength, N.
+    /// Standard deviation of readings around the law times the specimen's gain, N.
     pub within_n: f64,
     /// Degrees of freedom of `between`.
     pub freedom: usize,
@@ -73,12 +73,12 @@ pub fn scatter(
                     .collect()
             };
             let (seen, unseen) = (forces(&all), forces(&fold.coefficients));
-            let (strength, strength_unseen) = (strength(of, &seen)?, strength(of, &unseen)?);
+            let (gain, gain_unseen) = (gain(of, &seen)?, gain(of, &unseen)?);
             Some(SpecimenScatter {
                 specimen: fold.left_out.clone(),
-                strength,
-                strength_unseen,
-                within_n: within(of, &seen, strength)?,
+                gain,
+                gain_unseen,
+                within_n: within(of, &seen, gain)?,
             })
         })
         .collect();
@@ -90,7 +90,7 @@ pub fn scatter(
     }
     let products: Vec<f64> = specimens
         .iter()
-        .map(|s| (s.strength - 1.0) * (s.strength_unseen - 1.0))
+        .map(|s| (s.gain - 1.0) * (s.gain_unseen - 1.0))
         .collect();
     let squares: Vec<f64> = specimens.iter().map(|s| s.within_n * s.within_n).collect();
     Some(Scatter {
@@ -102,22 +102,22 @@ pub fn scatter(
 }
 
 /// k = sum(y f)/sum(f^2); `None` where the law gives no force at any of the rows.
-fn strength(rows: &[&Row], forces: &[f64]) -> Option<f64> {
+fn gain(rows: &[&Row], forces: &[f64]) -> Option<f64> {
     let products: Vec<f64> = rows
         .iter()
         .zip(forces)
         .map(|(r, f)| r.force_n * f)
         .collect();
-    let strength = sum(&products) / sum_of_squares(forces);
-    strength.is_finite().then_some(strength)
+    let gain = sum(&products) / sum_of_squares(forces);
+    gain.is_finite().then_some(gain)
 }
 
 /// Standard deviation about k f, over n - 1; `None` for a single row.
-fn within(rows: &[&Row], forces: &[f64], strength: f64) -> Option<f64> {
+fn within(rows: &[&Row], forces: &[f64], gain: f64) -> Option<f64> {
     let left: Vec<f64> = rows
         .iter()
         .zip(forces)
-        .map(|(r, f)| r.force_n - strength * f)
+        .map(|(r, f)| r.force_n - gain * f)
         .collect();
     let variance = sum_of_squares(&left) / (left.len().checked_sub(1)? as f64);
     variance.is_finite().then(|| variance.sqrt())

@@ -52,13 +52,13 @@ fn line(r: &Row, c: &[Dual<2>; 2]) -> Dual<2> {
     c[0] + c[1] * r.pressure_kpa
 }
 
-/// Specimens of different lengths and strengths, one reading in fifty grossly wrong, all where the law is smooth: on the kink where its force is
+/// Specimens of different lengths and gains, one reading in fifty grossly wrong, all where the law is smooth: on the kink where its force is
 /// cut at zero an objective may have several minima.
 fn muscles(specimens: usize, readings: usize) -> Vec<Row> {
     let mut stream = Stream::new(2, &["muscles"]);
     let mut rows = Vec::new();
     for g in 0..specimens {
-        let strength = 1.0 + 0.02 * stream.normal();
+        let gain = 1.0 + 0.02 * stream.normal();
         let length = 0.1 + 0.3 * stream.uniform();
         for _ in 0..readings {
             let mut row = Row::blank();
@@ -70,7 +70,7 @@ fn muscles(specimens: usize, readings: usize) -> Vec<Row> {
             let surface = [0.5682, 4.254, 0.5597];
             let law = new::force(surface, f620, row.contraction_rel, row.pressure_rel);
             let gross = if stream.below(50) == 0 { 60.0 } else { 0.0 };
-            row.force_n = strength * law + stream.normal() + gross;
+            row.force_n = gain * law + stream.normal() + gross;
             rows.push(row);
         }
     }

@@ -120,7 +120,7 @@ fn columns<'a>(shown: &'a Shown) -> Vec<Tried<'a>> {
 }
 
 /// The words of a column of labels in their order, which is that of the numbers that stand for them; none if they do not match.
-fn words(rows: &[Row], name: &str, values: &[f64]) -> Vec<String> {
+fn text(rows: &[Row], name: &str, values: &[f64]) -> Vec<String> {
     if name == ZERO_UNKNOWN {
         return ["known", "not known"].map(str::to_owned).to_vec();
     }

@@ -257,7 +257,7 @@ pub(super) fn mark(k: usize, test: &Test) -> Mark {
     mark.wide(1.3)
 }
 
-fn words(law: &str) -> &'static str {
+fn text(law: &str) -> &'static str {
     match law {
         "knee_paper" => "knee paper",
         _ => "force paper",

@@ -226,7 +226,7 @@ impl Data {
         if base.without_length_law().is_some() {
             let need = Need::LengthLaw;
             self.missing
-                .insert(need, format!("the search lacks {}", need.words()));
+                .insert(need, format!("the search lacks {}", need.text()));
         }
         self
     }
@@ -255,7 +255,7 @@ impl Data {
         self.missing = known
             .into_iter()
             .filter(|(_, known)| !known)
-            .map(|(need, _)| (need, format!("the campaign lacks {}", need.words())))
+            .map(|(need, _)| (need, format!("the campaign lacks {}", need.text())))
             .collect();
     }
 }

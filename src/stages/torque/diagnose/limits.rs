@@ -100,7 +100,7 @@ fn missing(form: &Term) -> (WhyNot, Option<&'static str>) {
     }
 }
 
-/// Pairs of effects, each by its most visible form, whose whitened sensitivities are nearly parallel.
+/// Pairs of effects, each by its most identifiable form, whose whitened sensitivities are nearly parallel.
 fn aliases(
     setting: &Setting,
     problem: &TorqueProblem,
@@ -114,7 +114,7 @@ fn aliases(
         let Some(form) = problem.library[direction.term].form() else {
             continue;
         };
-        // A form with two sizes has no one trace.
+        // A form with two sizes has no one sensitivity.
         if form.symbols.len() == 1 && s.share > IDENTIFIABLE && !best.contains(&form.id) {
             best.push(form.id);
             columns.push(direction.columns[0].iter().map(|x| x / s.length).collect());

@@ -14,7 +14,7 @@
 //! | [`settings`] | the numbers on which decisions rest |
 //! | [`recording`] | mistakes of recording: torques of the other sign, tests that the others make too improbable |
 //! | [`unseen`] | the same search without each actuator; errors, predictive intervals, the budget of the expected error |
-//! | [`limits`] | what could have been seen, and what leaves the same trace |
+//! | [`limits`] | what could have been seen, and what is indistinguishable |
 //! | [`fittings`] | the length of the end fittings, plain least squares as in the paper: a query of the engine |
 //! | [`answer`] | the [`pipeline_findings`], as values |
 //! | [`tests`] | errors of every test: rigid, fitted, held out, and with sizes from the largest configuration alone |
@@ -195,8 +195,8 @@ fn searched<'s>(
             tried: None,
         };
         let found = search.run_exchanging(null, normal, None);
-        let odd = recording::furthest_off(&setting, problem, &found.model);
-        match odd {
+        let outlier = recording::furthest_off(&setting, problem, &found.model);
+        match outlier {
             Some((test, error)) if aside.len() < MOST_ASIDE => {
                 if let Some(node) = problem.tests[test] {
                     setting.active[node] = false;

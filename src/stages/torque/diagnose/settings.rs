@@ -5,9 +5,9 @@
 pub const USUAL_MOUNTING_MM: f64 = 1.0;
 /// Scale of the prior of that scatter, mm: a leg with one test or two has no scatter to show, and what all its tests share is no accident.
 pub const LARGEST_MOUNTING_MM: f64 = 3.0;
-/// Usual scatter of the strength of actuators.
+/// Usual scatter of the gain of actuators.
 pub const USUAL_GAIN: f64 = 0.04;
-/// Scale of the prior of that scatter: the tolerance that the maker states. A knee cannot tell a strength from other factors well, and would take
+/// Scale of the prior of that scatter: the tolerance that the maker states. A knee cannot tell a gain from other factors well, and would take
 /// for it whatever acts like one.
 pub const LARGEST_GAIN: f64 = 0.1;
 /// Usual scatter of the zero of the torque, share of the largest torque.

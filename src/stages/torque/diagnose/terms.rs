@@ -50,7 +50,7 @@ pub mod place {
     pub const PRESSURE: usize = 5;
     /// Threshold of the bladder.
     pub const THRESHOLD: usize = 6;
-    /// Strength.
+    /// Gain.
     pub const GAIN: usize = 7;
     /// Zero of the torque.
     pub const ZERO: usize = 8;
@@ -179,8 +179,8 @@ pub static ALL: [Term; TERMS] = [
     },
     Term {
         id: "force_gain",
-        form: "strength",
-        title: "strength of the actuators",
+        form: "gain",
+        title: "gain of the actuators",
         equation: "F = g A(l_m, P), reported is g - 1",
         place: place::GAIN,
         symbols: &["g - 1"],

@@ -4,7 +4,7 @@
 //! of the law, whose share of the expected error is an entry of the budget. Densities and intervals are those of the whole model.
 //!
 //! One actuator at a time, the whole search without it. With one actuator nothing is held out: another test of the same actuator would share
-//! its strength, and says nothing of an actuator that nobody has seen.
+//! its gain, and says nothing of an actuator that nobody has seen.
 
 use super::problem::{TorqueProblem, component};
 use super::terms::SIZES;

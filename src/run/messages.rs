@@ -1,0 +1,77 @@
+//! The messages about every session, remembered so that a run without changes need not open what its sessions left.
+
+use crate::engine::Engine;
+use crate::made::UnitMade;
+use crate::stages::normalize::REJECTS;
+use crate::stages::{clean, ingest};
+use pipeline_base::diagnostics::{Diagnostic, Severity};
+use pipeline_base::digest::Digest;
+use pipeline_base::error::Result;
+use pipeline_base::reject::{Extent, Reject};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+const MESSAGES: &str = "messages.jsonl";
+
+/// The messages about one session.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Messages {
+    /// Errors and warnings about its files.
+    pub diagnostics: Vec<Diagnostic>,
+    /// The logs that were left out, and the session itself.
+    pub rejects: Vec<Reject>,
+}
+
+/// By session: a digest of the outputs of its stages, and what follows from that.
+type Remembered = BTreeMap<String, (Digest, Messages)>;
+
+/// The messages about the sessions that are up to date, in their order.
+///
+/// # Errors
+/// A damaged cache; system errors of the store.
+pub fn all(engine: &Engine, sessions: &[UnitMade], only_look: bool) -> Result<Vec<Messages>> {
+    let before: Remembered = engine.read_aside(MESSAGES);
+    let known = sessions.par_iter().map(|session| {
+        let Some(digest) = digest_of(session) else {
+            return Ok(None);
+        };
+        let remembered = before
+            .get(&session.unit.name)
+            .filter(|(of, _)| *of == digest);
+        let messages = match remembered {
+            Some((_, messages)) => messages.clone(),
+            None => messages(engine, session)?,
+        };
+        Ok(Some((session.unit.name.clone(), (digest, messages))))
+    });
+    let now: Vec<Option<(String, (Digest, Messages))>> = known.collect::<Result<_>>()?;
+    let now: Remembered = now.into_iter().flatten().collect();
+    if now != before && !only_look {
+        engine.write_aside(MESSAGES, &now)?;
+    }
+    Ok(now.into_values().map(|(_, messages)| messages).collect())
+}
+
+/// One digest over the outputs of the stages of a session; none while one of them is pending.
+fn digest_of(session: &UnitMade) -> Option<Digest> {
+    let outputs = session
+        .outputs()
+        .map(|(name, d)| Some((name.to_owned(), d?)));
+    let outputs: Vec<(String, &Digest)> = outputs.collect::<Option<_>>()?;
+    Some(Digest::of_named(outputs.iter().map(|(name, d)| (name, *d))))
+}
+
+fn messages(engine: &Engine, session: &UnitMade) -> Result<Messages> {
+    let ingest = session.read(engine, &ingest::HEADER)?;
+    let mut rejects = ingest.rejects;
+    rejects.extend(session.read(engine, &clean::HEADER)?.rejects);
+    rejects.extend(session.read(engine, &REJECTS)?);
+    rejects.retain(|r| matches!(r.extent, Extent::Session | Extent::Log));
+    let mut diagnostics = ingest.diagnostics;
+    diagnostics.retain(|d| d.severity != Severity::Note);
+    Ok(Messages {
+        diagnostics,
+        rejects,
+    })
+}
