@@ -134,7 +134,7 @@ humidity = { name = "rh", unit = "%" }
 bench = { name = "bench" }
 "#;
 
-fn text(session: &str, log: &str) -> Bench {
+fn words(session: &str, log: &str) -> Bench {
     let bench = Bench::small_done();
     let session = format!("{session}\n[[log]]\nfile = \"points.csv\"\n");
     bench.write("words/session.toml", session);

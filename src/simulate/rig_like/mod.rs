@@ -12,7 +12,8 @@
 //! | [`mistakes`] | recording errors |
 //! | [`generating`] | what the generating model says: log density of each specimen, errors, how strongly an effect shows |
 //!
-//! Effects are those of [`super::effects`], in any of their forms; no equation is shared with the search.
+//! Effects are those of [`super::effects`], in any of their forms, with equations of their own: none of an effect is shared with the search. The law
+//! is shared: both call [`pipeline_mechanics::models::new`] (force paper, Eqs. 5 to 9), here with other coefficients and a misfit.
 
 pub mod draw;
 pub mod families;

@@ -109,7 +109,7 @@ fn columns<'a>(shown: &'a Shown) -> Vec<Tried<'a>> {
             name,
             values,
             tested: tested(name),
-            words: words(shown.rows, name, values),
+            words: labels_of(shown.rows, name, values),
         })
         .collect();
     let rank = |t: &Tried| (!t.is_significant(), !PLAIN.contains(&t.name));
@@ -120,7 +120,7 @@ fn columns<'a>(shown: &'a Shown) -> Vec<Tried<'a>> {
 }
 
 /// The words of a column of labels in their order, which is that of the numbers that stand for them; none if they do not match.
-fn text(rows: &[Row], name: &str, values: &[f64]) -> Vec<String> {
+fn labels_of(rows: &[Row], name: &str, values: &[f64]) -> Vec<String> {
     if name == ZERO_UNKNOWN {
         return ["known", "not known"].map(str::to_owned).to_vec();
     }

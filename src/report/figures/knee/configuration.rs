@@ -132,7 +132,7 @@ impl Plot<'_> {
         };
         for (at, (stated, fitted)) in curve.torques.iter().zip(BY_PRESSURE.iter().cycle()) {
             let name = |law: &str, fitting_m: f64| {
-                let name = format!("{}, l_{{fit}} {}", words(law), mm(fitting_m));
+                let name = format!("{}, l_{{fit}} {}", text(law), mm(fitting_m));
                 if several {
                     format!("{name}, {:.0} kPa", at.pressure_kpa)
                 } else {
@@ -163,7 +163,7 @@ impl Plot<'_> {
     fn differences(&self) -> Panel {
         let axis = Axis::new("Error (N m)");
         let mut panel = Panel::new(self.x(), axis)
-            .title(&format!("Measured less predicted, {}", words(LAWS[0])))
+            .title(&format!("Measured less predicted, {}", text(LAWS[0])))
             .with(Layer::zero());
         let back = self.back_calculated(|p, torque| p.torque_nm - torque);
         panel = back.into_iter().fold(panel, Panel::with);
