@@ -1,3 +1,5 @@
+// The engine prints nothing: what it finds are values.
+#![deny(clippy::print_stderr, clippy::print_stdout, clippy::dbg_macro)]
 //! One mixed model, and what is asked of it.
 //!
 //! y_i = h(x_i; theta, phi, b) + m_i + e_i: a forward model with coefficients theta, amplitudes phi of effects, random effects b of groups, a smooth

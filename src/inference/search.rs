@@ -180,10 +180,6 @@ impl Search<'_> {
             let Some((place, without)) = bend else {
                 return;
             };
-            eprintln!(
-                "BEND {:?} leaves {:?}",
-                found.accepted[place], without.point.terms
-            );
             found.accepted.remove(place);
             found.model = without;
         }
