@@ -548,8 +548,10 @@ pub struct CoefficientChange {
     pub standard_error: f64,
     /// Published value.
     pub published: Option<f64>,
-    /// Whether the fit ended at a bound.
+    /// Whether the fit with effects ended at a bound.
     pub at_bound: bool,
+    /// Whether the one without them did.
+    pub before_at_bound: bool,
 }
 
 /// The law with or without one of its parts.

@@ -4,6 +4,7 @@ use crate::gram::{Design, Square};
 use crate::system::{Factor, Likelihood, Panel, Variances};
 use crate::tree::{Block, Tree};
 use crate::variance::{Effort, Maximiser, Prior, Scale};
+use std::sync::Arc;
 
 /// Deterministic numbers that look like a normal sample.
 fn noise(k: &mut u64) -> f64 {
@@ -36,10 +37,11 @@ fn design() -> Design {
         node: Vec::new(),
         class: Vec::new(),
         classes: 3,
-        z: Vec::new(),
+        z: Arc::default(),
         x: vec![Vec::new(), Vec::new()],
         y: Vec::new(),
     };
+    let mut rows = Vec::new();
     for (node, readings) in nodes {
         for i in 0..readings {
             design.node.push(node);
@@ -51,13 +53,14 @@ fn design() -> Design {
                 z[..2].fill(0.0);
                 x.fill(0.0);
             }
-            design.z.push(z);
+            rows.push(z);
             for (column, x) in design.x.iter_mut().zip(x) {
                 column.push(x);
             }
             design.y.push(3.0 * noise(&mut k) + node as f64);
         }
     }
+    design.z = Arc::new(rows);
     design
 }
 

@@ -7,21 +7,60 @@
 
 use crate::gram::{Design, Gram, Square};
 use crate::problem::{Component, Linearised, Point, Problem};
-use crate::system::{Estimates, Factor, Likelihood, Variances, dot};
+use crate::system::{Estimates, Factor, Likelihood, Panel, Variances, dot};
 use crate::variance::{Effort, Maximiser, Maximum, Prior, Scale};
 use pipeline_numerics::cholesky::Cholesky;
 use pipeline_numerics::matrix::Matrix;
 use std::collections::BTreeSet;
-use std::ops::Range;
+use std::sync::Arc;
 
-/// Most outer iterations.
-const MOST_ITERATIONS: usize = 24;
-/// Outer iterations of a glance.
-const GLANCE: usize = 2;
-/// An outer iteration that moves no estimate by more than this share of its standard error ends the fit.
-const CONVERGED: f64 = 0.05;
-/// The same for the log-likelihood; or the estimates stay twice in a row.
-const SETTLED: f64 = 0.05;
+/// How far a fit is taken.
+#[derive(Clone, Copy)]
+struct Goal {
+    /// Most outer iterations.
+    iterations: usize,
+    /// Estimates are at rest where a whole step would gain less log-likelihood than this at the variances as they are (half the squared Newton
+    /// decrement).
+    rest: f64,
+    /// The likelihood is settled where it changes by less than this from one iteration to the next.
+    settled: f64,
+    /// Log-likelihood below which the fit is of no use.
+    least: f64,
+}
+
+impl Goal {
+    /// Estimates, and what is reported of them: within a twentieth of their standard errors.
+    const ESTIMATED: Self = Self {
+        iterations: 24,
+        rest: 1e-3,
+        settled: 0.02,
+        least: f64::NEG_INFINITY,
+    };
+
+    /// A log-likelihood that is compared with others.
+    const fn compared(least: f64) -> Self {
+        Self {
+            rest: 0.02,
+            settled: 0.05,
+            least,
+            ..Self::ESTIMATED
+        }
+    }
+
+    /// What a fit comes to at once.
+    const GLANCED: Self = Self {
+        iterations: 2,
+        ..Self::ESTIMATED
+    };
+
+    /// Whether a fit that has come so far will not reach what is of use: even ten times what it gains now would not take it there.
+    fn is_out_of_reach(self, iteration: usize, log_likelihood: f64, gains: f64) -> bool {
+        iteration >= FIRST_STEPS && log_likelihood + 10.0 * gains < self.least
+    }
+}
+
+/// Iterations in which a fit may do anything.
+const FIRST_STEPS: usize = 4;
 /// Iterations in which estimates stay and the log-likelihood does not, after which it is taken to alternate.
 const ALTERNATES: usize = 3;
 /// After so many iterations steps are halved: readings that go slack and taut again in turn make the iteration alternate.
@@ -164,9 +203,18 @@ impl<'a> Setting<'a> {
     /// Fits from a point about which nothing is known: first with every component at its usual size, then with all of them free. Where the
     /// coefficients are still far off, free components take their place, and keep it.
     pub fn fit_afresh(&self, from: &Point) -> Fitted {
+        self.afresh(from, Goal::ESTIMATED)
+    }
+
+    /// The same for a comparison ([`Self::compare`]).
+    pub fn compare_afresh(&self, from: &Point, least: f64) -> Fitted {
+        self.afresh(from, Goal::compared(least))
+    }
+
+    fn afresh(&self, from: &Point, goal: Goal) -> Fitted {
         let usual = self.usual();
-        let first = usual.fit(from, &usual.fresh()[..1]);
-        self.fit(&first.point, &[self.widened(&first.variances)])
+        let first = usual.compare(from, &usual.fresh()[..1], f64::NEG_INFINITY);
+        self.fit_within(&first.point, &[self.widened(&first.variances)], goal)
     }
 
     /// Variances from which a fit with this setting starts: none so small that it cannot grow again.
@@ -183,18 +231,22 @@ impl<'a> Setting<'a> {
 
     /// Fits from a point and from several starts of the variances.
     pub fn fit(&self, from: &Point, starts: &[Variances]) -> Fitted {
-        self.fit_within(from, starts, MOST_ITERATIONS)
+        self.fit_within(from, starts, Goal::ESTIMATED)
+    }
+
+    /// The same, no further than a log-likelihood needs that is compared with others, and given up where it will not come to `least`.
+    pub fn compare(&self, from: &Point, starts: &[Variances], least: f64) -> Fitted {
+        self.fit_within(from, starts, Goal::compared(least))
     }
 
     /// What a fit comes to at once: the linear model at the point to which the first step leads. To choose among starts.
     pub fn glance(&self, from: &Point, starts: &[Variances]) -> Fitted {
-        self.fit_within(from, starts, GLANCE)
+        self.fit_within(from, starts, Goal::GLANCED)
     }
 
-    fn fit_within(&self, from: &Point, starts: &[Variances], iterations: usize) -> Fitted {
+    fn fit_within(&self, from: &Point, starts: &[Variances], goal: Goal) -> Fitted {
         let scales = self.scales();
         let maximiser = self.maximiser(&scales, Likelihood::Full);
-        let linear_columns = LinearColumns::of(self.problem);
         let mut point = self.inside(from);
         let mut known: Option<Maximum> = None;
         let mut held: Vec<Free> = Vec::new();
@@ -215,21 +267,31 @@ impl<'a> Setting<'a> {
             let factor = Factor::new(&design.tree, &gram, &maximum.variances);
             let estimates = factor.estimates();
             let covariance = factor.fixed_covariance();
+            let to_gain = short_of(&covariance, &estimates.fixed);
             let gained = maximum.log_likelihood - before;
-            let settled = gained.abs() < SETTLED;
+            let settled = gained.abs() < goal.settled;
             before = maximum.log_likelihood;
             iteration += 1;
             // Readings in the corner to slackness may leave and enter it in turn while nothing else moves: it ends at the better of the two.
             let alternates = stayed >= ALTERNATES && gained >= 0.0;
-            let converged = (stayed > 0 && settled) || alternates;
-            if converged || iteration >= iterations {
+            stayed = if to_gain < goal.rest { stayed + 1 } else { 0 };
+            let converged = stayed > 0 && (settled || alternates);
+            let ends = iteration >= goal.iterations
+                || goal.is_out_of_reach(iteration, before, gained.max(to_gain));
+            let pressed = self.pressed(&point, &free, &estimates);
+            if converged && !ends && !pressed.is_empty() {
+                // What stands at its bound and would go on is no estimate, however little it would gain.
+                held.extend(pressed);
+                known = Some(maximum);
+                continue;
+            }
+            if converged || ends {
                 let at_bound = self.at_bound(&point);
                 let mut last = point.clone();
                 last.random = estimates.random;
                 return Fitted {
                     point: last,
-                    log_likelihood: maximum.log_likelihood
-                        - short_of(&covariance, &estimates.fixed),
+                    log_likelihood: maximum.log_likelihood - to_gain,
                     variances: maximum.variances,
                     design,
                     gram,
@@ -243,14 +305,12 @@ impl<'a> Setting<'a> {
             let longest = if iteration > DAMPED_AFTER { 0.5 } else { 1.0 };
             let moved = self.step(
                 (&point, &linear.predicted),
-                (&design.z, &linear_columns),
+                (&design, &gram),
                 &free,
                 &estimates,
                 &maximum.variances,
                 longest,
             );
-            let small = is_small(&covariance, &estimates.fixed);
-            stayed = if small { stayed + 1 } else { 0 };
             held.extend(moved.stopped);
             point = moved.point;
             known = Some(maximum);
@@ -317,7 +377,7 @@ impl<'a> Setting<'a> {
             node: problem.node().to_vec(),
             class: problem.class().to_vec(),
             classes: problem.noise().len(),
-            z: std::mem::take(&mut linear.random),
+            z: Arc::new(std::mem::take(&mut linear.random)),
             x: free
                 .iter()
                 .map(|f| column(point, linear, *f).to_vec())
@@ -341,52 +401,69 @@ impl<'a> Setting<'a> {
             .collect()
     }
 
-    /// Penalised sum of squares at a point with these predictions; `z` are the columns of the random effects, of which those of linear components are
-    /// used.
+    /// Penalised sum of squares at a point with these predictions, the least over the random effects of linear components: wherever the others
+    /// go, these follow at once. `linear` is the factor of a system that knows no others.
     fn objective(
         &self,
         point: &Point,
         predicted: &[f64],
-        (z, linear): (&[Vec<f64>], &LinearColumns),
+        (design, linear): (&Design, &Factor),
         variances: &Variances,
     ) -> f64 {
-        let problem = self.problem;
-        let tree = problem.tree();
-        let mut sum = 0.0;
-        for (i, p) in predicted.iter().enumerate() {
-            let node = problem.node()[i];
-            if !self.active[node] {
-                continue;
-            }
-            let fixed = linear.value(node, &z[i], &point.random);
-            let r = (problem.observed()[i] - p - fixed) / variances.noise[problem.class()[i]];
-            sum += r * r;
-        }
+        let readings = self.problem.observed().iter().zip(predicted);
+        let left = readings.map(|(y, p)| y - p).collect();
+        let panel = Panel::of_active(design, &[left], |n| self.active[n]);
+        let sum = linear.project(&panel).unprojected[0];
+        let tree = self.problem.tree();
         let components = (0..tree.len()).flat_map(|n| tree.components_of(n));
-        for (b, c) in point.random.iter().zip(components) {
+        let effects = point.random.iter().zip(components);
+        let penalty = effects.map(|(b, c)| {
+            let is_open = !self.problem.components()[c].linear && *b != 0.0;
             let u = b / variances.components[c].max(f64::MIN_POSITIVE);
-            sum += if *b == 0.0 { 0.0 } else { u * u };
+            if is_open { u * u } else { 0.0 }
+        });
+        sum + penalty.sum::<f64>()
+    }
+
+    /// The variances with no components but those in which the forward model is linear.
+    fn linear_only(&self, variances: &Variances) -> Variances {
+        let mut alone = variances.clone();
+        let components = alone.components.iter_mut().zip(self.problem.components());
+        for (sd, _) in components.filter(|(_, c)| !c.linear) {
+            *sd = 0.0;
         }
-        sum
+        alone
     }
 
     /// Moves from a point with these predictions to the estimates of the linear model, shortened until the penalised sum of squares does not rise.
     fn step(
         &self,
         (point, predicted): (&Point, &[f64]),
-        z: (&[Vec<f64>], &LinearColumns),
+        (design, gram): (&Design, &Gram),
         free: &[Free],
         estimates: &Estimates,
         variances: &Variances,
         longest: f64,
     ) -> Moved {
+        let alone = self.linear_only(variances);
+        let linear = Factor::new(&design.tree, gram, &alone);
+        let value = |p: &Point, predicted: &[f64]| {
+            self.objective(p, predicted, (design, &linear), variances)
+        };
+        let at = |p: &Point| value(p, &self.problem.predict(p));
+        let old = value(point, predicted);
+        let (next, stopped) = self.moved(point, free, estimates, longest);
+        if falls(at(&next), old) {
+            return Moved {
+                point: next,
+                stopped,
+            };
+        }
         // New variances may punish the old random effects so much that any step would do, or favour the new ones so much that none that keeps
-        // part of the old ones does: the step starts from the better of both. The estimates are the minimum of a convex function, downhill
+        // part of the old ones does: shorter steps start from the better of both. The estimates are the minimum of a convex function, downhill
         // from either.
         let mut renewed = point.clone();
         renewed.random.clone_from(&estimates.random);
-        let at = |p: &Point| self.objective(p, &self.problem.predict(p), z, variances);
-        let old = self.objective(point, predicted, z, variances);
         let new = at(&renewed);
         let (from, here) = if new < old {
             (&renewed, new)
@@ -396,14 +473,34 @@ impl<'a> Setting<'a> {
         let mut length = longest;
         loop {
             let (next, stopped) = self.moved(from, free, estimates, length);
-            let value = at(&next);
-            if (value.is_finite() && value <= here * (1.0 + 1e-9)) || length <= SHORTEST {
+            if falls(at(&next), here) || length <= SHORTEST {
                 return Moved {
                     point: next,
                     stopped,
                 };
             }
             length *= 0.5;
+        }
+    }
+
+    /// The free values that stand at a bound and would go on.
+    fn pressed(&self, point: &Point, free: &[Free], estimates: &Estimates) -> Vec<Free> {
+        let steps = free.iter().zip(&estimates.fixed);
+        let pressed = steps.filter(|(f, step)| {
+            let (value, (low, high)) = self.bounded(point, **f);
+            (value <= low && **step < 0.0) || (value >= high && **step > 0.0)
+        });
+        pressed.map(|(f, _)| *f).collect()
+    }
+
+    /// A value with its bounds.
+    fn bounded(&self, point: &Point, free: Free) -> (f64, (f64, f64)) {
+        match free {
+            Free::Coefficient(k) => (point.coefficients[k], self.problem.coefficients()[k].bounds),
+            Free::Value(t, k) => {
+                let (term, values) = &point.terms[t];
+                (values[k], self.problem.terms()[*term].bounds[k])
+            }
         }
     }
 
@@ -451,52 +548,14 @@ impl<'a> Setting<'a> {
     }
 }
 
-/// For each node of a problem where the columns of linear components stand: in the rows of its readings, and among all columns of the tree.
-struct LinearColumns {
-    runs: Vec<Vec<(Range<usize>, Range<usize>)>>,
-}
-
-impl LinearColumns {
-    fn of(problem: &dyn Problem) -> Self {
-        let tree = problem.tree();
-        let components = problem.components();
-        let runs_of = |node: usize| {
-            let mut runs = Vec::new();
-            let mut place = 0;
-            for n in tree.path(node) {
-                let mut column = tree.first_column(n);
-                for block in tree.blocks(n) {
-                    if components[block.component].linear {
-                        runs.push((place..place + block.columns, column..column + block.columns));
-                    }
-                    place += block.columns;
-                    column += block.columns;
-                }
-            }
-            runs
-        };
-        Self {
-            runs: (0..tree.len()).map(runs_of).collect(),
-        }
-    }
-
-    /// What linear components make of a reading of a node with this row.
-    fn value(&self, node: usize, row: &[f64], random: &[f64]) -> f64 {
-        let runs = self.runs[node].iter();
-        runs.map(|(places, columns)| dot(&row[places.clone()], &random[columns.clone()]))
-            .sum()
-    }
+/// Whether a penalised sum of squares does not rise.
+fn falls(to: f64, from: f64) -> bool {
+    to.is_finite() && to <= from * (1.0 + 1e-9)
 }
 
 struct Moved {
     point: Point,
     stopped: Vec<Free>,
-}
-
-/// Whether no fixed effect has further to go than a share of its standard error: the whole step to the estimates, however much of it is taken.
-fn is_small(covariance: &Square, step: &[f64]) -> bool {
-    let is_small = |(k, d): (usize, &f64)| d.abs() <= CONVERGED * covariance.at(k, k).sqrt();
-    step.iter().enumerate().all(is_small)
 }
 
 /// By how much the log-likelihood at a point is below that of its linear model, whose estimates are `step` away: nothing at a fixed point.

@@ -24,6 +24,7 @@ use crate::system::{Factor, Likelihood, Panel, Variances};
 use crate::tree::Block;
 use crate::variance::{Effort, Maximum, Prior, Scale};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Draws that are made at once.
 const BATCH: usize = 40;
@@ -148,7 +149,7 @@ impl<'a> Plain<'a> {
                 component: self.scales.len(),
                 columns: set.len(),
             }),
-            z: z.collect(),
+            z: Arc::new(z.collect()),
             ..plain.clone()
         };
         let mut scales = self.scales.clone();

@@ -64,8 +64,8 @@ pub struct Design {
     pub class: Vec<usize>,
     /// Number of classes.
     pub classes: usize,
-    /// Columns of random effects: for each reading those of its path.
-    pub z: Vec<Vec<f64>>,
+    /// Columns of random effects: for each reading those of its path. Designs with other fixed effects share them.
+    pub z: Arc<Vec<Vec<f64>>>,
     /// Fixed effects, one list of all readings a column.
     pub x: Vec<Vec<f64>>,
     /// Response.
@@ -180,7 +180,7 @@ impl Design {
     }
 
     /// Columns of the path, fixed effects and response of reading `i`.
-    fn row(&self, i: usize, row: &mut [f64]) {
+    pub(crate) fn row(&self, i: usize, row: &mut [f64]) {
         let path = self.z[i].len();
         row[..path].copy_from_slice(&self.z[i]);
         for (slot, column) in row[path..].iter_mut().zip(&self.x) {

@@ -9,6 +9,7 @@ use crate::problem::Point;
 use crate::system::{Estimates, Factor, Likelihood, Variances, add_times, dot};
 use crate::tree::{Block, Tree};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// Most steps by which the mode of a group's random effects is found.
 const MOST_STEPS: usize = 12;
@@ -117,10 +118,11 @@ impl<'a> Unseen<'a> {
             node: Vec::new(),
             class: Vec::new(),
             classes: whole.classes,
-            z: Vec::new(),
+            z: Arc::default(),
             x: Vec::new(),
             y: response.to_vec(),
         };
+        let mut z = Vec::with_capacity(places.len());
         let root = whole.tree.width(0);
         for (k, &i) in places.iter().enumerate() {
             for node in whole.tree.path(whole.node[i]) {
@@ -133,8 +135,9 @@ impl<'a> Unseen<'a> {
             design.class.push(whole.class[i]);
             let mut row = self.parameters(i);
             row.extend_from_slice(&row_of(k)[root..]);
-            design.z.push(row);
+            z.push(row);
         }
+        design.z = Arc::new(z);
         design.tree = tree;
         design
     }
@@ -517,7 +520,7 @@ fn given(design: &Design, asked: &Asked) -> Estimates {
         node: known.clone().map(|&k| design.node[k]).collect(),
         class: known.clone().map(|&k| design.class[k]).collect(),
         classes: design.classes,
-        z: known.clone().map(|&k| design.z[k].clone()).collect(),
+        z: Arc::new(known.clone().map(|&k| design.z[k].clone()).collect()),
         x: Vec::new(),
         y: known.map(|&k| design.y[k]).collect(),
     };

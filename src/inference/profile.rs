@@ -6,7 +6,7 @@
 //! linear.
 
 use crate::fit::{Fitted, Free, Setting};
-use crate::gram::Gram;
+use crate::gram::{Design, Gram};
 use crate::screen::{Normal, draw};
 use crate::system::{Likelihood, Variances};
 use crate::variance::Effort;
@@ -137,8 +137,8 @@ struct Along<'a> {
     model: &'a Fitted,
     term: usize,
     value: usize,
-    place: usize,
-    /// The sums without the column of the value.
+    /// The linear model without the column of the value, and its sums.
+    rest: Design,
     pinned: Gram,
 }
 
@@ -150,8 +150,8 @@ impl<'a> Along<'a> {
         value: usize,
         place: usize,
     ) -> Option<Self> {
-        let mut design = model.design.clone();
-        design.x.remove(place);
+        let mut rest = model.design.clone();
+        rest.x.remove(place);
         let number = model.point.terms.iter().position(|(t, _)| *t == term)?;
         let mut held = setting.clone();
         held.pinned.push(Free::Value(number, value));
@@ -161,8 +161,8 @@ impl<'a> Along<'a> {
             model,
             term,
             value,
-            place,
-            pinned: setting.sums(&design),
+            pinned: setting.sums(&rest),
+            rest,
         })
     }
 
@@ -201,9 +201,8 @@ impl<'a> Along<'a> {
                     &design.with_response_of(&self.model.gram, &[], &y),
                     &variances,
                 );
-                let mut rest = design.clone();
-                rest.x.remove(self.place);
-                let pinned = self.ascend(&rest.with_response_of(&self.pinned, &[], &y), &variances);
+                let pinned = self.rest.with_response_of(&self.pinned, &[], &y);
+                let pinned = self.ascend(&pinned, &variances);
                 (2.0 * (best - pinned)).max(0.0)
             })
             .collect();

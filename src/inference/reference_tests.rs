@@ -9,6 +9,7 @@ use crate::system::{Factor, Likelihood, Variances};
 use crate::tree::{Block, Tree};
 use crate::variance::{Effort, Maximiser, Prior, Scale};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// To the maximum as far as rounding allows: what is compared are maxima, not where an ascent stops.
 const EXACT: Effort = Effort {
@@ -103,7 +104,7 @@ fn a_linear_model_is_that_of_statsmodels() {
             .collect(),
         class: vec![0; data.len()],
         classes: 1,
-        z: data.iter().map(|r| vec![r[2], 1.0]).collect(),
+        z: Arc::new(data.iter().map(|r| vec![r[2], 1.0]).collect()),
         x: vec![vec![1.0; data.len()], data.iter().map(|r| r[2]).collect()],
         y: data.iter().map(|r| r[3]).collect(),
         tree,

@@ -6,7 +6,7 @@ use crate::fit::{Fitted, Free, Setting};
 use crate::form;
 use crate::problem::Point;
 use crate::screen::{Normal, Screen, Shown};
-use crate::statistic::{critical, deviate, upper_tail};
+use crate::statistic::{critical, deviate, likelihood_ratio, upper_tail};
 use crate::system::Variances;
 use rayon::prelude::*;
 
@@ -63,12 +63,22 @@ pub struct Found {
     pub accepted: Vec<Accepted>,
     /// Models on the way to it: a deletion leads back to one of them, if a fit from the larger model does not come as far.
     stages: Vec<Fitted>,
+    /// The final model and others on the way without one of their terms.
+    left_out: Vec<LeftOut>,
     /// The candidates beside the null, strongest first, with the number of the term.
     pub tested: Vec<(usize, Shown)>,
     /// Maxima of the draws from the null.
     pub draws: Vec<f64>,
     /// The value of [`deviate`] from which a candidate is accepted.
     pub critical: f64,
+}
+
+/// A model without one of its terms.
+#[derive(Clone, Debug)]
+struct LeftOut {
+    of: Point,
+    term: usize,
+    rest: Fitted,
 }
 
 /// A candidate whose probability under the draws from the null lies in this range is tested against draws from its own model as well; beyond
@@ -163,6 +173,12 @@ impl Search<'_> {
         found
     }
 
+    /// A fit from where a comparison left it to its estimates.
+    fn estimated(&self, compared: &Fitted) -> Fitted {
+        let starts = std::slice::from_ref(&compared.variances);
+        self.setting.fit(&compared.point, starts)
+    }
+
     /// Leaves out the terms, the weakest first, that no longer show beside another one whose size bends along its own argument: where that has
     /// another form than the library knows, a second term takes up the difference.
     fn leave_out_bends(&self, found: &mut Found) {
@@ -170,8 +186,9 @@ impl Search<'_> {
             let mut order: Vec<usize> = (0..found.accepted.len()).collect();
             order.sort_by(|a, b| found.accepted[*a].gain.total_cmp(&found.accepted[*b].gain));
             let bend = order.into_iter().find_map(|place| {
+                let term = found.accepted[place].term;
+                let without = self.without(found, term);
                 let accepted = &found.accepted[place];
-                let without = self.without(found, accepted.term);
                 let least = self.least_beside_bends(&found.model, &without);
                 let amplitudes = self.setting.problem.terms()[accepted.term].amplitudes;
                 let is_bend = deviate(2.0 * least, amplitudes) < accepted.critical;
@@ -268,6 +285,7 @@ impl Search<'_> {
             null: null.clone(),
             accepted: Vec::new(),
             stages: Vec::new(),
+            left_out: Vec::new(),
             draws,
         }
     }
@@ -307,7 +325,7 @@ impl Search<'_> {
             let chosen = choice.iter().find(|t| problem.terms()[**t].kind == kind);
             accepted.term = chosen.copied().unwrap_or(accepted.term);
         }
-        found.model = fit;
+        found.model = self.estimated(&fit);
     }
 
     /// Every choice of one form for each kind that was found, in the order in which the kinds came in.
@@ -340,7 +358,8 @@ impl Search<'_> {
     /// A model of some terms that come in one after the other, each from what its direction shows; none where one of them shows nothing.
     fn rebuilt(&self, terms: &[usize]) -> Option<Fitted> {
         let usual = self.setting.usual();
-        let mut model = usual.fit(&self.setting.problem.start(), &usual.fresh()[..1]);
+        let anywhere = f64::NEG_INFINITY;
+        let mut model = usual.compare(&self.setting.problem.start(), &usual.fresh()[..1], anywhere);
         for term in terms {
             let directions = self.setting.problem.directions_of(&model.point, *term);
             let screen = Screen::of(self.setting, &model, directions);
@@ -350,7 +369,7 @@ impl Search<'_> {
             from.terms
                 .push((*term, scaled(&direction.start, &shown.estimate)));
             drop(screen);
-            model = self.setting.fit_afresh(&from);
+            model = self.setting.compare_afresh(&from, anywhere);
         }
         Some(model)
     }
@@ -413,13 +432,11 @@ impl Search<'_> {
         if self.decision.thorough && (found.accepted.is_empty() || fits.is_empty()) {
             fits.extend(self.fits_afresh(&model, way));
         }
-        let statistic = |f: &Fitted, term: usize, below: f64| {
-            let amplitudes = self.setting.problem.terms()[term].amplitudes;
-            deviate(2.0 * (f.log_likelihood - below), amplitudes)
-        };
-        let passes = |(f, t): &(Fitted, usize)| statistic(f, *t, model.log_likelihood) >= limit;
+        let passes =
+            |(f, t): &(Fitted, usize)| self.statistic(f, *t, model.log_likelihood) >= limit;
         if self.decision.thorough {
-            fits.extend(self.fits_far(&model, way));
+            let least = self.least_of_use(&fits, &model, limit, way);
+            fits.extend(self.fits_far(&model, way, least));
         }
         // What would not be accepted keeps nothing out.
         if fits.iter().any(passes) {
@@ -428,7 +445,8 @@ impl Search<'_> {
         let Some((fitted, term)) = self.preferred(&fits, way) else {
             return Step::Nothing;
         };
-        let without = self.altered(&fitted, term, None);
+        let fitted = self.estimated(&fitted);
+        let without = self.left_out(&fitted, term);
         let is_better = without.log_likelihood > model.log_likelihood + WORTH_A_SWAP;
         if is_better {
             if found.accepted.is_empty() {
@@ -436,7 +454,7 @@ impl Search<'_> {
             }
             found.model = without;
         }
-        let statistic = statistic(&fitted, term, found.model.log_likelihood);
+        let statistic = self.statistic(&fitted, term, found.model.log_likelihood);
         if statistic >= limit {
             Step::Accepted(Box::new(Next {
                 p: upper_tail(&draws, statistic),
@@ -449,6 +467,24 @@ impl Search<'_> {
         } else {
             Step::Nothing
         }
+    }
+
+    /// What a fit gains by a term, on the scale of [`deviate`].
+    fn statistic(&self, fitted: &Fitted, term: usize, below: f64) -> f64 {
+        let amplitudes = self.setting.problem.terms()[term].amplitudes;
+        deviate(2.0 * (fitted.log_likelihood - below), amplitudes)
+    }
+
+    /// The log-likelihood that a further fit must come to beside those that are known: to be accepted, and to be preferred.
+    fn least_of_use(&self, fits: &[(Fitted, usize)], model: &Fitted, limit: f64, way: Way) -> f64 {
+        let base = model.log_likelihood;
+        let accepted = fits
+            .iter()
+            .filter(|(f, t)| self.statistic(f, *t, base) >= limit);
+        let least = base + 0.5 * likelihood_ratio(limit, 1) - WORTH_A_SWAP;
+        accepted.fold(least, |least, (f, t)| {
+            least.max(self.worth(f, *t, way) - self.decision.alike)
+        })
     }
 
     /// Fits of the terms of the model that is tried, of kinds that are not in the model.
@@ -468,7 +504,7 @@ impl Search<'_> {
                 }
             }
             from.terms.push((*t, values.clone()));
-            (self.setting.fit(&from, &starts), *t)
+            (self.setting.compare(&from, &starts, f64::NEG_INFINITY), *t)
         });
         fits.filter(|(fit, t)| self.is_inside(fit, *t)).collect()
     }
@@ -479,7 +515,7 @@ impl Search<'_> {
         let usual = self.setting.usual();
         let mut from = self.setting.problem.start();
         from.terms.clone_from(&model.point.terms);
-        let bare = usual.fit(&from, &usual.fresh()[..1]);
+        let bare = usual.compare(&from, &usual.fresh()[..1], f64::NEG_INFINITY);
         let screen = self.screen(&usual, &bare, way);
         let shown = screen.shown(2 * FITTED);
         let mut kinds = Vec::new();
@@ -497,7 +533,7 @@ impl Search<'_> {
             let mut from = bare.point.clone();
             from.terms
                 .push((direction.term, scaled(&direction.start, &s.estimate)));
-            let fit = self.setting.fit_afresh(&from);
+            let fit = self.setting.compare_afresh(&from, f64::NEG_INFINITY);
             if self.is_inside(&fit, direction.term) {
                 fits.push((fit, direction.term));
             }
@@ -505,8 +541,9 @@ impl Search<'_> {
         fits
     }
 
-    /// Fits of the terms that a tangent may not show, from amplitudes that are far from nothing.
-    fn fits_far(&self, model: &Fitted, way: Way) -> Vec<(Fitted, usize)> {
+    /// Fits of the terms that a tangent may not show, from amplitudes that are far from nothing; only those that come to a log-likelihood of
+    /// `least`.
+    fn fits_far(&self, model: &Fitted, way: Way, least: f64) -> Vec<(Fitted, usize)> {
         let terms = self.setting.problem.terms();
         let kinds: Vec<usize> = model
             .point
@@ -522,17 +559,17 @@ impl Search<'_> {
             let mut from = model.point.clone();
             from.terms.push((t, values));
             let starts = std::slice::from_ref(&model.variances);
-            let fit = self.setting.fit(&from, starts);
-            if fit.converged {
+            let fit = self.setting.compare(&from, starts, least);
+            if fit.converged || fit.log_likelihood < least {
                 return (fit, t);
             }
             // The coefficients of the model without it may be too far off.
-            let again = self.setting.fit_afresh(&from);
+            let again = self.setting.compare_afresh(&from, least);
             let is_better = again.log_likelihood > fit.log_likelihood;
             (if is_better { again } else { fit }, t)
         });
         let mut fits: Vec<(Fitted, usize)> = fits.collect();
-        fits.retain(|(f, t)| self.is_inside(f, *t));
+        fits.retain(|(f, t)| f.log_likelihood >= least && self.is_inside(f, *t));
         fits
     }
 
@@ -563,10 +600,11 @@ impl Search<'_> {
             let mut from = model.point.clone();
             from.terms
                 .push((direction.term, scaled(&direction.start, &s.estimate)));
-            let fit = self.setting.fit(&from, &self.starts(model));
+            let anywhere = f64::NEG_INFINITY;
+            let fit = self.setting.compare(&from, &self.starts(model), anywhere);
             // The linear model promised more: the iteration has gone to another optimum.
             let again = (self.decision.thorough && gain(&fit) < PROMISED * s.likelihood_ratio)
-                .then(|| self.setting.fit_afresh(&from));
+                .then(|| self.setting.compare_afresh(&from, anywhere));
             let better = [Some(fit), again].into_iter().flatten();
             let better = better
                 .filter(|f| self.is_inside(f, direction.term))
@@ -630,17 +668,46 @@ impl Search<'_> {
         starts
     }
 
-    /// A model with one of its terms left out, or another in its place.
-    fn altered(&self, model: &Fitted, term: usize, other: Option<(usize, Vec<f64>)>) -> Fitted {
+    /// A model with one of its terms left out.
+    fn left_out(&self, model: &Fitted, term: usize) -> Fitted {
         let mut from: Point = model.point.clone();
         from.terms.retain(|(t, _)| *t != term);
-        from.terms.extend(other);
         self.setting.fit(&from, &self.starts(model))
     }
 
+    /// A model with another term in the place of one, as far as it is of use: where it comes to a log-likelihood of `least`.
+    fn exchanged(
+        &self,
+        model: &Fitted,
+        term: usize,
+        other: (usize, Vec<f64>),
+        least: f64,
+    ) -> Fitted {
+        let mut from: Point = model.point.clone();
+        from.terms.retain(|(t, _)| *t != term);
+        from.terms.push(other);
+        self.setting.compare(&from, &self.starts(model), least)
+    }
+
+    /// The model without one of its terms, which is asked for again where nothing has changed.
+    fn without(&self, found: &mut Found, term: usize) -> Fitted {
+        let of = &found.model.point;
+        let known = found.left_out.iter();
+        if let Some(known) = known.rev().find(|l| l.term == term && l.of == *of) {
+            return known.rest.clone();
+        }
+        let rest = self.refitted_without(found, term);
+        found.left_out.push(LeftOut {
+            of: of.clone(),
+            term,
+            rest: rest.clone(),
+        });
+        rest
+    }
+
     /// The model without one of its terms: no worse than the models on the way to it that have none but its other terms.
-    fn without(&self, found: &Found, term: usize) -> Fitted {
-        let refitted = self.altered(&found.model, term, None);
+    fn refitted_without(&self, found: &Found, term: usize) -> Fitted {
+        let refitted = self.left_out(&found.model, term);
         let others = &refitted.point.terms;
         let is_other = |t: usize| others.iter().any(|(o, _)| *o == t);
         let is_within = |stage: &&Fitted| stage.point.terms.iter().all(|(t, _)| is_other(*t));
@@ -655,9 +722,8 @@ impl Search<'_> {
         if from.terms.len() == stage.point.terms.len() {
             return stage.clone();
         }
-        let again = self
-            .setting
-            .fit(&from, std::slice::from_ref(&stage.variances));
+        let starts = std::slice::from_ref(&stage.variances);
+        let again = self.setting.fit(&from, starts);
         if again.log_likelihood > refitted.log_likelihood {
             again
         } else {
@@ -699,14 +765,12 @@ impl Search<'_> {
             };
             // What no tangent shows has alternatives that none shows either.
             if self.decision.thorough && !(is_named(term) && self.shows(&without, term)) {
-                let far = self.fits_far(
-                    &without,
-                    Way {
-                        named_only: true,
-                        ..way
-                    },
-                );
                 let own = self.worth(&found.model, term, way) - self.decision.alike;
+                let way_of_names = Way {
+                    named_only: true,
+                    ..way
+                };
+                let far = self.fits_far(&without, way_of_names, own);
                 let far = far
                     .into_iter()
                     .filter(|(f, t)| *t != term && self.worth(f, *t, way) > own);
@@ -727,7 +791,7 @@ impl Search<'_> {
             if let (Some((_, other, fit)), true) = (better, swaps > 0) {
                 swaps -= 1;
                 found.accepted[place].term = *other;
-                found.model = fit.clone();
+                found.model = self.estimated(fit);
                 place = 0;
                 continue;
             }
@@ -776,8 +840,9 @@ impl Search<'_> {
             }
             kinds.push(other.kind);
             let start = scaled(&direction.start, &s.estimate);
-            let fit = self.altered(model, term, Some((direction.term, start)));
-            let is_alike = fit.log_likelihood > model.log_likelihood - self.decision.alike;
+            let alike = model.log_likelihood - self.decision.alike;
+            let fit = self.exchanged(model, term, (direction.term, start), alike);
+            let is_alike = fit.log_likelihood > alike;
             if is_alike && self.is_inside(&fit, direction.term) {
                 fits.push((direction.term, fit));
             }

@@ -458,8 +458,12 @@ struct OwnEffects {
 impl OwnEffects {
     /// A times a symmetric matrix.
     fn times(&self, matrix: &Square) -> Vec<f64> {
+        let mut product = vec![0.0; self.a.len()];
         let rows = self.a.chunks_exact(self.n);
-        rows.flat_map(|row| cross(row, matrix)).collect()
+        for (row, to) in rows.zip(product.chunks_exact_mut(self.n)) {
+            add_combination(to, row, &matrix.a);
+        }
+        product
     }
 
     /// E of the node from that of its parent; the own columns stand at `first`.
@@ -592,22 +596,24 @@ impl Panel {
             .members()
             .into_iter()
             .map(|(node, _, list)| {
-                let path = design.tree.path_columns(node);
-                let rows = path + design.x.len() + 1;
-                let mut products = vec![0.0; rows * width];
+                let rows = design.tree.path_columns(node) + design.x.len() + 1;
+                // Column after column here, row after row in the end.
+                let mut by_column = vec![0.0; rows * width];
                 let mut squares = vec![0.0; width];
-                let mut values = vec![0.0; width];
+                let mut row = vec![0.0; rows];
                 for &i in &list {
-                    for ((v, column), s) in values.iter_mut().zip(columns).zip(&mut squares) {
-                        *v = column[i];
-                        *s += *v * *v;
+                    design.row(i, &mut row);
+                    let own = by_column.chunks_exact_mut(rows).zip(columns);
+                    for ((products, column), square) in own.zip(&mut squares) {
+                        let value = column[i];
+                        *square += value * value;
+                        add_times(products, value, &row);
                     }
-                    let fixed = design.x.iter().map(|x| x[i]);
-                    let row = design.z[i].iter().copied().chain(fixed);
-                    for (k, d) in row.chain([design.y[i]]).enumerate() {
-                        if d != 0.0 {
-                            add_times(&mut products[k * width..(k + 1) * width], d, &values);
-                        }
+                }
+                let mut products = vec![0.0; rows * width];
+                for (j, column) in by_column.chunks_exact(rows).enumerate() {
+                    for (k, x) in column.iter().enumerate() {
+                        products[k * width + j] = *x;
                     }
                 }
                 PanelPart { products, squares }
@@ -743,6 +749,24 @@ fn add_four(to: &mut [f64], rows: [&[f64]; 4]) {
     }
 }
 
+/// Adds the rows of a matrix, each times a factor.
+fn add_combination(to: &mut [f64], factors: &[f64], rows: &[f64]) {
+    let n = to.len();
+    let (factors4, rows4) = (factors.chunks_exact(4), rows.chunks_exact(4 * n));
+    let tail = factors4.remainder().iter();
+    for (factor, row) in tail.zip(rows4.remainder().chunks_exact(n)) {
+        add_times(to, *factor, row);
+    }
+    for (f, four) in factors4.zip(rows4) {
+        let (a, rest) = four.split_at(n);
+        let (b, rest) = rest.split_at(n);
+        let (c, d) = rest.split_at(n);
+        for ((((t, a), b), c), d) in to.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+            *t += f[0] * a + f[1] * b + (f[2] * c + f[3] * d);
+        }
+    }
+}
+
 /// Adds a matrix of which the upper triangle counts, without a node's own rows and columns.
 fn add_without_own(to: &mut Square, from: Option<&Square>, first: usize, width: usize) {
     let Some(from) = from else { return };
@@ -811,18 +835,6 @@ fn finish(front: &Square, p: usize) -> (Square, Vec<f64>, f64) {
     let half = forward(&lower, &right);
     let quadratic = front.at(p, p) - dot(&half, &half);
     (lower, half, quadratic)
-}
-
-/// A row times a symmetric matrix.
-fn cross(row: &[f64], matrix: &Square) -> Vec<f64> {
-    let n = matrix.n;
-    let mut product = vec![0.0; n];
-    for (j, factor) in row.iter().enumerate() {
-        if *factor != 0.0 {
-            add_times(&mut product, *factor, &matrix.a[j * n..(j + 1) * n]);
-        }
-    }
-    product
 }
 
 /// L^-1 b; 0 where there is no pivot.

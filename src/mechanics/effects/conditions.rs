@@ -162,6 +162,8 @@ pub struct Conditions {
     pub cycles: f64,
     /// Zero of the force channel that was taken off, less the median of the campaign's sessions, N.
     pub zero_force_n: f64,
+    /// Whether it is known that the actuator pulls by more than friction does: what a model says of the tension then limits no friction.
+    pub pulls: bool,
 }
 
 impl Conditions {
@@ -187,6 +189,7 @@ impl Conditions {
             temperature_c: 0.0,
             cycles: 0.0,
             zero_force_n: 0.0,
+            pulls: false,
         }
     }
 }

@@ -100,12 +100,12 @@ impl Effect for Hysteresis {
 pub fn apply<R: Real>(form: usize, [h, _]: [R; 2], at: &Conditions, link: &mut Link<R>) {
     let s = at.direction;
     match form {
-        0 => link.force = link.force - within_tension(h * s, link.force),
+        0 => link.force = link.force - within_tension(h * s, link.force, at),
         1 => link.force = link.force - h * s,
         2 => link.force = link.force * (h * -s + 1.0),
         3 => {
             let friction = h * (s * at.pressure_kpa / P_620_KPA);
-            link.force = link.force - within_tension(friction, link.force);
+            link.force = link.force - within_tension(friction, link.force, at);
         }
         4 => link.pressure = link.pressure - h * s,
         _ => {}

@@ -117,8 +117,12 @@ pub struct Link<R> {
 }
 
 /// A change of the force that the tension itself causes, as friction does: it stays below the tension, and does so smoothly. A jump or a corner
-/// where the actuator goes slack would leave fits without a fixed point.
-fn within_tension<R: Real>(change: R, tension: R) -> R {
+/// where the actuator goes slack would leave fits without a fixed point; so would, for a reading that pulls, a model on its way that has no
+/// tension there: friction that cancels what is left of it takes its derivatives away.
+fn within_tension<R: Real>(change: R, tension: R, at: &Conditions) -> R {
+    if at.pulls {
+        return change;
+    }
     if tension.value() <= 0.0 {
         return R::constant(0.0);
     }

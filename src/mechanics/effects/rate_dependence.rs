@@ -43,5 +43,5 @@ impl Effect for RateDependence {
 
 /// The operator.
 pub fn apply<R: Real>(_form: usize, [r, _]: [R; 2], at: &Conditions, link: &mut Link<R>) {
-    link.force = link.force - within_tension(r * at.rate_kpa_per_s, link.force);
+    link.force = link.force - within_tension(r * at.rate_kpa_per_s, link.force, at);
 }

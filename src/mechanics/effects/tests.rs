@@ -25,6 +25,7 @@ fn somewhere() -> Conditions {
         temperature_c: 2.5,
         cycles: 15.0,
         zero_force_n: 4.0,
+        pulls: false,
         middle_rest_length_m: 0.25,
         ..Conditions::at(0.2, 0.16, 0.195, 400.0)
     }

@@ -72,8 +72,10 @@ pub(super) fn coefficient(c: &CoefficientChange) -> [String; 5] {
         Rounding::Digits(4)
     };
     let after = rounded(c.after, rounding);
+    let at_bound = |value: String| format!("{value} (at its bound)");
+    let before = rounded(c.before, Rounding::Digits(4));
     let with = if c.at_bound {
-        format!("{after} (at its bound)")
+        at_bound(after)
     } else if bounded {
         format!("{after} ± {}", rounded(half, rounding))
     } else {
@@ -84,7 +86,11 @@ pub(super) fn coefficient(c: &CoefficientChange) -> [String; 5] {
         unit_name(&c.unit).to_owned(),
         c.published
             .map_or_else(|| NONE.to_owned(), |p| rounded(p, Rounding::Digits(4))),
-        rounded(c.before, Rounding::Digits(4)),
+        if c.before_at_bound {
+            at_bound(before)
+        } else {
+            before
+        },
         with,
     ]
 }

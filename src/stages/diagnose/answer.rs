@@ -478,6 +478,7 @@ impl Work<'_> {
                         None => known(&c.name),
                     },
                     at_bound: model.at_bound[k],
+                    before_at_bound: self.found.null.at_bound[k],
                 }
             })
             .collect()

@@ -20,6 +20,8 @@ use std::collections::BTreeMap;
 const SETTLING: usize = 6;
 /// How often a size is sought again by fits, halfway as well: some effects hardly show below a size, and soon above it.
 const REFITS: usize = 5;
+/// A size that changes by less than this share is found.
+const REFOUND: f64 = 0.02;
 /// Share of a sensitivity below which it is: what other coefficients take up depends on the size.
 const TAKEN_UP: f64 = 0.7;
 /// Cosine from which two sensitivities are reported as nearly one.
@@ -156,7 +158,11 @@ fn refit(
                 .filter(|s| is_possible(term, *s));
             let values: Vec<Vec<f64>> = signs.map(|s| term.start(s)).collect();
             let shown = strength(setting, model, t, &values);
-            size = within * (wanted / shown).clamp(0.25, 4.0).sqrt();
+            let factor = (wanted / shown).clamp(0.25, 4.0).sqrt();
+            size = within * factor;
+            if (factor - 1.0).abs() < REFOUND {
+                break;
+            }
         }
         size
     };

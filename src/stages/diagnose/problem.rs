@@ -475,6 +475,10 @@ impl<'a> ForceProblem<'a> {
             base: self.base,
             side: self.side[i],
         };
+        let at = &Conditions {
+            pulls: self.pulls(i),
+            ..*at
+        };
         let mut parameters = [rest; COEFFICIENTS + 2];
         let known = coefficients.len();
         parameters[..known].copy_from_slice(coefficients);
@@ -675,7 +679,8 @@ impl<'a> ForceProblem<'a> {
         point: &Point,
     ) -> Vec<f64> {
         let scale = self.misfit_scale(i);
-        let mut row = self.common_misfit[i].clone();
+        let mut row = Vec::with_capacity(self.tree.path_columns(self.node[i]));
+        row.extend_from_slice(&self.common_misfit[i]);
         let specimen = self.tree.parent(self.sessions[self.data.session[i]]);
         let of = |node: usize, c: usize| {
             self.tree

@@ -310,6 +310,7 @@ fn conditions(rows: &[&Row], data: &Data, dated: bool) -> Vec<Conditions> {
             temperature_c: zero_if_nan(temperature(r) - mean_temperature),
             zero_force_n: zero_if_nan(r.zero_force_n - usual_zero),
             cycles: histories::counted_cycles(r).unwrap_or(cycles_before[data.log[i]]),
+            pulls: false,
         })
         .collect();
     histories::histories(rows, data, &mut conditions);
