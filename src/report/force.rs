@@ -3,11 +3,14 @@
 use crate::extent::{MOST_GROUPS, MOST_NAMED, MOST_ROWS_ON_PAGES, SIDE_BY_SIDE};
 use crate::figures::{Drawn, slug};
 use crate::input::{GroupInput, ReportInput};
+use crate::figures::ISOBARS;
 use crate::left_out::LeftOut;
+use crate::opening;
 use crate::pages::{PageData, Picture, date_of};
 use crate::tables;
 use crate::typeset::Pdf;
-use crate::wording::{name::capitalised, sentence::in_doubt};
+use crate::wording::name::{capitalised, model_name};
+use crate::wording::sentence::in_doubt;
 use pipeline_base::error::Result;
 use pipeline_base::reject::Extent;
 use pipeline_base::session::Kind;
@@ -24,6 +27,10 @@ struct Own {
     title: String,
     authors: Vec<String>,
     counts: Counts,
+    opening: Vec<opening::Line>,
+    models: Vec<&'static str>,
+    /// The figure of the first page.
+    first_figure: Option<Picture>,
     campaigns: Vec<Campaign>,
     groups: Vec<Group>,
     further_groups: Vec<String>,
@@ -180,6 +187,9 @@ fn own(input: &ReportInput, traces: &[Option<Drawn>], config: &Config, split_dig
             rejected_logs: of_extent(Extent::Log),
             clipped_plateaus: rejects().filter(clipped).count(),
         },
+        opening: opening::lines(input),
+        models: opening::models(),
+        first_figure: first_figure(input),
         campaigns: campaigns(input),
         groups: input
             .with_section()
@@ -206,6 +216,15 @@ fn own(input: &ReportInput, traces: &[Option<Drawn>], config: &Config, split_dig
             digest: split_digest.to_owned(),
         },
     }
+}
+
+/// The isobars of the group with most readings, of those that were measured if there are any.
+fn first_figure(input: &ReportInput) -> Option<Picture> {
+    let groups = input.with_section();
+    let size = |g: &GroupInput| (!g.fit.group.simulated, g.fit.rows);
+    let (_, figures) = groups.max_by_key(|(g, _)| size(g))?;
+    let mut drawn = figures.group.iter();
+    drawn.find(|d| d.name.starts_with(ISOBARS)).map(Picture::new)
 }
 
 /// The groups that have no section of their own.
@@ -260,7 +279,7 @@ fn group(input: &GroupInput, figures: &[Drawn]) -> Group {
         .comparisons
         .iter()
         .filter(whole)
-        .filter_map(|c| Some((c.title.clone(), c.rmse?)))
+        .filter_map(|c| Some((model_name(&c.model, &c.title).to_owned(), c.rmse?)))
         .min_by(|a, b| a.1.total_cmp(&b.1));
     Group {
         slug: slug(input),
@@ -301,9 +320,9 @@ fn group(input: &GroupInput, figures: &[Drawn]) -> Group {
 
 /// Where models end, as sentences.
 fn domain(input: &GroupInput) -> Vec<String> {
-    let title = |id: &str| {
+    let title = |id: &str| -> String {
         let found = input.comparison.comparisons.iter().find(|c| c.model == id);
-        found.map_or_else(|| id.to_owned(), |c| c.title.clone())
+        found.map_or(id, |c| model_name(id, &c.title)).to_owned()
     };
     input
         .comparison

@@ -136,10 +136,12 @@ pub fn pages(input: &ReportInput, config: &Config) -> Result<Outputs> {
     left_out.extend(built.left_out);
     let made = documents(input, &built.pictures, config, &left_out);
     let mut outputs = below_figures(built.files);
+    let mut sheets = BTreeMap::new();
     for (name, document) in made {
         match document {
             Ok(Some(pages)) => {
                 outputs.insert(format!("reports/{name}"), pages.bytes);
+                sheets.insert(name, pages.sheets);
             }
             Ok(None) => {}
             Err(failed) => left_out.push(failed),
@@ -147,6 +149,7 @@ pub fn pages(input: &ReportInput, config: &Config) -> Result<Outputs> {
     }
     left_out.sort();
     outputs.insert(LEFT_OUT.to_owned(), json_bytes(&left_out)?);
+    outputs.insert("derived/layout.json".to_owned(), json_bytes(&sheets)?);
     let summary = summary(input, &left_out)?;
     outputs.insert("reports/summary.json".to_owned(), summary);
     Ok(outputs)

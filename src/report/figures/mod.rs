@@ -80,12 +80,15 @@ impl Named {
 /// Makes a figure of a group with its caption; none for groups that lack the data.
 type OfGroup = fn(&GroupInput, &Config) -> Option<(String, Figure)>;
 
+/// Beginning of the names of the files of the isobars.
+pub(crate) const ISOBARS: &str = "isobars";
+
 /// Every figure that a group of rows may have, by the name of its files, in the order of the report: those of the paper, then those that
 /// look for what is left over.
 const OF_GROUP: &[(&str, OfGroup)] = &[
     ("f620", maximum_force::figure),
     ("rest", rest::figure),
-    ("isobars", isobars::figure),
+    (ISOBARS, isobars::figure),
     ("curves", models_at_lengths::figure),
     ("models", error_by_model::figure),
     ("predicted", predicted::figure),

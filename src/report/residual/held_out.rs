@@ -186,7 +186,7 @@ fn lowest_error(found: &CampaignFindings, chosen: &Alternative) -> String {
         return String::new();
     }
     format!(
-        "; the error on {} is lowest with {}, {} beside {}",
+        "; the error on {} is lowest with {}, {} against {}",
         name::held_out(found),
         parts(other),
         error(error_there, &found.unit),

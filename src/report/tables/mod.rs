@@ -93,8 +93,17 @@ pub fn of_group(group: &GroupInput) -> impl Iterator<Item = Table> {
         comparison::by_length,
         coefficients::intervals,
     ];
-    let table = |make: fn(&[GroupInput]) -> Table| make(from_ref(group)).named(&slug(group));
-    shown.into_iter().map(table)
+    of_one(shown, group, slug(group))
+}
+
+/// The tables that the pages show of one thing, named after it.
+fn of_one<T, const N: usize>(
+    shown: [fn(&[T]) -> Table; N],
+    one: &T,
+    name: String,
+) -> impl Iterator<Item = Table> {
+    let tables = shown.into_iter().map(|make| make(from_ref(one)));
+    tables.map(move |table| table.named(&name))
 }
 
 impl<'a, R: Copy + 'a> Described<'a, R> {

@@ -21,8 +21,8 @@ use pipeline_findings::{CampaignFindings, Residuals};
 use serde::{Deserialize, Serialize};
 
 /// Width of the text of the pages, and of a half of it, mm: nothing hangs over the margins.
-const TEXT_MM: f64 = 164.0;
-const HALF_MM: f64 = 80.0;
+const TEXT_MM: f64 = 175.0;
+const HALF_MM: f64 = 85.0;
 /// Most groups (specimens, sessions) that a figure names one by one.
 pub(crate) const MOST_GROUPS: usize = 36;
 

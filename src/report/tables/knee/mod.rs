@@ -4,7 +4,6 @@ use crate::input::ReportInput;
 use crate::table::Table;
 use pipeline_base::names::file_name;
 use pipeline_torque::CampaignTorque;
-use std::slice::from_ref;
 
 tables! {
     tests: Torque[tests],
@@ -28,9 +27,7 @@ pub fn of_campaign(campaign: &CampaignTorque) -> impl Iterator<Item = Table> {
         joints::effects,
         joints::by_hand,
     ];
-    let name = file_name(&campaign.campaign);
-    let table = move |make: fn(&[CampaignTorque]) -> Table| make(from_ref(campaign)).named(&name);
-    shown.into_iter().map(table)
+    super::of_one(shown, campaign, file_name(&campaign.campaign))
 }
 
 /// The tables that the pages show once.
