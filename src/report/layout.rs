@@ -216,3 +216,48 @@ fn of_size(size: Size) -> Rect {
         max: size.to_point(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::typeset::Document;
+
+    /// The sheets of a document in the house style.
+    fn sheets(body: &str) -> Vec<Sheet> {
+        let main =
+            format!("#import \"/style.typ\": *\n#show: report.with(title: \"T\")\n{body}");
+        Document::new(&main).compile().unwrap().sheets
+    }
+
+    #[test]
+    fn what_hangs_over_a_margin_is_measured() {
+        let wide = |mm: f64| format!("#block(width: {mm}mm, height: 5mm, fill: black)");
+        assert!(sheets(&wide(175.0))[0].beyond_mm < 1e-6);
+        let beyond = sheets(&wide(178.0))[0].beyond_mm;
+        assert!((beyond - 3.0).abs() < 1e-6, "{beyond}");
+    }
+
+    #[test]
+    fn a_page_is_filled_as_far_as_there_is_no_white_space() {
+        let type_area = 297.0 - MARGINS_MM.top - MARGINS_MM.bottom;
+        let pages = sheets("#pagebreak()\n#rect(width: 5mm, height: 62mm, fill: black)\n#place(bottom, rect(height: 31mm))");
+        let expected = (62.0 + 31.0) / type_area;
+        assert!((pages[1].filled - expected).abs() < 0.01, "{:?}", pages[1]);
+    }
+
+    #[test]
+    fn small_letters_are_found_and_scripts_are_none() {
+        let smallest = |body: &str| sheets(body)[0].smallest.clone().unwrap();
+        let scripts = smallest("Text with $F_\"max\"^2$, H#sub[2]O and x#super[3].");
+        assert!(scripts.pt >= 8.0, "{scripts:?}");
+        let small = smallest("Text \\ #text(size: 7pt)[and a note]");
+        assert!((small.pt - 7.0).abs() < 1e-6 && small.text.contains("note"), "{small:?}");
+    }
+
+    #[test]
+    fn a_page_that_begins_with_a_chapter_says_so() {
+        let pages = sheets("Text\n#pagebreak()\n= One\nText\n#pagebreak()\nText\n= Two\nText");
+        let opens: Vec<bool> = pages.iter().map(|s| s.opens_chapter).collect();
+        assert_eq!(opens, [false, true, false]);
+    }
+}

@@ -19,6 +19,7 @@
 //! | [`residual`] | the pages of `residual.pdf` |
 //! | [`knee`] | the pages of `knee.pdf` |
 //! | [`layout`] | what stands where on a typeset page |
+//! | [`supplement`] | the pages of `supplement.pdf` |
 //! | [`typeset`], [`raster`], [`fonts`] | pages through Typst, figures as PNG, the bundled fonts |
 //!
 //! Architecture invariant: only this folder knows plotters and Typst, and it computes no statistic: every number comes from a stage.
@@ -42,6 +43,7 @@ pub mod raster;
 pub mod render;
 pub mod residual;
 pub mod stage;
+pub mod supplement;
 pub mod symbols;
 pub mod table;
 pub mod tables;

@@ -3,11 +3,10 @@
 use crate::input::{GroupInput, ReportInput};
 use crate::number::Rounding;
 use crate::wording::name;
-use crate::wording::number::{NONE, count, error_or_none, rounded};
-use crate::wording::sentence::{clauses, in_doubt};
+use crate::wording::number::{NONE, error_or_none, rounded};
+use crate::wording::sentence::{answer_in_short, in_doubt};
 use pipeline_base::session::Session;
 use pipeline_compare::{COMMON, NEW};
-use pipeline_findings::CampaignFindings;
 use serde::Serialize;
 
 /// The models of the first page: the new one as fitted and as published, and those with which it is ranked.
@@ -114,28 +113,7 @@ fn compared(group: &GroupInput) -> [String; 5] {
 
 fn answer(group: &GroupInput) -> Vec<String> {
     let found = group.diagnosis.as_ref().map(|d| &d.findings);
-    let of_loop = found.map_or_else(Vec::new, said_of);
-    let doubtful = in_doubt(group.doubtful());
-    let all = of_loop.into_iter().chain(doubtful);
-    all.map(|s| name::capitalised(&s) + ".").collect()
-}
-
-/// What was found with the error, and what is worth measuring; mistakes are said of the readings themselves.
-fn said_of(found: &CampaignFindings) -> Vec<String> {
-    let said = clauses(found);
-    let first = [Some(said.found_in_short), said.errors_in_short];
-    let first: Vec<String> = first.into_iter().flatten().collect();
-    let next = said.worth.map(|worth| format!("next: {worth}"));
-    let not_set_aside = found.recording_errors.iter().filter(|e| !e.set_aside).count();
-    let others = (not_set_aside > 0).then(|| {
-        let plural = if not_set_aside == 1 { "" } else { "s" };
-        format!(
-            "{} more recording error{plural} in residual.pdf",
-            count(not_set_aside)
-        )
-    });
-    [Some(first.join(": ")), next, others]
-        .into_iter()
-        .flatten()
-        .collect()
+    let of_loop = found.map_or_else(Vec::new, answer_in_short);
+    let doubtful = in_doubt(group.doubtful()).map(|s| name::capitalised(&s) + ".");
+    of_loop.into_iter().chain(doubtful).collect()
 }

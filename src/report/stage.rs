@@ -12,6 +12,7 @@ use crate::pages::date_of;
 use crate::render::{self, Renderer};
 use crate::residual::{self, residual_pdf};
 use crate::table::{Table, Unit};
+use crate::supplement::{self, supplement_pdf};
 use crate::tables;
 use crate::typeset::Pdf;
 use crate::wording::sentence::sentences;
@@ -217,20 +218,22 @@ fn documents(
     figures_left_out: &[LeftOut],
 ) -> Vec<Document> {
     let date = date_of(input, &config.report);
-    let force = || {
-        let split_digest = Digest::of(&split_csv(input, config)).to_string();
-        let traces = &pictures.traces;
-        force_pdf(input, traces, config, figures_left_out, &split_digest).map(Some)
-    };
+    let force = || force_pdf(input, &pictures.traces, config, figures_left_out).map(Some);
     let audit = || audit_pdf(&audit_of(input), &input.input_digest, date).map(Some);
     let residual = || residual_pdf(input, &pictures.found, date);
-    let knee = || {
-        let figures = knee::Figures {
-            campaigns: &pictures.torque,
-            legs: &pictures.legs,
-            once: &pictures.once,
+    let of_knee = knee::Figures {
+        campaigns: &pictures.torque,
+        legs: &pictures.legs,
+        once: &pictures.once,
+    };
+    let knee = || knee_pdf(input, &of_knee, date);
+    let supplement = || {
+        let split_digest = Digest::of(&split_csv(input, config)).to_string();
+        let figures = supplement::Figures {
+            traces: &pictures.traces,
+            knee: &of_knee,
         };
-        knee_pdf(input, &figures, date)
+        supplement_pdf(input, &figures, config, &split_digest).map(Some)
     };
     let force = || document("force.pdf", &force);
     let others = || {
@@ -238,6 +241,7 @@ fn documents(
             document("audit.pdf", &audit),
             document("residual.pdf", &residual),
             document("knee.pdf", &knee),
+            document("supplement.pdf", &supplement),
         ]
     };
     let (force, others) = if input.sessions.len() > SIDE_BY_SIDE {

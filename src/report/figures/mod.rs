@@ -96,6 +96,19 @@ const OF_GROUP: &[(&str, OfGroup)] = &[
     ("residuals", residuals::figure),
 ];
 
+/// Those of them that stand in the supplement.
+const SUPPLEMENTARY: [&str; 3] = ["curves", "specimen-errors", "residuals"];
+
+/// Whether a figure of the group of that name in files stands in the supplement.
+pub(crate) fn is_supplementary(drawn: &Drawn, slug: &str) -> bool {
+    let mut names = SUPPLEMENTARY.iter();
+    names.any(|kind| drawn.name == of_group_named(kind, slug))
+}
+
+fn of_group_named(kind: &str, slug: &str) -> String {
+    format!("{kind}-{slug}")
+}
+
 /// A figure, or the one that could not be composed.
 pub type Composed = std::result::Result<Named, LeftOut>;
 
@@ -134,7 +147,7 @@ pub fn of_joint(joint: &JointDiagnosis) -> Vec<(found::Kind, Composed)> {
 
 fn named(figures: &[(&str, OfGroup)], group: &GroupInput, config: &Config) -> Vec<Composed> {
     let one = |(kind, make): &(&str, OfGroup)| {
-        let name = format!("{kind}-{}", slug(group));
+        let name = of_group_named(kind, &slug(group));
         compose(&name, || {
             let (caption, figure) = make(group, config)?;
             Some(Named {

@@ -2,7 +2,7 @@
 
 use crate::wording::name::{self, nouns};
 use crate::wording::number::{NONE, error, error_or_none, error_with_unit, percent, unit};
-use crate::wording::sentence::{self, Answer, clauses, has_terms};
+use crate::wording::sentence::{self, Answer, clauses, counted, has_terms};
 use pipeline_findings::{CampaignFindings, Errors};
 use pipeline_mechanics::models;
 use serde::Serialize;
@@ -153,10 +153,6 @@ fn base_model(id: &str) -> String {
             name::model_name(id, title.unwrap_or(id)).to_owned()
         }
     }
-}
-
-fn counted(n: usize, one: &str, several: &str) -> String {
-    format!("{n} {}", if n == 1 { one } else { several })
 }
 
 /// Source, scatter behind it, root, share of the variance.

@@ -71,11 +71,15 @@ pub mod prediction;
 pub use audit::audit;
 
 /// The tables that the pages show once.
-pub fn once(input: &ReportInput) -> [Table; 5] {
+pub fn once(input: &ReportInput) -> [Table; 1] {
+    [rejects::summary(input)]
+}
+
+/// The tables that the supplement shows once.
+pub fn supplementary(input: &ReportInput) -> [Table; 4] {
     [
         sessions::sessions(input),
         zeros::zeros(input),
-        rejects::summary(input),
         baselines::baselines(input),
         provenance::provenance(input),
     ]
@@ -83,15 +87,19 @@ pub fn once(input: &ReportInput) -> [Table; 5] {
 
 /// The tables that the pages show of one group, named after it.
 pub fn of_group(group: &GroupInput) -> impl Iterator<Item = Table> {
-    let shown: [fn(&[GroupInput]) -> Table; 8] = [
+    let shown: [fn(&[GroupInput]) -> Table; 3] =
+        [paper::table1, paper::table2, comparison::models_in_print];
+    of_one(shown, group, slug(group))
+}
+
+/// The tables that the supplement shows of one group, named after it.
+pub fn supplementary_of_group(group: &GroupInput) -> impl Iterator<Item = Table> {
+    let shown: [fn(&[GroupInput]) -> Table; 5] = [
         specimens::specimens,
-        paper::table1,
-        paper::table2,
         coefficients::coefficients,
-        goodness::statistics,
-        comparison::models_in_print,
-        comparison::by_length,
         coefficients::intervals,
+        goodness::statistics,
+        comparison::by_length,
     ];
     of_one(shown, group, slug(group))
 }

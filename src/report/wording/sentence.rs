@@ -812,6 +812,22 @@ fn said(c: Clauses) -> Answer {
     }
 }
 
+/// What was found with the errors, and what is worth measuring next, in sentences.
+pub fn answer_in_short(found: &CampaignFindings) -> Vec<String> {
+    let all = clauses(found);
+    let first = [Some(all.found_in_short), all.errors_in_short];
+    let first: Vec<String> = first.into_iter().flatten().collect();
+    let next = all.worth.map(|worth| format!("next: {worth}"));
+    let sentences = [Some(first.join(": ")), next].into_iter().flatten();
+    sentences.map(|s| capitalised(&s) + ".").collect()
+}
+
+/// A count with its noun: `1 reading`, `1,290 readings`.
+pub fn counted(n: usize, one: &str, several: &str) -> String {
+    let number = rounded(n as f64, Rounding::Decimals(0));
+    format!("{number} {}", if n == 1 { one } else { several })
+}
+
 /// The same as sentences, without a table to point to.
 pub fn sentences(found: &CampaignFindings) -> Vec<String> {
     let Answer {

@@ -18,10 +18,9 @@ tables! {
 
 /// The tables that the pages show for one campaign, named after it.
 pub fn of_campaign(campaign: &CampaignTorque) -> impl Iterator<Item = Table> {
-    let shown: [fn(&[CampaignTorque]) -> Table; 7] = [
+    let shown: [fn(&[CampaignTorque]) -> Table; 6] = [
         tests::tests,
         errors::laws,
-        errors::models,
         fittings::fittings,
         joints::found,
         joints::effects,
@@ -30,17 +29,27 @@ pub fn of_campaign(campaign: &CampaignTorque) -> impl Iterator<Item = Table> {
     super::of_one(shown, campaign, file_name(&campaign.campaign))
 }
 
+/// The tables that the supplement shows for one campaign, named after it.
+pub fn supplementary_of_campaign(campaign: &CampaignTorque) -> impl Iterator<Item = Table> {
+    super::of_one([errors::models as fn(&[_]) -> _], campaign, file_name(&campaign.campaign))
+}
+
 /// The tables that the pages show once.
-pub fn once(input: &ReportInput) -> [Table; 7] {
-    [
-        table1::table1(input),
-        geometry::arms(input),
-        geometry::switches(input),
-        geometry::centres(input),
-        human::human(input),
-        human::design(input),
-        walls::stress(input),
-    ]
+pub fn once(input: &ReportInput) -> [Table; 2] {
+    [human::human(input), human::design(input)]
+}
+
+/// The tables that the supplement shows once; none where nobody measured torque.
+pub fn supplementary(input: &ReportInput) -> impl Iterator<Item = Table> {
+    let shown: [fn(&ReportInput) -> Table; 5] = [
+        table1::table1,
+        geometry::arms,
+        geometry::switches,
+        geometry::centres,
+        walls::stress,
+    ];
+    let asked = input.knee.is_some();
+    shown.into_iter().filter(move |_| asked).map(|make| make(input))
 }
 
 /// A length in mm, given in m.
