@@ -10,7 +10,7 @@ use crate::pages::{PageData, Picture, date_of};
 use crate::tables;
 use crate::typeset::Pdf;
 use crate::number::Rounding;
-use crate::wording::number::rounded;
+use crate::wording::number::{error, error_or_none, rounded};
 use crate::wording::name::{capitalised, model_name};
 use crate::wording::sentence::in_doubt;
 use pipeline_base::error::Result;
@@ -105,9 +105,10 @@ struct Group {
     excluded: usize,
     ci_method: String,
     loss: String,
-    rmse_train: Option<f64>,
-    rmse_loso: Option<f64>,
-    best_published: Option<(String, f64)>,
+    rmse_train: String,
+    rmse_loso: Option<String>,
+    /// A published model that is better on unseen specimens, and its error.
+    better: Option<(String, String)>,
     borrowed: bool,
     notes: Vec<String>,
     tables: Vec<String>,
@@ -266,6 +267,8 @@ fn group(input: &GroupInput, figures: &[Drawn]) -> Group {
         .filter(whole)
         .filter_map(|c| Some((model_name(&c.model, &c.title).to_owned(), c.rmse?)))
         .min_by(|a, b| a.1.total_cmp(&b.1));
+    let unseen = rmse(NEW, "loso");
+    let better = best.filter(|(_, e)| unseen.is_some_and(|unseen| unseen > *e));
     let filled = tables::of_group(input).filter(|t| !t.rows.is_empty());
     let own_name = slug(input);
     let first = figures.iter();
@@ -289,9 +292,9 @@ fn group(input: &GroupInput, figures: &[Drawn]) -> Group {
         loss: fit
             .equation(JOINT)
             .map_or_else(String::new, |e| e.loss.clone()),
-        rmse_train: rmse(NEW, "train"),
-        rmse_loso: rmse(NEW, "loso"),
-        best_published: best,
+        rmse_train: error_or_none(rmse(NEW, "train"), "N"),
+        rmse_loso: unseen.map(|e| error(e, "N")),
+        better: better.map(|(name, e)| (name, error(e, "N"))),
         borrowed: fit
             .equation(JOINT)
             .is_some_and(|e| e.folds.iter().any(|f| !f.held.is_empty())),

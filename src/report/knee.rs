@@ -19,7 +19,7 @@ use serde::Serialize;
 
 const TEMPLATE: &str = include_str!("templates/knee.typ");
 /// Configurations whose figures the pages of a campaign show; the supplement has the others.
-const MOST_CONFIGURATIONS: usize = 2;
+const MOST_CONFIGURATIONS: usize = 1;
 
 /// The figures that the pages show.
 pub struct Figures<'a> {

@@ -232,6 +232,7 @@ fn documents(
         let figures = supplement::Figures {
             traces: &pictures.traces,
             knee: &of_knee,
+            found: &pictures.found,
         };
         supplement_pdf(input, &figures, config, &split_digest).map(Some)
     };

@@ -5,6 +5,7 @@ use crate::extent::{MOST_GROUPS, MOST_ROWS_ON_PAGES, SIDE_BY_SIDE};
 use crate::figures::{self, Drawn, slug};
 use crate::input::{GroupInput, ReportInput};
 use crate::knee;
+use crate::residual;
 use crate::pages::{PageData, Picture, date_of};
 use crate::tables;
 use crate::typeset::Pdf;
@@ -25,6 +26,8 @@ struct Own {
     /// Tables of the legs and routes, by id.
     geometry: Vec<String>,
     legs: Vec<Picture>,
+    /// What was found, for what varies from group to group and the coefficients.
+    residual: Vec<residual::Campaign>,
     traces: Vec<Picture>,
     split: Split,
 }
@@ -64,6 +67,8 @@ pub struct Figures<'a> {
     pub traces: &'a [Option<Drawn>],
     /// Of torque.
     pub knee: &'a knee::Figures<'a>,
+    /// Of what was found.
+    pub found: &'a residual::Figures,
 }
 
 /// Typesets `supplement.pdf`.
@@ -87,6 +92,10 @@ pub fn supplement_pdf(
         torque: of_campaigns().map(|(c, drawn)| torque(c, drawn)).collect(),
         geometry: geometry.iter().map(|t| t.id.clone()).collect(),
         legs: figures.knee.legs.iter().flatten().map(Picture::new).collect(),
+        residual: residual::sections(input, figures.found)
+            .into_iter()
+            .filter(residual::Campaign::varies)
+            .collect(),
         traces: traces
             .iter()
             .zip(&input.traces)
@@ -110,11 +119,14 @@ pub fn supplement_pdf(
     let all = all.chain(geometry).chain(of_torque);
     let drawn_of_groups = input.with_section().flat_map(|(_, drawn)| &drawn.group);
     let drawn_of_torque = figures.knee.campaigns.iter().flatten().flatten();
+    let of_residual = input.with_section().flat_map(|(_, drawn)| &drawn.diagnosis);
+    let of_residual = of_residual.chain(figures.found.joints.iter().flatten());
+    let of_residual = of_residual.map(|(_, drawn)| drawn);
     let drawn = traces.iter().flatten().chain(figures.knee.legs.iter().flatten());
     let document = PageData::new(&input.input_digest, simulated, own)
         .document(TEMPLATE, date_of(input, &config.report))?
         .with_tables(all.map(|t| t.first_rows(MOST_ROWS_ON_PAGES)))
-        .with_figures(drawn.chain(drawn_of_groups).chain(drawn_of_torque));
+        .with_figures(drawn.chain(drawn_of_groups).chain(drawn_of_torque).chain(of_residual));
     if input.sessions.len() > SIDE_BY_SIDE {
         return document.forgotten().compile();
     }

@@ -4,6 +4,7 @@
 //! A figure that cannot be built is left out and named ([`LeftOut`]); it takes no other with it.
 
 mod covariates;
+mod data;
 mod error_by_model;
 mod error_by_specimen;
 mod formatting;
@@ -29,6 +30,7 @@ use crate::input::{GroupInput, ReportInput};
 use crate::left_out::{LeftOut, Part, Task, attempt};
 use crate::plot::Figure;
 use pipeline_base::error::Result;
+use pipeline_base::group::Group;
 use pipeline_base::names::file_name;
 use pipeline_config::Config;
 use pipeline_torque::diagnose::JointDiagnosis;
@@ -152,16 +154,19 @@ fn named(figures: &[(&str, OfGroup)], group: &GroupInput, config: &Config) -> Ve
             let (caption, figure) = make(group, config)?;
             Some(Named {
                 name: name.clone(),
-                caption: if group.fit.group.simulated {
-                    format!("Simulated. {caption}")
-                } else {
-                    caption
-                },
+                caption: captioned(&group.fit.group, &caption),
                 figure,
             })
         })
     };
     figures.iter().filter_map(one).collect()
+}
+
+/// A caption that says of what the figure is, and where its data come from if not from a rig.
+fn captioned(of: &Group, caption: &str) -> String {
+    let simulated = if of.simulated { "Simulated. " } else { "" };
+    let name = formatting::verbatim(&format!("{}, {} mm", of.campaign, of.diameter_mm));
+    format!("{simulated}{name}. {caption}")
 }
 
 /// What `make` gives; where it panics, the figure of that name is left out.
@@ -207,7 +212,9 @@ type Files = Vec<(String, Vec<u8>)>;
 fn drawn_with_files(named: &Named, png_dpi: f64) -> std::result::Result<(Drawn, Files), LeftOut> {
     let drawn = attempt(Part::Figure, &named.name, Task::Drawing, || named.draw())?;
     let written = || files(&drawn, png_dpi);
-    let files = attempt(Part::Figure, &named.name, Task::Converting, written)?;
+    let mut files = attempt(Part::Figure, &named.name, Task::Converting, written)?;
+    let data = data::csv(&named.figure).into_bytes();
+    files.push((format!("{}.csv", drawn.name), data));
     Ok((drawn, files))
 }
 

@@ -89,7 +89,13 @@ pub fn supplementary(input: &ReportInput) -> [Table; 4] {
 pub fn of_group(group: &GroupInput) -> impl Iterator<Item = Table> {
     let shown: [fn(&[GroupInput]) -> Table; 3] =
         [paper::table1, paper::table2, comparison::models_in_print];
-    of_one(shown, group, slug(group))
+    of_one(shown, group, (slug(group), group_name(group)))
+}
+
+/// What captions call a group.
+fn group_name(group: &GroupInput) -> String {
+    let of = &group.fit.group;
+    format!("{}, {} mm", of.campaign, of.diameter_mm)
 }
 
 /// The tables that the supplement shows of one group, named after it.
@@ -101,17 +107,27 @@ pub fn supplementary_of_group(group: &GroupInput) -> impl Iterator<Item = Table>
         goodness::statistics,
         comparison::by_length,
     ];
-    of_one(shown, group, slug(group))
+    of_one(shown, group, (slug(group), group_name(group)))
 }
 
-/// The tables that the pages show of one thing, named after it.
+/// The tables that the pages show of one thing, named after it in their files and in their captions.
 fn of_one<T, const N: usize>(
     shown: [fn(&[T]) -> Table; N],
     one: &T,
-    name: String,
+    (file, name): (String, String),
 ) -> impl Iterator<Item = Table> {
     let tables = shown.into_iter().map(|make| make(from_ref(one)));
-    tables.map(move |table| table.named(&name))
+    tables.map(move |mut table| {
+        table.caption = format!("{name}: {}", uncapitalised(&table.caption));
+        table.named(&file)
+    })
+}
+
+/// A caption that goes on behind a colon.
+fn uncapitalised(caption: &str) -> String {
+    let mut letters = caption.chars();
+    let first = letters.next().map(char::to_lowercase);
+    first.into_iter().flatten().chain(letters).collect()
 }
 
 impl<'a, R: Copy + 'a> Described<'a, R> {

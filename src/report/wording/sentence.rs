@@ -6,7 +6,7 @@ use super::number::{
 };
 use crate::number::Rounding;
 use pipeline_findings::{
-    ActsOn, BudgetEntry, CampaignFindings, EffectFinding, ErrorKind, FreeForm, Level, NextKind,
+    ActsOn, BudgetEntry, CampaignFindings, EffectFinding, ErrorKind, FormPoint, FreeForm, Level, NextKind,
     NextMeasurement, RecordingError, Scatter, UnitErrors, Verdict,
 };
 use pipeline_mechanics::effects;
@@ -227,15 +227,30 @@ pub fn form(effect: &EffectFinding) -> Option<String> {
             "Whether its size changes with the {along} cannot be told: it acts {} only.",
             range_words(range, &free.unit)
         ),
-        _ if free.differs => {
-            format!("Its size changes with the {along}: one number is not enough (p {p}).")
-        }
+        _ if free.differs => format!(
+            "Its size changes with the {along}{}: one number is not enough (p {p}).",
+            between_ends(effect, free)
+        ),
         Some(range) => format!(
             "One number is enough for its size over the {along} at which it acts, {} (p {p}).",
             range_words(range, &free.unit)
         ),
         None => format!("One number is enough for its size, whatever the {along} (p {p})."),
     })
+}
+
+/// `, from 101 kPa at 38 kPa to 309 kPa at 625 kPa, all else fitted again`: the sizes at the ends of the range.
+fn between_ends(effect: &EffectFinding, free: &FreeForm) -> String {
+    let ends = free.curve.first().zip(free.curve.last());
+    let (Some((first, last)), Some(size)) = (ends, effect.parameters.first()) else {
+        return String::new();
+    };
+    let end = |point: &FormPoint| {
+        let at = with_unit(&rounded(point.at, Rounding::Digits(2)), &free.unit);
+        format!("{} at {at}", plain(point.amplitude, &size.unit))
+    };
+    let (first, last) = (end(first), end(last));
+    format!(", from {first} to {last}, all else fitted again")
 }
 
 /// The range of the argument over which the size of an effect was looked at.

@@ -160,7 +160,7 @@ fn free_form(effect: &EffectFinding) -> Option<Panel> {
     let panel = Panel::new(Axis::new(&axis_label(&label, &free.unit)), y)
         .title(&format!(
             "{}, \\v{{p}} {}",
-            name::effect(&effect.id),
+            name::capitalised(&name::effect(&effect.id)),
             equals_probability(free.p)
         ))
         .legend(Legend::None)
@@ -196,7 +196,7 @@ fn caption(shown: &Shown, fit: usize, drawn: usize) -> String {
             };
             format!(
                 " Below{which}: the size as a smooth function of the effect's own argument, with its 95% band, and the probability of such a change where one \
-                 size is enough."
+                 size is enough. All else is fitted again with it, so that it need not meet the one size (dashed)."
             )
         }
     };

@@ -12,9 +12,10 @@ mod unexplained;
 
 pub use budget::figure as budget;
 
-use super::formatting::plain;
+use super::formatting::{plain, verbatim};
 use super::{Composed, Named, compose};
 use crate::plot::Figure;
+use crate::wording::name::campaign;
 use crate::wording::number::unit;
 use pipeline_base::row::Row;
 use pipeline_findings::{CampaignFindings, Residuals};
@@ -102,7 +103,7 @@ pub fn figures(shown: &Shown) -> Vec<(Kind, Composed)> {
             };
             Some(Named {
                 name: name.clone(),
-                caption: format!("{simulated}{caption}"),
+                caption: format!("{simulated}{}. {caption}", verbatim(&campaign(shown.found))),
                 figure,
             })
         });

@@ -18,20 +18,21 @@ tables! {
 
 /// The tables that the pages show for one campaign, named after it.
 pub fn of_campaign(campaign: &CampaignTorque) -> impl Iterator<Item = Table> {
-    let shown: [fn(&[CampaignTorque]) -> Table; 6] = [
-        tests::tests,
-        errors::laws,
-        fittings::fittings,
-        joints::found,
-        joints::effects,
-        joints::by_hand,
-    ];
-    super::of_one(shown, campaign, file_name(&campaign.campaign))
+    let shown: [fn(&[CampaignTorque]) -> Table; 4] =
+        [tests::tests, joints::found, joints::effects, joints::by_hand];
+    super::of_one(shown, campaign, names(campaign))
 }
 
 /// The tables that the supplement shows for one campaign, named after it.
 pub fn supplementary_of_campaign(campaign: &CampaignTorque) -> impl Iterator<Item = Table> {
-    super::of_one([errors::models as fn(&[_]) -> _], campaign, file_name(&campaign.campaign))
+    let shown: [fn(&[CampaignTorque]) -> Table; 3] =
+        [errors::laws, errors::models, fittings::fittings];
+    super::of_one(shown, campaign, names(campaign))
+}
+
+/// What files and captions call a campaign.
+fn names(campaign: &CampaignTorque) -> (String, String) {
+    (file_name(&campaign.campaign), campaign.campaign.clone())
 }
 
 /// The tables that the pages show once.
