@@ -26,7 +26,7 @@ use pipeline_base::reject::Extent;
 use pipeline_base::row::{self, Row, role_name};
 use pipeline_base::session::{Phase, Sampling};
 use pipeline_compare::GroupComparison;
-use pipeline_config::Config;
+use pipeline_config::{Config, ReportOptions};
 use pipeline_findings::{CampaignFindings, Findings, SCHEMA};
 use pipeline_fit::{GroupFit, is_usable, split};
 use pipeline_torque::tidy;
@@ -56,7 +56,7 @@ pub const TABLES: &str = "tables.json";
 pub fn group_figures(group: &GroupInput, config: &Config) -> Result<Outputs> {
     let build = |composed: Vec<Composed>| {
         let composed = composed.into_iter().map(Some).collect();
-        figures::build(composed, config.report.png_dpi)
+        figures::build(composed, &config.report)
     };
     let of_group = build(figures::of_group(group, config));
     let (kinds, composed) = figures::of_diagnosis(group).into_iter().unzip();
@@ -132,7 +132,7 @@ fn audit_of(input: &ReportInput) -> Audit {
 /// # Errors
 /// None that a figure or document could cause.
 pub fn pages(input: &ReportInput, config: &Config) -> Result<Outputs> {
-    let built = Pictures::build(input, config.report.png_dpi);
+    let built = Pictures::build(input, &config.report);
     let mut left_out = input.left_out.clone();
     left_out.extend(built.left_out);
     let made = documents(input, &built.pictures, config, &left_out);
@@ -175,10 +175,10 @@ struct BuiltPictures {
 }
 
 impl Pictures {
-    fn build(input: &ReportInput, png_dpi: f64) -> BuiltPictures {
+    fn build(input: &ReportInput, options: &ReportOptions) -> BuiltPictures {
         let mut all = BuiltPictures::default();
         let mut build = |composed| {
-            let built = figures::build(composed, png_dpi);
+            let built = figures::build(composed, options);
             all.files.extend(built.files);
             all.left_out.extend(built.left_out);
             built.drawn

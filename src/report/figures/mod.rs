@@ -28,11 +28,11 @@ mod trend;
 
 use crate::input::{GroupInput, ReportInput};
 use crate::left_out::{LeftOut, Part, Task, attempt};
-use crate::plot::Figure;
+use crate::plot::{DOUBLE_MM, Figure, SINGLE_MM};
 use pipeline_base::error::Result;
 use pipeline_base::group::Group;
 use pipeline_base::names::file_name;
-use pipeline_config::Config;
+use pipeline_config::{Config, FigureWidths, ReportOptions};
 use pipeline_torque::diagnose::JointDiagnosis;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -64,6 +64,18 @@ pub struct Drawn {
 }
 
 impl Named {
+    /// The same figure for the columns of a journal: one of one column, one of two, or of a share of these.
+    fn widened(mut self, widths: FigureWidths) -> Self {
+        let [single, double] = widths.columns_mm();
+        let width = self.figure.width_mm;
+        self.figure.width_mm = if width <= SINGLE_MM {
+            width * single / SINGLE_MM
+        } else {
+            width * double / DOUBLE_MM
+        };
+        self
+    }
+
     /// Draws the figure.
     ///
     /// # Errors
@@ -186,8 +198,10 @@ pub struct Built {
 }
 
 /// Draws figures and writes them in all formats. One that fails in any of them is left out in all.
-pub fn build(composed: Vec<Option<Composed>>, png_dpi: f64) -> Built {
-    let one = |composed: Option<Composed>| composed.map(|c| drawn_with_files(&c?, png_dpi));
+pub fn build(composed: Vec<Option<Composed>>, options: &ReportOptions) -> Built {
+    let one = |composed: Option<Composed>| {
+        composed.map(|c| drawn_with_files(c?.widened(options.figure_widths), options.png_dpi))
+    };
     let all: Vec<_> = composed.into_par_iter().map(one).collect();
     let mut built = Built::default();
     for figure in all {
@@ -209,7 +223,7 @@ pub fn build(composed: Vec<Option<Composed>>, png_dpi: f64) -> Built {
 
 type Files = Vec<(String, Vec<u8>)>;
 
-fn drawn_with_files(named: &Named, png_dpi: f64) -> std::result::Result<(Drawn, Files), LeftOut> {
+fn drawn_with_files(named: Named, png_dpi: f64) -> std::result::Result<(Drawn, Files), LeftOut> {
     let drawn = attempt(Part::Figure, &named.name, Task::Drawing, || named.draw())?;
     let written = || files(&drawn, png_dpi);
     let mut files = attempt(Part::Figure, &named.name, Task::Converting, written)?;

@@ -49,7 +49,7 @@ pub(super) fn effect(found: &CampaignFindings, e: &EffectFinding) -> Effect {
 
 fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, String)> {
     let mut facts = vec![
-        ("family-wise p, fitted in full", probability(e.p_familywise)),
+        ("family-wise p", probability(e.p_familywise)),
         ("RMS on its readings", error_with_unit(e.rms, &found.unit)),
     ];
     if let Some(share) = e.found_in_folds {
@@ -58,7 +58,7 @@ fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, Stri
         facts.insert(1, ("found again in", searches));
     }
     if let Some(log_likelihood) = e.log_likelihood_gain {
-        facts.insert(1, ("gain in log-likelihood, fitted in full", gain(log_likelihood)));
+        facts.insert(1, ("gain in log-likelihood", gain(log_likelihood)));
     }
     let most = beyond_usual(found, e);
     facts.extend(most.map(|most| ("implausibly large", format!("such parts have up to {most}"))));

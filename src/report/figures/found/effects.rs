@@ -13,7 +13,7 @@ const MOST_EFFECTS: usize = 6;
 const MOST_SPECIMENS: usize = 20;
 const PAGE_MM: f64 = 200.0;
 /// Height of a row without specimens, and of a specimen, mm.
-const ROW_MM: f64 = 36.0;
+const ROW_MM: f64 = 29.0;
 const SPECIMEN_MM: f64 = 3.4;
 const AROUND_MM: f64 = 14.0;
 /// How far down a profile is drawn.
