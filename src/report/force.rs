@@ -1,17 +1,17 @@
 //! The pages of `force.pdf`: what was measured, what was left out, the model, its coefficients, the comparison, the figures.
 
 use crate::extent::{MOST_NAMED, MOST_ROWS_ON_PAGES, SIDE_BY_SIDE};
+use crate::figures::ISOBARS;
 use crate::figures::{Drawn, is_supplementary, slug};
 use crate::input::{GroupInput, ReportInput};
-use crate::figures::ISOBARS;
 use crate::left_out::LeftOut;
+use crate::number::Rounding;
 use crate::opening;
 use crate::pages::{PageData, Picture, date_of};
 use crate::tables;
 use crate::typeset::Pdf;
-use crate::number::Rounding;
-use crate::wording::number::{error, error_or_none, rounded};
 use crate::wording::name::{capitalised, model_name};
+use crate::wording::number::{error, error_or_none, rounded};
 use crate::wording::sentence::in_doubt;
 use pipeline_base::error::Result;
 use pipeline_base::reject::Extent;
@@ -210,7 +210,9 @@ fn first_figure(input: &ReportInput) -> Option<Picture> {
     let size = |g: &GroupInput| (!g.fit.group.simulated, g.fit.rows);
     let (_, figures) = groups.max_by_key(|(g, _)| size(g))?;
     let mut drawn = figures.group.iter();
-    drawn.find(|d| d.name.starts_with(ISOBARS)).map(Picture::new)
+    drawn
+        .find(|d| d.name.starts_with(ISOBARS))
+        .map(Picture::new)
 }
 
 /// The groups that have no section of their own.

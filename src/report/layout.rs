@@ -161,15 +161,15 @@ impl Ink {
 
     /// The type area from top to bottom.
     fn type_area(height: Abs) -> (Abs, Abs) {
-        (
-            Abs::mm(MARGINS_MM.top),
-            height - Abs::mm(MARGINS_MM.bottom),
-        )
+        (Abs::mm(MARGINS_MM.top), height - Abs::mm(MARGINS_MM.bottom))
     }
 
     fn filled(&self, height: Abs) -> f64 {
         let (top, bottom) = Self::type_area(height);
-        let inside = self.boxes.iter().filter(|b| b.max.y > top && b.min.y < bottom);
+        let inside = self
+            .boxes
+            .iter()
+            .filter(|b| b.max.y > top && b.min.y < bottom);
         let mut stretches: Vec<(f64, f64)> = inside
             .map(|b| (b.min.y.max(top).to_mm(), b.max.y.min(bottom).to_mm()))
             .collect();
@@ -224,8 +224,7 @@ mod tests {
 
     /// The sheets of a document in the house style.
     fn sheets(body: &str) -> Vec<Sheet> {
-        let main =
-            format!("#import \"/style.typ\": *\n#show: report.with(title: \"T\")\n{body}");
+        let main = format!("#import \"/style.typ\": *\n#show: report.with(title: \"T\")\n{body}");
         Document::new(&main).compile().unwrap().sheets
     }
 
@@ -240,7 +239,9 @@ mod tests {
     #[test]
     fn a_page_is_filled_as_far_as_there_is_no_white_space() {
         let type_area = 297.0 - MARGINS_MM.top - MARGINS_MM.bottom;
-        let pages = sheets("#pagebreak()\n#rect(width: 5mm, height: 62mm, fill: black)\n#place(bottom, rect(height: 31mm))");
+        let pages = sheets(
+            "#pagebreak()\n#rect(width: 5mm, height: 62mm, fill: black)\n#place(bottom, rect(height: 31mm))",
+        );
         let expected = (62.0 + 31.0) / type_area;
         assert!((pages[1].filled - expected).abs() < 0.01, "{:?}", pages[1]);
     }
@@ -251,7 +252,10 @@ mod tests {
         let scripts = smallest("Text with $F_\"max\"^2$, H#sub[2]O and x#super[3].");
         assert!(scripts.pt >= 8.0, "{scripts:?}");
         let small = smallest("Text \\ #text(size: 7pt)[and a note]");
-        assert!((small.pt - 7.0).abs() < 1e-6 && small.text.contains("note"), "{small:?}");
+        assert!(
+            (small.pt - 7.0).abs() < 1e-6 && small.text.contains("note"),
+            "{small:?}"
+        );
     }
 
     #[test]

@@ -83,7 +83,9 @@ fn dates(input: &ReportInput, group: &GroupInput) -> String {
         let is_member = *s.campaign == of.campaign || of.members.contains(&s.campaign);
         is_member && s.specimen.diameter_mm.round() as u32 == of.diameter_mm
     };
-    let dates = sessions.filter(is_of_group).filter_map(|s| s.date.as_deref());
+    let dates = sessions
+        .filter(is_of_group)
+        .filter_map(|s| s.date.as_deref());
     let (first, last) = (dates.clone().min(), dates.max());
     match (first, last) {
         (Some(first), Some(last)) if first == last => first.to_owned(),

@@ -5,8 +5,8 @@ use crate::extent::{MOST_GROUPS, MOST_ROWS_ON_PAGES, SIDE_BY_SIDE};
 use crate::figures::{self, Drawn, slug};
 use crate::input::{GroupInput, ReportInput};
 use crate::knee;
-use crate::residual;
 use crate::pages::{PageData, Picture, date_of};
+use crate::residual;
 use crate::tables;
 use crate::typeset::Pdf;
 use crate::wording::name::model_name;
@@ -91,7 +91,13 @@ pub fn supplement_pdf(
             .collect(),
         torque: of_campaigns().map(|(c, drawn)| torque(c, drawn)).collect(),
         geometry: geometry.iter().map(|t| t.id.clone()).collect(),
-        legs: figures.knee.legs.iter().flatten().map(Picture::new).collect(),
+        legs: figures
+            .knee
+            .legs
+            .iter()
+            .flatten()
+            .map(Picture::new)
+            .collect(),
         residual: residual::sections(input, figures.found)
             .into_iter()
             .filter(residual::Campaign::varies)
@@ -122,11 +128,19 @@ pub fn supplement_pdf(
     let of_residual = input.with_section().flat_map(|(_, drawn)| &drawn.diagnosis);
     let of_residual = of_residual.chain(figures.found.joints.iter().flatten());
     let of_residual = of_residual.map(|(_, drawn)| drawn);
-    let drawn = traces.iter().flatten().chain(figures.knee.legs.iter().flatten());
+    let drawn = traces
+        .iter()
+        .flatten()
+        .chain(figures.knee.legs.iter().flatten());
     let document = PageData::new(&input.input_digest, simulated, own)
         .document(TEMPLATE, date_of(input, &config.report))?
         .with_tables(all.map(|t| t.first_rows(MOST_ROWS_ON_PAGES)))
-        .with_figures(drawn.chain(drawn_of_groups).chain(drawn_of_torque).chain(of_residual));
+        .with_figures(
+            drawn
+                .chain(drawn_of_groups)
+                .chain(drawn_of_torque)
+                .chain(of_residual),
+        );
     if input.sessions.len() > SIDE_BY_SIDE {
         return document.forgotten().compile();
     }

@@ -25,7 +25,9 @@ struct Point {
 /// The data of a figure.
 pub fn csv(figure: &Figure) -> String {
     let panels = figure.panels.iter().enumerate();
-    let points: Vec<Point> = panels.flat_map(|(k, panel)| of_panel(k + 1, panel)).collect();
+    let points: Vec<Point> = panels
+        .flat_map(|(k, panel)| of_panel(k + 1, panel))
+        .collect();
     Csv.render(&table(&points))
 }
 
@@ -38,7 +40,9 @@ fn table(points: &[Point]) -> Table {
         .text("title", "", |p| (!p.title.is_empty()).then_some(&p.title))
         .text("x_axis", "", |p| &p.axes[0])
         .text("y_axis", "", |p| &p.axes[1])
-        .text("series", "", |p| (!p.series.is_empty()).then_some(&p.series))
+        .text("series", "", |p| {
+            (!p.series.is_empty()).then_some(&p.series)
+        })
         .text("kind", "", |p| p.kind)
         .number("x", "", One, full, |p| finite(p.x))
         .number("y", "", One, full, |p| finite(p.y))
@@ -141,13 +145,20 @@ mod tests {
 
     #[test]
     fn every_point_that_is_drawn_is_a_row() {
-        let marks = Series::marks("F_{620}", vec![(1.0, 2.5), (2.0, f64::NAN)], Mark::open(Shape::Circle, Ink::Blue));
+        let marks = Series::marks(
+            "F_{620}",
+            vec![(1.0, 2.5), (2.0, f64::NAN)],
+            Mark::open(Shape::Circle, Ink::Blue),
+        );
         let line = Series::line("", vec![(0.0, 0.125)], Stroke::new(Ink::Black, Dash::Solid));
-        let panel = Panel::new(Axis::new("\\v{P} (kPa)"), Axis::categories("", &["one", "two"]))
-            .with(marks.with_y_errors(vec![(2.0, 3.0)]))
-            .with(Layer::band("b", vec![(1.0, 0.0, 1.0)], Ink::Sky))
-            .with(Layer::zero())
-            .with(Layer::identity("y = x"));
+        let panel = Panel::new(
+            Axis::new("\\v{P} (kPa)"),
+            Axis::categories("", &["one", "two"]),
+        )
+        .with(marks.with_y_errors(vec![(2.0, 3.0)]))
+        .with(Layer::band("b", vec![(1.0, 0.0, 1.0)], Ink::Sky))
+        .with(Layer::zero())
+        .with(Layer::identity("y = x"));
         let figure = Figure::new("t", SINGLE_MM, 60.0)
             .with(panel)
             .with(Panel::new(Axis::new("x"), Axis::new("y")).with(line));

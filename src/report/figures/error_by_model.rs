@@ -56,7 +56,10 @@ fn panel(lines: &[(&Comparison, f64)]) -> Panel {
         let stalk = Stroke::hair(Ink::Grey, Dash::Solid);
         panel = panel
             .with(Series::line("", vec![(0.0, place), (*rmse, place)], stalk))
-            .with(text(model_name(&line.model, &line.title), (0.012 * most, place + 0.42)))
+            .with(text(
+                model_name(&line.model, &line.title),
+                (0.012 * most, place + 0.42),
+            ))
             .with(text(&format!("{rmse:.1}"), (rmse + 0.02 * most, place)));
     }
     let kinds: [Kind; 3] = [
@@ -96,7 +99,10 @@ fn text(text: &str, (x, y): (f64, f64)) -> Layer {
 
 fn caption(lines: &[(&Comparison, f64)]) -> String {
     let is_common = |l: &&(&Comparison, f64)| l.0.split == COMMON;
-    let readings = lines.iter().filter(is_common).map(|l| l.0.n + l.0.n_excluded);
+    let readings = lines
+        .iter()
+        .filter(is_common)
+        .map(|l| l.0.n + l.0.n_excluded);
     let readings = readings.max().unwrap_or(0);
     let fitted = if lines.iter().any(|l| is_seen(l.0)) {
         "; the new model has no specimen that could be left out, and stands here with the readings that it was fitted to"

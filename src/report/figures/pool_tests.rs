@@ -247,7 +247,10 @@ fn a_figure_that_cannot_be_converted_is_left_out_in_all_formats() {
 #[test]
 fn figures_have_the_widths_of_the_journal_that_is_asked_for() {
     let named = |width_mm: f64| {
-        let panel = Panel::new(Axis::new("x").fixed(0.0, 1.0), Axis::new("y").fixed(0.0, 1.0));
+        let panel = Panel::new(
+            Axis::new("x").fixed(0.0, 1.0),
+            Axis::new("y").fixed(0.0, 1.0),
+        );
         let figure = Figure::new("", width_mm, 60.0).with(panel);
         Some(Ok(Named {
             name: format!("f{width_mm}"),
@@ -267,8 +270,17 @@ fn figures_have_the_widths_of_the_journal_that_is_asked_for() {
         let built = build(vec![named(SINGLE_MM), named(DOUBLE_MM)], &options);
         let drawn: Vec<f64> = built.drawn.iter().flatten().map(|d| d.size_mm.0).collect();
         assert_eq!(drawn, expected);
-        assert!(built.drawn.iter().flatten().all(|d| d.svg.contains(&format!("width=\"{}mm\"", d.size_mm.0))));
-        let with_data = built.files.iter().filter(|(name, _)| name.ends_with(".csv"));
+        assert!(
+            built
+                .drawn
+                .iter()
+                .flatten()
+                .all(|d| d.svg.contains(&format!("width=\"{}mm\"", d.size_mm.0)))
+        );
+        let with_data = built
+            .files
+            .iter()
+            .filter(|(name, _)| name.ends_with(".csv"));
         assert_eq!(with_data.count(), 2);
     }
 }

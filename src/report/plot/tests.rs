@@ -220,7 +220,11 @@ fn a_legend_that_is_too_long_counts_what_it_leaves_out() {
             let shown = shown(&svg);
             let left_out = format!("aria-label=\"and {} more\"", count - shown);
             assert_eq!(shown < count, count > 5, "figure {k}: {shown}");
-            assert_eq!(svg.contains(&left_out), shown < count, "figure {k}: {shown}");
+            assert_eq!(
+                svg.contains(&left_out),
+                shown < count,
+                "figure {k}: {shown}"
+            );
             assert!(shown >= 5, "figure {k}: {shown}");
         }
     }

@@ -12,9 +12,10 @@ use crate::table::{Align, Table};
 /// LaTeX.
 pub struct Latex;
 
-/// Most letters of a line upright; what is wider by so much is turned.
-const UPRIGHT: usize = 85;
+/// A table with more letters in a line is turned.
 const TURNED: usize = 120;
+/// Begins what is as wide as it is, or as the line where it is wider.
+const SCALED: &str = "\\resizebox{\\ifdim\\width>\\linewidth\\linewidth\\else\\width\\fi}{!}{%";
 /// Words longer than this are broken in a paragraph of that width.
 const LONGEST_WORDS: usize = 34;
 const PARAGRAPH: &str = ">{\\raggedright\\arraybackslash}p{48mm}";
@@ -100,10 +101,17 @@ impl<'a> Sheet<'a> {
     }
 
     fn part(&self, rows: std::ops::Range<usize>, is_first: bool) -> String {
-        let environment = if self.turned { "sidewaystable" } else { "table" };
+        let environment = if self.turned {
+            "sidewaystable"
+        } else {
+            "table"
+        };
         let place = if self.turned { "" } else { "[tbp]" };
         let caption = rich(&markup::parse(&self.table.caption));
-        let mut lines = vec![format!("\\begin{{{environment}}}{place}"), "\\centering".into()];
+        let mut lines = vec![
+            format!("\\begin{{{environment}}}{place}"),
+            "\\centering".into(),
+        ];
         if is_first {
             lines.push(format!("\\caption{{{caption}}}"));
             let label = self.table.id.replace('_', "-");
@@ -112,15 +120,10 @@ impl<'a> Sheet<'a> {
             lines.push("\\addtocounter{table}{-1}".into());
             lines.push(format!("\\caption{{{caption} (continued)}}"));
         }
-        let wide = self.is_wide();
-        if wide {
-            lines.push("\\resizebox{\\ifdim\\width>\\linewidth\\linewidth\\else\\width\\fi}{!}{%".into());
-        }
+        lines.push(SCALED.into());
         let end = rows.end;
         lines.extend(self.tabular(rows));
-        if wide {
-            lines.push("}".into());
-        }
+        lines.push("}".into());
         let is_last = end == self.printed.rows.len();
         for note in self.table.notes.iter().filter(|_| is_last) {
             let note = rich(&markup::parse(note));
@@ -132,15 +135,12 @@ impl<'a> Sheet<'a> {
         lines.join("\n")
     }
 
-    /// Whether the table may be wider than its page.
-    fn is_wide(&self) -> bool {
-        letters_across(&self.widths) > UPRIGHT
-    }
-
     fn tabular(&self, rows: std::ops::Range<usize>) -> Vec<String> {
         let printed = &self.printed;
         let columns = printed.heads.iter().zip(&self.widths);
-        let columns: String = columns.map(|(head, (_, breaks))| column(head, *breaks)).collect();
+        let columns: String = columns
+            .map(|(head, (_, breaks))| column(head, *breaks))
+            .collect();
         let mut lines = vec![
             format!("\\begin{{tabular}}{{@{{}}{columns}@{{}}}}"),
             "\\toprule".into(),
@@ -155,7 +155,9 @@ impl<'a> Sheet<'a> {
                 lines.push("\\midrule".into());
             }
             let cells = printed.rows[i].iter().zip(&printed.heads);
-            lines.push(row(&cells.map(|(c, head)| cell(c, head)).collect::<Vec<_>>()));
+            lines.push(row(&cells
+                .map(|(c, head)| cell(c, head))
+                .collect::<Vec<_>>()));
         }
         lines.push("\\bottomrule".into());
         lines.push("\\end{tabular}".into());
@@ -379,6 +381,7 @@ mod tests {
 \centering
 \caption{Coefficients of \(F_{620}\), \(R^{2}\) \& \(\varepsilon \)*}
 \label{tab:coefficients}
+\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%
 \begin{tabular}{@{}llS[table-format=2.2]crc@{}}
 \toprule
  &  & \multicolumn{2}{c}{Estimate} &  &  \\
@@ -390,6 +393,7 @@ A\&B ''x'', \#1 & \(b_{1}\) & -7.1 & {[}\num{-8.3}, \num{-5.9}{]} & \num{12345} 
 two lines \textbar{} a\_b & \(F_{620}\) & 0.25 &  & \num{7} & no \\
 \bottomrule
 \end{tabular}
+}
 
 \smallskip\parbox{\linewidth}{\footnotesize Sizes in \textmu{}m\_; 5 \% of all.}
 \end{table}
@@ -409,11 +413,9 @@ two lines \textbar{} a\_b & \(F_{620}\) & 0.25 &  & \num{7} & no \\
     }
 
     #[test]
-    fn a_wide_table_is_scaled_or_turned_and_long_words_are_broken() {
+    fn a_table_is_scaled_to_its_line_a_wide_one_turned_and_long_words_are_broken() {
         let narrow = words(3, 2, "word");
-        assert!(!narrow.contains("resizebox") && !narrow.contains("sidewaystable"));
-        let wide = words(3, 10, "some words");
-        assert!(wide.contains("resizebox") && !wide.contains("sidewaystable"));
+        assert!(narrow.contains(SCALED) && !narrow.contains("sidewaystable"));
         let very_wide = words(3, 20, "some words");
         assert!(very_wide.contains("\\begin{sidewaystable}"));
         assert!(words(1, 1, &"word ".repeat(20)).contains(PARAGRAPH));

@@ -46,7 +46,10 @@ pub(super) fn misfit(found: &CampaignFindings) -> String {
     let nouns = name::nouns(found);
     let share = |x: f64| {
         if x < LEAST_MISFIT {
-            format!("under {}", rounded(100.0 * LEAST_MISFIT, Rounding::Digits(1)))
+            format!(
+                "under {}",
+                rounded(100.0 * LEAST_MISFIT, Rounding::Digits(1))
+            )
         } else {
             rounded(100.0 * x, Rounding::Digits(2))
         }

@@ -15,7 +15,9 @@ pub fn models(groups: &[GroupInput]) -> Table {
 
 /// The same for people: a published model has seen none of the rows, so that one split says all of it, beside the readings on which all are ranked.
 pub fn models_in_print(groups: &[GroupInput]) -> Table {
-    models_where(groups, |c| c.split == COMMON || c.fitted_here != (c.split == "all"))
+    models_where(groups, |c| {
+        c.split == COMMON || c.fitted_here != (c.split == "all")
+    })
 }
 
 #[rustfmt::skip]

@@ -1,10 +1,10 @@
 //! What things are called: effects, columns, random effects, sources of error, reasons.
 
+use pipeline_compare::NEW;
 use pipeline_findings::{
     ActsOn, CampaignFindings, EffectFinding, ErrorKind, HeldOutBy, Level, NotAssessed,
     NotMeasurable, Verdict, WhyNot,
 };
-use pipeline_compare::NEW;
 use pipeline_fit::engine::CoefficientState;
 use pipeline_mechanics::effects;
 

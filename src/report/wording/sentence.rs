@@ -6,8 +6,8 @@ use super::number::{
 };
 use crate::number::Rounding;
 use pipeline_findings::{
-    ActsOn, BudgetEntry, CampaignFindings, EffectFinding, ErrorKind, FormPoint, FreeForm, Level, NextKind,
-    NextMeasurement, RecordingError, Scatter, UnitErrors, Verdict,
+    ActsOn, BudgetEntry, CampaignFindings, EffectFinding, ErrorKind, FormPoint, FreeForm, Level,
+    NextKind, NextMeasurement, RecordingError, Scatter, UnitErrors, Verdict,
 };
 use pipeline_mechanics::effects;
 use pipeline_torque::diagnose::terms::usual;

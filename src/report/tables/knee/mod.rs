@@ -18,8 +18,12 @@ tables! {
 
 /// The tables that the pages show for one campaign, named after it.
 pub fn of_campaign(campaign: &CampaignTorque) -> impl Iterator<Item = Table> {
-    let shown: [fn(&[CampaignTorque]) -> Table; 4] =
-        [tests::tests, joints::found, joints::effects, joints::by_hand];
+    let shown: [fn(&[CampaignTorque]) -> Table; 4] = [
+        tests::tests,
+        joints::found,
+        joints::effects,
+        joints::by_hand,
+    ];
     super::of_one(shown, campaign, names(campaign))
 }
 
@@ -50,7 +54,10 @@ pub fn supplementary(input: &ReportInput) -> impl Iterator<Item = Table> {
         walls::stress,
     ];
     let asked = input.knee.is_some();
-    shown.into_iter().filter(move |_| asked).map(|make| make(input))
+    shown
+        .into_iter()
+        .filter(move |_| asked)
+        .map(|make| make(input))
 }
 
 /// A length in mm, given in m.
