@@ -830,7 +830,7 @@ fn said(c: Clauses) -> Answer {
 /// What was found with the errors, and what is worth measuring next, in sentences.
 pub fn answer_in_short(found: &CampaignFindings) -> Vec<String> {
     let all = clauses(found);
-    let first = [Some(all.found_in_short), all.errors_in_short];
+    let first = [Some(all.found), all.errors_in_short];
     let first: Vec<String> = first.into_iter().flatten().collect();
     let next = all.worth.map(|worth| format!("next: {worth}"));
     let sentences = [Some(first.join(": ")), next].into_iter().flatten();
