@@ -119,3 +119,43 @@ fn answer(group: &GroupInput) -> Vec<String> {
     let doubtful = in_doubt(group.doubtful()).map(|s| name::capitalised(&s) + ".");
     of_loop.into_iter().chain(doubtful).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figures::tests::groups;
+    use crate::wording::tests::example;
+    use pipeline_diagnose::Diagnosis;
+    use pipeline_findings::{ErrorKind, Residuals};
+
+    #[test]
+    fn the_models_of_the_first_page_are_compared_on_the_same_readings() {
+        let group = groups().swap_remove(0);
+        let [readings, new, published, hunt, festo] = compared(&group);
+        assert!(readings.ends_with(&format!(" of {}", group.fit.rows)), "{readings}");
+        for error in [new, published, hunt, festo] {
+            assert!(error.parse::<f64>().is_ok(), "{error}");
+        }
+    }
+
+    #[test]
+    fn sessions_that_look_mistaken_are_named_on_the_first_page() {
+        let mut group = groups().swap_remove(0);
+        let mut findings = example();
+        let error = &mut findings.recording_errors[0];
+        (error.kind, error.quantity) = (ErrorKind::SwappedColumns, None);
+        let session = error.group.clone();
+        let residuals = Residuals::default();
+        group.diagnosis = Some(Diagnosis { findings, residuals });
+        let said = answer(&group).join(" ");
+        assert!(said.contains(&session) && said.contains("force and pressure exchanged"), "{said}");
+    }
+
+    #[test]
+    fn a_range_of_one_value_is_said_once() {
+        let whole = Rounding::Decimals(0);
+        assert_eq!(range((620.0, 620.2), whole, "kPa"), "620\u{a0}kPa");
+        assert_eq!(range((615.0, 620.0), whole, "kPa"), "615 to 620\u{a0}kPa");
+        assert_eq!(range((f64::INFINITY, f64::NEG_INFINITY), whole, "kPa"), NONE);
+    }
+}

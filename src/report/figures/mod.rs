@@ -269,4 +269,4 @@ pub fn files(drawn: &Drawn, png_dpi: f64) -> Result<Vec<(String, Vec<u8>)>> {
 #[cfg(test)]
 mod pool_tests;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
