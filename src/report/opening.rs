@@ -132,7 +132,10 @@ mod tests {
     fn the_models_of_the_first_page_are_compared_on_the_same_readings() {
         let group = groups().swap_remove(0);
         let [readings, new, published, hunt, festo] = compared(&group);
-        assert!(readings.ends_with(&format!(" of {}", group.fit.rows)), "{readings}");
+        assert!(
+            readings.ends_with(&format!(" of {}", group.fit.rows)),
+            "{readings}"
+        );
         for error in [new, published, hunt, festo] {
             assert!(error.parse::<f64>().is_ok(), "{error}");
         }
@@ -146,9 +149,15 @@ mod tests {
         (error.kind, error.quantity) = (ErrorKind::SwappedColumns, None);
         let session = error.group.clone();
         let residuals = Residuals::default();
-        group.diagnosis = Some(Diagnosis { findings, residuals });
+        group.diagnosis = Some(Diagnosis {
+            findings,
+            residuals,
+        });
         let said = answer(&group).join(" ");
-        assert!(said.contains(&session) && said.contains("force and pressure exchanged"), "{said}");
+        assert!(
+            said.contains(&session) && said.contains("force and pressure exchanged"),
+            "{said}"
+        );
     }
 
     #[test]
@@ -156,6 +165,9 @@ mod tests {
         let whole = Rounding::Decimals(0);
         assert_eq!(range((620.0, 620.2), whole, "kPa"), "620\u{a0}kPa");
         assert_eq!(range((615.0, 620.0), whole, "kPa"), "615 to 620\u{a0}kPa");
-        assert_eq!(range((f64::INFINITY, f64::NEG_INFINITY), whole, "kPa"), NONE);
+        assert_eq!(
+            range((f64::INFINITY, f64::NEG_INFINITY), whole, "kPa"),
+            NONE
+        );
     }
 }

@@ -220,7 +220,7 @@ fn a_figure_that_fails_takes_no_other_with_it() {
         Some("rest-five-10mm"),
     ];
     assert_eq!(names, sound);
-    assert_eq!(built.files.len(), 2 * 3);
+    assert_eq!(built.files.len(), 2 * 4, "SVG, PDF, PNG and CSV of each");
     let failed: Vec<(&str, Task)> = built
         .left_out
         .iter()
