@@ -29,8 +29,12 @@ pub fn of_campaign(campaign: &CampaignTorque) -> impl Iterator<Item = Table> {
 
 /// The tables that the supplement shows for one campaign, named after it.
 pub fn supplementary_of_campaign(campaign: &CampaignTorque) -> impl Iterator<Item = Table> {
-    let shown: [fn(&[CampaignTorque]) -> Table; 3] =
-        [errors::laws, errors::models, fittings::fittings];
+    let shown: [fn(&[CampaignTorque]) -> Table; 4] = [
+        tests::tests,
+        errors::laws,
+        errors::models,
+        fittings::fittings,
+    ];
     super::of_one(shown, campaign, names(campaign))
 }
 
