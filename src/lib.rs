@@ -19,7 +19,8 @@
 //!              length of the end fittings, what the rigid leg
 //!              lacks
 //!   report     tables, figures, force.pdf, knee.pdf,              stages::report     report
-//!              residual.pdf, findings.json, summary.json
+//!              residual.pdf, supplement.pdf, findings.json,
+//!              summary.json
 //! derived/  the cache and the tidy data        reports/  for people
 //! ```
 //! The first three stages work on one session at a time, `fit` and `compare` on one group of rows (a campaign and diameter, or a

@@ -283,6 +283,6 @@ mod tests {
         let audit = pipeline_audit::audit(&[], &[]);
         let pdf = audit_pdf(&audit, "sha256:0123456789abcdef0123", None).unwrap();
         assert_eq!(pdf.warnings, Vec::<String>::new());
-        assert!(pdf.pages > 4);
+        assert!(pdf.sheets.len() > 4);
     }
 }

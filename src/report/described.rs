@@ -102,8 +102,7 @@ impl<'a, R: Copy + 'a> Described<'a, R> {
         unit: Unit,
         estimate: impl Fn(R) -> [Cell; 2] + 'a,
     ) -> Self {
-        let cell = move |row| estimate(row)[0].clone();
-        self.column(Column::number(key, heading, unit), cell)
+        self.part_of_estimate(Column::number(key, heading, unit), 0, estimate)
     }
 
     /// Adds a column of the intervals of estimates.
@@ -114,8 +113,16 @@ impl<'a, R: Copy + 'a> Described<'a, R> {
         unit: Unit,
         estimate: impl Fn(R) -> [Cell; 2] + 'a,
     ) -> Self {
-        let cell = move |row| estimate(row)[1].clone();
-        self.column(Column::interval(key, heading, unit), cell)
+        self.part_of_estimate(Column::interval(key, heading, unit), 1, estimate)
+    }
+
+    fn part_of_estimate(
+        self,
+        column: Column,
+        part: usize,
+        estimate: impl Fn(R) -> [Cell; 2] + 'a,
+    ) -> Self {
+        self.column(column, move |row| estimate(row)[part].clone())
     }
 
     /// Adds a column of marks; empty where there is none.

@@ -1,13 +1,18 @@
 //! The pages of `force.pdf`: what was measured, what was left out, the model, its coefficients, the comparison, the figures.
 
-use crate::extent::{MOST_GROUPS, MOST_NAMED, MOST_ROWS_ON_PAGES, SIDE_BY_SIDE};
-use crate::figures::{Drawn, slug};
+use crate::extent::{MOST_NAMED, MOST_ROWS_ON_PAGES, SIDE_BY_SIDE};
+use crate::figures::ISOBARS;
+use crate::figures::{Drawn, is_supplementary, slug};
 use crate::input::{GroupInput, ReportInput};
 use crate::left_out::LeftOut;
+use crate::number::Rounding;
+use crate::opening;
 use crate::pages::{PageData, Picture, date_of};
 use crate::tables;
 use crate::typeset::Pdf;
-use crate::wording::{name::capitalised, sentence::in_doubt};
+use crate::wording::name::{capitalised, model_name};
+use crate::wording::number::{error, error_or_none, rounded};
+use crate::wording::sentence::in_doubt;
 use pipeline_base::error::Result;
 use pipeline_base::reject::Extent;
 use pipeline_base::session::Kind;
@@ -24,33 +29,29 @@ struct Own {
     title: String,
     authors: Vec<String>,
     counts: Counts,
+    opening: Vec<opening::Line>,
+    models: Vec<&'static str>,
+    /// The figure of the first page.
+    first_figure: Option<Picture>,
     campaigns: Vec<Campaign>,
     groups: Vec<Group>,
     further_groups: Vec<String>,
-    traces: Vec<Picture>,
+    /// A log with its plateaus.
+    trace: Option<Picture>,
     unusable: Vec<String>,
     more_unusable: usize,
     /// Figures that could not be built.
     left_out: Vec<String>,
     more_left_out: usize,
-    split: Split,
-}
-
-#[derive(Serialize)]
-struct Split {
-    seed: u64,
-    train_percent: f64,
-    digest: String,
 }
 
 #[derive(Serialize)]
 struct Counts {
     sessions: usize,
     rejected_sessions: usize,
-    rows: u64,
-    readings: usize,
+    rows: String,
+    readings: String,
     rejected_logs: usize,
-    clipped_plateaus: usize,
 }
 
 #[derive(Serialize)]
@@ -94,7 +95,6 @@ impl Excluded {
 
 #[derive(Serialize)]
 struct Group {
-    slug: String,
     campaign: String,
     pooled: Vec<String>,
     diameter_mm: u32,
@@ -105,12 +105,13 @@ struct Group {
     excluded: usize,
     ci_method: String,
     loss: String,
-    rmse_train: Option<f64>,
-    rmse_loso: Option<f64>,
-    best_published: Option<(String, f64)>,
+    rmse_train: String,
+    rmse_loso: Option<String>,
+    /// A published model that is better on unseen specimens, and its error.
+    better: Option<(String, String)>,
     borrowed: bool,
     notes: Vec<String>,
-    domain: Vec<String>,
+    tables: Vec<String>,
     figures: Vec<Picture>,
 }
 
@@ -124,14 +125,16 @@ pub fn force_pdf(
     traces: &[Option<Drawn>],
     config: &Config,
     left_out: &[LeftOut],
-    split_digest: &str,
 ) -> Result<Pdf> {
     let options = &config.report;
-    let traces = &traces[..traces.len().min(MOST_GROUPS)];
+    let trace = traces.iter().zip(&input.traces);
+    let trace = trace.filter_map(|(drawn, trace)| Some((drawn.as_ref()?, trace)));
+    let trace = trace.min_by_key(|(_, trace)| trace.simulated);
     let own = Own {
+        trace: trace.map(|(drawn, trace)| Picture::new(drawn).simulated(trace.simulated)),
         more_left_out: left_out.len().saturating_sub(MOST_NAMED),
         left_out: names_of(left_out),
-        ..own(input, traces, config, split_digest)
+        ..own(input, config)
     };
     let simulated = input
         .sessions
@@ -143,11 +146,16 @@ pub fn force_pdf(
     let document = PageData::new(&input.input_digest, simulated, own)
         .document(TEMPLATE, date_of(input, options))?
         .with_tables(tables.map(|t| t.first_rows(MOST_ROWS_ON_PAGES)))
-        .with_figures(traces.iter().flatten().chain(of_groups));
+        .with_figures(trace.map(|(drawn, _)| drawn).into_iter().chain(of_groups));
     if input.sessions.len() > SIDE_BY_SIDE {
         return document.forgotten().compile();
     }
     document.compile()
+}
+
+/// A count with its thousands apart.
+fn grouped(count: f64) -> String {
+    rounded(count, Rounding::Decimals(0))
 }
 
 /// The names of the first figures that could not be built.
@@ -156,13 +164,10 @@ fn names_of(left_out: &[LeftOut]) -> Vec<String> {
     named.map(|l| l.name.clone()).collect()
 }
 
-fn own(input: &ReportInput, traces: &[Option<Drawn>], config: &Config, split_digest: &str) -> Own {
+fn own(input: &ReportInput, config: &Config) -> Own {
     let options = &config.report;
     let rejects = || input.sessions.iter().flat_map(|s| s.rejects());
     let of_extent = |extent: Extent| rejects().filter(|r| r.extent == extent).count();
-    let clipped = |r: &&pipeline_base::reject::Reject| {
-        r.extent == Extent::Plateau && r.reason == pipeline_clean::steady::CLIPPED
-    };
     let authors = options
         .author
         .split(',')
@@ -175,24 +180,20 @@ fn own(input: &ReportInput, traces: &[Option<Drawn>], config: &Config, split_dig
         counts: Counts {
             sessions: input.sessions.len(),
             rejected_sessions: input.unusable.len() + of_extent(Extent::Session),
-            rows: input.sessions.iter().map(|s| s.clean.rows).sum(),
-            readings: input.rows.len(),
+            rows: grouped(input.sessions.iter().map(|s| s.clean.rows).sum::<u64>() as f64),
+            readings: grouped(input.rows.len() as f64),
             rejected_logs: of_extent(Extent::Log),
-            clipped_plateaus: rejects().filter(clipped).count(),
         },
+        opening: opening::lines(input),
+        models: opening::models(),
+        first_figure: first_figure(input),
         campaigns: campaigns(input),
         groups: input
             .with_section()
             .map(|(g, f)| group(g, &f.group))
             .collect(),
         further_groups: further_groups(input),
-        traces: traces
-            .iter()
-            .zip(&input.traces)
-            .filter_map(|(drawn, trace)| {
-                Some(Picture::new(drawn.as_ref()?).simulated(trace.simulated))
-            })
-            .collect(),
+        trace: None,
         left_out: Vec::new(),
         more_left_out: 0,
         more_unusable: unusable.clone().skip(MOST_ROWS_ON_PAGES).count(),
@@ -200,12 +201,18 @@ fn own(input: &ReportInput, traces: &[Option<Drawn>], config: &Config, split_dig
             .take(MOST_ROWS_ON_PAGES)
             .map(ToString::to_string)
             .collect(),
-        split: Split {
-            seed: config.fit.seed,
-            train_percent: 100.0 * config.fit.train_fraction,
-            digest: split_digest.to_owned(),
-        },
     }
+}
+
+/// The isobars of the group with most readings, of those that were measured if there are any.
+fn first_figure(input: &ReportInput) -> Option<Picture> {
+    let groups = input.with_section();
+    let size = |g: &GroupInput| (!g.fit.group.simulated, g.fit.rows);
+    let (_, figures) = groups.max_by_key(|(g, _)| size(g))?;
+    let mut drawn = figures.group.iter();
+    drawn
+        .find(|d| d.name.starts_with(ISOBARS))
+        .map(Picture::new)
 }
 
 /// The groups that have no section of their own.
@@ -260,10 +267,15 @@ fn group(input: &GroupInput, figures: &[Drawn]) -> Group {
         .comparisons
         .iter()
         .filter(whole)
-        .filter_map(|c| Some((c.title.clone(), c.rmse?)))
+        .filter_map(|c| Some((model_name(&c.model, &c.title).to_owned(), c.rmse?)))
         .min_by(|a, b| a.1.total_cmp(&b.1));
+    let unseen = rmse(NEW, "loso");
+    let better = best.filter(|(_, e)| unseen.is_some_and(|unseen| unseen > *e));
+    let filled = tables::of_group(input).filter(|t| !t.rows.is_empty());
+    let own_name = slug(input);
+    let first = figures.iter();
+    let first = first.filter(|d| !is_supplementary(d, &own_name));
     Group {
-        slug: slug(input),
         campaign: fit.group.campaign.clone(),
         pooled: if fit.group.members.len() > 1 {
             fit.group.members.clone()
@@ -282,9 +294,9 @@ fn group(input: &GroupInput, figures: &[Drawn]) -> Group {
         loss: fit
             .equation(JOINT)
             .map_or_else(String::new, |e| e.loss.clone()),
-        rmse_train: rmse(NEW, "train"),
-        rmse_loso: rmse(NEW, "loso"),
-        best_published: best,
+        rmse_train: error_or_none(rmse(NEW, "train"), "N"),
+        rmse_loso: unseen.map(|e| error(e, "N")),
+        better: better.map(|(name, e)| (name, error(e, "N"))),
         borrowed: fit
             .equation(JOINT)
             .is_some_and(|e| e.folds.iter().any(|f| !f.held.is_empty())),
@@ -294,34 +306,7 @@ fn group(input: &GroupInput, figures: &[Drawn]) -> Group {
             .cloned()
             .chain(in_doubt(input.doubtful()).map(|s| capitalised(&s)))
             .collect(),
-        domain: domain(input),
-        figures: figures.iter().map(Picture::new).collect(),
+        tables: filled.map(|t| t.id).collect(),
+        figures: first.map(Picture::new).collect(),
     }
-}
-
-/// Where models end, as sentences.
-fn domain(input: &GroupInput) -> Vec<String> {
-    let title = |id: &str| {
-        let found = input.comparison.comparisons.iter().find(|c| c.model == id);
-        found.map_or_else(|| id.to_owned(), |c| c.title.clone())
-    };
-    input
-        .comparison
-        .domain
-        .iter()
-        .map(|note| {
-            let what = if note.excluded {
-                "no answer for"
-            } else {
-                "answers beyond its data for"
-            };
-            format!(
-                "{}: {what} {} reading{} ({})",
-                title(&note.model),
-                note.count,
-                if note.count == 1 { "" } else { "s" },
-                note.reason
-            )
-        })
-        .collect()
 }

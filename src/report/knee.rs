@@ -7,7 +7,8 @@ use crate::pages::{PageData, Picture};
 use crate::tables::knee as tables;
 use crate::typeset::Pdf;
 use crate::wording::name;
-use crate::wording::sentence::sentences;
+use crate::wording::number::error_or_none;
+use crate::wording::sentence::{answer_in_short, sentences};
 use pipeline_base::error::Result;
 use pipeline_base::names::file_name;
 use pipeline_findings::CampaignFindings;
@@ -17,6 +18,8 @@ use pipeline_torque::{CampaignTorque, Configuration, Test};
 use serde::Serialize;
 
 const TEMPLATE: &str = include_str!("templates/knee.typ");
+/// Configurations whose figures the pages of a campaign show; the supplement has the others.
+const MOST_CONFIGURATIONS: usize = 1;
 
 /// The figures that the pages show.
 pub struct Figures<'a> {
@@ -31,8 +34,9 @@ pub struct Figures<'a> {
 /// The data of the template.
 #[derive(Serialize)]
 struct Own {
+    /// The joints on the first page.
+    opening: Vec<Opening>,
     campaigns: Vec<Campaign>,
-    legs: Vec<Picture>,
     once: Vec<Picture>,
 }
 
@@ -46,11 +50,24 @@ struct Campaign {
     readings: usize,
     beyond: usize,
     excluded: Vec<(String, String)>,
-    notes: Vec<(String, String)>,
     fits: Vec<Fit>,
     joints: Vec<Joint>,
     by_hand: bool,
+    /// Configurations whose figures are in the supplement.
+    further: usize,
     figures: Vec<Picture>,
+}
+
+/// One joint on the first page.
+#[derive(Serialize)]
+struct Opening {
+    name: String,
+    simulated: bool,
+    tests: usize,
+    /// Errors of the rigid leg and with what was found, on the tests themselves; on unseen actuators.
+    errors: [String; 4],
+    /// What was found and what would help, in sentences.
+    answer: Vec<String>,
 }
 
 /// What the loop says of one joint; `residual.pdf` has the evidence.
@@ -99,8 +116,8 @@ pub fn knee_pdf(
     let campaigns = input.torque();
     let pairs = campaigns.iter().zip(figures.campaigns);
     let own = Own {
+        opening: campaigns.iter().flat_map(openings).collect(),
         campaigns: pairs.map(|(c, f)| campaign(c, f)).collect(),
-        legs: figures.legs.iter().flatten().map(Picture::new).collect(),
         once: figures.once.iter().flatten().map(Picture::new).collect(),
     };
     let simulated = campaigns.iter().map(|c| c.simulated);
@@ -109,7 +126,7 @@ pub fn knee_pdf(
     let document = PageData::new(&input.input_digest, simulated, own)
         .document(TEMPLATE, date)?
         .with_tables(of_campaigns.chain(tables::once(input)))
-        .with_figures(drawn.chain(figures.legs).chain(figures.once).flatten());
+        .with_figures(drawn.chain(figures.once).flatten());
     document.compile().map(Some)
 }
 
@@ -129,16 +146,56 @@ fn campaign(c: &CampaignTorque, figures: &[Option<Drawn>]) -> Campaign {
         readings: points().count(),
         beyond: points().filter(|p| p.beyond.is_some()).count(),
         excluded: said(Test::left_out_because),
-        notes: said(|t| t.notes.clone()),
         fits: c.fits.iter().filter_map(|f| fit(c, f)).collect(),
         joints: joints(c, figures),
         by_hand: c.diagnoses.iter().any(|j| !j.by_hand.is_empty()),
-        figures: figures[..c.configurations.len()]
-            .iter()
-            .flatten()
+        further: further_configurations(c, figures).count(),
+        figures: of_configurations(c, figures)
+            .take(MOST_CONFIGURATIONS)
             .map(Picture::new)
             .collect(),
     }
+}
+
+/// The figures of the configurations, those with most readings first.
+fn of_configurations<'a>(
+    c: &'a CampaignTorque,
+    figures: &'a [Option<Drawn>],
+) -> impl Iterator<Item = &'a Drawn> {
+    let mut order: Vec<usize> = (0..c.configurations.len()).collect();
+    let readings = |k: &usize| {
+        let tests = c.configurations[*k].tests.iter();
+        tests.map(|t| t.points.len()).sum::<usize>()
+    };
+    order.sort_by_key(|k| std::cmp::Reverse(readings(k)));
+    order.into_iter().filter_map(|k| figures[k].as_ref())
+}
+
+/// Those of them for which the pages have no room: the supplement shows them.
+pub(crate) fn further_configurations<'a>(
+    c: &'a CampaignTorque,
+    figures: &'a [Option<Drawn>],
+) -> impl Iterator<Item = &'a Drawn> {
+    of_configurations(c, figures).skip(MOST_CONFIGURATIONS)
+}
+
+fn openings(c: &CampaignTorque) -> impl Iterator<Item = Opening> {
+    c.diagnoses.iter().map(|joint| {
+        let found = &joint.findings;
+        let error = |e: Option<f64>| error_or_none(e, &found.unit);
+        Opening {
+            name: name::campaign(found),
+            simulated: found.simulated,
+            tests: found.design.sessions,
+            errors: [
+                error(found.before.rmse_train),
+                error(found.after.rmse_train),
+                error(found.before.rmse_heldout),
+                error(found.after.rmse_heldout),
+            ],
+            answer: answer_in_short(found),
+        }
+    })
 }
 
 /// The joints with their figures, which come after those of the configurations.

@@ -14,10 +14,12 @@
 //! | [`wording`] | names, numbers and sentences of what was found |
 //! | [`left_out`] | figures and documents that could not be built |
 //! | [`pages`] | what every document has in common: data of its template, tables, pictures |
-//! | [`force`] | the pages of `force.pdf` |
+//! | [`force`] | the pages of `force.pdf`; `opening` its first |
 //! | [`audit`] | the pages of `audit.pdf` |
 //! | [`residual`] | the pages of `residual.pdf` |
 //! | [`knee`] | the pages of `knee.pdf` |
+//! | [`layout`] | what stands where on a typeset page |
+//! | [`supplement`] | the pages of `supplement.pdf` |
 //! | [`typeset`], [`raster`], [`fonts`] | pages through Typst, figures as PNG, the bundled fonts |
 //!
 //! Architecture invariant: only this folder knows plotters and Typst, and it computes no statistic: every number comes from a stage.
@@ -30,15 +32,18 @@ pub mod fonts;
 pub mod force;
 pub mod input;
 pub mod knee;
+pub mod layout;
 pub mod left_out;
 pub mod markup;
 pub mod number;
+mod opening;
 pub mod pages;
 pub mod plot;
 pub mod raster;
 pub mod render;
 pub mod residual;
 pub mod stage;
+pub mod supplement;
 pub mod symbols;
 pub mod table;
 pub mod tables;

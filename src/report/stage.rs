@@ -11,6 +11,7 @@ use crate::left_out::{LeftOut, Part, Task, attempt};
 use crate::pages::date_of;
 use crate::render::{self, Renderer};
 use crate::residual::{self, residual_pdf};
+use crate::supplement::{self, supplement_pdf};
 use crate::table::{Table, Unit};
 use crate::tables;
 use crate::typeset::Pdf;
@@ -25,7 +26,7 @@ use pipeline_base::reject::Extent;
 use pipeline_base::row::{self, Row, role_name};
 use pipeline_base::session::{Phase, Sampling};
 use pipeline_compare::GroupComparison;
-use pipeline_config::Config;
+use pipeline_config::{Config, ReportOptions};
 use pipeline_findings::{CampaignFindings, Findings, SCHEMA};
 use pipeline_fit::{GroupFit, is_usable, split};
 use pipeline_torque::tidy;
@@ -55,7 +56,7 @@ pub const TABLES: &str = "tables.json";
 pub fn group_figures(group: &GroupInput, config: &Config) -> Result<Outputs> {
     let build = |composed: Vec<Composed>| {
         let composed = composed.into_iter().map(Some).collect();
-        figures::build(composed, config.report.png_dpi)
+        figures::build(composed, &config.report)
     };
     let of_group = build(figures::of_group(group, config));
     let (kinds, composed) = figures::of_diagnosis(group).into_iter().unzip();
@@ -131,15 +132,17 @@ fn audit_of(input: &ReportInput) -> Audit {
 /// # Errors
 /// None that a figure or document could cause.
 pub fn pages(input: &ReportInput, config: &Config) -> Result<Outputs> {
-    let built = Pictures::build(input, config.report.png_dpi);
+    let built = Pictures::build(input, &config.report);
     let mut left_out = input.left_out.clone();
     left_out.extend(built.left_out);
     let made = documents(input, &built.pictures, config, &left_out);
     let mut outputs = below_figures(built.files);
+    let mut sheets = BTreeMap::new();
     for (name, document) in made {
         match document {
             Ok(Some(pages)) => {
                 outputs.insert(format!("reports/{name}"), pages.bytes);
+                sheets.insert(name, pages.sheets);
             }
             Ok(None) => {}
             Err(failed) => left_out.push(failed),
@@ -147,6 +150,7 @@ pub fn pages(input: &ReportInput, config: &Config) -> Result<Outputs> {
     }
     left_out.sort();
     outputs.insert(LEFT_OUT.to_owned(), json_bytes(&left_out)?);
+    outputs.insert("derived/layout.json".to_owned(), json_bytes(&sheets)?);
     let summary = summary(input, &left_out)?;
     outputs.insert("reports/summary.json".to_owned(), summary);
     Ok(outputs)
@@ -171,10 +175,10 @@ struct BuiltPictures {
 }
 
 impl Pictures {
-    fn build(input: &ReportInput, png_dpi: f64) -> BuiltPictures {
+    fn build(input: &ReportInput, options: &ReportOptions) -> BuiltPictures {
         let mut all = BuiltPictures::default();
         let mut build = |composed| {
-            let built = figures::build(composed, png_dpi);
+            let built = figures::build(composed, options);
             all.files.extend(built.files);
             all.left_out.extend(built.left_out);
             built.drawn
@@ -214,20 +218,23 @@ fn documents(
     figures_left_out: &[LeftOut],
 ) -> Vec<Document> {
     let date = date_of(input, &config.report);
-    let force = || {
-        let split_digest = Digest::of(&split_csv(input, config)).to_string();
-        let traces = &pictures.traces;
-        force_pdf(input, traces, config, figures_left_out, &split_digest).map(Some)
-    };
+    let force = || force_pdf(input, &pictures.traces, config, figures_left_out).map(Some);
     let audit = || audit_pdf(&audit_of(input), &input.input_digest, date).map(Some);
     let residual = || residual_pdf(input, &pictures.found, date);
-    let knee = || {
-        let figures = knee::Figures {
-            campaigns: &pictures.torque,
-            legs: &pictures.legs,
-            once: &pictures.once,
+    let of_knee = knee::Figures {
+        campaigns: &pictures.torque,
+        legs: &pictures.legs,
+        once: &pictures.once,
+    };
+    let knee = || knee_pdf(input, &of_knee, date);
+    let supplement = || {
+        let split_digest = Digest::of(&split_csv(input, config)).to_string();
+        let figures = supplement::Figures {
+            traces: &pictures.traces,
+            knee: &of_knee,
+            found: &pictures.found,
         };
-        knee_pdf(input, &figures, date)
+        supplement_pdf(input, &figures, config, &split_digest).map(Some)
     };
     let force = || document("force.pdf", &force);
     let others = || {
@@ -235,6 +242,7 @@ fn documents(
             document("audit.pdf", &audit),
             document("residual.pdf", &residual),
             document("knee.pdf", &knee),
+            document("supplement.pdf", &supplement),
         ]
     };
     let (force, others) = if input.sessions.len() > SIDE_BY_SIDE {

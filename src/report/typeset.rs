@@ -7,6 +7,7 @@
 //! in the same style costs less than the first.
 
 use crate::fonts;
+use crate::layout::{self, Sheet};
 use pipeline_base::error::{Error, Result};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -40,12 +41,12 @@ pub struct Document {
 }
 
 /// A typeset document.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Pdf {
     /// The file.
     pub bytes: Vec<u8>,
-    /// How many pages it has.
-    pub pages: usize,
+    /// What was measured of every page.
+    pub sheets: Vec<Sheet>,
     /// What Typst had to remark, each with file, line and column.
     pub warnings: Vec<String>,
 }
@@ -59,6 +60,7 @@ impl Document {
             remembered: REMEMBERED,
         }
         .file("style.typ", STYLE)
+        .file("margins.json", layout::margins_json())
         .file(MAIN, main)
     }
 
@@ -165,7 +167,11 @@ fn typeset(world: &TypstWorld, options: &PdfOptions) -> Result<Pdf> {
     let written = apart(|| typst_pdf::pdf(&document, options))?;
     Ok(Pdf {
         bytes: written.map_err(|errors| failure(world, &errors))?,
-        pages: document.pages().len(),
+        sheets: document
+            .pages()
+            .iter()
+            .map(|page| layout::measure(&page.frame))
+            .collect(),
         warnings: warnings.iter().map(|w| message(world, w)).collect(),
     })
 }

@@ -16,7 +16,7 @@ use pipeline_report::stage::{GroupFigures, GroupInput};
 use std::collections::BTreeMap;
 
 /// The options that figures read.
-const OPTIONS: &[&str] = &["report.png_dpi", "fit"];
+const OPTIONS: &[&str] = &["report.png_dpi", "report.figure_widths", "fit"];
 
 /// Brings the figures of one group up to date.
 ///

@@ -13,12 +13,12 @@ fn run(bench: &Bench) -> Said {
     bench.run(&["run", "--config", FAST])
 }
 
-/// Everything but documents, figures, the summary and the list of raw files.
+/// Everything but documents and what was measured of them, figures, the summary and the list of raw files.
 fn data(bench: &Bench) -> BTreeMap<String, Vec<u8>> {
     let mut all = bench.results();
     all.retain(|name, _| {
         let of_pages = name.ends_with(".pdf") || name.starts_with("figures/");
-        !of_pages && !["summary.json", "provenance.json"].contains(&name.as_str())
+        !of_pages && !["summary.json", "provenance.json", "layout.json"].contains(&name.as_str())
     });
     all
 }
@@ -60,15 +60,20 @@ fn a_document_that_fails_takes_nothing_else_with_it() {
     write_what_no_font_has(&bench);
     let said = run(&bench);
     assert_eq!(said.code, LEFT_OUT, "{}{}", said.out, said.err);
-    for line in ["left out: document force.pdf: ", "\n1 document left out"] {
-        assert!(said.err.contains(line), "{}", said.err);
+    // Both name the sessions that are excluded.
+    let failed = ["force.pdf", "supplement.pdf"];
+    for line in failed.map(|name| format!("left out: document {name}: ")) {
+        assert!(said.err.contains(&line), "{}", said.err);
     }
-    let named = ["document", "force.pdf", "typesetting"].map(str::to_owned);
-    assert_eq!(summary(&bench), [named]);
+    assert!(said.err.contains("\n2 documents left out"), "{}", said.err);
+    let named = failed.map(|name| ["document", name, "typesetting"].map(str::to_owned));
+    assert_eq!(summary(&bench), named);
     let mut others = whole.clone();
-    assert!(others.remove("force.pdf"), "the last one does not stay");
+    for name in failed {
+        assert!(others.remove(name), "the last {name} does not stay");
+    }
     assert_eq!(documents(&bench), others);
-    assert_eq!(bench.snapshot("reports").len(), sound.len() - 1);
+    assert_eq!(bench.snapshot("reports").len(), sound.len() - 2);
     // The next run has nothing to do and says the same.
     let again = run(&bench);
     assert_eq!((again.code, &again.err), (LEFT_OUT, &said.err));
@@ -82,7 +87,8 @@ fn a_document_that_fails_takes_nothing_else_with_it() {
 fn figures_that_fail_take_nothing_else_with_them() {
     let bench = Bench::quick_done();
     let (whole, sound) = (documents(&bench), data(&bench));
-    let figures = bench.snapshot("reports/figures").len() / 3;
+    // SVG, PDF, PNG and CSV of each.
+    let figures = bench.snapshot("reports/figures").len() / 4;
     let without = Bench::quick();
     std::fs::write(without.root().join(FAST), HUGE).unwrap();
     let said = run(&without);

@@ -28,6 +28,7 @@ mod mistakes;
 mod models;
 mod new_session;
 mod numerics;
+mod pages;
 mod predict;
 mod predict_coverage;
 mod reasons;

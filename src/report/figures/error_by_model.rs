@@ -1,4 +1,4 @@
-//! The error of every model on the same readings, at a glance.
+//! The error of every model on common readings, at a glance.
 
 use crate::input::GroupInput;
 use crate::plot::axis::Ticks;
@@ -6,7 +6,8 @@ use crate::plot::{
     Anchor, Axis, Dash, Figure, Ink, Layer, Legend, Level, Mark, Panel, Place, SINGLE_MM, Series,
     Shape, Side, Stroke,
 };
-use pipeline_compare::Comparison;
+use crate::wording::name::model_name;
+use pipeline_compare::{COMMON, Comparison};
 use pipeline_config::Config;
 
 /// Height of one model's line with its name above it, mm.
@@ -28,20 +29,17 @@ pub fn figure(group: &GroupInput, _config: &Config) -> Option<(String, Figure)> 
     Some((caption(&lines), figure))
 }
 
-/// One line for each model: on unseen specimens, or for a fit that has none on the readings that it was fitted to.
+/// One line for each model: on common readings, or for a fit that has not been tried on others on the readings that it was fitted to.
 fn lines(group: &GroupInput) -> Vec<&Comparison> {
     let all = &group.comparison.comparisons;
-    let unseen = |model: &str| {
-        all.iter()
-            .any(|c| c.model == model && c.split == "loso" && c.rmse.is_some())
-    };
+    let unseen = |model: &str| all.iter().any(|c| c.model == model && c.split == COMMON);
     all.iter()
-        .filter(|c| c.split == "loso" || (c.split == "train" && !unseen(&c.model)))
+        .filter(|c| c.split == COMMON || (c.split == "train" && !unseen(&c.model)))
         .collect()
 }
 
 fn is_seen(line: &Comparison) -> bool {
-    line.fitted_here && line.split == "train"
+    line.split == "train"
 }
 
 /// Name and mark of a kind of line, and whether a line is of it.
@@ -58,17 +56,20 @@ fn panel(lines: &[(&Comparison, f64)]) -> Panel {
         let stalk = Stroke::hair(Ink::Grey, Dash::Solid);
         panel = panel
             .with(Series::line("", vec![(0.0, place), (*rmse, place)], stalk))
-            .with(text(&line.title, (0.012 * most, place + 0.42)))
+            .with(text(
+                model_name(&line.model, &line.title),
+                (0.012 * most, place + 0.42),
+            ))
             .with(text(&format!("{rmse:.1}"), (rmse + 0.02 * most, place)));
     }
     let kinds: [Kind; 3] = [
         (
-            "all readings",
+            "all common readings",
             Mark::filled(Shape::Circle, Ink::Blue),
             |c| c.n_excluded == 0 && !is_seen(c),
         ),
         (
-            "those that it answers",
+            "those of them that it answers",
             Mark::open(Shape::Circle, Ink::Vermilion),
             |c| c.n_excluded > 0 && !is_seen(c),
         ),
@@ -97,6 +98,12 @@ fn text(text: &str, (x, y): (f64, f64)) -> Layer {
 }
 
 fn caption(lines: &[(&Comparison, f64)]) -> String {
+    let is_common = |l: &&(&Comparison, f64)| l.0.split == COMMON;
+    let readings = lines
+        .iter()
+        .filter(is_common)
+        .map(|l| l.0.n + l.0.n_excluded);
+    let readings = readings.max().unwrap_or(0);
     let fitted = if lines.iter().any(|l| is_seen(l.0)) {
         "; the new model has no specimen that could be left out, and stands here with the readings that it was fitted to"
     } else if lines.iter().any(|l| l.0.fitted_here) {
@@ -105,7 +112,7 @@ fn caption(lines: &[(&Comparison, f64)]) -> String {
         ""
     };
     let partial = if lines.iter().any(|l| l.0.n_excluded > 0) {
-        " Open circles: models that give nothing for some readings, judged on the others; their numbers cannot be compared with the rest."
+        " Open circles: models that give nothing for some of these readings."
     } else {
         ""
     };
@@ -115,6 +122,7 @@ fn caption(lines: &[(&Comparison, f64)]) -> String {
         ""
     };
     format!(
-        "Root-mean-square error of every model: published models as published{refitted}{fitted}.{partial}"
+        "Root-mean-square error of every model on the {readings} readings that the new model, Hunt 2017 and the Festo tool all answer: published models as \
+         published{refitted}{fitted}.{partial}"
     )
 }

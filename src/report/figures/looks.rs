@@ -15,84 +15,30 @@ pub struct Look {
     pub mark: Mark,
 }
 
-const LOOKS: [(&str, &str, Ink, Dash, Shape); 9] = [
-    (
-        NEW,
-        "New model, fitted",
-        Ink::Black,
-        Dash::Solid,
-        Shape::Circle,
-    ),
-    (
-        "new_published",
-        "New model, published",
-        Ink::Blue,
-        Dash::Dashed,
-        Shape::Square,
-    ),
-    (
-        "knee_paper",
-        "Earlier form (knee paper)",
-        Ink::Sky,
-        Dash::DashDotDot,
-        Shape::Diamond,
-    ),
-    (
-        "hunt2017",
-        "Hunt 2017",
-        Ink::Green,
-        Dash::DashDot,
-        Shape::Triangle,
-    ),
-    (
-        "festo_tool",
-        "Festo tool",
-        Ink::Vermilion,
-        Dash::Long,
-        Shape::Wedge,
-    ),
-    (
-        "sarosi2012",
-        "Sarosi 2012",
-        Ink::Purple,
-        Dash::Short,
-        Shape::Plus,
-    ),
-    (
-        "martens2017",
-        "Martens and Boblan 2017",
-        Ink::Orange,
-        Dash::LongDot,
-        Shape::Cross,
-    ),
-    (
-        "chou_hannaford",
-        "Chou and Hannaford 1996",
-        Ink::Grey,
-        Dash::LongShort,
-        Shape::Circle,
-    ),
-    (
-        "tondu_lopez",
-        "Tondu and Lopez 2000",
-        Ink::Grey,
-        Dash::Dotted,
-        Shape::Square,
-    ),
+const LOOKS: [(&str, Ink, Dash, Shape); 9] = [
+    (NEW, Ink::Black, Dash::Solid, Shape::Circle),
+    ("new_published", Ink::Blue, Dash::Dashed, Shape::Square),
+    ("knee_paper", Ink::Sky, Dash::DashDotDot, Shape::Diamond),
+    ("hunt2017", Ink::Green, Dash::DashDot, Shape::Triangle),
+    ("festo_tool", Ink::Vermilion, Dash::Long, Shape::Wedge),
+    ("sarosi2012", Ink::Purple, Dash::Short, Shape::Plus),
+    ("martens2017", Ink::Orange, Dash::LongDot, Shape::Cross),
+    ("chou_hannaford", Ink::Grey, Dash::LongShort, Shape::Circle),
+    ("tondu_lopez", Ink::Grey, Dash::Dotted, Shape::Square),
 ];
 
-/// The look of a model; one that is not in the list gets its short title, and a look by its place.
+/// The look of a model; one that is not in the list gets a look by its place.
 pub fn of_model(id: &str, title: &str, place: usize) -> Look {
     let listed = LOOKS.iter().find(|l| l.0 == id);
-    let (name, ink, dash, shape) = match listed {
-        Some((_, name, ink, dash, shape)) => (*name, *ink, *dash, *shape),
+    let (ink, dash, shape) = match listed {
+        Some((_, ink, dash, shape)) => (*ink, *dash, *shape),
         None => {
             let (ink, shape, dash) = look(place);
-            (model_name(id, title), ink, dash, shape)
+            (ink, dash, shape)
         }
     };
     Look {
-        name: name.to_owned(),
+        name: model_name(id, title).to_owned(),
         stroke: Stroke::new(ink, dash),
         mark: if id == NEW {
             Mark::filled(shape, ink)

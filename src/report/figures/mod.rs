@@ -4,6 +4,7 @@
 //! A figure that cannot be built is left out and named ([`LeftOut`]); it takes no other with it.
 
 mod covariates;
+mod data;
 mod error_by_model;
 mod error_by_specimen;
 mod formatting;
@@ -27,10 +28,11 @@ mod trend;
 
 use crate::input::{GroupInput, ReportInput};
 use crate::left_out::{LeftOut, Part, Task, attempt};
-use crate::plot::Figure;
+use crate::plot::{DOUBLE_MM, Figure, SINGLE_MM};
 use pipeline_base::error::Result;
+use pipeline_base::group::Group;
 use pipeline_base::names::file_name;
-use pipeline_config::Config;
+use pipeline_config::{Config, FigureWidths, ReportOptions};
 use pipeline_torque::diagnose::JointDiagnosis;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -62,6 +64,18 @@ pub struct Drawn {
 }
 
 impl Named {
+    /// The same figure for the columns of a journal: one of one column, one of two, or of a share of these.
+    fn widened(mut self, widths: FigureWidths) -> Self {
+        let [single, double] = widths.columns_mm();
+        let width = self.figure.width_mm;
+        self.figure.width_mm = if width <= SINGLE_MM {
+            width * single / SINGLE_MM
+        } else {
+            width * double / DOUBLE_MM
+        };
+        self
+    }
+
     /// Draws the figure.
     ///
     /// # Errors
@@ -80,18 +94,34 @@ impl Named {
 /// Makes a figure of a group with its caption; none for groups that lack the data.
 type OfGroup = fn(&GroupInput, &Config) -> Option<(String, Figure)>;
 
+/// Beginning of the names of the files of the isobars.
+pub(crate) const ISOBARS: &str = "isobars";
+
 /// Every figure that a group of rows may have, by the name of its files, in the order of the report: those of the paper, then those that
 /// look for what is left over.
 const OF_GROUP: &[(&str, OfGroup)] = &[
     ("f620", maximum_force::figure),
     ("rest", rest::figure),
-    ("isobars", isobars::figure),
+    (ISOBARS, isobars::figure),
     ("curves", models_at_lengths::figure),
     ("models", error_by_model::figure),
     ("predicted", predicted::figure),
     ("specimen-errors", error_by_specimen::figure),
     ("residuals", residuals::figure),
 ];
+
+/// Those of them that stand in the supplement.
+const SUPPLEMENTARY: [&str; 3] = ["curves", "specimen-errors", "residuals"];
+
+/// Whether a figure of the group of that name in files stands in the supplement.
+pub(crate) fn is_supplementary(drawn: &Drawn, slug: &str) -> bool {
+    let mut names = SUPPLEMENTARY.iter();
+    names.any(|kind| drawn.name == of_group_named(kind, slug))
+}
+
+fn of_group_named(kind: &str, slug: &str) -> String {
+    format!("{kind}-{slug}")
+}
 
 /// A figure, or the one that could not be composed.
 pub type Composed = std::result::Result<Named, LeftOut>;
@@ -131,21 +161,24 @@ pub fn of_joint(joint: &JointDiagnosis) -> Vec<(found::Kind, Composed)> {
 
 fn named(figures: &[(&str, OfGroup)], group: &GroupInput, config: &Config) -> Vec<Composed> {
     let one = |(kind, make): &(&str, OfGroup)| {
-        let name = format!("{kind}-{}", slug(group));
+        let name = of_group_named(kind, &slug(group));
         compose(&name, || {
             let (caption, figure) = make(group, config)?;
             Some(Named {
                 name: name.clone(),
-                caption: if group.fit.group.simulated {
-                    format!("Simulated. {caption}")
-                } else {
-                    caption
-                },
+                caption: captioned(&group.fit.group, &caption),
                 figure,
             })
         })
     };
     figures.iter().filter_map(one).collect()
+}
+
+/// A caption that says of what the figure is, and where its data come from if not from a rig.
+fn captioned(of: &Group, caption: &str) -> String {
+    let simulated = if of.simulated { "Simulated. " } else { "" };
+    let name = formatting::verbatim(&format!("{}, {} mm", of.campaign, of.diameter_mm));
+    format!("{simulated}{name}. {caption}")
 }
 
 /// What `make` gives; where it panics, the figure of that name is left out.
@@ -165,8 +198,10 @@ pub struct Built {
 }
 
 /// Draws figures and writes them in all formats. One that fails in any of them is left out in all.
-pub fn build(composed: Vec<Option<Composed>>, png_dpi: f64) -> Built {
-    let one = |composed: Option<Composed>| composed.map(|c| drawn_with_files(&c?, png_dpi));
+pub fn build(composed: Vec<Option<Composed>>, options: &ReportOptions) -> Built {
+    let one = |composed: Option<Composed>| {
+        composed.map(|c| drawn_with_files(c?.widened(options.figure_widths), options.png_dpi))
+    };
     let all: Vec<_> = composed.into_par_iter().map(one).collect();
     let mut built = Built::default();
     for figure in all {
@@ -188,10 +223,12 @@ pub fn build(composed: Vec<Option<Composed>>, png_dpi: f64) -> Built {
 
 type Files = Vec<(String, Vec<u8>)>;
 
-fn drawn_with_files(named: &Named, png_dpi: f64) -> std::result::Result<(Drawn, Files), LeftOut> {
+fn drawn_with_files(named: Named, png_dpi: f64) -> std::result::Result<(Drawn, Files), LeftOut> {
     let drawn = attempt(Part::Figure, &named.name, Task::Drawing, || named.draw())?;
     let written = || files(&drawn, png_dpi);
-    let files = attempt(Part::Figure, &named.name, Task::Converting, written)?;
+    let mut files = attempt(Part::Figure, &named.name, Task::Converting, written)?;
+    let data = data::csv(&named.figure).into_bytes();
+    files.push((format!("{}.csv", drawn.name), data));
     Ok((drawn, files))
 }
 
@@ -232,4 +269,4 @@ pub fn files(drawn: &Drawn, png_dpi: f64) -> Result<Vec<(String, Vec<u8>)>> {
 #[cfg(test)]
 mod pool_tests;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

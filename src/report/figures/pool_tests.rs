@@ -2,7 +2,8 @@
 
 use super::tests::{composed, composed_of_diagnosis, groups};
 use super::*;
-use crate::plot::{Axis, Panel, SINGLE_MM};
+use crate::plot::{Axis, DOUBLE_MM, Panel, SINGLE_MM};
+use pipeline_config::{FigureWidths, ReportOptions};
 use pipeline_diagnose::diagnose;
 use pipeline_findings::{Errors, UnitErrors};
 
@@ -19,6 +20,13 @@ fn five() -> GroupInput {
     let of = group.fit.group.clone();
     group.diagnosis = diagnose(&of, &group.predictions.rows, &config.fit, &config.diagnose);
     group
+}
+
+fn at_dpi(png_dpi: f64) -> ReportOptions {
+    ReportOptions {
+        png_dpi,
+        ..ReportOptions::default()
+    }
 }
 
 /// The id of a specimen of a pool, and its resting length, m: one for all, or all different.
@@ -198,7 +206,7 @@ const SOME_BROKEN: &[(&str, OfGroup)] = &[
 fn a_figure_that_fails_takes_no_other_with_it() {
     let group = groups().swap_remove(0);
     let composed = super::named(SOME_BROKEN, &group, &Config::default());
-    let built = build(composed.into_iter().map(Some).collect(), 30.0);
+    let built = build(composed.into_iter().map(Some).collect(), &at_dpi(30.0));
     let names: Vec<Option<&str>> = built
         .drawn
         .iter()
@@ -212,7 +220,7 @@ fn a_figure_that_fails_takes_no_other_with_it() {
         Some("rest-five-10mm"),
     ];
     assert_eq!(names, sound);
-    assert_eq!(built.files.len(), 2 * 3);
+    assert_eq!(built.files.len(), 2 * 4, "SVG, PDF, PNG and CSV of each");
     let failed: Vec<(&str, Task)> = built
         .left_out
         .iter()
@@ -231,7 +239,48 @@ fn a_figure_that_fails_takes_no_other_with_it() {
 fn a_figure_that_cannot_be_converted_is_left_out_in_all_formats() {
     let group = groups().swap_remove(0);
     let composed = super::named(&SOME_BROKEN[..1], &group, &Config::default());
-    let built = build(composed.into_iter().map(Some).collect(), 1e9);
+    let built = build(composed.into_iter().map(Some).collect(), &at_dpi(1e9));
     assert!(built.files.is_empty() && built.drawn == [None]);
     assert_eq!(built.left_out[0].task, Task::Converting);
+}
+
+#[test]
+fn figures_have_the_widths_of_the_journal_that_is_asked_for() {
+    let named = |width_mm: f64| {
+        let panel = Panel::new(
+            Axis::new("x").fixed(0.0, 1.0),
+            Axis::new("y").fixed(0.0, 1.0),
+        );
+        let figure = Figure::new("", width_mm, 60.0).with(panel);
+        Some(Ok(Named {
+            name: format!("f{width_mm}"),
+            caption: String::new(),
+            figure,
+        }))
+    };
+    for (widths, expected) in [
+        (FigureWidths::House, [85.0, 175.0]),
+        (FigureWidths::Ieee, [88.0, 181.0]),
+        (FigureWidths::Elsevier, [90.0, 190.0]),
+    ] {
+        let options = ReportOptions {
+            figure_widths: widths,
+            ..at_dpi(30.0)
+        };
+        let built = build(vec![named(SINGLE_MM), named(DOUBLE_MM)], &options);
+        let drawn: Vec<f64> = built.drawn.iter().flatten().map(|d| d.size_mm.0).collect();
+        assert_eq!(drawn, expected);
+        assert!(
+            built
+                .drawn
+                .iter()
+                .flatten()
+                .all(|d| d.svg.contains(&format!("width=\"{}mm\"", d.size_mm.0)))
+        );
+        let with_data = built
+            .files
+            .iter()
+            .filter(|(name, _)| name.ends_with(".csv"));
+        assert_eq!(with_data.count(), 2);
+    }
 }

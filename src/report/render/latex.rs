@@ -1,4 +1,7 @@
 //! LaTeX with booktabs and siunitx: decimal columns are `S` columns, other numbers stand in `\num`.
+//!
+//! A table fits on a page of `article`: one that is wider than the text is set smaller (graphicx), a very wide one is turned (rotating) and its words
+//! are broken in paragraphs (array), and a long one goes on in further tables.
 
 use super::Renderer;
 use super::printed::{Group, Head, Printed, PrintedTable};
@@ -9,53 +12,201 @@ use crate::table::{Align, Table};
 /// LaTeX.
 pub struct Latex;
 
+/// A table with more letters in a line is turned.
+const TURNED: usize = 120;
+/// Begins what is as wide as it is, or as the line where it is wider.
+const SCALED: &str = "\\resizebox{\\ifdim\\width>\\linewidth\\linewidth\\else\\width\\fi}{!}{%";
+/// Words longer than this are broken in a paragraph of that width.
+const LONGEST_WORDS: usize = 34;
+const PARAGRAPH: &str = ">{\\raggedright\\arraybackslash}p{48mm}";
+/// Most lines of a table on a page, upright and turned.
+const LINES: [usize; 2] = [40, 24];
+/// Letters between two columns.
+const GUTTER: usize = 2;
+/// LaTeX holds no more tables in store.
+const FLUSHED: usize = 8;
+
 impl Renderer for Latex {
     fn extension(&self) -> &'static str {
         "tex"
     }
 
     fn render(&self, table: &Table) -> String {
+        let sheet = Sheet::new(table);
+        let parts = sheet.parts();
+        let packages = "% needs \\usepackage{array,booktabs,graphicx,rotating,siunitx}\n";
+        let mut text = packages.to_owned();
+        for (k, part) in parts.iter().enumerate() {
+            text.push_str(&sheet.part(part.clone(), k == 0));
+            let is_last = k + 1 == parts.len();
+            if (k + 1) % FLUSHED == 0 && !is_last {
+                text.push_str("\\clearpage\n");
+            }
+        }
+        text
+    }
+}
+
+/// A table as it is laid out on pages.
+struct Sheet<'a> {
+    table: &'a Table,
+    printed: PrintedTable,
+    /// Letters of the widest cell of each column, and whether it has to be broken.
+    widths: Vec<(usize, bool)>,
+    turned: bool,
+}
+
+impl<'a> Sheet<'a> {
+    fn new(table: &'a Table) -> Self {
         let printed = PrintedTable::new(table);
-        let columns: String = printed.heads.iter().map(column).collect();
+        let widest = |k: usize| {
+            let cells = printed.rows.iter().map(|row| letters(&row[k]));
+            let heading = letters_of(&printed.heads[k].heading);
+            cells.max().unwrap_or(0).max(heading)
+        };
+        let breaks = |k: usize| printed.rows.iter().any(|row| breaks(&row[k]));
+        let columns = 0..printed.heads.len();
+        let widths: Vec<(usize, bool)> = columns.map(|k| (widest(k), breaks(k))).collect();
+        let turned = letters_across(&widths) > TURNED;
+        Self {
+            table,
+            printed,
+            widths,
+            turned,
+        }
+    }
+
+    /// The rows of each part: as many as have room on a page.
+    fn parts(&self) -> Vec<std::ops::Range<usize>> {
+        let most = LINES[usize::from(self.turned)];
+        let mut parts = Vec::new();
+        let (mut from, mut lines) = (0, 0);
+        for k in 0..self.printed.rows.len() {
+            let own = self.lines(k);
+            if lines + own > most && k > from {
+                parts.push(from..k);
+                (from, lines) = (k, 0);
+            }
+            lines += own;
+        }
+        parts.push(from..self.printed.rows.len());
+        parts
+    }
+
+    /// Lines of a row.
+    fn lines(&self, row: usize) -> usize {
+        let cells = self.printed.rows[row].iter();
+        let of_cell = |cell: &Printed| letters(cell).div_ceil(LONGEST_WORDS).max(1);
+        cells.map(of_cell).max().unwrap_or(1)
+    }
+
+    fn part(&self, rows: std::ops::Range<usize>, is_first: bool) -> String {
+        let environment = if self.turned {
+            "sidewaystable"
+        } else {
+            "table"
+        };
+        let place = if self.turned { "" } else { "[tbp]" };
+        let caption = rich(&markup::parse(&self.table.caption));
         let mut lines = vec![
-            "% needs \\usepackage{booktabs} and \\usepackage{siunitx}".to_string(),
-            "\\begin{table}[tbp]".into(),
+            format!("\\begin{{{environment}}}{place}"),
             "\\centering".into(),
-            format!("\\caption{{{}}}", rich(&markup::parse(&table.caption))),
-            format!("\\label{{tab:{}}}", table.id.replace('_', "-")),
+        ];
+        if is_first {
+            lines.push(format!("\\caption{{{caption}}}"));
+            let label = self.table.id.replace('_', "-");
+            lines.push(format!("\\label{{tab:{label}}}"));
+        } else {
+            lines.push("\\addtocounter{table}{-1}".into());
+            lines.push(format!("\\caption{{{caption} (continued)}}"));
+        }
+        lines.push(SCALED.into());
+        let end = rows.end;
+        lines.extend(self.tabular(rows));
+        lines.push("}".into());
+        let is_last = end == self.printed.rows.len();
+        for note in self.table.notes.iter().filter(|_| is_last) {
+            let note = rich(&markup::parse(note));
+            lines.push(format!(
+                "\n\\smallskip\\parbox{{\\linewidth}}{{\\footnotesize {note}}}"
+            ));
+        }
+        lines.push(format!("\\end{{{environment}}}\n"));
+        lines.join("\n")
+    }
+
+    fn tabular(&self, rows: std::ops::Range<usize>) -> Vec<String> {
+        let printed = &self.printed;
+        let columns = printed.heads.iter().zip(&self.widths);
+        let columns: String = columns
+            .map(|(head, (_, breaks))| column(head, *breaks))
+            .collect();
+        let mut lines = vec![
             format!("\\begin{{tabular}}{{@{{}}{columns}@{{}}}}"),
             "\\toprule".into(),
         ];
-        lines.extend(group_lines(&printed));
+        lines.extend(group_lines(printed));
         let headings: Vec<String> = printed.heads.iter().map(heading).collect();
         lines.push(row(&headings));
         lines.push("\\midrule".into());
-        for (i, cells) in printed.rows.iter().enumerate() {
-            if table.rules.contains(&i) {
+        let first = rows.start;
+        for i in rows {
+            if self.table.rules.contains(&i) && i > first {
                 lines.push("\\midrule".into());
             }
-            let cells = cells.iter().zip(&printed.heads);
+            let cells = printed.rows[i].iter().zip(&printed.heads);
             lines.push(row(&cells
                 .map(|(c, head)| cell(c, head))
                 .collect::<Vec<_>>()));
         }
         lines.push("\\bottomrule".into());
         lines.push("\\end{tabular}".into());
-        for note in &table.notes {
-            let note = rich(&markup::parse(note));
-            lines.push(format!("\n\\smallskip{{\\footnotesize {note}\\par}}"));
-        }
-        lines.push("\\end{table}\n".into());
-        lines.join("\n")
+        lines
     }
+}
+
+/// Letters of a line across all columns.
+fn letters_across(widths: &[(usize, bool)]) -> usize {
+    let width = |(letters, breaks): &(usize, bool)| match breaks {
+        true => LONGEST_WORDS,
+        false => *letters,
+    };
+    widths.iter().map(|w| width(w) + GUTTER).sum()
+}
+
+/// Whether a cell is too long for a line and can be broken: a digest cannot.
+fn breaks(cell: &Printed) -> bool {
+    matches!(cell, Printed::Text(text) if letters(cell) > LONGEST_WORDS && text.contains(' '))
+}
+
+/// How many letters a cell has.
+fn letters(cell: &Printed) -> usize {
+    match cell {
+        Printed::Empty => 0,
+        Printed::Undefined => 1,
+        Printed::Text(text) => text.chars().count(),
+        Printed::Rich(pieces) => letters_of(pieces),
+        Printed::Number(n) => n.ascii().len(),
+        Printed::Interval(low, high) => n_letters(low) + n_letters(high) + 4,
+        Printed::Flag(_) => 3,
+    }
+}
+
+fn n_letters(n: &Rounded) -> usize {
+    n.ascii().len()
+}
+
+fn letters_of(pieces: &[Piece]) -> usize {
+    pieces.iter().map(|p| p.text.chars().count()).sum()
 }
 
 fn row(cells: &[String]) -> String {
     format!("{} \\\\", cells.join(" & "))
 }
 
-fn column(head: &Head) -> String {
+fn column(head: &Head, breaks: bool) -> String {
     match (head.decimal, head.align) {
+        _ if breaks => PARAGRAPH.into(),
         (Some((whole, fraction)), _) => format!("S[table-format={whole}.{fraction}]"),
         (None, Align::Left) => "l".into(),
         (None, Align::Center) => "c".into(),
@@ -167,8 +318,6 @@ fn escape_char(c: char) -> String {
         '"' => "''",
         '[' => "{[}",
         ']' => "{]}",
-        '²' => "\\textsuperscript{2}",
-        '³' => "\\textsuperscript{3}",
         '°' => "\\textdegree{}",
         'µ' | 'μ' => "\\textmu{}",
         '–' => "--",
@@ -178,8 +327,6 @@ fn escape_char(c: char) -> String {
         '\u{2009}' | '\u{202f}' => "\\,",
         '\u{2212}' => "\\(-\\)",
         '√' => "\\(\\surd\\)",
-        '⁻' => "\\textsuperscript{-}",
-        '⁶' => "\\textsuperscript{6}",
         'ϕ' | 'φ' => "\\(\\phi\\)",
         '×' => "\\(\\times\\)",
         '±' => "\\(\\pm\\)",
@@ -191,9 +338,17 @@ fn escape_char(c: char) -> String {
         '∞' => "\\(\\infty\\)",
         '∅' | '⌀' => "\\(\\emptyset\\)",
         '{' | '}' | '$' | '&' | '#' | '_' | '%' => return format!("\\{c}"),
+        _ if let Some(raised) = raised(c) => return format!("\\textsuperscript{{{raised}}}"),
         _ => return greek(c).map_or_else(|| c.to_string(), |name| format!("\\({name}\\)")),
     };
     fixed.to_string()
+}
+
+/// The sign of which a character is the superscript.
+fn raised(c: char) -> Option<char> {
+    const RAISED: [char; 11] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹', '⁻'];
+    const SIGNS: [char; 11] = ['0', '1', '2', '3', '4', '5', '6', '7', '8', '9', '-'];
+    RAISED.iter().position(|r| *r == c).map(|k| SIGNS[k])
 }
 
 /// The command of a Greek letter that the Latin alphabet does not have.
@@ -221,11 +376,12 @@ mod tests {
 
     #[test]
     fn golden() {
-        let expected = r#"% needs \usepackage{booktabs} and \usepackage{siunitx}
+        let expected = r#"% needs \usepackage{array,booktabs,graphicx,rotating,siunitx}
 \begin{table}[tbp]
 \centering
 \caption{Coefficients of \(F_{620}\), \(R^{2}\) \& \(\varepsilon \)*}
 \label{tab:coefficients}
+\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%
 \begin{tabular}{@{}llS[table-format=2.2]crc@{}}
 \toprule
  &  & \multicolumn{2}{c}{Estimate} &  &  \\
@@ -237,11 +393,44 @@ A\&B ''x'', \#1 & \(b_{1}\) & -7.1 & {[}\num{-8.3}, \num{-5.9}{]} & \num{12345} 
 two lines \textbar{} a\_b & \(F_{620}\) & 0.25 &  & \num{7} & no \\
 \bottomrule
 \end{tabular}
+}
 
-\smallskip{\footnotesize Sizes in \textmu{}m\_; 5 \% of all.\par}
+\smallskip\parbox{\linewidth}{\footnotesize Sizes in \textmu{}m\_; 5 \% of all.}
 \end{table}
 "#;
         assert_eq!(Latex.render(&sample()), expected);
+    }
+
+    /// A table of so many rows with so many columns of words.
+    fn words(rows: usize, columns: usize, word: &str) -> String {
+        use crate::described::Described;
+        let column = |t: Described<'static, usize>, k: usize| {
+            let word = word.to_owned();
+            t.text(&format!("c{k}"), "Heading", move |_| word.clone())
+        };
+        let table = Described::<usize>::new("t", "T").note("N");
+        Latex.render(&(0..columns).fold(table, column).rows(0..rows))
+    }
+
+    #[test]
+    fn a_table_is_scaled_to_its_line_a_wide_one_turned_and_long_words_are_broken() {
+        let narrow = words(3, 2, "word");
+        assert!(narrow.contains(SCALED) && !narrow.contains("sidewaystable"));
+        let very_wide = words(3, 20, "some words");
+        assert!(very_wide.contains("\\begin{sidewaystable}"));
+        assert!(words(1, 1, &"word ".repeat(20)).contains(PARAGRAPH));
+    }
+
+    #[test]
+    fn a_long_table_goes_on_in_further_ones_and_loses_no_row() {
+        let text = words(400, 2, "word");
+        let tables = text.matches("\\begin{table}").count();
+        assert_eq!(tables, 400 / LINES[0]);
+        assert_eq!(text.matches("(continued)").count(), tables - 1);
+        assert_eq!(text.matches("word & word").count(), 400);
+        assert_eq!(text.matches("\\clearpage").count(), (tables - 1) / FLUSHED);
+        assert_eq!(text.matches("\\label").count(), 1);
+        assert_eq!(text.matches("footnotesize N").count(), 1);
     }
 
     #[test]

@@ -2,10 +2,11 @@
 
 use crate::wording::name::{self, nouns};
 use crate::wording::number::{NONE, error, error_or_none, error_with_unit, percent, unit};
-use crate::wording::sentence::{self, Answer, clauses, has_terms};
-use pipeline_findings::{CampaignFindings, Errors};
+use crate::wording::sentence::{self, Answer, clauses, counted, has_terms};
+use pipeline_findings::{CampaignFindings, Errors, Verdict};
 use pipeline_mechanics::models;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// The numbers of readings after which the error is shown; the first page has one of them.
 const GIVEN: [&str; 4] = ["1", "2", "3", "5"];
@@ -35,6 +36,18 @@ fn change(found: &CampaignFindings, of: impl Fn(&Errors) -> Option<f64>) -> Stri
 
 fn named(found: &CampaignFindings) -> String {
     format!("{} ({})", name::campaign(found), unit(&found.unit))
+}
+
+/// The names of those of which nothing could be said, by the reason.
+pub(super) fn not_assessed<'a>(
+    all: impl Iterator<Item = &'a CampaignFindings>,
+) -> BTreeMap<String, Vec<String>> {
+    let mut by_reason: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for found in all.filter(|found| found.verdict == Verdict::NotAssessed) {
+        let names = by_reason.entry(clauses(found).found).or_default();
+        names.push(name::campaign(found));
+    }
+    by_reason
 }
 
 /// The errors of one model of a campaign after a few readings of each session.
@@ -153,10 +166,6 @@ fn base_model(id: &str) -> String {
             name::model_name(id, title.unwrap_or(id)).to_owned()
         }
     }
-}
-
-fn counted(n: usize, one: &str, several: &str) -> String {
-    format!("{n} {}", if n == 1 { one } else { several })
 }
 
 /// Source, scatter behind it, root, share of the variance.

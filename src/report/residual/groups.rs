@@ -8,6 +8,9 @@ use crate::wording::number::{
 use crate::wording::sentence::{recorded_size, set_aside};
 use pipeline_findings::{CampaignFindings, RecordingError, Scatter};
 
+/// A smaller misfit, as a share of the force, is printed as smaller than this.
+const LEAST_MISFIT: f64 = 1e-4;
+
 /// What, of each, how many, standard deviation with interval, declared, gain.
 pub(super) fn scatter(s: &Scatter) -> [String; 6] {
     let (factor, in_unit) = if s.unit == "1" {
@@ -41,7 +44,16 @@ pub(super) fn misfit(found: &CampaignFindings) -> String {
         return String::new();
     };
     let nouns = name::nouns(found);
-    let share = |x: f64| rounded(100.0 * x, Rounding::Digits(2));
+    let share = |x: f64| {
+        if x < LEAST_MISFIT {
+            format!(
+                "under {}",
+                rounded(100.0 * LEAST_MISFIT, Rounding::Digits(1))
+            )
+        } else {
+            rounded(100.0 * x, Rounding::Digits(2))
+        }
+    };
     let sensitive: Vec<String> = m.sensitive.iter().map(|id| name::candidate(id)).collect();
     let changes = if sensitive.is_empty() {
         "No answer changes where the prior scales of the misfit are halved or doubled.".to_owned()

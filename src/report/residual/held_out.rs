@@ -6,7 +6,7 @@ use crate::wording::number::{
     NONE, error, error_or_none, error_with_unit, gain, percent_or_none, rounded, size,
     unit as unit_name,
 };
-use pipeline_findings::{Alternative, CampaignFindings, CoefficientChange, UnitErrors};
+use pipeline_findings::{Alternative, CampaignFindings, CoefficientChange, Parameter, UnitErrors};
 
 /// Log-likelihoods that differ by less tell nothing apart.
 const CLOSE: f64 = 2.0;
@@ -106,7 +106,7 @@ fn parts(a: &Alternative) -> String {
 
 /// Parts, parameters, log-likelihood, held-out error, log density, numbers.
 pub(super) fn alternative(found: &CampaignFindings, a: &Alternative) -> [String; 6] {
-    let numbers: Vec<String> = a.numbers.iter().map(size).collect();
+    let numbers: Vec<String> = a.numbers.iter().map(number).collect();
     [
         name::capitalised(&parts(a)),
         a.parameters.to_string(),
@@ -116,6 +116,12 @@ pub(super) fn alternative(found: &CampaignFindings, a: &Alternative) -> [String;
             .map_or_else(|| NONE.to_owned(), |d| rounded(d, Rounding::Decimals(2))),
         numbers.join("; "),
     ]
+}
+
+/// A number of a part with its interval; where it has none, it ran to its bound.
+fn number(p: &Parameter) -> String {
+    let at_bound = p.ci_low.is_none() && p.ci_high.is_none();
+    size(p) + if at_bound { " (at its bound)" } else { "" }
 }
 
 /// Which of the alternatives the likelihood prefers: the one with the fewest parts that does as well as the best, if there is one such; what the next
@@ -192,7 +198,7 @@ fn lowest_error(found: &CampaignFindings, chosen: &Alternative) -> String {
         return String::new();
     }
     format!(
-        "; the error on {} is lowest with {}, {} beside {}",
+        "; the error on {} is lowest with {}, {} against {}",
         name::held_out(found),
         parts(other),
         error(error_there, &found.unit),

@@ -2,8 +2,8 @@
 
 use crate::number::Rounding;
 use crate::wording::name;
-use crate::wording::number::{error_rounding, error_with_unit, percent, plain};
-use crate::wording::sentence::{conditions, measurement, worth_words};
+use crate::wording::number::{self, error_rounding, error_with_unit, percent, plain};
+use crate::wording::sentence::{conditions, is_worth_credible, measurement, worth_words};
 use pipeline_findings::{
     CampaignFindings, DetectionLimit, EffectFinding, NextKind, NextMeasurement, NotMeasurable,
     WhyNot,
@@ -98,8 +98,11 @@ fn reason(found: &CampaignFindings, one: &NotMeasurable) -> (String, String) {
 /// What to measure, and what stands behind it of its worth; the latter empty where that was not computed.
 pub(super) fn next(found: &CampaignFindings) -> Vec<[String; 2]> {
     let nouns = name::nouns(found);
+    let is_credible = |n: &NextMeasurement| n.worth.is_none_or(|w| is_worth_credible(found, w));
     let row = |n: &NextMeasurement| {
-        let worth = worth_words(n).map_or_else(String::new, |words| format!(" {words}"));
+        let credible = n.kind == NextKind::Separate || is_credible(n);
+        let worth = worth_words(n).filter(|_| credible);
+        let worth = worth.map_or_else(String::new, |words| format!(" {words}"));
         [name::capitalised(&measurement(n, &nouns)), worth]
     };
     let all = &found.next_measurement;
@@ -108,9 +111,29 @@ pub(super) fn next(found: &CampaignFindings) -> Vec<[String; 2]> {
         .filter(|n| n.kind != NextKind::SetPoints)
         .map(row)
         .collect();
-    rows.extend(set_points(found));
+    let mut points = all.iter().filter(|n| n.kind == NextKind::SetPoints);
+    if points.all(is_credible) {
+        rows.extend(set_points(found));
+    }
     rows
 }
+
+/// Why what measurements would be worth is not said, or not of all, in a sentence; empty where it is.
+pub(super) fn worth_withheld(found: &CampaignFindings) -> String {
+    let of_error = found.next_measurement.iter();
+    let mut of_error = of_error.filter(|n| n.kind != NextKind::Separate);
+    if of_error.all(|n| n.worth.is_none_or(|w| is_worth_credible(found, w))) {
+        return String::new();
+    }
+    let units = name::nouns(found).units;
+    format!(
+        "What a measurement is worth is a fall of the error that the model with the effects expects, and is left out where that says nothing of unseen {units}: \
+         where the error on them rises with the effects, or the fall is more than all of it."
+    )
+}
+
+/// Under which a measurement has how many set points its worth is of together.
+const TOTAL: &str = "set_points";
 
 /// The further set points in one row: those that are worth something with what each is worth, and what the best are worth together; else that none is.
 fn set_points(found: &CampaignFindings) -> Option<[String; 2]> {
@@ -118,8 +141,9 @@ fn set_points(found: &CampaignFindings) -> Option<[String; 2]> {
         let all = found.next_measurement.iter();
         all.filter(|n| n.kind == NextKind::SetPoints)
     };
-    let is_total = |n: &&NextMeasurement| n.at.contains_key("set_points");
-    let total = all().find(is_total).and_then(|n| n.worth);
+    let is_total = |n: &&NextMeasurement| n.at.contains_key(TOTAL);
+    let total = all().find(is_total);
+    let total = total.and_then(|n| Some((*n.at.get(TOTAL)? as usize, n.worth?)));
     let single: Vec<(&NextMeasurement, f64)> = all()
         .filter(|n| !is_total(n))
         .filter_map(|n| Some((n, n.worth?)))
@@ -127,14 +151,15 @@ fn set_points(found: &CampaignFindings) -> Option<[String; 2]> {
     let unit = &single.first()?.0.unit;
     let worthy = |worth: f64| worth >= least_worth(found);
     let good: Vec<&(&NextMeasurement, f64)> = single.iter().filter(|(_, w)| worthy(*w)).collect();
-    let together = total.filter(|total| {
+    let together = total.filter(|(_, total)| {
         let largest = single.iter().map(|(_, w)| *w).fold(0.0, f64::max);
         *total > largest
     });
-    if good.is_empty() && !together.is_some_and(worthy) {
+    if good.is_empty() && !together.is_some_and(|(_, total)| worthy(total)) {
         let nothing = format!(
-            "No further set point on these {} is worth anything",
-            name::nouns(found).units
+            "No further set point on these {} is worth {}",
+            name::nouns(found).units,
+            error_with_unit(least_worth(found), unit)
         );
         return Some([nothing, String::new()]);
     }
@@ -146,14 +171,19 @@ fn set_points(found: &CampaignFindings) -> Option<[String; 2]> {
         };
         good.iter().map(point).collect()
     };
-    let sum = together.map_or_else(String::new, |total| {
-        format!("; the best together {}", error_with_unit(total, unit))
+    let sum = together.map_or_else(String::new, |(count, total)| {
+        format!(
+            "; the best {} together {}",
+            number::count(count),
+            error_with_unit(total, unit)
+        )
     });
+    let least = error_with_unit(least_worth(found), unit);
     let plural = if points.len() == 1 { "" } else { "s" };
     let others = if good.is_empty() {
-        "; none of them is worth anything alone"
+        format!("; none of them alone is worth {least}")
     } else {
-        "; no other set point is worth anything"
+        format!("; no other alone is worth {least}")
     };
     Some([
         format!(
@@ -201,7 +231,7 @@ mod tests {
         best.at = [("set_points".to_owned(), 5.0)].into();
         assert_eq!(
             said(vec![best, set_point(0.0, 0.014), set_point(0.25, 0.006)]),
-            "No further set point on these specimens is worth anything"
+            "No further set point on these specimens is worth 0.05 N"
         );
     }
 
@@ -209,7 +239,7 @@ mod tests {
     fn what_set_points_are_worth_is_said_once_for_each_that_is_worth_something() {
         assert_eq!(
             said(vec![set_point(0.0, 0.34), set_point(0.25, 0.01)]),
-            "Further set point on these specimens: ε* = 0.00 (0.34 N); no other set point is worth anything"
+            "Further set point on these specimens: ε* = 0.00 (0.34 N); no other alone is worth 0.05 N"
         );
     }
 }

@@ -26,6 +26,7 @@ use crate::wording::number::unit;
 use pipeline_base::error::Result;
 use pipeline_findings::CampaignFindings;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 const TEMPLATE: &str = include_str!("../templates/residual.typ");
 
@@ -54,6 +55,8 @@ impl Figures {
 struct Own {
     /// Those with a section.
     campaigns: Vec<Campaign>,
+    /// Names of those that were not assessed, by the reason.
+    not_assessed: BTreeMap<String, Vec<String>>,
     /// The errors of these in three forms.
     errors: Vec<[String; 4]>,
     /// Their errors after a few readings.
@@ -65,7 +68,7 @@ struct Own {
 
 /// A section.
 #[derive(Serialize)]
-struct Campaign {
+pub(crate) struct Campaign {
     /// What labels of its tables end with.
     key: String,
     name: String,
@@ -105,7 +108,15 @@ struct Campaign {
     limits: Vec<[String; 4]>,
     not_measurable: Vec<limits::Cannot>,
     next: Vec<[String; 2]>,
+    worth_withheld: String,
     figures: Vec<Picture>,
+}
+
+impl Campaign {
+    /// Whether the supplement has anything of it.
+    pub(crate) fn varies(&self) -> bool {
+        !self.scatter.is_empty() || !self.coefficients.is_empty()
+    }
 }
 
 /// One campaign, pool or joint, with its figures where it has a section.
@@ -162,10 +173,8 @@ pub fn residual_pdf(
     let with_section = || entries.iter().filter_map(|e| Some((e.found, e.figures?)));
     let without = entries.iter().filter(|e| e.figures.is_none());
     let own = Own {
-        campaigns: with_section()
-            .enumerate()
-            .map(|(k, (found, f))| campaign(k, found, f))
-            .collect(),
+        campaigns: sections(input, figures),
+        not_assessed: front::not_assessed(with_section().map(|(found, _)| found)),
         errors: with_section()
             .filter_map(|(found, _)| front::errors(found))
             .collect(),
@@ -184,6 +193,14 @@ pub fn residual_pdf(
         .document(TEMPLATE, date)?
         .with_figures(drawn.chain(&figures.budget));
     document.compile().map(Some)
+}
+
+/// The sections, in the order of the pages.
+pub(crate) fn sections(input: &ReportInput, figures: &Figures) -> Vec<Campaign> {
+    let entries = entries(input, figures);
+    let with_section = entries.iter().filter_map(|e| Some((e.found, e.figures?)));
+    let section = |(k, (found, figures))| campaign(k, found, figures);
+    with_section.enumerate().map(section).collect()
 }
 
 fn campaign(place: usize, found: &CampaignFindings, figures: &[(Kind, Drawn)]) -> Campaign {
@@ -244,6 +261,7 @@ fn campaign(place: usize, found: &CampaignFindings, figures: &[(Kind, Drawn)]) -
         limits: found.detection_limits.iter().map(limits::limit).collect(),
         not_measurable: limits::not_measurable(found),
         next: limits::next(found),
+        worth_withheld: limits::worth_withheld(found),
         figures: figures
             .iter()
             .map(|(kind, drawn)| Picture::new(drawn).of_kind(*kind))

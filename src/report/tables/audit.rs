@@ -37,7 +37,7 @@ impl<'a> Row<'a> {
 pub fn audit(audit: &Audit) -> Table {
     let claims: Vec<Row> = audit.claims.iter().map(Row::Claim).collect();
     let cases = audit.rules.iter().map(|rule| rule.cases.iter().map(move |case| Row::Case(rule, case)).collect());
-    Described::<Row>::new("audit", "The papers' numeric claims beside what is recomputed, and their consistency")
+    Described::<Row>::new("audit", "The papers' numeric claims against what is recomputed, and their consistency")
         .text("kind", "Kind", |r| r.of(|_| "claim", |_, _| "consistency")).machines()
         .text("id", "Id", |r| r.of(|f| f.claim.id.as_str(), |rule, _| rule.id)).machines()
         .text("paper", "Paper", |r| r.claim(|f| &f.paper)).machines()

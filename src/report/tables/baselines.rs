@@ -2,6 +2,7 @@
 
 use crate::described::*;
 use crate::input::ReportInput;
+use crate::wording::name::model_name;
 use pipeline_mechanics::models::gate::{Gate, gate};
 
 /// The table; it depends on no data.
@@ -9,7 +10,8 @@ use pipeline_mechanics::models::gate::{Gate, gate};
 pub fn baselines(_: &ReportInput) -> Table {
     let gates = gate();
     Described::<&Gate>::new("baselines", "Baselines: what each model reproduces before it is compared")
-        .text("model", "Model", |g| g.model)
+        .text("model", "Model", |g| g.model).machines()
+        .text("title", "Model", |g| model_name(g.model, g.model)).people().once()
         .count("diameter_mm", "⌀", Mm, |g| is_known(g).then_some(g.diameter_mm))
         .text("against", "Reproduces", |g| if is_known(g) { g.against } else { "nothing: its authors printed no force" })
         .count("values", "Values", One, |g| g.values)

@@ -1,9 +1,10 @@
-//! `model_comparison`, `comparison_by_length`: every model on the same readings, and on each specimen.
+//! `model_comparison`, `comparison_by_length`: every model on the readings that it answers, on those that the ranked models have in common, and on
+//! each specimen.
 
 use crate::described::*;
 use crate::input::GroupInput;
-use crate::wording::name::model_name;
-use pipeline_compare::{Comparison, GroupComparison, SpecimenComparison};
+use crate::wording::name::{model_name, split};
+use pipeline_compare::{COMMON, Comparison, GroupComparison, SpecimenComparison};
 
 type Row<'a> = (&'a GroupComparison, &'a Comparison);
 
@@ -12,19 +13,22 @@ pub fn models(groups: &[GroupInput]) -> Table {
     models_where(groups, |_| true)
 }
 
-/// The same for people: a published model has seen none of the rows, so that one split says all of it.
+/// The same for people: a published model has seen none of the rows, so that one split says all of it, beside the readings on which all are ranked.
 pub fn models_in_print(groups: &[GroupInput]) -> Table {
-    models_where(groups, |c| c.fitted_here != (c.split == "all"))
+    models_where(groups, |c| {
+        c.split == COMMON || c.fitted_here != (c.split == "all")
+    })
 }
 
 #[rustfmt::skip]
 fn models_where(groups: &[GroupInput], shown: fn(&Comparison) -> bool) -> Table {
-    Described::<Row>::new("model_comparison", "Every model on the same readings")
+    Described::<Row>::new("model_comparison", "Every model on the readings that it answers, and on common ones")
         .group(|(g, _)| &g.group)
         .text("model", "Model", |(_, c)| &c.model).machines()
         .text("title", "Model", |(_, c)| model_name(&c.model, &c.title)).people().once()
         .flag("fitted_here", "Fitted", |(_, c)| c.fitted_here).machines()
-        .text("split", "Split", |(_, c)| &c.split)
+        .text("split", "Split", |(_, c)| &c.split).machines()
+        .text("readings", "Readings", |(_, c)| split(&c.split)).people()
         .count("n", "\\v{n}", One, |(_, c)| c.n)
         .number("adj_r2", "Adj. R^2", One, Decimals(4), |(_, c)| c.adj_r2)
         .number("rmse", "RMSE", N, Decimals(2), |(_, c)| c.rmse)
@@ -35,7 +39,7 @@ fn models_where(groups: &[GroupInput], shown: fn(&Comparison) -> bool) -> Table 
         .count("n_excluded", "Outside", One, |(_, c)| c.n_excluded)
         .count("n_extrapolated", "Extrap.", One, |(_, c)| c.n_extrapolated)
         .note(
-            "Errors and bias are measured minus predicted. \\v{Outside}: readings for which the model has no answer, not counted in its errors; \
+            "Only errors on common readings rank the models: those that the new model (fitted without their specimen), Hunt 2017 and the Festo tool all answer. Errors and bias are measured minus predicted. \\v{Outside}: readings for which the model has no answer, not counted in its errors; \
              \\v{Extrap.}: readings beyond the model's own data, counted. Directions of filling and venting enter Hunt's model as \\v{S} = 0, the mean of both.",
         )
         .blocks(groups.iter().flat_map(|g| by_model(&g.comparison, shown)))

@@ -71,11 +71,15 @@ pub mod prediction;
 pub use audit::audit;
 
 /// The tables that the pages show once.
-pub fn once(input: &ReportInput) -> [Table; 5] {
+pub fn once(input: &ReportInput) -> [Table; 1] {
+    [rejects::summary(input)]
+}
+
+/// The tables that the supplement shows once.
+pub fn supplementary(input: &ReportInput) -> [Table; 4] {
     [
         sessions::sessions(input),
         zeros::zeros(input),
-        rejects::summary(input),
         baselines::baselines(input),
         provenance::provenance(input),
     ]
@@ -83,18 +87,47 @@ pub fn once(input: &ReportInput) -> [Table; 5] {
 
 /// The tables that the pages show of one group, named after it.
 pub fn of_group(group: &GroupInput) -> impl Iterator<Item = Table> {
-    let shown: [fn(&[GroupInput]) -> Table; 8] = [
+    let shown: [fn(&[GroupInput]) -> Table; 3] =
+        [paper::table1, paper::table2, comparison::models_in_print];
+    of_one(shown, group, (slug(group), group_name(group)))
+}
+
+/// What captions call a group.
+fn group_name(group: &GroupInput) -> String {
+    let of = &group.fit.group;
+    format!("{}, {} mm", of.campaign, of.diameter_mm)
+}
+
+/// The tables that the supplement shows of one group, named after it.
+pub fn supplementary_of_group(group: &GroupInput) -> impl Iterator<Item = Table> {
+    let shown: [fn(&[GroupInput]) -> Table; 5] = [
         specimens::specimens,
-        paper::table1,
-        paper::table2,
         coefficients::coefficients,
-        goodness::statistics,
-        comparison::models_in_print,
-        comparison::by_length,
         coefficients::intervals,
+        goodness::statistics,
+        comparison::by_length,
     ];
-    let table = |make: fn(&[GroupInput]) -> Table| make(from_ref(group)).named(&slug(group));
-    shown.into_iter().map(table)
+    of_one(shown, group, (slug(group), group_name(group)))
+}
+
+/// The tables that the pages show of one thing, named after it in their files and in their captions.
+fn of_one<T, const N: usize>(
+    shown: [fn(&[T]) -> Table; N],
+    one: &T,
+    (file, name): (String, String),
+) -> impl Iterator<Item = Table> {
+    let tables = shown.into_iter().map(|make| make(from_ref(one)));
+    tables.map(move |mut table| {
+        table.caption = format!("{name}: {}", uncapitalised(&table.caption));
+        table.named(&file)
+    })
+}
+
+/// A caption that goes on behind a colon.
+fn uncapitalised(caption: &str) -> String {
+    let mut letters = caption.chars();
+    let first = letters.next().map(char::to_lowercase);
+    first.into_iter().flatten().chain(letters).collect()
 }
 
 impl<'a, R: Copy + 'a> Described<'a, R> {

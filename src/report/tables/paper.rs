@@ -41,8 +41,8 @@ fn maximum_force(group: &GroupInput) -> impl Iterator<Item = Block<'_>> {
     let at_rest = maxima.and_then(|m| m.force_at_rest);
     let festo = maxima.and_then(|m| m.festo_tool);
     let equations = [
-        (FORCE_AT_REST, "Eq. 7", at_rest),
-        (MAXIMUM_FORCE, "Eqs. 5, 6", festo),
+        (FORCE_AT_REST, "paper Eq. 7", at_rest),
+        (MAXIMUM_FORCE, "paper Eqs. 5, 6", festo),
     ];
     let block = move |(id, number, compared): (&str, _, Option<Goodness>)| {
         let equation = group.fit.equation(id)?;
@@ -66,7 +66,7 @@ fn relative_force(group: &GroupInput) -> Option<Block<'_>> {
     Some(Block {
         group,
         equation,
-        number: "Eq. 8",
+        number: "paper Eq. 8",
         model: split.map_or_else(|| all_rows(equation), |s| Side::of(&s.train)),
         lar: split.and_then(|s| s.compatible.as_ref()),
         compared: split.map(|s| Side::of(&s.validation)),

@@ -25,8 +25,6 @@ pub fn rejects(input: &ReportInput) -> Table {
 
 /// A session that could not be read.
 fn unusable(name: &str, diagnostic: &Diagnostic) -> Reject {
-    let column = diagnostic.column.as_deref().unwrap_or("session.toml");
-    let (found, expected) = (&diagnostic.found, &diagnostic.expected);
     Reject {
         session: name.to_owned(),
         log: "session.toml".to_owned(),
@@ -34,7 +32,7 @@ fn unusable(name: &str, diagnostic: &Diagnostic) -> Reject {
         last_row: diagnostic.row,
         count: 0,
         extent: Extent::Session,
-        reason: format!("{column}: found {found}, expected {expected}"),
+        reason: in_words(diagnostic),
     }
 }
 
@@ -56,23 +54,30 @@ pub fn summary(input: &ReportInput) -> Table {
         .count("times", "Times", One, |(.., t)| t.times)
         .count("rows", "Rows", One, |(.., t)| t.rows)
         .count("sessions", "Sessions", One, |(.., t)| t.sessions.len())
-        .rows(tallies.iter().map(|((extent, reason), t)| (*extent, *reason, t)))
+        .rows(tallies.iter().map(|((extent, reason), t)| (*extent, reason.as_str(), t)))
 }
 
-fn tallies(input: &ReportInput) -> BTreeMap<(Extent, &str), Tally<'_>> {
-    let mut tallies: BTreeMap<(Extent, &str), Tally> = BTreeMap::new();
-    let mut add = |extent, reason, rows, session| {
+fn tallies(input: &ReportInput) -> BTreeMap<(Extent, String), Tally<'_>> {
+    let mut tallies: BTreeMap<(Extent, String), Tally> = BTreeMap::new();
+    let mut add = |extent, reason: String, rows, session| {
         let tally = tallies.entry((extent, reason)).or_default();
         tally.times += 1;
         tally.rows += rows;
         tally.sessions.insert(session);
     };
     for r in input.sessions.iter().flat_map(|s| s.rejects()) {
-        add(r.extent, &r.reason, r.count, &r.session);
+        add(r.extent, r.reason.clone(), r.count, &r.session);
     }
     for (name, diagnostics) in &input.unusable {
-        let reason = diagnostics.first().map_or("unusable", |d| &d.found);
+        let reason = diagnostics.first().map_or_else(String::new, in_words);
         add(Extent::Session, reason, 0, name);
     }
     tallies
+}
+
+/// What is wrong with a session: what stands where, and what should.
+fn in_words(diagnostic: &Diagnostic) -> String {
+    let column = diagnostic.column.as_deref().unwrap_or("session.toml");
+    let (found, expected) = (&diagnostic.found, &diagnostic.expected);
+    format!("{column}: found {found}, expected {expected}")
 }

@@ -1,5 +1,6 @@
 //! What things are called: effects, columns, random effects, sources of error, reasons.
 
+use pipeline_compare::NEW;
 use pipeline_findings::{
     ActsOn, CampaignFindings, EffectFinding, ErrorKind, HeldOutBy, Level, NotAssessed,
     NotMeasurable, Verdict, WhyNot,
@@ -343,8 +344,11 @@ pub fn part(part: &str) -> String {
     effect(part)
 }
 
-/// Published models by id: who made them, and what they are called in tables and legends.
-const MODELS: [(&str, &str, &str); 6] = [
+/// Models by id: who made them, and what they are called in every table, legend and sentence.
+const MODELS: [(&str, &str, &str); 9] = [
+    (NEW, "New", "New model, fitted"),
+    ("new_published", "New", "New model, published"),
+    ("knee_paper", "Knee paper", "Earlier form (knee paper)"),
     ("chou_hannaford", "Chou", "Chou and Hannaford 1996"),
     ("festo_tool", "Festo", "Festo tool"),
     ("hunt2017", "Hunt", "Hunt 2017"),
@@ -353,17 +357,28 @@ const MODELS: [(&str, &str, &str); 6] = [
     ("tondu_lopez", "Tondu", "Tondu and Lopez 2000"),
 ];
 
-/// A model in tables and legends; its title where it has no shorter name.
+/// What a model is called; its title where it has no shorter name.
 pub fn model_name<'a>(id: &str, title: &'a str) -> &'a str {
-    match id {
-        "knee_paper" => "Earlier form",
-        _ => MODELS.iter().find(|m| m.0 == id).map_or(title, |m| m.2),
-    }
+    MODELS.iter().find(|m| m.0 == id).map_or(title, |m| m.2)
 }
 
 /// The first of a model's authors, or its maker; its title where nobody is known.
 pub fn model_author<'a>(id: &str, title: &'a str) -> &'a str {
     MODELS.iter().find(|m| m.0 == id).map_or(title, |m| m.1)
+}
+
+/// The readings on which a model is judged; those of a split are unseen where the model was fitted to others.
+pub fn split(id: &str) -> &str {
+    match id {
+        "train" => "fitted",
+        "loso" => "unseen specimens",
+        "validation" => "validation sessions",
+        "holdout" => "held-out sessions",
+        "rows_train" => "by row, fitted",
+        "rows_validation" => "by row, unseen",
+        "common" => "common, unseen",
+        other => other,
+    }
 }
 
 /// Words as a sentence lists them: `a, b and c`.

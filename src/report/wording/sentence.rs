@@ -6,8 +6,8 @@ use super::number::{
 };
 use crate::number::Rounding;
 use pipeline_findings::{
-    ActsOn, BudgetEntry, CampaignFindings, EffectFinding, ErrorKind, Level, NextKind,
-    NextMeasurement, RecordingError, Scatter, UnitErrors, Verdict,
+    ActsOn, BudgetEntry, CampaignFindings, EffectFinding, ErrorKind, FormPoint, FreeForm, Level,
+    NextKind, NextMeasurement, RecordingError, Scatter, UnitErrors, Verdict,
 };
 use pipeline_mechanics::effects;
 use pipeline_torque::diagnose::terms::usual;
@@ -28,6 +28,8 @@ const DENSITIES_ALIKE: f64 = 0.01;
 const FAR_FROM_EXPECTED: f64 = 1.25;
 /// Most members of an alias set, and most recording errors, that a sentence names.
 const MOST_NAMED: usize = 3;
+/// A range that is shorter than this share of its larger end says nothing of a change along it.
+const NARROW: f64 = 0.1;
 /// The readings of each set-up of which the answer speaks; beside it the table has the others.
 const READINGS_GIVEN: &str = "3";
 
@@ -76,9 +78,9 @@ pub fn clauses(found: &CampaignFindings) -> Clauses {
             1 => Some("one recording error, see residual.pdf".to_owned()),
             n => Some(format!("{} recording errors, see residual.pdf", count(n))),
         },
-        found: answer(found, effect_with_size),
-        found_in_short: answer(found, size_of),
-        found_by_name: answer(found, called),
+        found: answer(found, |e| (size_of(e), indistinguishable(e))),
+        found_in_short: answer(found, |e| (size_of(e), None)),
+        found_by_name: answer(found, |e| (called(e), None)),
         found_in_part: in_part(found),
         limits: found.verdict == Verdict::None && !found.detection_limits.is_empty(),
         unexplained: (found.verdict == Verdict::EffectFound)
@@ -93,13 +95,22 @@ pub fn clauses(found: &CampaignFindings) -> Clauses {
     }
 }
 
-/// What was found, without the errors.
-fn answer(found: &CampaignFindings, of_effect: fn(&EffectFinding) -> String) -> String {
+/// What was found, without the errors; of an effect its name, and a remark if there is one.
+fn answer(
+    found: &CampaignFindings,
+    of_effect: fn(&EffectFinding) -> (String, Option<String>),
+) -> String {
     let weighty: Vec<&EffectFinding> = found.effects.iter().filter(|e| !e.negligible).collect();
     let of_effect = |e: &EffectFinding| {
-        let large = beyond_usual(found, e).map_or("", |_| " (implausibly large)");
-        let one = of_one_group(found, e).map_or_else(String::new, |one| format!(" ({one})"));
-        of_effect(e) + large + &one
+        let (name, remark) = of_effect(e);
+        let large = beyond_usual(found, e).map(|_| "implausibly large".to_owned());
+        let remarks = [large, of_one_group(found, e), remark];
+        let remarks: Vec<String> = remarks.into_iter().flatten().collect();
+        if remarks.is_empty() {
+            name
+        } else {
+            format!("{name} ({})", remarks.join("; "))
+        }
     };
     match found.verdict {
         Verdict::NotAssessed => format!("not assessed: {}", name::not_assessed(found)),
@@ -162,19 +173,18 @@ pub fn beyond_usual(found: &CampaignFindings, e: &EffectFinding) -> Option<Strin
 fn of_one_group(found: &CampaignFindings, e: &EffectFinding) -> Option<String> {
     let scatters = |s: &&Scatter| s.id == e.id && s.values.len() == 1;
     let own = found.scatter.iter().find(scatters)?;
-    let level = name::level(own.level);
-    (e.acts_on == ActsOn::All).then(|| format!("indistinguishable from that of the one {level}"))
+    let (own, level) = (name::scatter(&own.id, own.level), name::level(own.level));
+    (e.acts_on == ActsOn::All).then(|| format!("perhaps the {own} of the only {level}"))
 }
 
-/// `threshold pressure of the bladder 60 kPa (indistinguishable from zero of the pressure sensor)`.
-fn effect_with_size(effect: &EffectFinding) -> String {
+/// `indistinguishable from zero of the pressure sensor`; none where its alias set holds it alone.
+fn indistinguishable(effect: &EffectFinding) -> Option<String> {
     let others: Vec<String> = alias_set(effect);
-    let alike = match others.len() {
-        0 => String::new(),
-        n if n <= MOST_NAMED => format!(" (indistinguishable from {})", listed(&others)),
-        n => format!(" (indistinguishable from {} other effects)", count(n)),
-    };
-    size_of(effect) + &alike
+    match others.len() {
+        0 => None,
+        n if n <= MOST_NAMED => Some(format!("indistinguishable from {}", listed(&others))),
+        n => Some(format!("indistinguishable from {} other effects", count(n))),
+    }
 }
 
 /// `threshold pressure of the bladder 60 kPa`.
@@ -205,16 +215,59 @@ pub fn alias_set(effect: &EffectFinding) -> Vec<String> {
     others.map(|id| name::effect(id)).collect()
 }
 
-/// `Its size changes with the force: one number is not enough (p = 0.01).`, or that one number is enough; none where that was not asked.
+/// `Its size changes with the force: one number is not enough (p = 0.01).`, or that one number is enough over the range in which it acts; none where
+/// that was not asked.
 pub fn form(effect: &EffectFinding) -> Option<String> {
     let free = effect.free_form.as_ref()?;
     let along = name::column(&free.argument);
     let p = equals_probability(free.p);
-    Some(if free.differs {
-        format!("Its size changes with the {along}: one number is not enough (p {p}).")
-    } else {
-        format!("One number is enough for its size, whatever the {along} (p {p}).")
+    let range = range_of(free);
+    Some(match range {
+        Some(range) if is_narrow(range) => format!(
+            "Whether its size changes with the {along} cannot be told: it acts {} only.",
+            range_words(range, &free.unit)
+        ),
+        _ if free.differs => format!(
+            "Its size changes with the {along}{}: one number is not enough (p {p}).",
+            between_ends(effect, free)
+        ),
+        Some(range) => format!(
+            "One number is enough for its size over the {along} at which it acts, {} (p {p}).",
+            range_words(range, &free.unit)
+        ),
+        None => format!("One number is enough for its size, whatever the {along} (p {p})."),
     })
+}
+
+/// `, from 101 kPa at 38 kPa to 309 kPa at 625 kPa, all else fitted again`: the sizes at the ends of the range.
+fn between_ends(effect: &EffectFinding, free: &FreeForm) -> String {
+    let ends = free.curve.first().zip(free.curve.last());
+    let (Some((first, last)), Some(size)) = (ends, effect.parameters.first()) else {
+        return String::new();
+    };
+    let end = |point: &FormPoint| {
+        let at = with_unit(&rounded(point.at, Rounding::Digits(2)), &free.unit);
+        format!("{} at {at}", plain(point.amplitude, &size.unit))
+    };
+    let (first, last) = (end(first), end(last));
+    format!(", from {first} to {last}, all else fitted again")
+}
+
+/// The range of the argument over which the size of an effect was looked at.
+fn range_of(free: &FreeForm) -> Option<(f64, f64)> {
+    let ends = free.curve.first().zip(free.curve.last());
+    ends.map(|(first, last)| (first.at, last.at))
+}
+
+/// Whether a range is so short that no change along it could be seen.
+fn is_narrow((low, high): (f64, f64)) -> bool {
+    high - low < NARROW * low.abs().max(high.abs())
+}
+
+fn range_words((low, high): (f64, f64), unit: &str) -> String {
+    let rounding = Rounding::Digits(3);
+    let high = with_unit(&rounded(high, rounding), unit);
+    format!("from {} to {high}", rounded(low, rounding))
 }
 
 /// `the error depends on humidity (p = 0.002), for which the library has no effect`.
@@ -345,7 +398,7 @@ fn with_own_values(found: &CampaignFindings) -> String {
         return String::new();
     }
     format!(
-        "; where its gain and lengths are known the error is larger with the effects, {} beside {}",
+        "; where its gain and lengths are known the error is larger with the effects, {} against {}",
         error(after, &found.unit),
         error_with_unit(before, &found.unit)
     )
@@ -367,14 +420,20 @@ fn densities(found: &CampaignFindings, error: Change) -> String {
             format!(", but the uncertainty stated with the predictions gets worse {numbers}")
         }
         (Change::Alike | Change::Worse, Change::Worse) => format!(
-            ", and the uncertainty stated with the predictions gets worse too {numbers}: the effects describe these {}, and do not help on another",
-            nouns(found).units
+            ", and the uncertainty stated with the predictions gets worse too {numbers}{}",
+            these_only(found)
         ),
         (Change::Alike | Change::Worse, Change::Better) => {
             format!(", but the uncertainty stated with the predictions gets better {numbers}")
         }
         _ => String::new(),
     }
+}
+
+/// What follows where neither the error nor its stated uncertainty gets better.
+fn these_only(found: &CampaignFindings) -> String {
+    let units = nouns(found).units;
+    format!(": the effects describe these {units}, and do not help on another")
 }
 
 /// `the error on unseen actuators goes from 8.09 to 3.02 N m, but its stated uncertainty gets worse`.
@@ -398,13 +457,15 @@ fn errors_in_short(found: &CampaignFindings) -> Option<String> {
         Change::Better => format!("the error on {on} goes from {from} to {to}"),
         Change::Alike if worse => {
             format!(
-                "the error on {on} does not fall ({from} to {to}), its stated uncertainty gets worse"
+                "the error on {on} does not fall ({from} to {to}), its stated uncertainty gets worse{}",
+                these_only(found)
             )
         }
         Change::Alike => format!("the error on {on} does not fall ({from} to {to})"),
         Change::Worse if worse => {
             format!(
-                "the error on {on} rises from {from} to {to}, its stated uncertainty gets worse"
+                "the error on {on} rises from {from} to {to}, its stated uncertainty gets worse{}",
+                these_only(found)
             )
         }
         Change::Worse => format!("the error on {on} rises from {from} to {to}"),
@@ -512,6 +573,14 @@ pub fn scatter_size(scatter: &Scatter) -> String {
     plain(scatter.sd_predictive, &scatter.unit)
 }
 
+/// Whether what a measurement would be worth can be relied on: it is a fall of the error that the model with the effects expects, and says nothing
+/// where that model is worse on unseen units than the one without, or where the fall would be more than all of the error that came out.
+pub fn is_worth_credible(found: &CampaignFindings, worth: f64) -> bool {
+    let rises = error_change(found).is_some_and(|(.., change)| change == Change::Worse);
+    let came_out = found.after.rmse_heldout.or(found.before.rmse_heldout);
+    !rises && came_out.is_none_or(|error| worth < error)
+}
+
 /// What the measurement that is worth most is worth.
 fn worth(found: &CampaignFindings) -> Option<String> {
     let in_units = found
@@ -522,7 +591,8 @@ fn worth(found: &CampaignFindings) -> Option<String> {
     let (best, worth) = in_units.max_by(|a, b| a.1.total_cmp(&b.1))?;
     let words = worth_words(best)?;
     let error = found.expected_rmse_heldout.unwrap_or(0.0);
-    (worth > WORTH_SAYING * error).then(|| format!("{} {words}", measurement(best, &nouns(found))))
+    let said = worth > WORTH_SAYING * error && is_worth_credible(found, worth);
+    said.then(|| format!("{} {words}", measurement(best, &nouns(found))))
 }
 
 /// `three readings of each session of a new specimen bring the error to 5.1 N`.
@@ -755,6 +825,22 @@ fn said(c: Clauses) -> Answer {
         limits: c.limits,
         rest: rest.map(|s| capitalised(&s) + ".").collect(),
     }
+}
+
+/// What was found with the errors, and what is worth measuring next, in sentences.
+pub fn answer_in_short(found: &CampaignFindings) -> Vec<String> {
+    let all = clauses(found);
+    let first = [Some(all.found), all.errors_in_short];
+    let first: Vec<String> = first.into_iter().flatten().collect();
+    let next = all.worth.map(|worth| format!("next: {worth}"));
+    let sentences = [Some(first.join(": ")), next].into_iter().flatten();
+    sentences.map(|s| capitalised(&s) + ".").collect()
+}
+
+/// A count with its noun: `1 reading`, `1,290 readings`.
+pub fn counted(n: usize, one: &str, several: &str) -> String {
+    let number = rounded(n as f64, Rounding::Decimals(0));
+    format!("{number} {}", if n == 1 { one } else { several })
 }
 
 /// The same as sentences, without a table to point to.

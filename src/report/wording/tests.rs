@@ -63,7 +63,7 @@ fn an_error_that_rises_and_a_density_that_falls_are_said_in_plain_words() {
     );
     found.after.rmse_heldout_calibrated = Some(9.0);
     found.before.rmse_heldout_calibrated = Some(5.0);
-    assert!(said(&found).ends_with("; where its gain and lengths are known the error is larger with the effects, 9.0 beside 5.0 N"));
+    assert!(said(&found).ends_with("; where its gain and lengths are known the error is larger with the effects, 9.0 against 5.0 N"));
     found.after.rmse_heldout = Some(18.6);
     assert!(said(&found).starts_with(
         "the error on unseen specimens does not fall: 18.7 without, 18.6 N with the effects"
@@ -265,18 +265,61 @@ fn an_id_without_a_name_is_spelled() {
 }
 
 #[test]
-fn a_free_form_says_whether_one_number_is_enough() {
+fn a_free_form_says_whether_one_number_is_enough_and_over_what_range() {
     let mut effect = example().effects.remove(0);
+    let said = |effect: &pipeline_findings::EffectFinding| {
+        super::sentence::form(effect).map(|s| s.replace('\u{a0}', " "))
+    };
     assert_eq!(
-        super::sentence::form(&effect).unwrap(),
-        "One number is enough for its size, whatever the force (p = 0.40)."
+        said(&effect).unwrap(),
+        "One number is enough for its size over the force at which it acts, from 0.00 to 50.0 N (p = 0.40)."
     );
     let free = effect.free_form.as_mut().unwrap();
     (free.p, free.differs) = (0.01, true);
-    assert_eq!(
-        super::sentence::form(&effect).unwrap(),
-        "Its size changes with the force: one number is not enough (p = 0.010)."
+    let differs = said(&effect).unwrap();
+    assert!(
+        differs.starts_with("Its size changes with the force, from ")
+            && differs.contains(" at 50 N, all else fitted again")
+            && differs.ends_with("one number is not enough (p = 0.010)."),
+        "{differs}"
     );
     effect.free_form = None;
-    assert_eq!(super::sentence::form(&effect), None);
+    assert_eq!(said(&effect), None);
+}
+
+#[test]
+fn a_free_form_over_a_short_range_says_that_nothing_can_be_told() {
+    let mut effect = example().effects.remove(0);
+    let free = effect.free_form.as_mut().unwrap();
+    free.curve.first_mut().unwrap().at = 615.0;
+    free.curve.last_mut().unwrap().at = 620.0;
+    let said = super::sentence::form(&effect).unwrap();
+    assert!(
+        said.starts_with("Whether its size changes") && !said.contains("enough"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_worth_that_cannot_be_relied_on_is_not_offered() {
+    let mut found = example();
+    assert!(clauses(&found).worth.is_some());
+    found.next_measurement[0].worth = Some(16.0);
+    assert!(found.after.rmse_heldout < Some(16.0));
+    assert_eq!(clauses(&found).worth, None, "more than all of the error");
+    found.next_measurement[0].worth = example().next_measurement[0].worth;
+    found.after.rmse_heldout = Some(25.0);
+    assert_eq!(clauses(&found).worth, None, "the error rises");
+}
+
+#[test]
+fn what_is_said_of_an_effect_stands_in_one_bracket() {
+    let mut found = example();
+    let effect = &mut found.effects[0];
+    let own = &mut found.scatter[0];
+    own.id = effect.id.clone();
+    own.values = [("s".to_owned(), 1.0)].into();
+    let said = clauses(&found).found;
+    assert!(said.contains(" of the only "), "{said}");
+    assert_eq!(said.matches('(').count(), 1, "{said}");
 }

@@ -13,7 +13,7 @@ const MOST_EFFECTS: usize = 6;
 const MOST_SPECIMENS: usize = 20;
 const PAGE_MM: f64 = 200.0;
 /// Height of a row without specimens, and of a specimen, mm.
-const ROW_MM: f64 = 36.0;
+const ROW_MM: f64 = 29.0;
 const SPECIMEN_MM: f64 = 3.4;
 const AROUND_MM: f64 = 14.0;
 /// How far down a profile is drawn.
@@ -160,7 +160,7 @@ fn free_form(effect: &EffectFinding) -> Option<Panel> {
     let panel = Panel::new(Axis::new(&axis_label(&label, &free.unit)), y)
         .title(&format!(
             "{}, \\v{{p}} {}",
-            name::effect(&effect.id),
+            name::capitalised(&name::effect(&effect.id)),
             equals_probability(free.p)
         ))
         .legend(Legend::None)
@@ -196,7 +196,7 @@ fn caption(shown: &Shown, fit: usize, drawn: usize) -> String {
             };
             format!(
                 " Below{which}: the size as a smooth function of the effect's own argument, with its 95% band, and the probability of such a change where one \
-                 size is enough."
+                 size is enough. All else is fitted again with it, so that it need not meet the one size (dashed)."
             )
         }
     };

@@ -12,17 +12,18 @@ mod unexplained;
 
 pub use budget::figure as budget;
 
-use super::formatting::plain;
+use super::formatting::{plain, verbatim};
 use super::{Composed, Named, compose};
 use crate::plot::Figure;
+use crate::wording::name::campaign;
 use crate::wording::number::unit;
 use pipeline_base::row::Row;
 use pipeline_findings::{CampaignFindings, Residuals};
 use serde::{Deserialize, Serialize};
 
 /// Width of the text of the pages, and of a half of it, mm: nothing hangs over the margins.
-const TEXT_MM: f64 = 164.0;
-const HALF_MM: f64 = 80.0;
+const TEXT_MM: f64 = 175.0;
+const HALF_MM: f64 = 85.0;
 /// Most groups (specimens, sessions) that a figure names one by one.
 pub(crate) const MOST_GROUPS: usize = 36;
 
@@ -102,7 +103,7 @@ pub fn figures(shown: &Shown) -> Vec<(Kind, Composed)> {
             };
             Some(Named {
                 name: name.clone(),
-                caption: format!("{simulated}{caption}"),
+                caption: format!("{simulated}{}. {caption}", verbatim(&campaign(shown.found))),
                 figure,
             })
         });

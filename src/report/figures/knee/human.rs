@@ -20,7 +20,7 @@ pub fn figure(reference: &Reference) -> Named {
         all.filter(move |h| h.what == what && (h.against == TARGET) == target)
     };
     let flexor = |h: &&Compared| h.muscle == "bifemsh";
-    let title = "Human muscles beside OpenSim";
+    let title = "Human muscles against OpenSim";
     let panels = [
         panel(
             "Bifemsh, moment arm",
@@ -42,7 +42,7 @@ pub fn figure(reference: &Reference) -> Named {
     Named {
         name: NAME.to_owned(),
         caption: format!(
-            "Calculated moment arms and torques of the human muscles (lines) beside OpenSim's exports of Gait2392 (marks, every sixth row). Arms are at most {} mm apart, torques {}%. (D) The laboratory's design targets (marks) are moment arm times maximum isometric force and leave out what length, tendon and pennation take.",
+            "Calculated moment arms and torques of the human muscles (lines) against OpenSim's exports of Gait2392 (marks, every sixth row). Arms are at most {} mm apart, torques {}%. (D) The laboratory's design targets (marks) are moment arm times maximum isometric force and leave out what length, tendon and pennation take.",
             number(1e3 * worst(Compares::Arm).0, 2),
             number(100.0 * worst(Compares::Torque).1, 1)
         ),

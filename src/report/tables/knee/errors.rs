@@ -81,11 +81,7 @@ pub fn models(campaigns: &[CampaignTorque]) -> Table {
         .text("campaign", "Campaign", |(campaign, _)| &campaign.campaign).machines()
         .text("session", "Test", |(_, test)| &test.session);
     for model in published() {
-        let heading = match model.id() {
-            "new_published" => "New",
-            "knee_paper" => "Knee paper",
-            id => model_author(id, model.title()),
-        };
+        let heading = model_author(model.id(), model.title());
         let rmse = |test| Some(of(test, model.id(), Basis::Geometry)?.size.as_ref()?.rmse);
         table = table.number(model.id(), heading, One, Decimals(2), move |(_, test)| rmse(test));
     }

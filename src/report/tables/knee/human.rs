@@ -15,7 +15,7 @@ pub fn human(input: &ReportInput) -> Table {
         Compares::Arm => (1e3, "mm"),
         Compares::Torque => (1.0, "N.m"),
     };
-    Described::<&Compared>::new("knee_human", "Human muscles: calculated moment arm and torque beside the references, over the whole range of the knee")
+    Described::<&Compared>::new("knee_human", "Human muscles: calculated moment arm and torque against the references, over the whole range of the knee")
         .text("muscle", "Muscle", |h| &h.muscle)
         .text("quantity", "Quantity", |h| h.what.name())
         .text("against", "Beside", |h| &h.against)
@@ -33,7 +33,7 @@ pub fn human(input: &ReportInput) -> Table {
 #[rustfmt::skip]
 pub fn design(input: &ReportInput) -> Table {
     let designs = input.knee.iter().flat_map(|k| &k.reference.design);
-    Described::<(&Design, usize)>::new("knee_design", "Full-size actuators on the biomimetic knee at 620 kPa beside the human muscles that they stand for")
+    Described::<(&Design, usize)>::new("knee_design", "Full-size actuators on the biomimetic knee at 620 kPa against the human muscles that they stand for")
         .text("muscle", "Muscle", |(d, _)| &d.muscle)
         .text("human", "Human", |(d, _)| &d.human)
         .count("diameter_mm", "⌀", Mm, |(d, _)| d.diameter_mm)

@@ -4,7 +4,6 @@ use crate::input::ReportInput;
 use crate::table::Table;
 use pipeline_base::names::file_name;
 use pipeline_torque::CampaignTorque;
-use std::slice::from_ref;
 
 tables! {
     tests: Torque[tests],
@@ -19,31 +18,50 @@ tables! {
 
 /// The tables that the pages show for one campaign, named after it.
 pub fn of_campaign(campaign: &CampaignTorque) -> impl Iterator<Item = Table> {
-    let shown: [fn(&[CampaignTorque]) -> Table; 7] = [
+    let shown: [fn(&[CampaignTorque]) -> Table; 4] = [
         tests::tests,
-        errors::laws,
-        errors::models,
-        fittings::fittings,
         joints::found,
         joints::effects,
         joints::by_hand,
     ];
-    let name = file_name(&campaign.campaign);
-    let table = move |make: fn(&[CampaignTorque]) -> Table| make(from_ref(campaign)).named(&name);
-    shown.into_iter().map(table)
+    super::of_one(shown, campaign, names(campaign))
+}
+
+/// The tables that the supplement shows for one campaign, named after it.
+pub fn supplementary_of_campaign(campaign: &CampaignTorque) -> impl Iterator<Item = Table> {
+    let shown: [fn(&[CampaignTorque]) -> Table; 4] = [
+        tests::tests,
+        errors::laws,
+        errors::models,
+        fittings::fittings,
+    ];
+    super::of_one(shown, campaign, names(campaign))
+}
+
+/// What files and captions call a campaign.
+fn names(campaign: &CampaignTorque) -> (String, String) {
+    (file_name(&campaign.campaign), campaign.campaign.clone())
 }
 
 /// The tables that the pages show once.
-pub fn once(input: &ReportInput) -> [Table; 7] {
-    [
-        table1::table1(input),
-        geometry::arms(input),
-        geometry::switches(input),
-        geometry::centres(input),
-        human::human(input),
-        human::design(input),
-        walls::stress(input),
-    ]
+pub fn once(input: &ReportInput) -> [Table; 2] {
+    [human::human(input), human::design(input)]
+}
+
+/// The tables that the supplement shows once; none where nobody measured torque.
+pub fn supplementary(input: &ReportInput) -> impl Iterator<Item = Table> {
+    let shown: [fn(&ReportInput) -> Table; 5] = [
+        table1::table1,
+        geometry::arms,
+        geometry::switches,
+        geometry::centres,
+        walls::stress,
+    ];
+    let asked = input.knee.is_some();
+    shown
+        .into_iter()
+        .filter(move |_| asked)
+        .map(|make| make(input))
 }
 
 /// A length in mm, given in m.

@@ -1,0 +1,82 @@
+//! The pages of the reports, as they are laid out: nothing outside the type area, no page nearly empty, no letters too small to read.
+
+use crate::support::Bench;
+use pipeline::report::layout::Sheet;
+use std::collections::BTreeMap;
+
+/// Half of a rule at the margin lies beyond it, mm.
+const HALF_A_RULE_MM: f64 = 0.5;
+const LEAST_FILLED: f64 = 1.0 / 3.0;
+const SMALLEST_PT: f64 = 8.0;
+
+/// What is wrong with the pages of a run.
+fn defects(bench: &Bench) -> Vec<String> {
+    let layout = std::fs::read(bench.root().join("derived/layout.json")).unwrap();
+    let documents: BTreeMap<String, Vec<Sheet>> = serde_json::from_slice(&layout).unwrap();
+    for name in ["force.pdf", "residual.pdf", "supplement.pdf"] {
+        assert!(documents.contains_key(name), "{name} was not measured");
+    }
+    let of_document = |(name, sheets): (&String, &Vec<Sheet>)| {
+        let sheet = |k: usize| {
+            let ends_chapter = sheets.get(k + 1).is_none_or(|next| next.opens_chapter);
+            let place = format!("{name}, page {}", k + 1);
+            let found = of_sheet(&sheets[k], ends_chapter).into_iter();
+            found.map(move |what| format!("{place}: {what}"))
+        };
+        (0..sheets.len()).flat_map(sheet).collect::<Vec<_>>()
+    };
+    documents.iter().flat_map(of_document).collect()
+}
+
+fn of_sheet(sheet: &Sheet, ends_chapter: bool) -> Vec<String> {
+    let mut found = Vec::new();
+    if sheet.beyond_mm > HALF_A_RULE_MM {
+        found.push(format!("{:.1} mm over the margin", sheet.beyond_mm));
+    }
+    if sheet.filled < LEAST_FILLED && !ends_chapter {
+        found.push(format!("only {:.0}% filled", 100.0 * sheet.filled));
+    }
+    let smallest = sheet.smallest.iter().filter(|s| s.pt < SMALLEST_PT - 1e-6);
+    found.extend(smallest.map(|s| format!("{:.2} pt: {}", s.pt, s.text)));
+    found
+}
+
+#[test]
+fn the_pages_of_a_small_laboratory_are_well_laid_out() {
+    assert_eq!(defects(&Bench::small_done()), [""; 0]);
+}
+
+#[test]
+fn models_are_ranked_on_readings_that_all_ranked_models_answer() {
+    let bench = Bench::small_done();
+    let table = bench.table("model_comparison");
+    let of = |model: &str, split: &str| {
+        let mut rows = table.iter();
+        let row = rows.find(|r| r["model"] == model && r["split"] == split);
+        row.unwrap_or_else(|| panic!("{model}, {split}")).clone()
+    };
+    let common: usize = of("new", "common")["n"].parse().unwrap();
+    assert!(common > 0);
+    for model in ["new", "hunt2017", "festo_tool"] {
+        let [on_common, on_all] = ["common", "loso"].map(|split| of(model, split));
+        assert_eq!(on_common["n"], common.to_string(), "{model}");
+        assert_eq!(on_common["n_excluded"], "0", "{model}");
+        assert!(on_all["n"].parse::<usize>().unwrap() >= common, "{model}");
+    }
+}
+
+/// Minutes: run by `.ci/run`.
+mod long {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    #[ignore = "long: 21 s of processor time"]
+    fn the_pages_of_the_shipped_sessions_are_well_laid_out() {
+        let bench = Bench::empty();
+        let raw = Path::new(env!("CARGO_MANIFEST_DIR")).join("raw");
+        let said = bench.run(&["run", "--raw", raw.to_str().unwrap()]);
+        assert_eq!(said.code, 0, "{}", said.err);
+        assert_eq!(defects(&bench), [""; 0]);
+    }
+}
