@@ -5,6 +5,7 @@
 //! the nearest known one.
 
 use crate::diagnostics::{Diagnostic, nearest};
+use crate::toml_syntax::{self, line_of};
 use std::cell::RefCell;
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
@@ -40,26 +41,18 @@ pub struct Entry<'r, 'a> {
 /// # Errors
 /// The place and the reason of the first syntax error.
 pub fn parse<'a>(file: &str, text: &'a str) -> Result<DeTable<'a>, Diagnostic> {
-    DeTable::parse(text)
-        .map(Spanned::into_inner)
-        .map_err(|error| {
-            let offset = error.span().map_or(0, |s| s.start);
-            Diagnostic::error(
-                file,
-                error.message().lines().collect::<Vec<_>>().join(" "),
-                "valid TOML",
-                "mend the line",
-            )
-            .at_row(line_of(text, offset))
-        })
+    let parsed = DeTable::parse(text).map(Spanned::into_inner);
+    parsed.map_err(|_| {
+        let defect = toml_syntax::defect(file, text);
+        defect.unwrap_or_else(|| Diagnostic::error(file, "no TOML", "TOML", "correct the file"))
+    })
 }
 
-fn line_of(text: &str, offset: usize) -> u64 {
-    let end = offset.min(text.len());
-    1 + text.as_bytes()[..end]
-        .iter()
-        .filter(|b| **b == b'\n')
-        .count() as u64
+/// The line of a top-level key, counted from 1; none where the text has no such key or is not TOML.
+pub fn line_of_key(text: &str, key: &str) -> Option<u64> {
+    let table = DeTable::parse(text).ok()?;
+    let (found, _) = table.get_ref().get_key_value(key)?;
+    Some(line_of(text, found.span().start))
 }
 
 impl<'a> Reader<'a> {
@@ -205,8 +198,19 @@ impl<'r, 'a> Section<'r, 'a> {
 impl<'r, 'a> Entry<'r, 'a> {
     /// Records that the value is not what was expected.
     pub fn reject(&self, expected: &str, hint: &str) {
+        self.reject_for(&self.describe(), expected, hint);
+    }
+
+    /// Records that something in or about the value is not what was expected.
+    pub fn reject_for(&self, found: &str, expected: &str, hint: &str) {
         self.reader
-            .report(self.line, &self.path, self.describe(), expected, hint);
+            .report(self.line, &self.path, found, expected, hint);
+    }
+
+    /// The key of the value, without the tables around it.
+    pub fn key(&self) -> &str {
+        let key = self.path.rsplit('.').next().unwrap_or_default();
+        key.split('[').next().unwrap_or_default()
     }
 
     /// The value as it stands in the file, for a message.
@@ -226,7 +230,7 @@ impl<'r, 'a> Entry<'r, 'a> {
     pub fn number(&self) -> Option<f64> {
         let number = self.as_number();
         if number.is_none() {
-            self.reject("a finite number", "write it without quotes or units");
+            self.reject("a finite number", "write it without quotes and without unit");
         }
         number
     }
@@ -294,14 +298,18 @@ impl<'r, 'a> Entry<'r, 'a> {
         if let DeValue::Table(t) = self.value {
             return Some(self.reader.section(self.path.clone(), self.line, t));
         }
-        self.reject("a table", "write `[name]` or `{ key = value }`");
+        let key = self.key();
+        let hint = format!("write `[{key}]` on a line of its own and the keys below, or `{key} = {{ ... }}`");
+        self.reject(&format!("a table `{key}`"), &hint);
         None
     }
 
     /// The list's elements, or a recorded mistake.
     pub fn list(&self) -> Option<Vec<Entry<'r, 'a>>> {
         let DeValue::Array(array) = self.value else {
-            self.reject("a list", "write `[[name]]` or `[a, b]`");
+            let key = self.key();
+            let hint = format!("write `[[{key}]]`, or `{key} = [...]`");
+            self.reject("a list, of one entry too", &hint);
             return None;
         };
         Some(self.elements(array))

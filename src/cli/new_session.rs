@@ -9,6 +9,7 @@ use pipeline_draft::{Draft, Guess, text};
 use pipeline_formats::discover::SESSION_FILE;
 use pipeline_formats::overview::{overview, place};
 use pipeline_formats::{log_file, session_toml};
+use pipeline_formats::session_toml::FILL_IN;
 use pipeline_report::figures::{files, log};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -81,7 +82,8 @@ fn stem(file: &Path) -> String {
 fn files_of(draft: &Draft, id: &str) -> Result<Vec<(String, Vec<u8>)>> {
     let session = text::session_toml(draft, id);
     if draft.missing().is_empty() {
-        session_toml::read(SESSION_FILE, &session).map_err(Error::Config)?;
+        let completed = session.replace(FILL_IN, "");
+        session_toml::read(SESSION_FILE, &completed).map_err(Error::Config)?;
     }
     let mut written = vec![(SESSION_FILE.to_owned(), session.into_bytes())];
     if let Some(figure) = log::figure(draft) {
@@ -144,7 +146,7 @@ fn print(draft: &Draft, out: &Path, written: &[(String, Vec<u8>)]) {
     println!("wrote {} into {}", names.join(", "), out.display());
     println!(
         "correct {SESSION_FILE} (lines with {}), put it beside {}, and `pipeline run`",
-        text::FILL_IN,
+        FILL_IN,
         draft.file
     );
 }

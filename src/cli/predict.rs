@@ -1,5 +1,6 @@
 //! `pipeline predict`.
 
+use crate::args::DerivedArgs;
 use crate::predict_leg::{self, LegArgs};
 use crate::{DONE, predict_print, values};
 use pipeline_base::error::{Error, Result};
@@ -69,8 +70,8 @@ pub struct PredictArgs {
     #[arg(long, value_name = "ID")]
     pub campaign: Option<String>,
     /// Where an earlier run left fits.json
-    #[arg(long, value_name = "DIR", default_value = "derived")]
-    pub derived: PathBuf,
+    #[command(flatten)]
+    pub cache: DerivedArgs,
     /// Vary one quantity
     #[arg(long, value_name = "QUANTITY", conflicts_with = "table")]
     pub sweep: Option<Swept>,
@@ -118,7 +119,7 @@ pub struct PredictArgs {
 /// Predicts, and prints or writes what was asked for.
 pub fn command(args: &PredictArgs) -> Result<u8> {
     let muscle = muscle(args)?;
-    let fits = fits(&args.derived)?;
+    let fits = fits(&args.cache.places()?.derived)?;
     let choice = choose(
         &fits,
         &args.model,

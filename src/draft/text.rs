@@ -3,12 +3,9 @@
 use super::{Draft, Guess};
 use pipeline_base::columns::{self, FORCE, LENGTH};
 use pipeline_base::session::{Kind, Position, Sampling};
-use pipeline_formats::session_toml::SCHEMA;
+use pipeline_formats::session_toml::{FILL_IN, SCHEMA};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
-
-/// What marks a line that a person has to complete.
-pub const FILL_IN: &str = "FILL IN";
 
 /// Samples at the lowest value, as a share, from which on the converter may clip there.
 const CLIPPED_SHARE: f64 = 0.005;
@@ -77,13 +74,13 @@ fn head(draft: &Draft, id: &str) -> String {
         None => format!("{} rows, no column of time", draft.rows),
     };
     format!(
-        r#"# Written by `pipeline new-session`: guesses from the log, to be corrected. Lines with {FILL_IN} hold what no log can say.
+        r#"# Written by `pipeline new-session`: guesses from the log, to be corrected. What no log can say is marked in capitals: write it, and remove the
+# mark. The session is left out as long as a mark is there.
 schema = "{SCHEMA}"
 id = {id}      # unique over all sessions
 kind = "{kind}"         # guessed from the columns: "isometric" or "knee-torque"
 sampling = "{sampling}"    # guessed: {interval}
 campaign = "campaign-1"      # {FILL_IN}: what was measured together, with one rig set-up
-exclude = "lines of session.toml are still to be filled in"   # keeps the session out of every fit: remove it when done
 "#,
         id = quoted(id),
     )

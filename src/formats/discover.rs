@@ -3,6 +3,7 @@
 use crate::{leg, session_toml};
 use pipeline_base::diagnostics::{Diagnostic, Severity};
 use pipeline_base::session::{Session, Specimen};
+use pipeline_base::toml_reader::line_of_key;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -28,8 +29,6 @@ pub struct Located {
 /// A session that cannot be used, with every reason.
 #[derive(Clone, Debug)]
 pub struct Unusable {
-    /// Its id, where it could be read.
-    pub id: Option<String>,
     /// The folder relative to its raw directory.
     pub relative: String,
     /// Why.
@@ -98,7 +97,6 @@ fn walk(root: &Path, seen: &mut BTreeSet<PathBuf>, found: &mut Discovery) -> Vec
 fn not_a_file(root: &Path, path: &Path) -> Unusable {
     let relative = relative_to(root, path);
     Unusable {
-        id: None,
         diagnostics: vec![Diagnostic::error(
             relative.clone(),
             "something that is not a file",
@@ -118,7 +116,7 @@ fn unreadable_entry(root: &Path, error: &walkdir::Error) -> Diagnostic {
         ),
         (None, Some(io)) => (
             format!("\"{}\"", io.kind()),
-            "mend the permissions; what is below was not seen",
+            "give yourself permission to read it; what is below was not seen",
         ),
         (None, None) => ("an unreadable entry".to_owned(), "look at it"),
     };
@@ -159,7 +157,6 @@ fn read_session(root: &Path, directory: &Path) -> Result<Located, Unusable> {
             relative,
         }),
         Err(diagnostics) => Err(Unusable {
-            id: None,
             relative,
             diagnostics,
         }),
@@ -171,7 +168,7 @@ pub(super) fn read_text(path: &Path, file: &str) -> Result<String, Diagnostic> {
     let fail =
         |found: String, hint: &str| Diagnostic::error(file, found, "a readable TOML file", hint);
     let size = std::fs::metadata(path)
-        .map_err(|e| fail(format!("\"{}\"", e.kind()), "mend the permissions"))?
+        .map_err(|e| fail(format!("\"{}\"", e.kind()), "give yourself permission to read it"))?
         .len();
     if size > LARGEST_SESSION_FILE {
         return Err(fail(
@@ -180,7 +177,7 @@ pub(super) fn read_text(path: &Path, file: &str) -> Result<String, Diagnostic> {
         ));
     }
     let bytes = std::fs::read(path)
-        .map_err(|e| fail(format!("\"{}\"", e.kind()), "mend the permissions"))?;
+        .map_err(|e| fail(format!("\"{}\"", e.kind()), "give yourself permission to read it"))?;
     String::from_utf8(bytes).map_err(|e| {
         let offset = e.utf8_error().valid_up_to();
         let row = 1 + e.as_bytes()[..offset]
@@ -207,22 +204,33 @@ fn reject_duplicates(found: &mut Discovery) {
                 kept.push(located);
             }
             Some(other) => found.unusable.push(Unusable {
-                diagnostics: vec![
-                    Diagnostic::error(
-                        format!("{}/{SESSION_FILE}", located.relative),
-                        format!("\"{id}\", which {other}/{SESSION_FILE} has already"),
-                        "an id that is unique over the whole raw tree",
-                        "give this session another id",
-                    )
-                    .in_column("id"),
-                ],
-                id: Some(id),
+                diagnostics: vec![taken(&located, other)],
                 relative: located.relative,
             }),
         }
     }
     found.sessions = kept;
     found.unusable.sort_by(|a, b| a.relative.cmp(&b.relative));
+}
+
+/// The id of a session is that of another one.
+fn taken(located: &Located, other: &str) -> Diagnostic {
+    let file = format!("{}/{SESSION_FILE}", located.relative);
+    let diagnostic = Diagnostic::error(
+        file.clone(),
+        format!(
+            "\"{}\", which is the id of {other}/{SESSION_FILE}",
+            located.session.id
+        ),
+        "an id that no other session has",
+        "give one of the two sessions another id",
+    )
+    .in_column("id");
+    let text = read_text(&located.directory.join(SESSION_FILE), &file).unwrap_or_default();
+    match line_of_key(&text, "id") {
+        Some(line) => diagnostic.at_row(line),
+        None => diagnostic,
+    }
 }
 
 /// A length of a specimen with its declared standard deviation.

@@ -291,13 +291,20 @@ fn quote_bad_cells(
     let bad = || values.iter().enumerate().filter(|(_, x)| !x.is_finite());
     let of = bad().count();
     log.bad_cell_count += of;
-    log.bad_cells
-        .extend(bad().take(QUOTED_CELLS).map(|(row, _)| BadCell {
-            line: table.first_line() + row as u64,
-            column: request.name.clone(),
-            found: table.quote(row, index),
-            of,
-        }));
+    let mut quoted: Vec<BadCell> = Vec::new();
+    for (row, _) in bad().take(QUOTED_CELLS) {
+        let found = table.quote(row, index);
+        // A logger that writes one word for every missing value says no more the third time.
+        if quoted.iter().all(|cell| cell.found != found) {
+            quoted.push(BadCell {
+                line: table.first_line() + row as u64,
+                column: request.name.clone(),
+                found,
+                of,
+            });
+        }
+    }
+    log.bad_cells.append(&mut quoted);
 }
 
 #[cfg(test)]
@@ -348,6 +355,14 @@ mod tests {
             .map(|c| (c.line, c.found.as_str()))
             .collect();
         assert_eq!(quoted, [(2, "\"x\""), (3, "no such field"), (4, "\"nan\"")]);
+    }
+
+    #[test]
+    fn a_cell_that_repeats_is_quoted_once_with_how_many_there_are() {
+        let text = b"1,2\nOVR,3\nOVR,4\nOVR,5\nOVR,6\n";
+        let log = read("t", text, None, &by_index(&[0, 1])).unwrap();
+        let quoted: Vec<(u64, usize)> = log.bad_cells.iter().map(|c| (c.line, c.of)).collect();
+        assert_eq!((quoted, log.bad_cell_count), (vec![(2, 4)], 4));
     }
 
     #[test]

@@ -9,12 +9,21 @@ use pipeline_base::session::{
     ColumnSpec, Constant, Kind, LogSpec, Part, PartKind, Position, Role, Sampling, Session,
     Specimen,
 };
+use pipeline_base::date::is_date;
+use pipeline_base::normalized::CONTRACTION_RANGE;
 use pipeline_base::toml_reader::{Entry, Reader, Section, parse};
 use pipeline_base::units::{Quantity, Unit};
 use std::collections::BTreeMap;
 
 /// The only schema that is understood.
 pub const SCHEMA: &str = "bpa-session/1";
+
+/// What marks a line that a person has to complete, in a session that `pipeline new-session` has drafted.
+pub const FILL_IN: &str = "FILL IN";
+
+/// Lengths of actuators, mm: outside, the number is in another unit.
+const SHORTEST_MM: f64 = 5.0;
+const LONGEST_MM: f64 = 20_000.0;
 
 /// The longest id or campaign, bytes: it becomes part of file names.
 const LONGEST_NAME: usize = 80;
@@ -26,11 +35,26 @@ const LONGEST_NAME: usize = 80;
 pub fn read(file: &str, text: &str) -> Result<Session, Vec<Diagnostic>> {
     let table = parse(file, text).map_err(|d| vec![d])?;
     let reader = Reader::new(file, text);
+    report_unfilled(&reader, text);
     let session = session(&reader.root(&table));
     let mistakes = reader.finish();
     match session {
         Some(session) if mistakes.is_empty() => Ok(session),
         _ => Err(mistakes),
+    }
+}
+
+/// Every line that `pipeline new-session` has left to a person and nobody has completed.
+fn report_unfilled(reader: &Reader, text: &str) {
+    for (k, line) in text.lines().enumerate() {
+        let Some((before, meant)) = line.split_once(FILL_IN) else {
+            continue;
+        };
+        let key = before.split(['=', '#', '{']).next().unwrap_or_default().trim();
+        let meant = meant.trim_start_matches(':').trim().trim_end_matches('"');
+        let expected = if meant.is_empty() { "what was measured" } else { meant };
+        let hint = format!("write it, and remove the words {FILL_IN}");
+        reader.report(k as u64 + 1, key, FILL_IN, expected, &hint);
     }
 }
 
@@ -141,8 +165,9 @@ fn session(root: &Section) -> Option<Session> {
     if root.reader().is_clean() {
         check_columns(root, &session);
         check_positions(root, &session);
+        check_logs(root, &session);
+        check_held_length(root, &session);
     }
-    check_logs(root, &session);
     Some(session)
 }
 
@@ -158,19 +183,9 @@ fn identifier(root: &Section, key: &'static str, expected: &str) -> Option<Strin
 
 fn date(entry: &Entry) -> Option<String> {
     let text = entry.as_string().unwrap_or_else(|| entry.describe());
-    let digits = |s: &str, n: usize| s.len() == n && s.bytes().all(|b| b.is_ascii_digit());
-    let parts: Vec<&str> = text.split('-').collect();
-    let in_range = |s: &str, top: u32| s.parse::<u32>().is_ok_and(|x| (1..=top).contains(&x));
-    let good = match parts[..] {
-        [y, m] => digits(y, 4) && digits(m, 2) && in_range(m, 12),
-        [y, m, d] => {
-            digits(y, 4) && digits(m, 2) && digits(d, 2) && in_range(m, 12) && in_range(d, 31)
-        }
-        _ => false,
-    };
-    if !good {
+    if !is_date(&text) {
         entry.reject(
-            "a date, ISO 8601: a day or a month",
+            "a day or a month that exists, in ISO 8601",
             "write \"2022-11\" or \"2022-11-30\"",
         );
         return None;
@@ -200,14 +215,14 @@ fn specimen(table: &Section) -> Option<Specimen> {
             "l_rest in mm",
             "write the distance between the hose clamps",
         )
-        .and_then(|e| e.positive("mm", "write the distance between the hose clamps"));
+        .and_then(|e| actuator_length(&e, "write the distance between the hose clamps"));
     let contracted = table.require(
         "contracted_length_mm",
         "l_620 in mm",
         "write the free length at 620 kPa without load",
     );
     let contracted = contracted.and_then(|e| {
-        let mm = e.positive("mm", "write the free length at 620 kPa without load")?;
+        let mm = actuator_length(&e, "write the free length at 620 kPa without load")?;
         if rest.is_some_and(|l| mm >= l) {
             e.reject(
                 "a length below rest_length_mm: an actuator contracts under pressure",
@@ -228,6 +243,24 @@ fn specimen(table: &Section) -> Option<Specimen> {
         rest_length_sd_m,
         contracted_length_sd_m,
     })
+}
+
+/// A length in mm that an actuator may have; a smaller one is a length in metres.
+fn actuator_length(entry: &Entry, hint: &str) -> Option<f64> {
+    let mm = entry.positive("mm", hint)?;
+    if (SHORTEST_MM..=LONGEST_MM).contains(&mm) {
+        return Some(mm);
+    }
+    let hint = if mm < SHORTEST_MM {
+        format!("write mm: {} m is `{} = {}`", mm, entry.key(), 1e3 * mm)
+    } else {
+        hint.to_owned()
+    };
+    entry.reject(
+        &format!("a length of an actuator in mm, {SHORTEST_MM} to {LONGEST_MM}"),
+        &hint,
+    );
+    None
 }
 
 /// A key of `[setup]` such as `length_mm` or `temperature_c`: quantity and unit, the unit's case ignored.
@@ -257,13 +290,14 @@ fn setup_constants(table: &Section) -> BTreeMap<String, Constant> {
                 constants.insert(known.column.to_owned(), Constant::Number(value));
             }
         } else if let Some(known) = columns::by_quantity_name(&key) {
-            let example = known
-                .quantity
-                .and_then(|q| q.units().last())
-                .map_or("", |u| u.symbol);
-            entry.reject(
-                "the unit in the key",
-                &format!("write `{key}_{}`", example.to_lowercase()),
+            let units = known.quantity.into_iter().flat_map(|q| q.units());
+            let keys: Vec<String> = units
+                .map(|u| format!("{key}_{}", u.symbol.replace('.', "").to_lowercase()))
+                .collect();
+            entry.reject_for(
+                &format!("{key} = {}", entry.describe()),
+                &format!("the unit in the key, one of {}", keys.join(", ")),
+                "write the unit behind the name",
             );
         } else if let Some((expected, hint)) = session_sd::slip_in_setup(&key) {
             entry.reject(&expected, &hint);
@@ -368,6 +402,34 @@ fn check_columns(root: &Section, session: &Session) {
                 "say where it stands in the log",
             );
         }
+    }
+}
+
+/// The length that was held has to be one that the specimen can have.
+fn check_held_length(root: &Section, session: &Session) {
+    let Some(length) = session.setup_number(columns::LENGTH) else {
+        return;
+    };
+    let Some(setup) = root.get("setup").and_then(|e| e.table()) else {
+        return;
+    };
+    let rest = session.specimen.rest_length_m;
+    let (low, high) = CONTRACTION_RANGE;
+    let contraction = (rest - length) / rest;
+    let held = setup.entries();
+    let held = held.iter().find(|(key, _)| {
+        split_unit(key).is_some_and(|(known, _)| known.column == columns::LENGTH)
+    });
+    if let (Some((_, entry)), false) = (held, (low..=high).contains(&contraction)) {
+        let (shortest, longest) = (1e3 * rest * (1.0 - high), 1e3 * rest * (1.0 - low));
+        entry.reject_for(
+            &format!("{} mm", 1e3 * length),
+            &format!(
+                "a length of {shortest:.0} to {longest:.0} mm, as a specimen of {} mm can have",
+                1e3 * rest
+            ),
+            "check the length, its unit, and `rest_length_mm`",
+        );
     }
 }
 

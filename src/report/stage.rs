@@ -362,6 +362,7 @@ fn summary(input: &ReportInput, left_out: &[LeftOut]) -> Result<Vec<u8>> {
         "readings": input.rows.len(),
         "findings": "findings.json",
         "verdicts": verdicts,
+        "models": input.groups.iter().filter_map(models_json).collect::<Vec<_>>(),
         "tables": input.tables,
         "left_out": left_out,
     });
@@ -378,6 +379,12 @@ fn verdict_json(found: &CampaignFindings) -> serde_json::Value {
         "rmse_heldout_before": found.before.rmse_heldout, "rmse_heldout_after": found.after.rmse_heldout,
         "expected_rmse_heldout": found.expected_rmse_heldout, "sentences": sentences(found),
     })
+}
+
+/// The new model and those in use on the readings that all of them answer, of one group in `summary.json`.
+fn models_json(group: &GroupInput) -> Option<serde_json::Value> {
+    let GroupComparison { group, common, .. } = &group.comparison;
+    Some(json!({ "campaign": group.campaign, "diameter_mm": group.diameter_mm, "common": common.as_ref()? }))
 }
 
 /// The logs that the report draws, as positions of session and log: of every campaign of time series the log with most readings that

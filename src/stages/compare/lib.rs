@@ -7,8 +7,10 @@
 //! splits are predictions. Where a model has no answer the row is not counted for it (`n_excluded`); where it
 //! answers beyond what it was fitted to, the row counts and is said so (`n_extrapolated`).
 
+pub mod common;
 pub mod maxima;
 
+use common::Common;
 use maxima::MaximaComparison;
 use pipeline_base::row::Row;
 use pipeline_base::session::Role;
@@ -89,6 +91,8 @@ pub struct GroupComparison {
     pub comparisons: Vec<Comparison>,
     /// Every model on each specimen; the fitted one by the fit that has not seen it, where there is one.
     pub by_specimen: Vec<SpecimenComparison>,
+    /// The new model beside those in use, on the readings that all of them answer.
+    pub common: Option<Common>,
     /// What was predicted of the measured maxima.
     pub maxima: Option<MaximaComparison>,
     /// Where models end.
@@ -171,6 +175,7 @@ pub fn compare(
         group: fit.group.clone(),
         comparisons,
         by_specimen,
+        common: common::common(&rows, &by_model),
         maxima: maxima::compare(fit, fit_options),
         domain,
     };
