@@ -9,11 +9,16 @@ use serde_json::{Value, json};
 const WIDTH: usize = 100;
 /// Letters before the text of a line.
 const MARGIN: usize = 11;
+/// Before the second and later lines of a paragraph.
+const INDENT: &str = "  ";
+/// The lines of a campaign of which nothing but a verdict is known: nothing was held out.
+const SHORT: [&str; 3] = ["found", "", "error"];
 /// Between a number and its unit, where no line ends; a terminal gets a blank.
 const NO_BREAK: char = '\u{a0}';
 
 /// The lines of one campaign: its name, and below it what the models make of it, what was found, the errors before and after, what they are
-/// made of, what to measure next, and what in the records looks wrong. A line that has nothing to say is not there.
+/// made of, what to measure next, and what in the records looks wrong. A line that has nothing to say is not there; what was found alone stands
+/// behind the name.
 pub(super) fn lines(found: &CampaignFindings, models: Option<&str>) -> Vec<String> {
     let said = clauses(found);
     let limits = match said.limits {
@@ -36,12 +41,22 @@ pub(super) fn lines(found: &CampaignFindings, models: Option<&str>) -> Vec<Strin
             joined([said.recording_errors, said.contradicted]),
         ),
     ];
-    let below = below
-        .into_iter()
-        .filter_map(|(label, text)| Some((label, text?)));
-    let mut lines = vec![name::campaign(found)];
-    lines.extend(below.flat_map(|(label, text)| labelled(label, &text)));
-    lines
+    let name = name::campaign(found);
+    let below = below.into_iter();
+    let below: Vec<(&str, String)> = below.filter_map(|(l, text)| Some((l, text?))).collect();
+    if found.before.rmse_heldout.is_none() && below.iter().all(|(l, _)| SHORT.contains(l)) {
+        let texts: Vec<&str> = below.iter().map(|(_, text)| text.as_str()).collect();
+        return paragraph(&format!("{name}: {}", texts.join("; ")));
+    }
+    let below = below.iter().flat_map(|(l, text)| labelled(l, text));
+    std::iter::once(name).chain(below).collect()
+}
+
+/// A text in lines, all but the first indented.
+fn paragraph(text: &str) -> Vec<String> {
+    let mut lines = wrapped(text, WIDTH - INDENT.len());
+    lines[1..].iter_mut().for_each(|line| line.insert_str(0, INDENT));
+    lines.iter().map(|line| line.replace(NO_BREAK, " ")).collect()
 }
 
 /// A text in lines beside its label, the first with it and the others below the text.
@@ -149,6 +164,21 @@ mod tests {
             assert!(text("found").contains(size), "{size}: {}", text("found"));
         }
         assert!(text("error").contains("uncertainty gets worse"));
+    }
+
+    #[test]
+    fn a_verdict_alone_is_one_paragraph_with_the_name() {
+        let mut found = example();
+        found.recording_errors.clear();
+        found.scatter.clear();
+        found.budget.clear();
+        found.next_measurement.clear();
+        (found.before, found.after) = Default::default();
+        let lines = lines(&found, None);
+        assert!(lines[0].starts_with("iso10, 10 mm: "), "{lines:?}");
+        let is_indented = |l: &String| l.starts_with(INDENT) && l.chars().count() <= WIDTH;
+        assert!(lines[1..].iter().all(is_indented), "{lines:?}");
+        assert!(lines.concat().contains("60.0 kPa"), "{lines:?}");
     }
 
     #[test]

@@ -2,13 +2,12 @@
 
 use crate::DONE;
 use crate::args::ResultArgs;
+use crate::cell::{Number, number, place};
 use crate::places::Places;
 use crate::print::{line, print_json};
-use pipeline_base::diagnostics::nearest;
 use pipeline_base::digest;
 use pipeline_base::error::{Error, Result};
 use pipeline_config::Config;
-use pipeline_golden::table::Table;
 use pipeline_run::STAGES;
 use pipeline_run::ancestry::{Ancestry, Unit};
 use serde_json::json;
@@ -34,20 +33,11 @@ pub struct ExplainArgs {
     pub json: bool,
 }
 
-/// One number of a table, with what its row says of where it belongs.
-struct Number {
-    line: usize,
-    column: String,
-    value: String,
-    /// Campaign, session and so on, by column.
-    row: BTreeMap<String, String>,
-}
-
 /// Looks up the artifact and prints its ancestry.
 pub fn command(args: &ExplainArgs) -> Result<u8> {
     let places = args.results.places()?;
     let ancestry = Ancestry::load(&places.derived)?;
-    let (artifact, place) = place(&args.artifact);
+    let (artifact, place) = place(&args.artifact)?;
     let (unit, output) = ancestry.find(artifact)?;
     let number = match (place, &output) {
         (Some(place), Some(output)) => Some(number(&places, output, place)?),
@@ -79,49 +69,8 @@ pub fn command(args: &ExplainArgs) -> Result<u8> {
     Ok(DONE)
 }
 
-/// `FILE:LINE:COLUMN` in its parts.
-fn place(artifact: &str) -> (&str, Option<(usize, &str)>) {
-    let mut parts = artifact.rsplitn(3, ':');
-    if let (Some(column), Some(line), Some(file)) = (parts.next(), parts.next(), parts.next())
-        && let Ok(line) = line.parse()
-    {
-        return (file, Some((line, column)));
-    }
-    (artifact, None)
-}
-
-/// The cell of a table at a line of its file, counted from 1 with the header.
-fn number(places: &Places, output: &str, (line, column): (usize, &str)) -> Result<Number> {
-    let path = on_disk(places, output);
-    let table = Table::read(&path)?;
-    let no_column = || {
-        let near = nearest(column, table.columns.iter().map(String::as_str));
-        let hint = near.map_or_else(String::new, |near| format!("; did you mean {near}?"));
-        Error::Usage(format!("{} has no column {column}{hint}", path.display()))
-    };
-    let at = table.column(column).ok_or_else(no_column)?;
-    let row = line.checked_sub(2).and_then(|k| table.rows.get(k));
-    let row = row.ok_or_else(|| {
-        Error::Usage(format!(
-            "{} has lines 2 to {} below its header, and none {line}",
-            path.display(),
-            table.rows.len() + 1
-        ))
-    })?;
-    Ok(Number {
-        line,
-        column: column.to_owned(),
-        value: row[at].clone(),
-        row: table
-            .columns
-            .iter()
-            .cloned()
-            .zip(row.iter().cloned())
-            .collect(),
-    })
-}
-
-fn on_disk(places: &Places, output: &str) -> PathBuf {
+/// Where an output of the cache lies.
+pub(super) fn on_disk(places: &Places, output: &str) -> PathBuf {
     match (
         output.strip_prefix("reports/"),
         output.strip_prefix("derived/"),
@@ -194,6 +143,9 @@ impl Explained<'_> {
                 STAGES[stage],
                 self.listed(units.iter().map(|u| u.name.as_str()))
             ));
+            if let Some(how) = how(STAGES[stage]) {
+                line(format!("  {how}"));
+            }
             if let Some(unit) = units.first() {
                 line(format!(
                     "  code {}, version {}",
@@ -277,6 +229,21 @@ impl Explained<'_> {
     }
 }
 
+/// How a stage makes its numbers.
+fn how(stage: &str) -> Option<&'static str> {
+    Some(match stage {
+        "ingest" => "every row of the logs, times gain plus offset, in one unit a quantity (docs/sessions.md)",
+        "clean" => "rows that are no measurement left out, the zero of the force taken off, the mean of each steady plateau (docs/data.md)",
+        "normalize" => "ε = (l_rest − l)/l_rest, ε* = ε/ε_620 and P* = P/620 kPa of every reading (docs/data.md)",
+        "fit" => "the equations of the new model by robust least squares, intervals from refits without each specimen (docs/data.md)",
+        "compare" => "measured less predicted of every model: RMSE, largest error, bias, adjusted R² by split (docs/data.md)",
+        "diagnose" => "one mixed model of what the law leaves: scatter by restricted likelihood, effects tested by bootstrap, errors on specimens left out (docs/loop.md)",
+        "torque" => "force of each model times the moment arm of the route, and the same mixed model on the torques (docs/loop.md)",
+        "report" => "the results of the stages below as tables, figures and pages; nothing is computed here",
+        _ => return None,
+    })
+}
+
 fn label(unit: &Unit) -> String {
     format!("{} {}", unit.stage_name(), unit.name)
 }
@@ -309,12 +276,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_number_is_a_line_and_a_column_behind_the_file() {
-        assert_eq!(
-            place("tables/a.csv:12:rmse"),
-            ("tables/a.csv", Some((12, "rmse")))
-        );
-        assert_eq!(place("tables/a.csv"), ("tables/a.csv", None));
-        assert_eq!(place("C:\\x:y"), ("C:\\x:y", None));
+    fn every_stage_says_how_it_makes_its_numbers() {
+        for stage in STAGES {
+            assert!(how(stage).is_some(), "{stage}");
+        }
     }
 }

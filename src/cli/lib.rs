@@ -7,6 +7,7 @@
 
 mod answers;
 mod args;
+mod cell;
 mod check;
 mod columns;
 mod explain;

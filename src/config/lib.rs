@@ -430,12 +430,13 @@ impl Config {
         }
     }
 
-    /// Every option by dotted name, as it enters cache keys.
+    /// Every option on which a result may depend, by dotted name, as it enters cache keys.
     ///
     /// # Errors
     /// A value that TOML cannot hold.
     pub fn flattened(&self) -> Result<BTreeMap<String, String>> {
-        let sections = toml::Table::try_from(self).map_err(Error::internal)?;
+        let mut sections = toml::Table::try_from(self).map_err(Error::internal)?;
+        sections.remove("paths");
         let mut all = BTreeMap::new();
         for (section, options) in &sections {
             all.extend(flatten(section, options)?);

@@ -36,6 +36,9 @@ pub fn read(file: &str, text: &str) -> Result<Session, Vec<Diagnostic>> {
     let table = parse(file, text).map_err(|d| vec![d])?;
     let reader = Reader::new(file, text);
     report_unfilled(&reader, text);
+    if !reader.is_clean() {
+        return Err(reader.finish());
+    }
     let session = session(&reader.root(&table));
     let mistakes = reader.finish();
     match session {

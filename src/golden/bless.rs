@@ -40,7 +40,7 @@ pub struct Blessing {
     pub reason: String,
     /// Tables that changed.
     pub changed: Vec<Change>,
-    /// Golden tables that were taken away, having no entry in the settings or no longer made.
+    /// Golden tables that were taken away, having no entry in the settings any more.
     pub removed: Vec<String>,
 }
 
@@ -87,8 +87,7 @@ pub fn bless(golden: &Path, reports: &Path, reason: &str) -> Result<Blessing> {
     }
     let settings = Settings::load(golden)?;
     let (old, new) = (blessed(golden)?, fresh(reports)?);
-    let unmade = |name: &&String| !new.contains_key(*name) && !settings.unnamed.contains(*name);
-    if let Some(unmade) = settings.table.keys().find(unmade) {
+    if let Some(unmade) = settings.table.keys().find(|name| !new.contains_key(*name)) {
         return Err(Error::Usage(format!(
             "{} names the table {unmade}, which the run does not make; take its entry out",
             settings_file(golden)
@@ -100,9 +99,7 @@ pub fn bless(golden: &Path, reports: &Path, reason: &str) -> Result<Blessing> {
         removed: Vec::new(),
     };
     for (name, of_table) in &settings.table {
-        let Some(fresh) = new.get(name) else {
-            continue;
-        };
+        let fresh = &new[name];
         let changes = match old.get(name) {
             Some(old) => compare::tables(name, &of_table.key, &|_| Tolerance::EXACT, old, fresh)
                 .differences
@@ -121,8 +118,10 @@ pub fn bless(golden: &Path, reports: &Path, reason: &str) -> Result<Blessing> {
             new: !old.contains_key(name),
         });
     }
-    let is_made = |name: &String| settings.table.contains_key(name) && new.contains_key(name);
-    for name in old.keys().filter(|name| !is_made(name)) {
+    for name in old
+        .keys()
+        .filter(|name| !settings.table.contains_key(*name))
+    {
         let path = golden.join(format!("{name}.csv"));
         std::fs::remove_file(&path).map_err(Error::io("remove", &path))?;
         blessing.removed.push(name.clone());

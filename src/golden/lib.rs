@@ -113,13 +113,10 @@ fn names<'a>(
     blessed: &'a BTreeMap<String, Table>,
     fresh: &'a BTreeMap<String, Table>,
 ) -> Vec<&'a String> {
-    let exists = |name: &&String| blessed.contains_key(*name) || fresh.contains_key(*name);
-    let known = settings.order.iter();
-    let known = known.filter(|name| exists(name) || !settings.unnamed.contains(*name));
     let others: BTreeSet<&String> = blessed.keys().chain(fresh.keys()).collect();
     let others = others.into_iter();
     let others = others.filter(|name| !settings.table.contains_key(*name));
-    let all = known.chain(others);
+    let all = settings.order.iter().chain(others);
     all.filter(|name| !settings.leave_out.contains(name)).collect()
 }
 

@@ -4,7 +4,7 @@ use crate::table::Table;
 use pipeline_base::diagnostics::{Diagnostic, nearest};
 use pipeline_base::error::{Error, Result};
 use serde::Deserialize;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -84,7 +84,7 @@ pub struct Settings {
     /// Tables that are knowingly not compared.
     #[serde(default)]
     pub leave_out: Vec<String>,
-    /// Whether all tables that the pipeline makes have an entry without being named here; one that a project does not make is none of its tables.
+    /// Whether all tables that the pipeline makes have an entry without being named here.
     #[serde(default)]
     pub standard: bool,
     /// The tables, by name.
@@ -93,9 +93,6 @@ pub struct Settings {
     /// The names of the tables in the order of the file, the standard ones after those that it names itself.
     #[serde(skip)]
     pub order: Vec<String>,
-    /// Tables that the file itself does not name.
-    #[serde(skip)]
-    pub unnamed: BTreeSet<String>,
     /// The file, for messages.
     #[serde(skip)]
     file: String,
@@ -153,15 +150,12 @@ impl Settings {
                 self.leave_out.push(name);
             }
         }
-        for (name, settings) in standard.table {
+        for name in standard.order {
             if !self.leave_out.contains(&name) && !self.table.contains_key(&name) {
-                self.unnamed.insert(name.clone());
-                self.table.insert(name, settings);
+                self.table.insert(name.clone(), standard.table[&name].clone());
+                self.order.push(name);
             }
         }
-        let added = standard.order.into_iter();
-        let added: Vec<String> = added.filter(|n| self.unnamed.contains(n)).collect();
-        self.order.extend(added);
         Ok(())
     }
 
@@ -277,8 +271,8 @@ mod tests {
         let settings = Settings::read("golden.toml", &text).unwrap();
         assert_eq!(settings.order.first().map(String::as_str), Some("fits"));
         assert_eq!(settings.table["fits"].key, ["campaign"]);
-        assert!(settings.unnamed.contains("coefficients"));
-        assert!(!settings.table.contains_key("sessions") && !settings.unnamed.contains("fits"));
+        assert!(settings.table.contains_key("coefficients"));
+        assert!(!settings.table.contains_key("sessions"));
         let mut named: Vec<&String> = settings.order.iter().collect();
         named.sort();
         assert_eq!(named, settings.table.keys().collect::<Vec<_>>());

@@ -215,6 +215,7 @@ pub fn run(options: &RunOptions, progress: &dyn Progress) -> Result<Outcome> {
         check_outside(raw, &options.derived, "--derived")?;
         check_outside(raw, &options.reports, "--reports")?;
     }
+    check_apart(options)?;
     let (watch, unchanged) = Watch::begin(options, progress)?;
     if let Some(outcome) = unchanged {
         return Ok(outcome);
@@ -339,6 +340,21 @@ fn check_outside(raw: &Path, output: &Path, option: &str) -> Result<()> {
     }
 }
 
+/// Reports and cache each need a folder of their own: what lies in one is removed by rules that do not know the other.
+fn check_apart(options: &RunOptions) -> Result<()> {
+    let absolute = |path: &Path| std::path::absolute(path).map_err(Error::io("find", path));
+    let (derived, reports) = (absolute(&options.derived)?, absolute(&options.reports)?);
+    let kept = ["cache", materialize::SESSIONS].map(|folder| derived.join(folder));
+    if derived == reports || kept.iter().any(|folder| reports.starts_with(folder)) {
+        return Err(Error::Usage(format!(
+            "--reports {} is where the cache and the tidy data are (--derived {}); choose a folder of its own for the reports",
+            options.reports.display(),
+            options.derived.display()
+        )));
+    }
+    Ok(())
+}
+
 fn no_sessions(options: &RunOptions, discovery: &Discovery) -> String {
     let roots: Vec<String> = options
         .raw
@@ -346,7 +362,7 @@ fn no_sessions(options: &RunOptions, discovery: &Discovery) -> String {
         .map(|r| r.display().to_string())
         .collect();
     let mut message = format!(
-        "no session.toml below {}; a session is a folder with a session.toml and its logs (see README.md, With your own sessions)",
+        "no session.toml below {}; a session is a folder with a session.toml and its logs: `pipeline new-session LOG` writes a first one, and --raw DIR names another place",
         roots.join(", ")
     );
     for diagnostic in &discovery.diagnostics {

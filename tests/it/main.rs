@@ -30,6 +30,7 @@ mod new_session;
 mod numerics;
 mod predict;
 mod predict_coverage;
+mod projects;
 mod reasons;
 mod rig;
 mod shipped;
