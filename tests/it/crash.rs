@@ -9,7 +9,7 @@ use pipeline::run::step::{Stage, Step};
 use pipeline::run::{RunOptions, Silent};
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 const RUN: [&str; 3] = ["run", "--config", FAST];
@@ -229,13 +229,7 @@ mod long {
             if reports.exists() {
                 std::fs::remove_dir_all(&reports).unwrap();
             }
-            let mut child = Command::new(env!("CARGO_BIN_EXE_pipeline"))
-                .args(RUN)
-                .current_dir(bench.root())
-                .stdout(Stdio::null())
-                .stderr(Stdio::null())
-                .spawn()
-                .unwrap();
+            let mut child = bench.start(&RUN);
             std::thread::sleep(whole.mul_f64(0.3 * stream.uniform()));
             let mut bytes = std::fs::read(&log).unwrap();
             let digits = (0..bytes.len()).filter(|k| bytes[*k].is_ascii_digit());
