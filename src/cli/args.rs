@@ -118,7 +118,7 @@ fn simulate_help() -> String {
 
 fn new_session_help() -> String {
     format!(
-        "Examples:\n  pipeline new-session logs/test8.csv --out /tmp/test8\n  pipeline new-session logs/runs.xlsx --sheet \"Run 8\"\n  \
+        "Examples:\n  pipeline new-session logs/test8.csv --out /tmp/test8\n  pipeline new-session logs/*.csv --out raw --copy\n  pipeline new-session old.txt --skip-rows 12 --encoding latin-1\n  pipeline new-session logs/runs.xlsx --sheet \"Run 8\"\n  \
          pipeline new-session logs/rig.mat --variable log --json\n\nFormats: {}; each also compressed with gzip. What is guessed \
          (quantities, units, states, the sampling) says so in the comments of session.toml, and what no log can say is marked FILL IN. Correct \
          it, remove the marks and put it beside the log; as long as a mark is there, a run leaves the session out and names the lines.",

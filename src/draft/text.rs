@@ -2,7 +2,7 @@
 
 use super::{Draft, Guess};
 use pipeline_base::columns::{self, FORCE, LENGTH};
-use pipeline_base::session::{Kind, Position, Sampling};
+use pipeline_base::session::{Encoding, Kind, Position, Sampling, TextFormat};
 use pipeline_formats::session_toml::{FILL_IN, SCHEMA};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -24,6 +24,7 @@ pub fn session_toml(draft: &Draft, id: &str) -> String {
     if draft.kind == Kind::KneeTorque {
         text += JOINT;
     }
+    text += &format_table(draft.format);
     text += &columns_table(draft);
     text += &log(draft);
     text
@@ -106,6 +107,18 @@ fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
 }
 
+/// What a text log needs before it is a table, where it needs anything.
+fn format_table(format: TextFormat) -> String {
+    let mut text = String::new();
+    if format.skip_rows > 0 {
+        let _ = write!(text, "skip_rows = {}\n", format.skip_rows);
+    }
+    if format.encoding == Encoding::Latin1 {
+        text += "encoding = \"latin-1\"\n";
+    }
+    if text.is_empty() { text } else { format!("\n[format]\n{text}") }
+}
+
 fn columns_table(draft: &Draft) -> String {
     let mut text = String::from(
         "\n[columns]   # value = gain * logged + offset, in `unit`; add gain and offset where the log holds counts or volts\n",
@@ -158,8 +171,13 @@ fn column(guess: &Guess, names: &mut BTreeSet<String>) -> String {
         let states: Vec<String> = states.collect();
         keys.push(format!("values = {{ {} }}", states.join(", ")));
     }
+    let mark = if guess.doubtful {
+        format!("{FILL_IN}: confirm quantity and unit: ")
+    } else {
+        String::new()
+    };
     format!(
-        "{} = {{ {} }}   # {}; {range}{}\n",
+        "{} = {{ {} }}   # {mark}{}; {range}{}\n",
         quantity.quantity_name,
         keys.join(", "),
         guess.why,

@@ -1,11 +1,12 @@
 //! Finding sessions: every folder below a raw directory that holds a `session.toml`, in sorted order.
 
-use crate::{leg, session_toml};
+use crate::{leg, session_toml, shared_logs};
 use pipeline_base::diagnostics::{Diagnostic, Severity};
 use pipeline_base::session::{Session, Specimen};
 use pipeline_base::toml_reader::line_of_key;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use walkdir::WalkDir;
 
@@ -61,6 +62,7 @@ pub fn discover(roots: &[PathBuf]) -> Discovery {
         }
     }
     reject_duplicates(&mut found);
+    shared_logs::reject(&mut found);
     note_contradictions(&mut found);
     found
         .sessions
@@ -167,17 +169,21 @@ fn read_session(root: &Path, directory: &Path) -> Result<Located, Unusable> {
 pub(super) fn read_text(path: &Path, file: &str) -> Result<String, Diagnostic> {
     let fail =
         |found: String, hint: &str| Diagnostic::error(file, found, "a readable TOML file", hint);
-    let size = std::fs::metadata(path)
-        .map_err(|e| fail(format!("\"{}\"", e.kind()), "give yourself permission to read it"))?
-        .len();
+    let unread = |e: std::io::Error| match e.kind() {
+        ErrorKind::NotFound => fail(
+            "no such file".to_owned(),
+            "put it beside session.toml, or correct its name",
+        ),
+        kind => fail(format!("\"{kind}\""), "give yourself permission to read it"),
+    };
+    let size = std::fs::metadata(path).map_err(unread)?.len();
     if size > LARGEST_SESSION_FILE {
         return Err(fail(
             format!("{size} bytes"),
             "a session.toml holds a description, not data",
         ));
     }
-    let bytes = std::fs::read(path)
-        .map_err(|e| fail(format!("\"{}\"", e.kind()), "give yourself permission to read it"))?;
+    let bytes = std::fs::read(path).map_err(unread)?;
     String::from_utf8(bytes).map_err(|e| {
         let offset = e.utf8_error().valid_up_to();
         let row = 1 + e.as_bytes()[..offset]

@@ -175,13 +175,22 @@ fn locate(file: &str, names: &[String], requests: &[Request]) -> Result<Vec<usiz
                 format!("a column with index {index} (counted from 0)"),
                 format!("{} columns", names.len()),
             )),
-            Position::Name(name) => names.iter().position(|n| n == name).ok_or_else(|| {
-                missing(
-                    request,
-                    format!("a column named \"{name}\""),
-                    format!("the header {}", names.join(", ")),
-                )
-            }),
+            Position::Name(name) => {
+                let mut named = (0..names.len()).filter(|k| names[*k] == *name);
+                match (named.next(), named.next()) {
+                    (Some(index), None) => Ok(index),
+                    (Some(first), Some(second)) => Err(missing(
+                        request,
+                        format!("one column named \"{name}\""),
+                        format!("columns {first} and {second} (counted from 0) of that name"),
+                    )),
+                    (None, _) => Err(missing(
+                        request,
+                        format!("a column named \"{name}\""),
+                        format!("the header {}", names.join(", ")),
+                    )),
+                }
+            }
         })
         .collect()
 }
@@ -380,6 +389,13 @@ mod tests {
         assert!(error.found.contains("a, b") && error.expected.contains("force"));
         let error = read("t", b"1,2\n", None, &by_index(&[2])).unwrap_err();
         assert!(error.found.contains("2 columns") && error.expected.contains("index 2"));
+    }
+
+    #[test]
+    fn a_name_that_two_columns_have_is_refused() {
+        let error = read("t", b"force,p,force\n1,2,3\n", None, &by_name("force")).unwrap_err();
+        assert!(error.found.contains("0 and 2"), "{error}");
+        assert!(read("t", b"force,p,p\n1,2,3\n", None, &by_name("force")).is_ok());
     }
 
     #[test]

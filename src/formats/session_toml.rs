@@ -2,6 +2,7 @@
 //!
 //! `README.md` has the format by example. How well the lengths of a session are known may be declared: `super::session_sd` has the keys.
 
+use crate::text_format::text_format;
 use crate::{session_columns, session_joint, session_sd};
 use pipeline_base::columns::{self, KnownColumn};
 use pipeline_base::diagnostics::Diagnostic;
@@ -134,6 +135,8 @@ fn session(root: &Section) -> Option<Session> {
         })
         .unwrap_or_default();
     let joint_entry = root.get("joint");
+    let format = root.get("format").and_then(|e| e.table());
+    let format = format.map(|t| text_format(&t)).unwrap_or_default();
     let columns = root
         .require(
             "columns",
@@ -161,6 +164,7 @@ fn session(root: &Section) -> Option<Session> {
         setup,
         length_sd_m,
         joint,
+        format,
         columns: columns?,
         logs: logs?,
     };

@@ -330,10 +330,19 @@ fn duplicate_ids_keep_the_first_and_name_both() {
     assert_eq!(summary["sessions_rejected"][0]["session"], "late");
 }
 
+#[test]
+fn one_log_under_two_sessions_is_refused_with_both_named() {
+    let twin = bad("twin", "session.toml", "182", "182");
+    let bench = beside_a_good_one(&[twin]);
+    let said = bench.run(&["run"]);
+    said.warns_of(&["twin/session.toml:19 [log]", "good/points.csv byte for byte"]);
+    assert_eq!(bench.table("plateaus").len(), 7);
+}
+
 #[cfg(unix)]
 #[test]
 fn a_loop_of_links_is_reported_and_not_entered() {
-    let bench = with("points.csv", "182,620,388", "182,620,388");
+    let bench = with("points.csv", "182,620,388", "182,620,389");
     std::os::unix::fs::symlink("..", bench.raw().join("good/loop")).unwrap();
     let said = bench.run(&["run"]);
     assert_eq!(said.code, 0);

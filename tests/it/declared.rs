@@ -329,7 +329,7 @@ fn the_tidy_data_have_them_with_units_and_a_changed_one_is_not_taken_from_the_ca
             .replace("\"held\"", "\"other\"")
             .replace("\"l182\"", "\"l182b\""),
     );
-    bench.write("other/points.csv", "620,200\n500,150\n400,100\n300,60\n");
+    bench.write("other/points.csv", "620,201\n500,150\n400,100\n300,60\n");
     bench.write("knee/session.toml", declared_torque());
     bench.write(
         "knee/points.csv",
