@@ -24,6 +24,8 @@ pub struct Section<'r, 'a> {
     line: u64,
     entries: &'r DeTable<'a>,
     known: RefCell<Vec<&'static str>>,
+    /// The same table of another file, for keys that this one does not have.
+    defaults: Option<Box<Section<'r, 'a>>>,
 }
 
 /// A value with the place where it stands.
@@ -34,6 +36,8 @@ pub struct Entry<'r, 'a> {
     /// Line, counted from 1.
     pub line: u64,
     value: &'r DeValue<'a>,
+    /// What another file has for the key; of tables it completes this one.
+    defaults: Option<Box<Entry<'r, 'a>>>,
 }
 
 /// Parses the text; a syntax error becomes one diagnostic.
@@ -70,6 +74,18 @@ impl<'a> Reader<'a> {
         self.section(String::new(), 1, entries)
     }
 
+    /// The top-level table, with that of another file for the keys that it does not have.
+    pub fn root_over<'r>(
+        &'r self,
+        entries: &'r DeTable<'a>,
+        defaults: Section<'r, 'a>,
+    ) -> Section<'r, 'a> {
+        Section {
+            defaults: Some(Box::new(defaults)),
+            ..self.root(entries)
+        }
+    }
+
     fn section<'r>(&'r self, path: String, line: u64, entries: &'r DeTable<'a>) -> Section<'r, 'a> {
         Section {
             reader: self,
@@ -77,6 +93,7 @@ impl<'a> Reader<'a> {
             line,
             entries,
             known: RefCell::new(Vec::new()),
+            defaults: None,
         }
     }
 
@@ -136,10 +153,15 @@ impl<'r, 'a> Section<'r, 'a> {
             known.push(key);
         }
         drop(known);
-        self.entries
-            .iter()
-            .find(|(k, _)| k.get_ref().as_ref() == key)
-            .map(|(_, v)| self.entry(key, v))
+        let found = self.entries.iter();
+        let mut found = found.filter(|(k, _)| k.get_ref().as_ref() == key);
+        let own = found.next().map(|(_, v)| self.entry(key, v));
+        let defaults = self.defaults.as_ref().and_then(|d| d.get(key));
+        let Some(own) = own else {
+            return defaults;
+        };
+        let defaults = defaults.map(Box::new);
+        Some(Entry { defaults, ..own })
     }
 
     /// The value of a key that must stand there.
@@ -152,7 +174,7 @@ impl<'r, 'a> Section<'r, 'a> {
         entry
     }
 
-    /// Every key with its value, in the order of the file: for tables whose keys the user invents.
+    /// Every key with its value, in the order of the file, then what another file has beside them: for tables whose keys the user invents.
     pub fn entries(&self) -> Vec<(String, Entry<'r, 'a>)> {
         let mut all: Vec<(String, Entry<'r, 'a>)> = self
             .entries
@@ -160,6 +182,11 @@ impl<'r, 'a> Section<'r, 'a> {
             .map(|(k, v)| (k.get_ref().to_string(), self.entry(k.get_ref(), v)))
             .collect();
         all.sort_by_key(|(_, e)| e.line);
+        let defaults = self.defaults.iter().flat_map(|d| d.entries());
+        let others: Vec<_> = defaults
+            .filter(|(key, _)| all.iter().all(|(own, _)| own != key))
+            .collect();
+        all.extend(others);
         all
     }
 
@@ -169,11 +196,13 @@ impl<'r, 'a> Section<'r, 'a> {
             path: self.path_of(key),
             line: line_of(self.reader.text, value.span().start),
             value: value.get_ref(),
+            defaults: None,
         }
     }
 
     /// Reports every key that nobody asked for, with the nearest known one.
     pub fn close(&self) {
+        self.defaults.iter().for_each(|d| d.close());
         let known = self.known.borrow();
         for (key, _) in self.entries.iter() {
             let name = key.get_ref().as_ref();
@@ -296,7 +325,10 @@ impl<'r, 'a> Entry<'r, 'a> {
     /// The table, or a recorded mistake.
     pub fn table(&self) -> Option<Section<'r, 'a>> {
         if let DeValue::Table(t) = self.value {
-            return Some(self.reader.section(self.path.clone(), self.line, t));
+            let section = self.reader.section(self.path.clone(), self.line, t);
+            let defaults = self.defaults.as_ref().and_then(|d| d.table());
+            let defaults = defaults.map(Box::new);
+            return Some(Section { defaults, ..section });
         }
         let key = self.key();
         let hint = format!("write `[{key}]` on a line of its own and the keys below, or `{key} = {{ ... }}`");
@@ -324,6 +356,7 @@ impl<'r, 'a> Entry<'r, 'a> {
                 path: format!("{}[{k}]", self.path),
                 line: line_of(self.reader.text, v.span().start),
                 value: v.get_ref(),
+                defaults: None,
             })
             .collect()
     }

@@ -33,6 +33,9 @@ pub fn diagnostics(all: &[Diagnostic], verbose: bool) {
         .filter(|d| verbose || d.severity != Severity::Note)
         .collect();
     loud.sort_by_key(|d| std::cmp::Reverse(d.severity));
+    // A mistake in campaign.toml is one of every session below it.
+    let mut said = std::collections::BTreeSet::new();
+    loud.retain(|d| said.insert(d.to_string()));
     let shown = if verbose { loud.len() } else { SHOWN };
     for diagnostic in loud.iter().take(shown) {
         eprintln!("{diagnostic}");

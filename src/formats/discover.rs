@@ -1,5 +1,6 @@
 //! Finding sessions: every folder below a raw directory that holds a `session.toml`, in sorted order.
 
+use crate::session_toml::CAMPAIGN_FILE;
 use crate::{leg, session_toml, shared_logs};
 use pipeline_base::diagnostics::{Diagnostic, Severity};
 use pipeline_base::session::{Session, Specimen};
@@ -25,6 +26,8 @@ pub struct Located {
     pub directory: PathBuf,
     /// The folder relative to its raw directory, with forward slashes.
     pub relative: String,
+    /// The `campaign.toml` that completes it, relative to the folder, if there is one.
+    pub campaign: Option<String>,
 }
 
 /// A session that cannot be used, with every reason.
@@ -148,21 +151,49 @@ fn relative_to(root: &Path, path: &Path) -> String {
 fn read_session(root: &Path, directory: &Path) -> Result<Located, Unusable> {
     let relative = relative_to(root, directory);
     let file = format!("{relative}/{SESSION_FILE}");
-    let session = read_text(&directory.join(SESSION_FILE), &file)
-        .map_err(|d| vec![d])
-        .and_then(|text| session_toml::read(&file, &text))
+    let campaign = campaign_of(root, directory);
+    let described = || {
+        let text = read_text(&directory.join(SESSION_FILE), &file)?;
+        let campaign = campaign.as_ref().map(|folder| {
+            let path = folder.join(CAMPAIGN_FILE);
+            let shown = relative_to(root, &path);
+            Ok((read_text(&path, &shown)?, shown))
+        });
+        Ok((text, campaign.transpose()?))
+    };
+    let session = described()
+        .map_err(|d: Diagnostic| vec![d])
+        .and_then(|(text, campaign)| match campaign {
+            None => session_toml::read(&file, &text),
+            Some((campaign, shown)) => {
+                session_toml::read_over((&file, &text), (&shown, &campaign))
+            }
+        })
         .and_then(|session| leg::complete(session, directory, &relative));
     match session {
         Ok(session) => Ok(Located {
             session,
             directory: directory.to_path_buf(),
             relative,
+            campaign: campaign.map(|folder| from_below(directory, folder)),
         }),
         Err(diagnostics) => Err(Unusable {
             relative,
             diagnostics,
         }),
     }
+}
+
+/// The nearest folder with a `campaign.toml`: that of the session, or one above it up to the raw directory.
+fn campaign_of<'a>(root: &Path, directory: &'a Path) -> Option<&'a Path> {
+    let mut above = directory.ancestors().take_while(|a| a.starts_with(root));
+    above.find(|folder| folder.join(CAMPAIGN_FILE).is_file())
+}
+
+/// The path of the `campaign.toml` of a folder above, seen from a session's folder.
+fn from_below(directory: &Path, folder: &Path) -> String {
+    let below = directory.strip_prefix(folder).unwrap_or(Path::new(""));
+    "../".repeat(below.components().count()) + CAMPAIGN_FILE
 }
 
 /// The text of a small file that describes something; messages call it `file`.

@@ -19,6 +19,11 @@ use std::collections::BTreeMap;
 /// The only schema that is understood.
 pub const SCHEMA: &str = "bpa-session/1";
 
+/// What sessions below a folder have in common.
+pub const CAMPAIGN_FILE: &str = "campaign.toml";
+/// Its only schema.
+const CAMPAIGN_SCHEMA: &str = "bpa-campaign/1";
+
 /// What marks a line that a person has to complete, in a session that `pipeline new-session` has drafted.
 pub const FILL_IN: &str = "FILL IN";
 
@@ -34,17 +39,54 @@ const LONGEST_NAME: usize = 80;
 /// # Errors
 /// Every mistake of the file, in the order of its lines.
 pub fn read(file: &str, text: &str) -> Result<Session, Vec<Diagnostic>> {
-    let table = parse(file, text).map_err(|d| vec![d])?;
-    let reader = Reader::new(file, text);
+    read_over((file, text), (CAMPAIGN_FILE, "schema = \"bpa-campaign/1\""))
+}
+
+/// The same, with the text of a `campaign.toml` for what the session does not say itself. A session may complete a table of the campaign or take
+/// another value for a key of it; a column that it describes is described anew.
+///
+/// # Errors
+/// Every mistake of both files.
+pub fn read_over(
+    (file, text): (&str, &str),
+    (campaign_file, campaign): (&str, &str),
+) -> Result<Session, Vec<Diagnostic>> {
+    let one = |d| vec![d];
+    let table = parse(file, text).map_err(one)?;
+    let defaults = parse(campaign_file, campaign).map_err(one)?;
+    let (reader, campaign_reader) = (
+        Reader::new(file, text),
+        Reader::new(campaign_file, campaign),
+    );
     report_unfilled(&reader, text);
-    if !reader.is_clean() {
-        return Err(reader.finish());
+    report_unfilled(&campaign_reader, campaign);
+    let mut found = None;
+    if reader.is_clean() && campaign_reader.is_clean() {
+        let of_campaign = campaign_reader.root(&defaults);
+        check_campaign(&of_campaign);
+        found = session(&reader.root_over(&table, of_campaign));
     }
-    let session = session(&reader.root(&table));
-    let mistakes = reader.finish();
-    match session {
+    let mistakes = [reader.finish(), campaign_reader.finish()].concat();
+    match found {
         Some(session) if mistakes.is_empty() => Ok(session),
         _ => Err(mistakes),
+    }
+}
+
+/// What a campaign has of its own, and what only a session can have.
+fn check_campaign(campaign: &Section) {
+    let hint = "write schema = \"bpa-campaign/1\"";
+    if let Some(entry) = campaign.require("schema", CAMPAIGN_SCHEMA, hint) {
+        entry.choice(&[(CAMPAIGN_SCHEMA, ())]);
+    }
+    for key in ["id", "log"] {
+        if let Some(entry) = campaign.get(key) {
+            entry.reject_for(
+                &format!("`{key}`"),
+                "what sessions have in common",
+                "write it into each session.toml",
+            );
+        }
     }
 }
 

@@ -207,7 +207,8 @@ fn raw_files(engine: &Engine, sessions: &[UnitMade], discovery: &Discovery) -> R
         digests.remove(SESSION_FILE);
         let leg = located.session.joint.as_ref();
         let leg = leg.and_then(|joint| Some(joint.description.as_ref()?.file.as_str()));
-        for name in [SESSION_FILE].into_iter().chain(leg) {
+        let campaign = located.campaign.as_deref();
+        for name in [SESSION_FILE].into_iter().chain(campaign).chain(leg) {
             let path = located.directory.join(name);
             let found = engine
                 .hashes
