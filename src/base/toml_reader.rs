@@ -259,7 +259,10 @@ impl<'r, 'a> Entry<'r, 'a> {
     pub fn number(&self) -> Option<f64> {
         let number = self.as_number();
         if number.is_none() {
-            self.reject("a finite number", "write it without quotes and without unit");
+            self.reject(
+                "a finite number",
+                "write it without quotes and without unit",
+            );
         }
         number
     }
@@ -328,10 +331,15 @@ impl<'r, 'a> Entry<'r, 'a> {
             let section = self.reader.section(self.path.clone(), self.line, t);
             let defaults = self.defaults.as_ref().and_then(|d| d.table());
             let defaults = defaults.map(Box::new);
-            return Some(Section { defaults, ..section });
+            return Some(Section {
+                defaults,
+                ..section
+            });
         }
         let key = self.key();
-        let hint = format!("write `[{key}]` on a line of its own and the keys below, or `{key} = {{ ... }}`");
+        let hint = format!(
+            "write `[{key}]` on a line of its own and the keys below, or `{key} = {{ ... }}`"
+        );
         self.reject(&format!("a table `{key}`"), &hint);
         None
     }

@@ -29,7 +29,10 @@ fn reason<'a>(line: &str, before: impl Iterator<Item = &'a str>) -> (&'static st
     let correct = || "correct the line".to_owned();
     if line.starts_with('[') {
         return match line.contains(']') {
-            true => ("a table that is begun once: `[name]` or `[[name]]`", correct()),
+            true => (
+                "a table that is begun once: `[name]` or `[[name]]`",
+                correct(),
+            ),
             false => ("a closing bracket", format!("write `{line}]`")),
         };
     }
@@ -38,26 +41,39 @@ fn reason<'a>(line: &str, before: impl Iterator<Item = &'a str>) -> (&'static st
     };
     let (key, value) = (key.trim(), without_comment(value).trim());
     if value.is_empty() {
-        return ("a value behind the =", format!("write it, or remove `{key}`"));
+        return (
+            "a value behind the =",
+            format!("write it, or remove `{key}`"),
+        );
     }
     if value.matches('"').count() % 2 == 1 {
         return ("a closing quote", "close the text with \"".to_owned());
     }
     if is_given_before(key, before) {
-        return ("every key once", format!("remove one of the two lines `{key} = ...`"));
+        return (
+            "every key once",
+            format!("remove one of the two lines `{key} = ...`"),
+        );
     }
     if has_decimal_comma(value) {
         let value = value.replacen(',', ".", 1);
         return ("a decimal point", format!("write `{key} = {value}`"));
     }
     if value.starts_with(|c: char| c.is_alphabetic()) {
-        return ("text in double quotes", format!("write `{key} = \"{value}\"`"));
+        return (
+            "text in double quotes",
+            format!("write `{key} = \"{value}\"`"),
+        );
     }
     if value.contains('-') && value.starts_with(|c: char| c.is_ascii_digit()) {
-        return ("a date that exists, in double quotes", "write it as \"2022-11-30\"".to_owned());
+        return (
+            "a date that exists, in double quotes",
+            "write it as \"2022-11-30\"".to_owned(),
+        );
     }
     if value.starts_with(|c: char| c.is_ascii_digit()) && !value.contains('"') {
-        let expected = "a number without its unit, which stands in the key, or text in double quotes";
+        let expected =
+            "a number without its unit, which stands in the key, or text in double quotes";
         return (expected, correct());
     }
     (general, correct())
@@ -77,7 +93,9 @@ fn is_given_before<'a>(key: &str, before: impl Iterator<Item = &'a str>) -> bool
         if line.starts_with('[') {
             given = false;
         }
-        given |= line.split_once('=').is_some_and(|(other, _)| other.trim() == key);
+        given |= line
+            .split_once('=')
+            .is_some_and(|(other, _)| other.trim() == key);
     }
     given
 }
@@ -85,7 +103,9 @@ fn is_given_before<'a>(key: &str, before: impl Iterator<Item = &'a str>) -> bool
 fn has_decimal_comma(value: &str) -> bool {
     let digits = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
     let value = value.trim_start_matches(['-', '+']);
-    value.split_once(',').is_some_and(|(whole, rest)| digits(whole) && digits(rest))
+    value
+        .split_once(',')
+        .is_some_and(|(whole, rest)| digits(whole) && digits(rest))
 }
 
 #[cfg(test)]
@@ -95,7 +115,12 @@ mod tests {
     #[test]
     fn the_usual_slips_are_named_with_their_remedy() {
         for (text, row, expected, hint) in [
-            ("a = 1\nkind = isometric\n", 2, "double quotes", "`kind = \"isometric\"`"),
+            (
+                "a = 1\nkind = isometric\n",
+                2,
+                "double quotes",
+                "`kind = \"isometric\"`",
+            ),
             ("kind = \"isometric\nb = 2\n", 1, "closing quote", "\""),
             ("kind isometric\n", 1, "key = value", "correct"),
             ("x = 182,5\n", 1, "decimal point", "`x = 182.5`"),

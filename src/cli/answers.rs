@@ -55,8 +55,13 @@ pub(super) fn lines(found: &CampaignFindings, models: Option<&str>) -> Vec<Strin
 /// A text in lines, all but the first indented.
 fn paragraph(text: &str) -> Vec<String> {
     let mut lines = wrapped(text, WIDTH - INDENT.len());
-    lines[1..].iter_mut().for_each(|line| line.insert_str(0, INDENT));
-    lines.iter().map(|line| line.replace(NO_BREAK, " ")).collect()
+    lines[1..]
+        .iter_mut()
+        .for_each(|line| line.insert_str(0, INDENT));
+    lines
+        .iter()
+        .map(|line| line.replace(NO_BREAK, " "))
+        .collect()
 }
 
 /// A text in lines beside its label, the first with it and the others below the text.

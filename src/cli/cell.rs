@@ -49,7 +49,9 @@ pub(super) fn number(
     let path = on_disk(places, output);
     let shown = path.display();
     if !output.ends_with(".csv") {
-        let printed = PRINTED.iter().find_map(|ending| output.strip_suffix(ending));
+        let printed = PRINTED
+            .iter()
+            .find_map(|ending| output.strip_suffix(ending));
         let instead = printed.map_or_else(String::new, |stem| {
             let csv = on_disk(places, &format!("{stem}.csv"));
             format!(": {}:LINE:{column}", csv.display())

@@ -232,14 +232,30 @@ impl Explained<'_> {
 /// How a stage makes its numbers.
 fn how(stage: &str) -> Option<&'static str> {
     Some(match stage {
-        "ingest" => "every row of the logs, times gain plus offset, in one unit a quantity (docs/sessions.md)",
-        "clean" => "rows that are no measurement left out, the zero of the force taken off, the mean of each steady plateau (docs/data.md)",
-        "normalize" => "ε = (l_rest − l)/l_rest, ε* = ε/ε_620 and P* = P/620 kPa of every reading (docs/data.md)",
-        "fit" => "the equations of the new model by robust least squares, intervals from refits without each specimen (docs/data.md)",
-        "compare" => "measured less predicted of every model: RMSE, largest error, bias, adjusted R² by split (docs/data.md)",
-        "diagnose" => "one mixed model of what the law leaves: scatter by restricted likelihood, effects tested by bootstrap, errors on specimens left out (docs/loop.md)",
-        "torque" => "force of each model times the moment arm of the route, and the same mixed model on the torques (docs/loop.md)",
-        "report" => "the results of the stages below as tables, figures and pages; nothing is computed here",
+        "ingest" => {
+            "every row of the logs, times gain plus offset, in one unit a quantity (docs/sessions.md)"
+        }
+        "clean" => {
+            "rows that are no measurement left out, the zero of the force taken off, the mean of each steady plateau (docs/data.md)"
+        }
+        "normalize" => {
+            "ε = (l_rest − l)/l_rest, ε* = ε/ε_620 and P* = P/620 kPa of every reading (docs/data.md)"
+        }
+        "fit" => {
+            "the equations of the new model by robust least squares, intervals from refits without each specimen (docs/data.md)"
+        }
+        "compare" => {
+            "measured less predicted of every model: RMSE, largest error, bias, adjusted R² by split (docs/data.md)"
+        }
+        "diagnose" => {
+            "one mixed model of what the law leaves: scatter by restricted likelihood, effects tested by bootstrap, errors on specimens left out (docs/loop.md)"
+        }
+        "torque" => {
+            "force of each model times the moment arm of the route, and the same mixed model on the torques (docs/loop.md)"
+        }
+        "report" => {
+            "the results of the stages below as tables, figures and pages; nothing is computed here"
+        }
         _ => return None,
     })
 }

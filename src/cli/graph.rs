@@ -47,7 +47,9 @@ struct Drawing {
 pub fn command(args: &GraphArgs) -> Result<u8> {
     let places = args.results.places()?;
     let ancestry = Ancestry::load(&places.derived)?;
-    let raw = ancestry.raw_files(ancestry.units.iter(), &places.reports).len();
+    let raw = ancestry
+        .raw_files(ancestry.units.iter(), &places.reports)
+        .len();
     let drawing = drawing(&ancestry, raw, args.units);
     if args.json {
         print_json(&json!({ "nodes": drawing.nodes, "edges": drawing.edges }))?;

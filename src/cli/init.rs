@@ -35,7 +35,8 @@ author = ""
 "#;
 
 const IGNORED: &str = ".gitignore";
-const IGNORED_TEXT: &str = "# What `pipeline run` makes from raw/ and pipeline.toml.\n/derived/\n/reports/\n";
+const IGNORED_TEXT: &str =
+    "# What `pipeline run` makes from raw/ and pipeline.toml.\n/derived/\n/reports/\n";
 
 /// Writes the files of a project; none where one of them is there already.
 ///
@@ -61,7 +62,9 @@ pub fn command(args: &InitArgs) -> Result<u8> {
         other => other.display().to_string(),
     };
     for text in [
-        &format!("{shown} is a project now: {CONFIG}, {GOLDEN}/golden.toml, {IGNORED}, and {RAW}/ for the sessions"),
+        &format!(
+            "{shown} is a project now: {CONFIG}, {GOLDEN}/golden.toml, {IGNORED}, and {RAW}/ for the sessions"
+        ),
         "next: pipeline new-session LOG --out raw/NAME   writes a first session.toml for a log",
         "      pipeline run                              computes the reports",
         "      pipeline check --init                     keeps the tables, to compare later ones with",

@@ -30,10 +30,10 @@ use args::{Args, Command, PlaceArgs, RunArgs, SimulateArgs};
 use clap::Parser;
 use pipeline_base::error::{Error, Result};
 use pipeline_config::Config;
-use places::Places;
 use pipeline_run as run;
 use pipeline_run::{Outcome, RunOptions};
 use pipeline_simulate as simulate;
+use places::Places;
 use std::ffi::OsString;
 
 const DONE: u8 = 0;
@@ -78,12 +78,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     })
 }
 
-fn options(
-    places: &Places,
-    jobs: u64,
-    force: Option<&str>,
-    dry_run: bool,
-) -> Result<RunOptions> {
+fn options(places: &Places, jobs: u64, force: Option<&str>, dry_run: bool) -> Result<RunOptions> {
     let force = match force {
         Some(stage) if !run::STAGES.contains(&stage) => {
             return Err(Error::Usage(format!(
@@ -127,7 +122,12 @@ fn run_command(args: &RunArgs) -> Result<u8> {
     let options = RunOptions {
         keep_going: args.keep_going,
         only: args.only.clone(),
-        ..options(&places, args.places.jobs, args.force.as_deref(), args.dry_run)?
+        ..options(
+            &places,
+            args.places.jobs,
+            args.force.as_deref(),
+            args.dry_run,
+        )?
     };
     let progress = progress::Shown::new(json);
     let outcome = run::run(&options, &progress)?;

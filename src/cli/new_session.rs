@@ -9,8 +9,8 @@ use pipeline_base::session::{Encoding, Part, PartKind, TextFormat};
 use pipeline_draft::{Draft, Guess, text};
 use pipeline_formats::discover::SESSION_FILE;
 use pipeline_formats::overview::{overview, place};
-use pipeline_formats::{log_file, session_toml, text_format};
 use pipeline_formats::session_toml::FILL_IN;
+use pipeline_formats::{log_file, session_toml, text_format};
 use pipeline_report::figures::{files, log};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -223,8 +223,7 @@ fn print(draft: &Draft, out: &Path, written: &[(String, Vec<u8>)]) {
     line(format!("wrote {} into {}", names.join(", "), out.display()));
     line(format!(
         "correct {SESSION_FILE} (lines with {}), put it beside {}, and `pipeline run`",
-        FILL_IN,
-        draft.file
+        FILL_IN, draft.file
     ));
 }
 

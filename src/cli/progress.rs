@@ -1,6 +1,6 @@
 //! Progress: a bar on a terminal, nothing elsewhere (the outcome says it all).
 
-use indicatif::{FormattedDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use pipeline_run::Progress;
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -10,14 +10,14 @@ use std::time::Duration;
 
 /// What one unit of a stage costs, in arbitrary units: how far the bar moves with it, and so what time is left. One that is not named costs 1.
 const COSTS: [(&str, u64); 5] = [
-    ("fit", 10),
-    ("compare", 5),
-    ("diagnose", 200),
-    ("torque", 200),
-    ("report", 100),
+    ("fit", 150),
+    ("compare", 2),
+    ("diagnose", 250),
+    ("torque", 300),
+    ("report", 150),
 ];
 /// Share of the work before which nothing is said of the time that is left.
-const TOO_EARLY: f32 = 0.03;
+const TOO_EARLY: f64 = 0.03;
 /// Units at work that are named.
 const NAMED: usize = 2;
 
@@ -73,9 +73,21 @@ fn message(at_work: &BTreeSet<(&'static str, String)>) -> String {
     named.join(", ") + &more
 }
 
+/// By what has been done so far, on the whole: a rate of late would call a long unit a standstill.
 fn time_left(state: &ProgressState, text: &mut dyn Write) {
-    if state.fraction() > TOO_EARLY && state.fraction() < 1.0 {
-        let _ = write!(text, ", {} left", FormattedDuration(state.eta()));
+    let done = f64::from(state.fraction());
+    if done > TOO_EARLY && done < 1.0 {
+        let left_s = state.elapsed().as_secs_f64() * (1.0 / done - 1.0);
+        let _ = write!(text, ", {}", about(left_s));
+    }
+}
+
+/// `about 40 s left`, `about 3 min left`.
+fn about(left_s: f64) -> String {
+    if left_s < 90.0 {
+        format!("about {:.0} s left", 10.0 * (left_s / 10.0).ceil())
+    } else {
+        format!("about {:.0} min left", left_s / 60.0)
     }
 }
 
@@ -122,6 +134,13 @@ mod tests {
         assert_eq!(at_work(&[]), "");
         assert_eq!(at_work(&["a", "b"]), "fit a, fit b");
         assert_eq!(at_work(&["a", "b", "c"]), "fit a, fit b and 1 more");
+    }
+
+    #[test]
+    fn the_time_that_is_left_is_round() {
+        assert_eq!(about(1.0), "about 10 s left");
+        assert_eq!(about(41.0), "about 50 s left");
+        assert_eq!(about(170.0), "about 3 min left");
     }
 
     #[test]

@@ -155,7 +155,14 @@ fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
 /// `new 13.2 N, Hunt 2017 18.1 N, Festo tool 25.6 N (RMSE on unseen specimens, the 1290 of 1675 readings that all of them answer)`.
 fn models_text(common: &Common) -> String {
     let one = |(id, rmse): &(String, f64)| {
-        let name = model_name(id, if id == pipeline_compare::NEW { "new" } else { id });
+        let name = model_name(
+            id,
+            if id == pipeline_compare::NEW {
+                "new"
+            } else {
+                id
+            },
+        );
         format!("{name} {}", error(*rmse, "N"))
     };
     let all: Vec<String> = common.rmse.iter().map(one).collect();

@@ -117,7 +117,11 @@ impl Config {
         let mut mistakes = Vec::new();
         let dpi = self.report.png_dpi;
         if !PNG_DPI.contains(&dpi) {
-            let expected = format!("a number from {} to {} (dots per inch)", PNG_DPI.start(), PNG_DPI.end());
+            let expected = format!(
+                "a number from {} to {} (dots per inch)",
+                PNG_DPI.start(),
+                PNG_DPI.end()
+            );
             mistakes.push(mistake(file, "report.png_dpi", &dpi.to_string(), &expected));
         }
         let not_negative = [
@@ -127,7 +131,10 @@ impl Config {
             ("clean.largest_drift_kpa", self.clean.largest_drift_kpa),
             ("clean.largest_force_drift", self.clean.largest_force_drift),
         ];
-        for (key, x) in not_negative.iter().filter(|(_, x)| !(*x >= 0.0 && x.is_finite())) {
+        for (key, x) in not_negative
+            .iter()
+            .filter(|(_, x)| !(*x >= 0.0 && x.is_finite()))
+        {
             mistakes.push(mistake(file, key, &x.to_string(), "0 or a positive number"));
         }
         let [low, high] = self.clean.pressure_range_kpa;

@@ -591,7 +591,9 @@ mod tests {
             "{text}"
         );
         assert!(
-            text.contains("p.toml:6 [diagnose.seed]: found \"one\"; expected a whole number, zero or more"),
+            text.contains(
+                "p.toml:6 [diagnose.seed]: found \"one\"; expected a whole number, zero or more"
+            ),
             "{text}"
         );
         let text = said("[clean]\npressure_range_kpa = [1, 'x']");
@@ -608,10 +610,7 @@ mod tests {
         assert!(text.contains("p.toml:2 [report.png_dpi]"), "{text}");
         assert!(text.contains("p.toml:3 [report.date]"), "{text}");
         let text = said("clean = 3");
-        assert!(
-            text.contains("p.toml:1 [clean]: found 3"),
-            "{text}"
-        );
+        assert!(text.contains("p.toml:1 [clean]: found 3"), "{text}");
         let text = said("[clean]\n\nbin_s = -1.0");
         assert!(text.contains("p.toml:3 [clean.bin_s]: found -1"), "{text}");
         let text = said("[diagnose]\nbase_model = \"hunt2071\"");

@@ -116,7 +116,11 @@ fn format_table(format: TextFormat) -> String {
     if format.encoding == Encoding::Latin1 {
         text += "encoding = \"latin-1\"\n";
     }
-    if text.is_empty() { text } else { format!("\n[format]\n{text}") }
+    if text.is_empty() {
+        text
+    } else {
+        format!("\n[format]\n{text}")
+    }
 }
 
 fn columns_table(draft: &Draft) -> String {
@@ -172,7 +176,7 @@ fn column(guess: &Guess, names: &mut BTreeSet<String>) -> String {
         keys.push(format!("values = {{ {} }}", states.join(", ")));
     }
     let mark = if guess.doubtful {
-        format!("{FILL_IN}: confirm quantity and unit: ")
+        format!("{FILL_IN}: quantity and unit, confirmed; guessed because ")
     } else {
         String::new()
     };

@@ -165,9 +165,7 @@ fn read_session(root: &Path, directory: &Path) -> Result<Located, Unusable> {
         .map_err(|d: Diagnostic| vec![d])
         .and_then(|(text, campaign)| match campaign {
             None => session_toml::read(&file, &text),
-            Some((campaign, shown)) => {
-                session_toml::read_over((&file, &text), (&shown, &campaign))
-            }
+            Some((campaign, shown)) => session_toml::read_over((&file, &text), (&shown, &campaign)),
         })
         .and_then(|session| leg::complete(session, directory, &relative));
     match session {

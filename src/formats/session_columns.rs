@@ -36,7 +36,10 @@ fn column_spec(name: &str, entry: &Entry) -> Option<ColumnSpec> {
         return None;
     }
     if entry.as_string().is_some() {
-        let hint = format!("write `{name} = {{ name = {}, unit = \"...\" }}`", entry.describe());
+        let hint = format!(
+            "write `{name} = {{ name = {}, unit = \"...\" }}`",
+            entry.describe()
+        );
         entry.reject("where the column stands, and its unit", &hint);
         return None;
     }
@@ -63,7 +66,11 @@ fn column_spec(name: &str, entry: &Entry) -> Option<ColumnSpec> {
     let (unit, factor, constant) = unit_of(name, known, entry, unit_entry)?;
     let (gain, offset) = (gain?, offset?);
     if gain == 0.0 {
-        entry.reject_for("gain = 0", "a gain other than 0", "write the converter's gain");
+        entry.reject_for(
+            "gain = 0",
+            "a gain other than 0",
+            "write the converter's gain",
+        );
         return None;
     }
     if let (Some(low), Some(high)) = (low, high)

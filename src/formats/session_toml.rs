@@ -5,13 +5,13 @@
 use crate::text_format::text_format;
 use crate::{session_columns, session_joint, session_sd};
 use pipeline_base::columns::{self, KnownColumn};
+use pipeline_base::date::is_date;
 use pipeline_base::diagnostics::Diagnostic;
+use pipeline_base::normalized::CONTRACTION_RANGE;
 use pipeline_base::session::{
     ColumnSpec, Constant, Kind, LogSpec, Part, PartKind, Position, Role, Sampling, Session,
     Specimen,
 };
-use pipeline_base::date::is_date;
-use pipeline_base::normalized::CONTRACTION_RANGE;
 use pipeline_base::toml_reader::{Entry, Reader, Section, parse};
 use pipeline_base::units::{Quantity, Unit};
 use std::collections::BTreeMap;
@@ -96,9 +96,17 @@ fn report_unfilled(reader: &Reader, text: &str) {
         let Some((before, meant)) = line.split_once(FILL_IN) else {
             continue;
         };
-        let key = before.split(['=', '#', '{']).next().unwrap_or_default().trim();
+        let key = before
+            .split(['=', '#', '{'])
+            .next()
+            .unwrap_or_default()
+            .trim();
         let meant = meant.trim_start_matches(':').trim().trim_end_matches('"');
-        let expected = if meant.is_empty() { "what was measured" } else { meant };
+        let expected = if meant.is_empty() {
+            "what was measured"
+        } else {
+            meant
+        };
         let hint = format!("write it, and remove the words {FILL_IN}");
         reader.report(k as u64 + 1, key, FILL_IN, expected, &hint);
     }
@@ -466,9 +474,9 @@ fn check_held_length(root: &Section, session: &Session) {
     let (low, high) = CONTRACTION_RANGE;
     let contraction = (rest - length) / rest;
     let held = setup.entries();
-    let held = held.iter().find(|(key, _)| {
-        split_unit(key).is_some_and(|(known, _)| known.column == columns::LENGTH)
-    });
+    let held = held
+        .iter()
+        .find(|(key, _)| split_unit(key).is_some_and(|(known, _)| known.column == columns::LENGTH));
     if let (Some((_, entry)), false) = (held, (low..=high).contains(&contraction)) {
         let (shortest, longest) = (1e3 * rest * (1.0 - high), 1e3 * rest * (1.0 - low));
         entry.reject_for(

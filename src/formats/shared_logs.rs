@@ -57,7 +57,10 @@ fn repeated(alike: &[Measured], sessions: &[Located]) -> Vec<(usize, Diagnostic)
             let [own, other] = [log, original].map(|l| &sessions[l.session].relative);
             let diagnostic = Diagnostic::error(
                 format!("{own}/{SESSION_FILE}"),
-                format!("{}, which is {other}/{} byte for byte", log.name, original.name),
+                format!(
+                    "{}, which is {other}/{} byte for byte",
+                    log.name, original.name
+                ),
                 "a log that belongs to one session only",
                 "name the right log, or remove one of the two sessions",
             );
@@ -72,7 +75,10 @@ fn repeated(alike: &[Measured], sessions: &[Located]) -> Vec<(usize, Diagnostic)
 /// The line of the session's description that names a log; the first where no line does so in these words.
 fn line_of_log(session: &Located, log: &Measured) -> u64 {
     let text = std::fs::read_to_string(session.directory.join(SESSION_FILE)).unwrap_or_default();
-    let file = log.path.strip_prefix(&session.directory).unwrap_or(&log.path);
+    let file = log
+        .path
+        .strip_prefix(&session.directory)
+        .unwrap_or(&log.path);
     let quoted = format!("\"{}\"", file.display());
     let line = text.lines().position(|line| line.contains(&quoted));
     line.map_or(1, |line| line as u64 + 1)

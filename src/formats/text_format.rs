@@ -19,7 +19,10 @@ pub fn text_format(table: &Section) -> TextFormat {
             return Some(rows as u64);
         }
         let expected = format!("a number of lines from 0 to {MOST_ROWS}");
-        entry.reject(&expected, "count the lines above the header or the first row");
+        entry.reject(
+            &expected,
+            "count the lines above the header or the first row",
+        );
         None
     });
     let encodings = [("utf-8", Encoding::Utf8), ("latin-1", Encoding::Latin1)];
@@ -70,7 +73,8 @@ pub fn applied<'a>(
         return Ok(Cow::Borrowed(bytes));
     }
     let unpacked = gzip::unpacked(file, bytes)?;
-    let other = |f: &&crate::table::LogFormat| f.name != csv::FORMAT.name && (f.recognises)(&unpacked);
+    let other =
+        |f: &&crate::table::LogFormat| f.name != csv::FORMAT.name && (f.recognises)(&unpacked);
     if let Some(other) = FORMATS.iter().find(other) {
         return Err(unreadable(
             file,
@@ -81,11 +85,17 @@ pub fn applied<'a>(
     }
     let text = match format.encoding {
         Encoding::Utf8 => unpacked.into_owned(),
-        Encoding::Latin1 => unpacked.iter().map(|b| char::from(*b)).collect::<String>().into_bytes(),
+        Encoding::Latin1 => unpacked
+            .iter()
+            .map(|b| char::from(*b))
+            .collect::<String>()
+            .into_bytes(),
     };
     let skipped = match format.skip_rows {
         0 => Some(0),
-        rows => memchr::memchr_iter(b'\n', &text).nth(rows as usize - 1).map(|end| end + 1),
+        rows => memchr::memchr_iter(b'\n', &text)
+            .nth(rows as usize - 1)
+            .map(|end| end + 1),
     };
     match skipped {
         Some(start) => Ok(Cow::Owned(text[start..].to_vec())),
@@ -125,7 +135,10 @@ mod tests {
         assert_eq!((found.first_line, found.bad_cells[0].line), (4, 5));
         let none = TextFormat::default();
         assert!(read_as(none).unwrap_err().found.contains("UTF-8"));
-        let all = TextFormat { skip_rows: 9, ..format };
+        let all = TextFormat {
+            skip_rows: 9,
+            ..format
+        };
         assert!(read_as(all).unwrap_err().found.contains("lines"));
     }
 }

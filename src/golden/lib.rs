@@ -117,7 +117,8 @@ fn names<'a>(
     let others = others.into_iter();
     let others = others.filter(|name| !settings.table.contains_key(*name));
     let all = settings.order.iter().chain(others);
-    all.filter(|name| !settings.leave_out.contains(name)).collect()
+    all.filter(|name| !settings.leave_out.contains(name))
+        .collect()
 }
 
 /// One table, which may be missing on either side or from the settings.

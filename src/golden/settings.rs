@@ -152,7 +152,8 @@ impl Settings {
         }
         for name in standard.order {
             if !self.leave_out.contains(&name) && !self.table.contains_key(&name) {
-                self.table.insert(name.clone(), standard.table[&name].clone());
+                self.table
+                    .insert(name.clone(), standard.table[&name].clone());
                 self.order.push(name);
             }
         }

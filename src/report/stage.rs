@@ -384,7 +384,9 @@ fn verdict_json(found: &CampaignFindings) -> serde_json::Value {
 /// The new model and those in use on the readings that all of them answer, of one group in `summary.json`.
 fn models_json(group: &GroupInput) -> Option<serde_json::Value> {
     let GroupComparison { group, common, .. } = &group.comparison;
-    Some(json!({ "campaign": group.campaign, "diameter_mm": group.diameter_mm, "common": common.as_ref()? }))
+    Some(
+        json!({ "campaign": group.campaign, "diameter_mm": group.diameter_mm, "common": common.as_ref()? }),
+    )
 }
 
 /// The logs that the report draws, as positions of session and log: of every campaign of time series the log with most readings that

@@ -156,8 +156,9 @@ impl Ancestry {
         let of_unit = |u: &Unit| {
             let options = &u.entry.parts.options;
             let folder = options.get("folder").map_or("", String::as_str);
-            let file =
-                |(name, digest): (&String, &Digest)| (format!("{folder}/{name}"), digest.hex().to_owned());
+            let file = |(name, digest): (&String, &Digest)| {
+                (format!("{folder}/{name}"), digest.hex().to_owned())
+            };
             let files = written.sessions.get(&u.name).unwrap_or(&u.given);
             files.iter().map(file).collect::<Vec<_>>()
         };

@@ -305,7 +305,10 @@ fn drive(
 fn steps(discovery: &Discovery, config: &Config) -> Vec<(&'static str, usize)> {
     let groups = Scope::Group.units(discovery, config).len();
     let of_stage = |declared: &rule::Declared| {
-        let units = declared.rules.iter().map(|r| r.units(discovery, config).len());
+        let units = declared
+            .rules
+            .iter()
+            .map(|r| r.units(discovery, config).len());
         (declared.stage.name, units.sum())
     };
     let stages = stages::LIST.iter().map(of_stage);

@@ -167,7 +167,9 @@ impl<'a> Shelf<'a> {
     pub fn unfinished(mut self) -> Written {
         if self.options.dry_run {
             let before: BTreeMap<String, Digest> = self.engine.read_aside(LIST);
-            let others = before.iter().filter(|(n, _)| !self.present.contains_key(*n));
+            let others = before
+                .iter()
+                .filter(|(n, _)| !self.present.contains_key(*n));
             let lost = others.filter_map(|(name, digest)| {
                 let path = place(name, self.options)?;
                 (!stands(self.engine, name, &path, digest)).then_some(path)

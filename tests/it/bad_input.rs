@@ -335,7 +335,10 @@ fn one_log_under_two_sessions_is_refused_with_both_named() {
     let twin = bad("twin", "session.toml", "182", "182");
     let bench = beside_a_good_one(&[twin]);
     let said = bench.run(&["run"]);
-    said.warns_of(&["twin/session.toml:19 [log]", "good/points.csv byte for byte"]);
+    said.warns_of(&[
+        "twin/session.toml:19 [log]",
+        "good/points.csv byte for byte",
+    ]);
     assert_eq!(bench.table("plateaus").len(), 7);
 }
 
@@ -396,7 +399,12 @@ fn a_run_of_which_every_session_is_excluded_is_no_success_and_says_why() {
 
 #[test]
 fn a_session_or_log_that_is_left_out_is_said_once() {
-    let no_steady_reading = bad("slack", "points.csv", DATA, "length_mm,pressure_kpa,force_n\n1,620,3\n");
+    let no_steady_reading = bad(
+        "slack",
+        "points.csv",
+        DATA,
+        "length_mm,pressure_kpa,force_n\n1,620,3\n",
+    );
     let misspelt = bad("misspelt", "session.toml", "kind =", "kin =");
     let bench = beside_a_good_one(&[no_steady_reading, misspelt]);
     let said = bench.run(&["run"]);
@@ -410,12 +418,35 @@ fn a_session_or_log_that_is_left_out_is_said_once() {
 
 #[test]
 fn lengths_in_metres_are_refused_with_the_key_line_and_remedy() {
-    let rest = bad("rest", "session.toml", "rest_length_mm = 182", "rest_length_mm = 0.182");
+    let rest = bad(
+        "rest",
+        "session.toml",
+        "rest_length_mm = 182",
+        "rest_length_mm = 0.182",
+    );
     let held = "[setup]\nlength_mm = 0.182\n\n[columns]";
-    let held = bad("held", "session.toml", "[columns]\nlength = { name = \"length_mm\", unit = \"mm\" }", held);
+    let held = bad(
+        "held",
+        "session.toml",
+        "[columns]\nlength = { name = \"length_mm\", unit = \"mm\" }",
+        held,
+    );
     expect(vec![
-        (rest, &["/session.toml:10 [specimen.rest_length_mm]", "`rest_length_mm = 182`"]),
-        (held, &["/session.toml:14 [setup.length_mm]", "found 0.182 mm", "specimen of 182 mm"]),
+        (
+            rest,
+            &[
+                "/session.toml:10 [specimen.rest_length_mm]",
+                "`rest_length_mm = 182`",
+            ],
+        ),
+        (
+            held,
+            &[
+                "/session.toml:14 [setup.length_mm]",
+                "found 0.182 mm",
+                "specimen of 182 mm",
+            ],
+        ),
     ]);
     let logged = with("session.toml", "unit = \"mm\"", "unit = \"m\"");
     let said = logged.run(&["run"]);

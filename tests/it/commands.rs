@@ -121,7 +121,11 @@ fn strict_turns_rejected_sessions_into_exit_code_3() {
     assert_eq!(bench.run(&["run"]).code, 0);
     let said = bench.run(&["run", "--strict"]);
     assert_eq!(said.code, 3);
-    assert!(said.out.contains("left out: 1 of 7 sessions"), "{}", said.out);
+    assert!(
+        said.out.contains("left out: 1 of 7 sessions"),
+        "{}",
+        said.out
+    );
     assert!(said.err.contains("broken/session.toml"), "{}", said.err);
 }
 

@@ -102,11 +102,25 @@ fn a_column_may_be_a_number_and_what_has_no_cells_says_where_they_are() {
     let value = &bench.table("coefficients")[1]["value"];
     let header = std::fs::read_to_string(bench.root().join("reports/tables/coefficients.csv"));
     let header = header.unwrap();
-    let at = header.lines().next().unwrap().split(',').position(|c| c == "value");
+    let at = header
+        .lines()
+        .next()
+        .unwrap()
+        .split(',')
+        .position(|c| c == "value");
     for column in ["value".to_owned(), (at.unwrap() + 1).to_string()] {
         let said = says(&format!("coefficients.csv:3:{column}"));
-        assert!(said.out.contains(&format!("line 3, value = {value}")), "{}{}", said.out, said.err);
-        assert!(said.out.contains("least squares"), "how it is computed: {}", said.out);
+        assert!(
+            said.out.contains(&format!("line 3, value = {value}")),
+            "{}{}",
+            said.out,
+            said.err
+        );
+        assert!(
+            said.out.contains("least squares"),
+            "how it is computed: {}",
+            said.out
+        );
     }
     for (cell, part) in [
         ("coefficients.csv:3:99", "it has"),

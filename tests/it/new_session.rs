@@ -63,8 +63,15 @@ fn what_it_writes_is_read_back_and_once_corrected_runs() {
     run.write("new/session.toml", &session);
     run.write("new/test8.csv", &before[&log]);
     let said = run.run(&["run"]);
-    assert_eq!(said.code, 2, "what is still to be filled in keeps the session out");
-    for (k, line) in session.lines().enumerate().filter(|(_, l)| l.contains("FILL IN")) {
+    assert_eq!(
+        said.code, 2,
+        "what is still to be filled in keeps the session out"
+    );
+    for (k, line) in session
+        .lines()
+        .enumerate()
+        .filter(|(_, l)| l.contains("FILL IN"))
+    {
         let place = format!("new/session.toml:{}", k + 1);
         assert!(said.err.contains(&place), "{place}: {line}: {}", said.err);
     }
@@ -141,7 +148,9 @@ fn a_file_that_is_no_log_is_refused_with_what_to_do() {
 #[test]
 fn many_logs_at_once_become_sessions_and_a_campaign_says_once_what_they_have_in_common() {
     let bench = Bench::empty();
-    let log = |force: u32| format!("p (kPa),F (N),l (mm)\n620,{force},182\n500,{force},180\n400,90,170\n");
+    let log = |force: u32| {
+        format!("p (kPa),F (N),l (mm)\n620,{force},182\n500,{force},180\n400,90,170\n")
+    };
     for (name, force) in [("a.csv", 300), ("b.csv", 310)] {
         std::fs::write(bench.root().join(name), log(force)).unwrap();
     }
@@ -154,7 +163,9 @@ fn many_logs_at_once_become_sessions_and_a_campaign_says_once_what_they_have_in_
          rest_length_mm = 182\ncontracted_length_mm = 152\n\n[columns]\nforce = { name = \"F (N)\", unit = \"N\" }\n\
          pressure = { name = \"p (kPa)\", unit = \"kPa\" }\nlength = { name = \"l (mm)\", unit = \"mm\" }\n",
     );
-    let own = |id: &str, more: &str| format!("schema = \"bpa-session/1\"\nid = \"{id}\"\n{more}\n[[log]]\nfile = \"{id}.csv\"\n");
+    let own = |id: &str, more: &str| {
+        format!("schema = \"bpa-session/1\"\nid = \"{id}\"\n{more}\n[[log]]\nfile = \"{id}.csv\"\n")
+    };
     bench.write("a/session.toml", own("a", ""));
     // Another rest length, and the pressure in another column: the rest is the campaign's.
     let pressure = "[specimen]\nid = \"l190\"\nrest_length_mm = 190\n[columns]\npressure = { name = \"F (N)\", unit = \"kPa\" }\nforce = { name = \"p (kPa)\", unit = \"N\" }";
@@ -163,22 +174,37 @@ fn many_logs_at_once_become_sessions_and_a_campaign_says_once_what_they_have_in_
     let said = bench.run(&["run"]);
     assert_eq!(said.code, 0, "{}", said.err);
     let sessions = bench.table("sessions");
-    let of = |column: &str| sessions.iter().map(|s| s[column].clone()).collect::<Vec<_>>();
+    let of = |column: &str| {
+        sessions
+            .iter()
+            .map(|s| s[column].clone())
+            .collect::<Vec<_>>()
+    };
     assert_eq!(of("session"), ["a", "b"]);
     assert_eq!(of("campaign"), ["two", "two"]);
-    let lengths: Vec<f64> = of("rest_length_mm").iter().map(|l| l.parse().unwrap()).collect();
+    let lengths: Vec<f64> = of("rest_length_mm")
+        .iter()
+        .map(|l| l.parse().unwrap())
+        .collect();
     assert!((lengths[0] - 182.0).abs() < 1e-9 && (lengths[1] - 190.0).abs() < 1e-9);
     let rows = bench.table("plateaus");
-    let force = |session: &str| rows.iter().find(|r| r["session"] == session).unwrap()["force_n"].clone();
+    let force =
+        |session: &str| rows.iter().find(|r| r["session"] == session).unwrap()["force_n"].clone();
     assert_eq!((force("a").as_str(), force("b").as_str()), ("300", "620"));
     assert_eq!(bench.run(&["status"]).code, 0);
     let explained = bench.run(&["explain", "force.pdf", "--verbose"]).out;
     assert!(explained.contains("campaign.toml"), "{explained}");
     // A change of the campaign is one of its sessions; a mistake in it is said once, with its place.
     let campaign = std::fs::read_to_string(bench.raw().join("campaign.toml")).unwrap();
-    bench.write("campaign.toml", campaign.replace("contracted_length_mm = 152", "contracted_length_mm = 150"));
+    bench.write(
+        "campaign.toml",
+        campaign.replace("contracted_length_mm = 152", "contracted_length_mm = 150"),
+    );
     assert!(bench.run(&["status"]).out.contains("ingest b"));
-    bench.write("campaign.toml", campaign.replace("diameter_mm", "diamter_mm"));
+    bench.write(
+        "campaign.toml",
+        campaign.replace("diameter_mm", "diamter_mm"),
+    );
     let said = bench.run(&["run"]);
     assert_eq!(said.code, 2);
     let place = "campaign.toml:8 [specimen.diamter_mm]";
@@ -192,7 +218,10 @@ fn a_log_with_a_preamble_in_latin_1_is_drafted_and_run() {
     let rows = b"620;388,5;182\n500;200,5;174\n400;90,1;170\n";
     std::fs::write(bench.root().join("old.txt"), [&head[..], rows].concat()).unwrap();
     let look = ["new-session", "old.txt", "--out", "raw/old", "--copy"];
-    assert!(bench.run(&look).err.contains("latin-1"), "what to do is said");
+    assert!(
+        bench.run(&look).err.contains("latin-1"),
+        "what to do is said"
+    );
     let options = ["--skip-rows", "2", "--encoding", "latin-1"];
     let said = bench.run(&[&look[..], &options].concat());
     assert_eq!(said.code, 0, "{}", said.err);
@@ -208,12 +237,26 @@ fn a_log_with_a_preamble_in_latin_1_is_drafted_and_run() {
 fn a_quantity_that_rests_on_the_size_of_numbers_is_left_to_a_person() {
     let bench = Bench::empty();
     // Without a header: the clock, a force, and two columns that may both be a pressure: one is the voltage of a laser.
-    let row = |k: u32| format!("{},{},{},{}\n", f64::from(k) * 0.01, 3 * k % 400, 5 * (k % 124), 600 + k % 7);
+    let row = |k: u32| {
+        format!(
+            "{},{},{},{}\n",
+            f64::from(k) * 0.01,
+            3 * k % 400,
+            5 * (k % 124),
+            600 + k % 7
+        )
+    };
     let log: String = (0..300).map(row).collect();
     bench.write("rig.csv", log);
     assert_eq!(bench.run(&["new-session", "raw/rig.csv"]).code, 0);
     let session = std::fs::read_to_string(bench.root().join("rig/session.toml")).unwrap();
-    let line = |name: &str| session.lines().find(|l| l.starts_with(&format!("{name} = "))).unwrap().to_owned();
+    let line = |name: &str| {
+        session
+            .lines()
+            .find(|l| l.starts_with(&format!("{name} = ")))
+            .unwrap()
+            .to_owned()
+    };
     assert!(line("pressure").contains("FILL IN") && line("force").contains("FILL IN"));
     assert!(!line("time").contains("FILL IN"), "{}", line("time"));
 }

@@ -8,7 +8,11 @@ fn project() -> Bench {
     let bench = Bench::small();
     let said = bench.run(&["init", "lab"]);
     assert_eq!(said.code, 0, "{}", said.err);
-    std::fs::rename(bench.raw().join("small"), bench.root().join("lab/raw/small")).unwrap();
+    std::fs::rename(
+        bench.raw().join("small"),
+        bench.root().join("lab/raw/small"),
+    )
+    .unwrap();
     bench
 }
 
@@ -58,11 +62,18 @@ fn what_differs_is_said_with_coefficients_and_errors_first() {
     assert_eq!(said.code, 1, "{}", said.err);
     let value: serde_json::Value = serde_json::from_str(&said.out).unwrap();
     let tables = value["findings"]["tables"].as_array().unwrap();
-    let tables: Vec<&str> = tables.iter().map(|t| t["table"].as_str().unwrap()).collect();
+    let tables: Vec<&str> = tables
+        .iter()
+        .map(|t| t["table"].as_str().unwrap())
+        .collect();
     let place = |table: &str| tables.iter().position(|t| *t == table);
     assert_eq!(place("coefficients"), Some(0), "{tables:?}");
     assert!(place("model_comparison") < place("sessions"), "{tables:?}");
-    assert_eq!(place("audit"), None, "the papers' claims are none of a laboratory's");
+    assert_eq!(
+        place("audit"),
+        None,
+        "the papers' claims are none of a laboratory's"
+    );
     assert_eq!(value["findings"]["differences"][0]["table"], "coefficients");
 }
 
@@ -78,17 +89,34 @@ fn status_names_what_has_to_be_put_back_beside_what_is_to_be_computed() {
     let session = bench.raw().join("small/b/c50/session.toml");
     touch(&session, "campaign", "date = \"2026-02\"\ncampaign");
     let said = bench.run(&["status"]);
-    assert!(said.out.contains("0 files would be put back"), "{}", said.out);
+    assert!(
+        said.out.contains("0 files would be put back"),
+        "{}",
+        said.out
+    );
     for lost in ["reports/force.pdf", "reports/tables/zeros.csv"] {
         std::fs::remove_file(bench.root().join(lost)).unwrap();
     }
-    std::fs::remove_file(bench.root().join("derived/sessions/small-a-c00/rows.parquet")).unwrap();
+    std::fs::remove_file(
+        bench
+            .root()
+            .join("derived/sessions/small-a-c00/rows.parquet"),
+    )
+    .unwrap();
     let said = bench.run(&["status"]);
     assert_eq!(said.code, 1);
-    for lost in ["reports/force.pdf", "reports/tables/zeros.csv", "sessions/small-a-c00"] {
+    for lost in [
+        "reports/force.pdf",
+        "reports/tables/zeros.csv",
+        "sessions/small-a-c00",
+    ] {
         assert!(said.out.contains(lost), "{lost}: {}", said.out);
     }
-    assert!(said.out.contains("3 files would be put back"), "{}", said.out);
+    assert!(
+        said.out.contains("3 files would be put back"),
+        "{}",
+        said.out
+    );
 }
 
 #[test]
@@ -102,10 +130,16 @@ fn a_copy_of_a_project_is_up_to_date() {
     }
     let said = copy.run(&["status"]);
     assert_eq!(said.code, 0, "{}", said.out);
-    let rows = copy.root().join("derived/sessions/small-a-c00/rows.parquet");
+    let rows = copy
+        .root()
+        .join("derived/sessions/small-a-c00/rows.parquet");
     std::fs::write(rows, "mine").unwrap();
     let said = copy.run(&["status"]);
-    assert!(said.code == 1 && said.out.contains("small-a-c00"), "{}", said.out);
+    assert!(
+        said.code == 1 && said.out.contains("small-a-c00"),
+        "{}",
+        said.out
+    );
 }
 
 #[test]
@@ -113,18 +147,28 @@ fn the_verdict_is_said_by_the_first_run_the_second_and_the_summary() {
     let bench = Bench::small_done();
     let of_campaign = |out: &str| {
         let lines = out.lines().skip_while(|l| !l.starts_with("small, 10 mm"));
-        lines.take_while(|l| !l.is_empty()).map(str::to_owned).collect::<Vec<_>>()
+        lines
+            .take_while(|l| !l.is_empty())
+            .map(str::to_owned)
+            .collect::<Vec<_>>()
     };
     let warm = bench.run(&["run"]);
     assert!(warm.out.contains("nothing to do"), "{}", warm.out);
     let said = of_campaign(&warm.out);
     for label in ["models", "found", "error", "sources"] {
-        assert!(said.iter().any(|l| l.trim_start().starts_with(label)), "{label}: {said:?}");
+        assert!(
+            said.iter().any(|l| l.trim_start().starts_with(label)),
+            "{label}: {said:?}"
+        );
     }
     let summary = bench.run(&["summary"]);
     assert_eq!(of_campaign(&summary.out), said);
     assert!(summary.out.contains("6 sessions") && !summary.out.contains("out of date"));
-    touch(&bench.raw().join("small/b/c50/session.toml"), "campaign", "date = \"2026-02\"\ncampaign");
+    touch(
+        &bench.raw().join("small/b/c50/session.toml"),
+        "campaign",
+        "date = \"2026-02\"\ncampaign",
+    );
     assert!(bench.run(&["summary"]).out.contains("out of date"));
     let json = bench.run(&["summary", "--json"]);
     let value: serde_json::Value = serde_json::from_str(&json.out).unwrap();

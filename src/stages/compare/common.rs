@@ -25,8 +25,14 @@ pub struct Common {
 
 /// The comparison on common readings; none where no specimen could be left out or no model answers beside the new one.
 pub fn common(rows: &[Row], by_model: &BTreeMap<String, Vec<f64>>) -> Option<Common> {
-    let answers = |force: &[f64]| rows.iter().zip(force).any(|(r, f)| is_fitted(r) && f.is_finite());
-    let beside = BESIDE.iter().filter_map(|id| Some((*id, by_model.get(*id)?)));
+    let answers = |force: &[f64]| {
+        rows.iter()
+            .zip(force)
+            .any(|(r, f)| is_fitted(r) && f.is_finite())
+    };
+    let beside = BESIDE
+        .iter()
+        .filter_map(|id| Some((*id, by_model.get(*id)?)));
     let beside = beside.filter(|(_, force)| answers(force));
     let models: Vec<(&str, &Vec<f64>)> = std::iter::once((NEW, by_model.get(NEW_LOSO)?))
         .chain(beside)
@@ -38,12 +44,17 @@ pub fn common(rows: &[Row], by_model: &BTreeMap<String, Vec<f64>>) -> Option<Com
         return None;
     }
     let rmse = |force: &[f64]| {
-        let squares = shared.iter().map(|k| (rows[*k].force_n - force[*k]).powi(2));
+        let squares = shared
+            .iter()
+            .map(|k| (rows[*k].force_n - force[*k]).powi(2));
         (squares.sum::<f64>() / shared.len() as f64).sqrt()
     };
     Some(Common {
         readings: shared.len(),
         of: fitted.len(),
-        rmse: models.iter().map(|(id, force)| ((*id).to_owned(), rmse(force))).collect(),
+        rmse: models
+            .iter()
+            .map(|(id, force)| ((*id).to_owned(), rmse(force)))
+            .collect(),
     })
 }

@@ -142,7 +142,14 @@ pub fn ingest(session: &Session, relative: &str, files: Vec<LogBytes>) -> Ingest
     };
     for (index, (spec, bytes)) in session.logs.iter().zip(files).enumerate() {
         let file = format!("{relative}/{}", spec.name());
-        match bytes.and_then(|bytes| text_format::read((&file, &bytes), session.format, spec.part.as_ref(), &requests)) {
+        match bytes.and_then(|bytes| {
+            text_format::read(
+                (&file, &bytes),
+                session.format,
+                spec.part.as_ref(),
+                &requests,
+            )
+        }) {
             Ok(raw) => keep(&mut ingested, index, spec, &file, raw),
             Err(diagnostic) => leave_out(&mut ingested.header, spec, diagnostic),
         }
