@@ -13,8 +13,9 @@ const MARGIN: usize = 11;
 const INDENT: &str = "  ";
 /// The lines of a campaign of which nothing but a verdict is known: nothing was held out.
 const SHORT: [&str; 3] = ["found", "", "error"];
-/// Between a number and its unit, where no line ends; a terminal gets a blank.
+/// Between a number and its unit, where no line ends; a terminal gets a blank. Within a unit it gets nothing.
 const NO_BREAK: char = '\u{a0}';
+const JOINER: char = '\u{2060}';
 
 /// The lines of one campaign: its name, and below it what the models make of it, what was found, the errors before and after, what they are
 /// made of, what to measure next, and what in the records looks wrong. A line that has nothing to say is not there; what was found alone stands
@@ -59,9 +60,6 @@ fn paragraph(text: &str) -> Vec<String> {
         .iter_mut()
         .for_each(|line| line.insert_str(0, INDENT));
     lines
-        .iter()
-        .map(|line| line.replace(NO_BREAK, " "))
-        .collect()
 }
 
 /// A text in lines beside its label, the first with it and the others below the text.
@@ -69,7 +67,7 @@ pub(super) fn labelled(label: &str, text: &str) -> Vec<String> {
     let wrapped = wrapped(text, WIDTH - MARGIN).into_iter().enumerate();
     let line = |(k, line): (usize, String)| {
         let label = if k == 0 { label } else { "" };
-        format!("  {label:<width$}{line}", width = MARGIN - 2).replace(NO_BREAK, " ")
+        format!("  {label:<width$}{line}", width = MARGIN - 2)
     };
     wrapped.map(line).collect()
 }
@@ -86,6 +84,9 @@ fn wrapped(text: &str, width: usize) -> Vec<String> {
             }
             _ => lines.push(word.to_owned()),
         }
+    }
+    for line in &mut lines {
+        *line = line.replace(NO_BREAK, " ").replace(JOINER, "");
     }
     lines
 }
@@ -184,6 +185,12 @@ mod tests {
         let is_indented = |l: &String| l.starts_with(INDENT) && l.chars().count() <= WIDTH;
         assert!(lines[1..].iter().all(is_indented), "{lines:?}");
         assert!(lines.concat().contains("60.0 kPa"), "{lines:?}");
+    }
+
+    #[test]
+    fn a_number_stays_with_its_unit_and_no_invisible_character_is_printed() {
+        let lines = wrapped("rate 0.06\u{a0}N\u{a0}s/\u{2060}kPa here", 16);
+        assert_eq!(lines, ["rate", "0.06 N s/kPa", "here"]);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::summary::Answers;
 use pipeline_base::diagnostics::{Diagnostic, Severity};
 use pipeline_base::error::{Error, Result};
 use pipeline_cache::reason::one_line;
-use pipeline_report::left_out::{LeftOut, counted};
+use pipeline_report::left_out::{self, LeftOut};
 use pipeline_run::step::Failure;
 use pipeline_run::{Outcome, Rejected, STAGES};
 use pipeline_simulate::Campaign;
@@ -19,6 +19,11 @@ const SHOWN: usize = 20;
 /// Prints to standard output; a closed pipe (`pipeline run | head`) ends the printing, not the program.
 pub(super) fn line(text: impl std::fmt::Display) {
     let _ = writeln!(std::io::stdout(), "{text}");
+}
+
+/// A number with its noun.
+pub(super) fn counted(n: usize, one: &str, several: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { several })
 }
 
 /// The defaults.
@@ -140,17 +145,18 @@ pub fn run(outcome: &Outcome, answers: Option<&Answers>, took: Duration, explain
     let seconds = took.as_secs_f64();
     if outcome.failed.is_empty() && outcome.work.is_empty() && outcome.written.is_empty() {
         line(format!(
-            "nothing to do: {} sessions, all {} results are up to date ({seconds:.2} s)",
-            outcome.sessions, outcome.fresh
+            "nothing to do: {}, all {} results are up to date ({seconds:.2} s)",
+            counted(outcome.sessions, "session", "sessions"),
+            outcome.fresh
         ));
     } else {
         line(format!(
-            "{} sessions: computed {} results ({}), {} were up to date; {} files written ({seconds:.2} s)",
-            outcome.sessions,
-            outcome.work.len(),
+            "{}: computed {} ({}), {} up to date; {} written ({seconds:.2} s)",
+            counted(outcome.sessions, "session", "sessions"),
+            counted(outcome.work.len(), "result", "results"),
             counts(outcome),
             outcome.fresh,
-            outcome.written.len()
+            counted(outcome.written.len(), "file", "files")
         ));
     }
     if let Some(answers) = answers {
@@ -184,7 +190,9 @@ fn inputs_left_out(outcome: &Outcome) {
     if logs + sessions > 0 {
         let all = outcome.sessions + outcome.unusable;
         line(format!(
-            "left out: {sessions} of {all} sessions, {logs} logs (tables/rejects.csv has all reasons)"
+            "left out: {sessions} of {}, {} (tables/rejects.csv has all reasons)",
+            counted(all, "session", "sessions"),
+            counted(logs, "log", "logs")
         ));
     }
     if let Some((id, why)) = outcome.excluded.first() {
@@ -193,9 +201,9 @@ fn inputs_left_out(outcome: &Outcome) {
             n => format!(" and {} more", n - 1),
         };
         line(format!(
-            "excluded by their owner: {} of {} sessions: {id} (\"{why}\"){others}; the line `exclude` in session.toml does that",
+            "excluded by their owner: {} of {}: {id} (\"{why}\"){others}; the line `exclude` in session.toml does that",
             outcome.excluded.len(),
-            outcome.sessions
+            counted(outcome.sessions, "session", "sessions")
         ));
     }
 }
@@ -209,7 +217,7 @@ pub fn left_out(all: &[LeftOut]) {
         eprintln!(
             "{} left out for a defect of pipeline itself, please report it; everything else is complete, and summary.json names them. Once it is fixed, or to try \
              again: pipeline run --force report",
-            counted(all)
+            left_out::counted(all)
         );
     }
 }

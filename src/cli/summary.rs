@@ -3,7 +3,7 @@
 
 use crate::answers;
 use crate::args::PlaceArgs;
-use crate::print::{line, print_json};
+use crate::print::{counted, line, print_json};
 use crate::{DONE, options, progress};
 use pipeline_base::error::{Error, Result};
 use pipeline_compare::common::Common;
@@ -121,10 +121,12 @@ impl Answers {
         let (used, rejected) = (all.sessions_used.len(), all.sessions_rejected.len());
         let excluded = all.sessions_used.iter().filter(|s| s.exclude.is_some());
         line(format!(
-            "{} readings of {used} sessions; {} sessions excluded by their owner, {rejected} sessions and {} logs left out",
-            all.readings,
-            excluded.count(),
-            all.logs_rejected.len()
+            "{} of {}; {} excluded by their owner, {} and {} left out",
+            counted(all.readings, "reading", "readings"),
+            counted(used, "session", "sessions"),
+            counted(excluded.count(), "session", "sessions"),
+            counted(rejected, "session", "sessions"),
+            counted(all.logs_rejected.len(), "log", "logs")
         ));
     }
 
