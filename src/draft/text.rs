@@ -111,7 +111,7 @@ fn quoted(text: &str) -> String {
 fn format_table(format: TextFormat) -> String {
     let mut text = String::new();
     if format.skip_rows > 0 {
-        let _ = write!(text, "skip_rows = {}\n", format.skip_rows);
+        let _ = writeln!(text, "skip_rows = {}", format.skip_rows);
     }
     if format.encoding == Encoding::Latin1 {
         text += "encoding = \"latin-1\"\n";

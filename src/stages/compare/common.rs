@@ -46,7 +46,8 @@ pub fn common(rows: &[Row], by_model: &BTreeMap<String, Vec<f64>>) -> Option<Com
     let rmse = |force: &[f64]| {
         let squares = shared
             .iter()
-            .map(|k| (rows[*k].force_n - force[*k]).powi(2));
+            .map(|k| rows[*k].force_n - force[*k])
+            .map(|error| error * error);
         (squares.sum::<f64>() / shared.len() as f64).sqrt()
     };
     Some(Common {
