@@ -43,7 +43,7 @@ pub fn command(args: &ExplainArgs) -> Result<u8> {
         (Some(place), Some(output)) => Some(number(&places, output, place)?),
         (Some(_), None) => {
             return Err(Error::Usage(format!(
-                "{artifact} is no table; a line and a column need one"
+                "{artifact} is not a table; only tables have lines and columns"
             )));
         }
         (None, _) => None,

@@ -109,7 +109,7 @@ fn size(text: &str) -> std::result::Result<u64, String> {
     let number: f64 = number
         .trim()
         .parse()
-        .map_err(|_| format!("{number:?} is no number; write a size as 500MB or 2GB"))?;
+        .map_err(|_| format!("{number:?} is not a number; write a size as 500MB or 2GB"))?;
     if number.is_finite() && number >= 0.0 {
         Ok((number * factor as f64) as u64)
     } else {

@@ -143,7 +143,7 @@ pub fn command(args: &PredictArgs) -> Result<u8> {
 fn single(args: &PredictArgs, predictor: &Predictor, around: Around) -> Result<()> {
     if let Some(file) = args.csv.as_ref().or(args.plot.as_ref()) {
         return Err(Error::Usage(format!(
-            "one state is no table and no curve for {}: add --sweep or --table",
+            "one state gives neither a table nor a curve for {}: add --sweep or --table",
             file.display()
         )));
     }
@@ -260,7 +260,7 @@ fn fits(derived: &Path) -> Result<Vec<GroupFit>> {
     };
     serde_json::from_slice(&text).map_err(|e| {
         Error::Usage(format!(
-            "{} cannot be understood ({e}): it was written by another version; `pipeline run` writes it anew",
+            "{} cannot be read ({e}): another version wrote it; `pipeline run` writes it again",
             path.display()
         ))
     })

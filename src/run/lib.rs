@@ -335,7 +335,7 @@ fn check_outside(raw: &Path, output: &Path, option: &str) -> Result<()> {
     });
     match (raw.canonicalize(), there) {
         (Ok(raw), Some(there)) if there.starts_with(&raw) => Err(Error::Usage(format!(
-            "{option} {} lies in the raw directory {}, in which nothing is written; choose another place",
+            "{option} {} is inside the raw directory {}, where nothing is written; choose another folder",
             output.display(),
             raw.display()
         ))),

@@ -30,7 +30,7 @@ fn two_runs_at_once_take_turns_and_agree() {
     assert!(first.wait().unwrap().success());
     assert_eq!(second.code, 0, "{}", second.err);
     assert!(
-        second.err.contains("another run works on this directory"),
+        second.err.contains("another run is working on this directory"),
         "{}",
         second.err
     );
