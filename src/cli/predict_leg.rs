@@ -57,9 +57,10 @@ pub fn command(args: &PredictArgs, name: &str, predictor: &Predictor) -> Result<
         Some(name) => Some(target(name)?),
         None => Target::usual(&leg),
     };
-    let pressure = args.pressure.as_deref().ok_or_else(|| {
-        Error::Usage("--knee needs a pressure: give --pressure".to_owned())
-    })?;
+    let pressure = args
+        .pressure
+        .as_deref()
+        .ok_or_else(|| Error::Usage("--knee needs a pressure: give --pressure".to_owned()))?;
     let pressure = values::quantity("--pressure", pressure, Quantity::Pressure)?;
     let over = |step| torque::over_the_range(predictor, &built, target.as_ref(), pressure, step);
     let fine = over(FINE_DEG)?;

@@ -85,7 +85,10 @@ fn put_back(written: &[std::path::PathBuf]) {
         line(format!("{}: {what}", path.display()));
     }
     if written.len() > SHOWN {
-        line(format!("and {} more files", written.len() - SHOWN));
+        line(format!(
+            "and {} more files; --json lists them",
+            written.len() - SHOWN
+        ));
     }
 }
 

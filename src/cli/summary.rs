@@ -6,13 +6,13 @@ use crate::args::PlaceArgs;
 use crate::print::{counted, line, print_json};
 use crate::{DONE, options, progress};
 use pipeline_base::error::{Error, Result};
-use pipeline_compare::common::Common;
+use pipeline_compare::NEW;
 use pipeline_findings::{CampaignFindings, Findings};
 use pipeline_report::wording::name::model_name;
 use pipeline_report::wording::number::error;
 use pipeline_run as run;
-use serde::Deserialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -41,12 +41,21 @@ struct Session {
     exclude: Option<String>,
 }
 
-/// The models of one campaign and diameter.
+/// The models of one campaign and diameter, on the readings that all of them answer.
 #[derive(Deserialize)]
 struct GroupModels {
     campaign: String,
     diameter_mm: u32,
-    common: Common,
+    readings: usize,
+    of: Option<usize>,
+    rmse_n: Vec<ModelError>,
+}
+
+/// The error of one model on unseen specimens, N.
+#[derive(Deserialize, Serialize)]
+struct ModelError {
+    model: String,
+    rmse: f64,
 }
 
 /// Prints the answers of the last run; says so where they are no longer those of the sessions.
@@ -87,7 +96,9 @@ impl Answers {
     pub(super) fn as_json(&self) -> Value {
         let campaigns = self.findings.campaigns.iter();
         let one = |found: &CampaignFindings| {
-            let models = self.models_of(found).map(|m| &m.common);
+            let models = self.models_of(found);
+            let models =
+                models.map(|m| json!({ "readings": m.readings, "of": m.of, "rmse_n": m.rmse_n }));
             let mut value = answers::as_json(found);
             value["models"] = json!(models);
             value
@@ -99,7 +110,7 @@ impl Answers {
     pub(super) fn print(&self) {
         let campaigns = &self.findings.campaigns;
         for found in campaigns.iter().take(SHOWN) {
-            let models = self.models_of(found).map(|m| models_text(&m.common));
+            let models = self.models_of(found).map(|m| models_text(m));
             line("");
             answers::lines(found, models.as_deref())
                 .into_iter()
@@ -154,24 +165,17 @@ fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
     })
 }
 
-/// `new 13.2 N, Hunt 2017 18.1 N, Festo tool 25.6 N (RMSE on unseen specimens, the 1290 of 1675 readings that all of them answer)`.
-fn models_text(common: &Common) -> String {
-    let one = |(id, rmse): &(String, f64)| {
-        let name = model_name(
-            id,
-            if id == pipeline_compare::NEW {
-                "new"
-            } else {
-                id
-            },
-        );
-        format!("{name} {}", error(*rmse, "N"))
+/// `RMSE on unseen specimens: new 13.2, Hunt 2017 18.1, Festo tool 25.6 N (on the 1290 of 1675 readings that all of them answer)`.
+fn models_text(models: &GroupModels) -> String {
+    let one = |m: &ModelError| {
+        let fallback = if m.model == NEW { "new" } else { &m.model };
+        format!("{} {}", model_name(&m.model, fallback), error(m.rmse, "N"))
     };
-    let all: Vec<String> = common.rmse.iter().map(one).collect();
+    let all: Vec<String> = models.rmse_n.iter().map(one).collect();
+    let of = models.of.map_or_else(String::new, |of| format!(" of {of}"));
     format!(
-        "RMSE on unseen specimens: {} N (on the {} of {} readings that all of them answer)",
+        "RMSE on unseen specimens: {} N (on the {}{of} readings that all of them answer)",
         all.join(", "),
-        common.readings,
-        common.of
+        models.readings
     )
 }

@@ -24,7 +24,7 @@ use pipeline_base::error::{Error, Result};
 use pipeline_base::reject::Extent;
 use pipeline_base::row::{self, Row, role_name};
 use pipeline_base::session::{Phase, Sampling};
-use pipeline_compare::GroupComparison;
+use pipeline_compare::{COMMON, GroupComparison, NEW, RANKED};
 use pipeline_config::Config;
 use pipeline_findings::{CampaignFindings, Findings, SCHEMA};
 use pipeline_fit::{GroupFit, is_usable, split};
@@ -381,12 +381,26 @@ fn verdict_json(found: &CampaignFindings) -> serde_json::Value {
     })
 }
 
-/// The new model and those in use on the readings that all of them answer, of one group in `summary.json`.
+/// The ranked models on the readings that all of them answer, of one group in `summary.json`; none where no model stands beside the new one.
 fn models_json(group: &GroupInput) -> Option<serde_json::Value> {
-    let GroupComparison { group, common, .. } = &group.comparison;
-    Some(
-        json!({ "campaign": group.campaign, "diameter_mm": group.diameter_mm, "common": common.as_ref()? }),
-    )
+    let GroupComparison {
+        group, comparisons, ..
+    } = &group.comparison;
+    let of = |model: &str, split: &str| {
+        let mut all = comparisons.iter();
+        all.find(|c| c.model == model && c.split == split)
+    };
+    let new = of(NEW, COMMON)?;
+    let ranked = RANKED.iter().filter_map(|model| of(model, COMMON));
+    let errors: Vec<_> = ranked
+        .filter_map(|c| Some(json!({ "model": c.model, "rmse": c.rmse? })))
+        .collect();
+    (errors.len() > 1).then(|| {
+        json!({
+            "campaign": group.campaign, "diameter_mm": group.diameter_mm, "readings": new.n,
+            "of": of(NEW, "loso").map(|c| c.n + c.n_excluded), "rmse_n": errors,
+        })
+    })
 }
 
 /// The logs that the report draws, as positions of session and log: of every campaign of time series the log with most readings that

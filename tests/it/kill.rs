@@ -30,7 +30,9 @@ fn two_runs_at_once_take_turns_and_agree() {
     assert!(first.wait().unwrap().success());
     assert_eq!(second.code, 0, "{}", second.err);
     assert!(
-        second.err.contains("another run is working on this directory"),
+        second
+            .err
+            .contains("another run is working on this directory"),
         "{}",
         second.err
     );

@@ -174,6 +174,6 @@ fn the_verdict_is_said_by_the_first_run_the_second_and_the_summary() {
     let value: serde_json::Value = serde_json::from_str(&json.out).unwrap();
     let models = &value["answers"][0]["models"];
     assert!(models["readings"].as_u64() > Some(0), "{value}");
-    assert_eq!(models["rmse"][0][0], "new", "{value}");
+    assert_eq!(models["rmse_n"][0]["model"], "new", "{value}");
     assert_eq!(Bench::empty().run(&["summary"]).code, 2);
 }

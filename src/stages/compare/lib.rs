@@ -4,13 +4,12 @@
 //! The new model as fitted is judged on the rows it was fitted to (`train`, RMSE over n - p), on each specimen by the fit that has not
 //! seen it (`loso`, leave one specimen out), on what its owner held out, and by the force paper's split by row (`rows_train`,
 //! `rows_validation`: a fit to four fifths of each session's rows). A published model has seen none of the rows, so p is 0 and all its
-//! splits are predictions. Where a model has no answer the row is not counted for it (`n_excluded`); where it
+//! splits are predictions. Models that answer different readings cannot be ranked by these: `common` has the errors of all on the readings that
+//! the new model, Hunt's and the Festo tool all answer, the new model by the fits that have not seen them. Where a model has no answer the row is not counted for it (`n_excluded`); where it
 //! answers beyond what it was fitted to, the row counts and is said so (`n_extrapolated`).
 
-pub mod common;
 pub mod maxima;
 
-use common::Common;
 use maxima::MaximaComparison;
 use pipeline_base::row::Row;
 use pipeline_base::session::Role;
@@ -91,8 +90,6 @@ pub struct GroupComparison {
     pub comparisons: Vec<Comparison>,
     /// Every model on each specimen; the fitted one by the fit that has not seen it, where there is one.
     pub by_specimen: Vec<SpecimenComparison>,
-    /// The new model beside those in use, on the readings that all of them answer.
-    pub common: Option<Common>,
     /// What was predicted of the measured maxima.
     pub maxima: Option<MaximaComparison>,
     /// Where models end.
@@ -144,7 +141,9 @@ pub fn compare(
         .into_iter()
         .filter(chosen)
         .map(|m| baseline(m, &rows));
-    for answers in new.into_iter().chain(baselines) {
+    let all: Vec<Answers> = new.into_iter().chain(baselines).collect();
+    let common = common(&all, loso.as_ref(), &rows);
+    for answers in all {
         let parameters = if answers.fitted_here {
             parameters(fit)
         } else {
@@ -152,13 +151,16 @@ pub fn compare(
         };
         for split in SPLITS {
             let (used, p) = match (split, answers.fitted_here) {
-                ("loso", true) => (loso.as_ref(), 0),
+                ("loso" | COMMON, true) => (loso.as_ref(), 0),
                 ("rows_train", true) => (by_rows.as_ref(), parameters),
                 ("rows_validation", true) => (by_rows.as_ref(), 0),
                 ("train" | "all", true) => (Some(&answers), parameters),
                 _ => (Some(&answers), 0),
             };
-            let members = splits.members(split, &rows);
+            let members = match split {
+                COMMON => common.clone(),
+                _ => splits.members(split, &rows),
+            };
             let line = used
                 .and_then(|used| statistics(used, &answers, split, &rows, &members, p, &strongest));
             comparisons.extend(line);
@@ -175,7 +177,6 @@ pub fn compare(
         group: fit.group.clone(),
         comparisons,
         by_specimen,
-        common: common::common(&rows, &by_model),
         maxima: maxima::compare(fit, fit_options),
         domain,
     };
@@ -183,15 +184,31 @@ pub fn compare(
 }
 
 /// The splits, in the order of the tables.
-pub const SPLITS: [&str; 7] = [
+pub const SPLITS: [&str; 8] = [
     "train",
     "loso",
+    COMMON,
     "validation",
     "holdout",
     "rows_train",
     "rows_validation",
     "all",
 ];
+
+/// The split of the readings that the models of [`RANKED`] all answer.
+pub const COMMON: &str = "common";
+/// The models that are ranked: what is new, the best that was published before, and the manufacturer's. Others may leave out what they like.
+pub const RANKED: [&str; 3] = [NEW, "hunt2017", "festo_tool"];
+
+/// The fitted readings that all ranked models answer, the new one without having seen them.
+fn common(all: &[Answers], unseen: Option<&Answers>, rows: &[Row]) -> Vec<usize> {
+    let ranked = all.iter().filter(|a| RANKED.contains(&a.id.as_str()));
+    let ranked: Vec<&Answers> = ranked.filter(|a| !a.fitted_here).chain(unseen).collect();
+    let is_answered = |k: &usize| ranked.iter().all(|a| a.predictions[*k].force_n().is_some());
+    (0..rows.len())
+        .filter(|k| is_fitted(&rows[*k]) && is_answered(k))
+        .collect()
+}
 
 struct Splits {
     by_row: Vec<Option<Part>>,
