@@ -117,8 +117,8 @@ mod tests {
         says(pressure("300"), "kPa, Pa, MPa, bar, psi");
         says(pressure("300"), "--pressure 300kPa");
         says(pressure("300kpa"), "did you mean kPa?");
-        says(pressure("300mm"), "is none of");
-        says(pressure("kPa"), "no number");
+        says(pressure("300mm"), "is not one of");
+        says(pressure("kPa"), "is not a number");
         says(fraction("--contraction", "5mm"), "plain fraction (0.05)");
     }
 }
