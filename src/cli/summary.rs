@@ -110,7 +110,7 @@ impl Answers {
     pub(super) fn print(&self) {
         let campaigns = &self.findings.campaigns;
         for found in campaigns.iter().take(SHOWN) {
-            let models = self.models_of(found).map(|m| models_text(m));
+            let models = self.models_of(found).map(models_text);
             line("");
             answers::lines(found, models.as_deref())
                 .into_iter()
