@@ -3,15 +3,11 @@
 //! `README.md` has the format by example. How well the lengths of a session are known may be declared: `super::session_sd` has the keys.
 
 use crate::text_format::text_format;
-use crate::{session_columns, session_joint, session_sd};
+use crate::{session_checks, session_columns, session_joint, session_sd, session_specimen};
 use pipeline_base::columns::{self, KnownColumn};
 use pipeline_base::date::is_date;
 use pipeline_base::diagnostics::Diagnostic;
-use pipeline_base::normalized::CONTRACTION_RANGE;
-use pipeline_base::session::{
-    ColumnSpec, Constant, Kind, LogSpec, Part, PartKind, Position, Role, Sampling, Session,
-    Specimen,
-};
+use pipeline_base::session::{Constant, Kind, LogSpec, Part, PartKind, Role, Sampling, Session};
 use pipeline_base::toml_reader::{Entry, Reader, Section, parse};
 use pipeline_base::units::{Quantity, Unit};
 use std::collections::BTreeMap;
@@ -26,10 +22,6 @@ const CAMPAIGN_SCHEMA: &str = "bpa-campaign/1";
 
 /// What marks a line that a person has to complete, in a session that `pipeline new-session` has drafted.
 pub const FILL_IN: &str = "FILL IN";
-
-/// Lengths of actuators, mm: outside, the number is in another unit.
-const SHORTEST_MM: f64 = 5.0;
-const LONGEST_MM: f64 = 20_000.0;
 
 /// The longest id or campaign, bytes: it becomes part of file names.
 const LONGEST_NAME: usize = 80;
@@ -174,7 +166,7 @@ fn session(root: &Section) -> Option<Session> {
     let specimen = root
         .require("specimen", "a table [specimen]", "describe the actuator")
         .and_then(|e| e.table())
-        .and_then(|t| specimen(&t));
+        .and_then(|t| session_specimen::specimen(&t));
     let setup = root.get("setup").and_then(|e| e.table());
     let (setup, length_sd_m) = setup
         .map(|t| {
@@ -220,15 +212,12 @@ fn session(root: &Section) -> Option<Session> {
     };
     // A column that was given and is wrong has been reported; that it is missing as well would be false.
     if root.reader().is_clean() {
-        check_columns(root, &session);
-        check_positions(root, &session);
-        check_logs(root, &session);
-        check_held_length(root, &session);
+        session_checks::check(root, &session);
     }
     Some(session)
 }
 
-fn identifier(root: &Section, key: &'static str, expected: &str) -> Option<String> {
+pub(super) fn identifier(root: &Section, key: &'static str, expected: &str) -> Option<String> {
     let entry = root.require(key, expected, "add it")?;
     let text = entry.string()?;
     if text.trim().is_empty() || text.len() > LONGEST_NAME || text.chars().any(char::is_control) {
@@ -250,78 +239,8 @@ fn date(entry: &Entry) -> Option<String> {
     Some(text)
 }
 
-fn specimen(table: &Section) -> Option<Specimen> {
-    let id = identifier(table, "id", "the name of the physical actuator");
-    let diameter = table
-        .require(
-            "diameter_mm",
-            "10, 20 or 40",
-            "write the uninflated inner diameter",
-        )
-        .and_then(|e| {
-            let mm = e.number()?;
-            if [10.0, 20.0, 40.0].contains(&mm) {
-                return Some(mm);
-            }
-            e.reject("10, 20 or 40 (mm)", "write the uninflated inner diameter");
-            None
-        });
-    let rest = table
-        .require(
-            "rest_length_mm",
-            "l_rest in mm",
-            "write the distance between the hose clamps",
-        )
-        .and_then(|e| actuator_length(&e, "write the distance between the hose clamps"));
-    let contracted = table.require(
-        "contracted_length_mm",
-        "l_620 in mm",
-        "write the free length at 620 kPa without load",
-    );
-    let contracted = contracted.and_then(|e| {
-        let mm = actuator_length(&e, "write the free length at 620 kPa without load")?;
-        if rest.is_some_and(|l| mm >= l) {
-            e.reject(
-                "a length below rest_length_mm: an actuator contracts under pressure",
-                "check whether the two lengths are swapped",
-            );
-            return None;
-        }
-        Some(mm)
-    });
-    let rest_length_sd_m = session_sd::declared(table, session_sd::REST_LENGTH);
-    let contracted_length_sd_m = session_sd::declared(table, session_sd::CONTRACTED_LENGTH);
-    table.close();
-    Some(Specimen {
-        id: id?,
-        diameter_mm: diameter?,
-        rest_length_m: rest? * 1e-3,
-        contracted_length_m: contracted? * 1e-3,
-        rest_length_sd_m,
-        contracted_length_sd_m,
-    })
-}
-
-/// A length in mm that an actuator may have; a smaller one is a length in metres.
-fn actuator_length(entry: &Entry, hint: &str) -> Option<f64> {
-    let mm = entry.positive("mm", hint)?;
-    if (SHORTEST_MM..=LONGEST_MM).contains(&mm) {
-        return Some(mm);
-    }
-    let hint = if mm < SHORTEST_MM {
-        format!("write mm: {} m is `{} = {}`", mm, entry.key(), 1e3 * mm)
-    } else {
-        hint.to_owned()
-    };
-    entry.reject(
-        &format!("a length of an actuator in mm, {SHORTEST_MM} to {LONGEST_MM}"),
-        &hint,
-    );
-    None
-}
-
 /// A key of `[setup]` such as `length_mm` or `temperature_c`: quantity and unit, the unit's case ignored.
-fn split_unit(key: &str) -> Option<(&'static KnownColumn, Unit)> {
+pub(super) fn split_unit(key: &str) -> Option<(&'static KnownColumn, Unit)> {
     columns::KNOWN.iter().find_map(|known| {
         let suffix = key.strip_prefix(known.quantity_name)?.strip_prefix('_')?;
         let unit = known
@@ -430,100 +349,4 @@ fn part(table: &Section) -> Option<Part> {
     };
     let name = entry.string()?;
     Some(Part { kind, name })
-}
-
-/// The columns that this kind and sampling cannot do without.
-fn check_columns(root: &Section, session: &Session) {
-    let mut needed: Vec<&str> = match session.kind {
-        Kind::Isometric => vec![columns::FORCE, columns::PRESSURE],
-        Kind::KneeTorque => vec![columns::TORQUE, columns::ANGLE, columns::PRESSURE],
-    };
-    if session.sampling == Sampling::Timeseries {
-        needed.push(columns::TIME);
-    }
-    if session.kind == Kind::Isometric {
-        needed.push(columns::LENGTH);
-    }
-    for column in needed {
-        let name = columns::KNOWN
-            .iter()
-            .find(|k| k.column == column)
-            .map_or(column, |k| k.quantity_name);
-        let constant = session.setup.contains_key(column) && column != columns::TIME;
-        if session.column(column).is_none() && !constant {
-            root.reader().report(
-                root.line(),
-                &format!("columns.{name}"),
-                "nothing",
-                &format!("the column `{name}`, or where it is constant the set-up's `{column}`"),
-                "say where it stands in the log",
-            );
-        }
-    }
-}
-
-/// The length that was held has to be one that the specimen can have.
-fn check_held_length(root: &Section, session: &Session) {
-    let Some(length) = session.setup_number(columns::LENGTH) else {
-        return;
-    };
-    let Some(setup) = root.get("setup").and_then(|e| e.table()) else {
-        return;
-    };
-    let rest = session.specimen.rest_length_m;
-    let (low, high) = CONTRACTION_RANGE;
-    let contraction = (rest - length) / rest;
-    let held = setup.entries();
-    let held = held
-        .iter()
-        .find(|(key, _)| split_unit(key).is_some_and(|(known, _)| known.column == columns::LENGTH));
-    if let (Some((_, entry)), false) = (held, (low..=high).contains(&contraction)) {
-        let (shortest, longest) = (1e3 * rest * (1.0 - high), 1e3 * rest * (1.0 - low));
-        entry.reject_for(
-            &format!("{} mm", 1e3 * length),
-            &format!(
-                "a length of {shortest:.0} to {longest:.0} mm, as a specimen of {} mm can have",
-                1e3 * rest
-            ),
-            "check the length, its unit, and `rest_length_mm`",
-        );
-    }
-}
-
-fn check_positions(root: &Section, session: &Session) {
-    let by_name = |c: &&ColumnSpec| matches!(c.position, Position::Name(_));
-    let named = session.columns.iter().filter(by_name).count();
-    if named != 0 && named != session.columns.len() {
-        root.reader().report(
-            root.line(),
-            "columns",
-            "some columns by `index` and some by `name`",
-            "all by `index` (files without header) or all by `name` (files with a header line)",
-            "use one way for all columns",
-        );
-    }
-}
-
-fn check_logs(root: &Section, session: &Session) {
-    let measuring = session.logs.iter().filter(|l| !l.is_zero).count();
-    if measuring == 0 {
-        root.reader().report(
-            root.line(),
-            "log",
-            format!("{} zero logs and no other", session.logs.len()),
-            "at least one [[log]] that measures",
-            "add it, or remove role = \"zero\"",
-        );
-    }
-    for (k, log) in session.logs.iter().enumerate() {
-        if session.logs[..k].iter().any(|l| l.name() == log.name()) {
-            root.reader().report(
-                root.line(),
-                &format!("log[{k}].file"),
-                format!("\"{}\" a second time", log.name()),
-                "every log once",
-                "remove one of them",
-            );
-        }
-    }
 }
