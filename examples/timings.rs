@@ -6,19 +6,11 @@
 //! Every line is the median of five runs in this process, on a copy of the sessions in a temporary directory. Peak memory is that of the
 //! whole process so far (Linux only).
 
-use pipeline::run::{Outcome, Progress, RunOptions, STAGES, run};
+use pipeline::run::{Outcome, RunOptions, STAGES, Silent, run};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 const RUNS: usize = 5;
-
-struct Silent;
-
-impl Progress for Silent {
-    fn begin(&self, _stage: &str, _units: usize) {}
-    fn tick(&self) {}
-    fn note(&self, _message: &str) {}
-}
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let source = std::env::args_os()
@@ -35,14 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     let options = RunOptions {
         raw: vec![raw.clone()],
-        derived: bench.path().join("derived"),
-        reports: bench.path().join("reports"),
-        config: pipeline::config::Config::default(),
-        jobs: 0,
-        force: None,
-        dry_run: false,
-        keep_going: false,
-        only: None,
+        ..RunOptions::below(bench.path())
     };
     let cold = measure(|| {
         let _ = std::fs::remove_dir_all(&options.derived);

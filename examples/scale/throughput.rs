@@ -6,12 +6,11 @@ use crate::laboratory::{Laboratory, logs};
 use crate::measure::{self, Taken};
 use pipeline::base::digest::Digest;
 use pipeline::base::error::Error as OurError;
-use pipeline::config::Config;
 use pipeline::formats::discover::discover;
 use pipeline::run::engine::Engine;
 use pipeline::run::units::Scope;
 use pipeline::run::walk::Walk;
-use pipeline::run::{Progress, RunOptions, parallel};
+use pipeline::run::{RunOptions, Silent, parallel};
 use polars::prelude::*;
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -21,14 +20,6 @@ const RUNS: usize = 3;
 
 /// Names the bare work in the arguments of this program.
 pub const PROBE: &str = "--probe";
-
-struct Silent;
-
-impl Progress for Silent {
-    fn begin(&self, _stage: &str, _units: usize) {}
-    fn tick(&self) {}
-    fn note(&self, _message: &str) {}
-}
 
 /// Prints megabytes of logs a second.
 ///
@@ -134,14 +125,7 @@ fn parse(bytes: &[u8]) -> usize {
 fn stages(raw: &Path, work: &Path) -> Result<(), Box<dyn Error>> {
     let options = RunOptions {
         raw: vec![PathBuf::from(raw)],
-        reports: work.join("reports"),
-        derived: work.join("derived"),
-        config: Config::default(),
-        jobs: 0,
-        force: None,
-        dry_run: false,
-        keep_going: false,
-        only: None,
+        ..RunOptions::below(work)
     };
     let engine = Engine::open(&options, None, &Silent).map_err(|e| e.to_string())?;
     let found = discover(&options.raw);

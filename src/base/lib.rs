@@ -5,6 +5,7 @@
 //! Architecture invariant: nothing in here knows a stage, a model, the cache or the command line.
 
 pub mod columns;
+pub mod date;
 pub mod diagnostics;
 pub mod digest;
 pub mod error;
@@ -19,4 +20,5 @@ pub mod reject;
 pub mod row;
 pub mod session;
 pub mod toml_reader;
+pub mod toml_syntax;
 pub mod units;

@@ -11,6 +11,9 @@ use crate::session::{Constant, Kind, Session};
 /// Gauge pressure that pressures are normalised by, kPa (90 psi, the supply of the force paper's rig).
 pub const P_620_KPA: f64 = 620.0;
 
+/// Contractions outside are no contractions of a braided actuator, but a wrong length or unit.
+pub const CONTRACTION_RANGE: (f64, f64) = (-0.3, 0.6);
+
 /// The row of a reading.
 pub fn row(session: &Session, reading: &Reading) -> Row {
     let specimen = &session.specimen;

@@ -162,6 +162,26 @@ impl Phase {
     }
 }
 
+/// What a text log needs before it is a table.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TextFormat {
+    /// Lines above the header or the first row.
+    pub skip_rows: u64,
+    /// How characters are written.
+    pub encoding: Encoding,
+}
+
+/// How the characters of a text log are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Encoding {
+    /// As nearly every program writes them today.
+    #[default]
+    Utf8,
+    /// ISO 8859-1, as many loggers write µ, ° and umlauts.
+    Latin1,
+}
+
 /// One log file of a session.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LogSpec {
@@ -253,6 +273,9 @@ pub struct Session {
     pub length_sd_m: Option<f64>,
     /// The knee, for torque sessions.
     pub joint: Option<Joint>,
+    /// What its text logs need before they are tables.
+    #[serde(default)]
+    pub format: TextFormat,
     /// The columns of every log.
     pub columns: Vec<ColumnSpec>,
     /// The log files, in the order of the file.

@@ -5,6 +5,7 @@
 //! the nearest known one.
 
 use crate::diagnostics::{Diagnostic, nearest};
+use crate::toml_syntax::{self, line_of};
 use std::cell::RefCell;
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
@@ -23,6 +24,8 @@ pub struct Section<'r, 'a> {
     line: u64,
     entries: &'r DeTable<'a>,
     known: RefCell<Vec<&'static str>>,
+    /// The same table of another file, for keys that this one does not have.
+    defaults: Option<Box<Section<'r, 'a>>>,
 }
 
 /// A value with the place where it stands.
@@ -33,6 +36,8 @@ pub struct Entry<'r, 'a> {
     /// Line, counted from 1.
     pub line: u64,
     value: &'r DeValue<'a>,
+    /// What another file has for the key; of tables it completes this one.
+    defaults: Option<Box<Entry<'r, 'a>>>,
 }
 
 /// Parses the text; a syntax error becomes one diagnostic.
@@ -40,26 +45,18 @@ pub struct Entry<'r, 'a> {
 /// # Errors
 /// The place and the reason of the first syntax error.
 pub fn parse<'a>(file: &str, text: &'a str) -> Result<DeTable<'a>, Diagnostic> {
-    DeTable::parse(text)
-        .map(Spanned::into_inner)
-        .map_err(|error| {
-            let offset = error.span().map_or(0, |s| s.start);
-            Diagnostic::error(
-                file,
-                error.message().lines().collect::<Vec<_>>().join(" "),
-                "valid TOML",
-                "mend the line",
-            )
-            .at_row(line_of(text, offset))
-        })
+    let parsed = DeTable::parse(text).map(Spanned::into_inner);
+    parsed.map_err(|_| {
+        let defect = toml_syntax::defect(file, text);
+        defect.unwrap_or_else(|| Diagnostic::error(file, "no TOML", "TOML", "correct the file"))
+    })
 }
 
-fn line_of(text: &str, offset: usize) -> u64 {
-    let end = offset.min(text.len());
-    1 + text.as_bytes()[..end]
-        .iter()
-        .filter(|b| **b == b'\n')
-        .count() as u64
+/// The line of a top-level key, counted from 1; none where the text has no such key or is not TOML.
+pub fn line_of_key(text: &str, key: &str) -> Option<u64> {
+    let table = DeTable::parse(text).ok()?;
+    let (found, _) = table.get_ref().get_key_value(key)?;
+    Some(line_of(text, found.span().start))
 }
 
 impl<'a> Reader<'a> {
@@ -77,6 +74,18 @@ impl<'a> Reader<'a> {
         self.section(String::new(), 1, entries)
     }
 
+    /// The top-level table, with that of another file for the keys that it does not have.
+    pub fn root_over<'r>(
+        &'r self,
+        entries: &'r DeTable<'a>,
+        defaults: Section<'r, 'a>,
+    ) -> Section<'r, 'a> {
+        Section {
+            defaults: Some(Box::new(defaults)),
+            ..self.root(entries)
+        }
+    }
+
     fn section<'r>(&'r self, path: String, line: u64, entries: &'r DeTable<'a>) -> Section<'r, 'a> {
         Section {
             reader: self,
@@ -84,6 +93,7 @@ impl<'a> Reader<'a> {
             line,
             entries,
             known: RefCell::new(Vec::new()),
+            defaults: None,
         }
     }
 
@@ -143,10 +153,15 @@ impl<'r, 'a> Section<'r, 'a> {
             known.push(key);
         }
         drop(known);
-        self.entries
-            .iter()
-            .find(|(k, _)| k.get_ref().as_ref() == key)
-            .map(|(_, v)| self.entry(key, v))
+        let found = self.entries.iter();
+        let mut found = found.filter(|(k, _)| k.get_ref().as_ref() == key);
+        let own = found.next().map(|(_, v)| self.entry(key, v));
+        let defaults = self.defaults.as_ref().and_then(|d| d.get(key));
+        let Some(own) = own else {
+            return defaults;
+        };
+        let defaults = defaults.map(Box::new);
+        Some(Entry { defaults, ..own })
     }
 
     /// The value of a key that must stand there.
@@ -159,7 +174,7 @@ impl<'r, 'a> Section<'r, 'a> {
         entry
     }
 
-    /// Every key with its value, in the order of the file: for tables whose keys the user invents.
+    /// Every key with its value, in the order of the file, then what another file has beside them: for tables whose keys the user invents.
     pub fn entries(&self) -> Vec<(String, Entry<'r, 'a>)> {
         let mut all: Vec<(String, Entry<'r, 'a>)> = self
             .entries
@@ -167,6 +182,11 @@ impl<'r, 'a> Section<'r, 'a> {
             .map(|(k, v)| (k.get_ref().to_string(), self.entry(k.get_ref(), v)))
             .collect();
         all.sort_by_key(|(_, e)| e.line);
+        let defaults = self.defaults.iter().flat_map(|d| d.entries());
+        let others: Vec<_> = defaults
+            .filter(|(key, _)| all.iter().all(|(own, _)| own != key))
+            .collect();
+        all.extend(others);
         all
     }
 
@@ -176,11 +196,13 @@ impl<'r, 'a> Section<'r, 'a> {
             path: self.path_of(key),
             line: line_of(self.reader.text, value.span().start),
             value: value.get_ref(),
+            defaults: None,
         }
     }
 
     /// Reports every key that nobody asked for, with the nearest known one.
     pub fn close(&self) {
+        self.defaults.iter().for_each(|d| d.close());
         let known = self.known.borrow();
         for (key, _) in self.entries.iter() {
             let name = key.get_ref().as_ref();
@@ -205,8 +227,19 @@ impl<'r, 'a> Section<'r, 'a> {
 impl<'r, 'a> Entry<'r, 'a> {
     /// Records that the value is not what was expected.
     pub fn reject(&self, expected: &str, hint: &str) {
+        self.reject_for(&self.describe(), expected, hint);
+    }
+
+    /// Records that something in or about the value is not what was expected.
+    pub fn reject_for(&self, found: &str, expected: &str, hint: &str) {
         self.reader
-            .report(self.line, &self.path, self.describe(), expected, hint);
+            .report(self.line, &self.path, found, expected, hint);
+    }
+
+    /// The key of the value, without the tables around it.
+    pub fn key(&self) -> &str {
+        let key = self.path.rsplit('.').next().unwrap_or_default();
+        key.split('[').next().unwrap_or_default()
     }
 
     /// The value as it stands in the file, for a message.
@@ -226,7 +259,10 @@ impl<'r, 'a> Entry<'r, 'a> {
     pub fn number(&self) -> Option<f64> {
         let number = self.as_number();
         if number.is_none() {
-            self.reject("a finite number", "write it without quotes or units");
+            self.reject(
+                "a finite number",
+                "write it without quotes and without unit",
+            );
         }
         number
     }
@@ -292,16 +328,28 @@ impl<'r, 'a> Entry<'r, 'a> {
     /// The table, or a recorded mistake.
     pub fn table(&self) -> Option<Section<'r, 'a>> {
         if let DeValue::Table(t) = self.value {
-            return Some(self.reader.section(self.path.clone(), self.line, t));
+            let section = self.reader.section(self.path.clone(), self.line, t);
+            let defaults = self.defaults.as_ref().and_then(|d| d.table());
+            let defaults = defaults.map(Box::new);
+            return Some(Section {
+                defaults,
+                ..section
+            });
         }
-        self.reject("a table", "write `[name]` or `{ key = value }`");
+        let key = self.key();
+        let hint = format!(
+            "write `[{key}]` on a line of its own and the keys below, or `{key} = {{ ... }}`"
+        );
+        self.reject(&format!("a table `{key}`"), &hint);
         None
     }
 
     /// The list's elements, or a recorded mistake.
     pub fn list(&self) -> Option<Vec<Entry<'r, 'a>>> {
         let DeValue::Array(array) = self.value else {
-            self.reject("a list", "write `[[name]]` or `[a, b]`");
+            let key = self.key();
+            let hint = format!("write `[[{key}]]`, or `{key} = [...]`");
+            self.reject("a list, of one entry too", &hint);
             return None;
         };
         Some(self.elements(array))
@@ -316,6 +364,7 @@ impl<'r, 'a> Entry<'r, 'a> {
                 path: format!("{}[{k}]", self.path),
                 line: line_of(self.reader.text, v.span().start),
                 value: v.get_ref(),
+                defaults: None,
             })
             .collect()
     }

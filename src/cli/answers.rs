@@ -1,110 +1,94 @@
-//! The answers on the terminal: at most three lines a campaign. `findings.json` and `residual.pdf` have the rest.
+//! The answers of the loop on the terminal, a few lines a campaign. `findings.json` and `residual.pdf` have the rest.
 
 use pipeline_findings::CampaignFindings;
 use pipeline_report::wording::name;
-use pipeline_report::wording::sentence::{Clauses, clauses};
+use pipeline_report::wording::sentence::clauses;
 use serde_json::{Value, json};
 
 /// Letters in a line.
 const WIDTH: usize = 100;
-/// Lines of a campaign.
-const LINES: usize = 3;
-/// Between a number and its unit, where no line ends; a terminal gets a blank.
-const NO_BREAK: char = '\u{a0}';
-/// What the lines after the first begin with.
+/// Letters before the text of a line.
+const MARGIN: usize = 11;
+/// Before the second and later lines of a paragraph.
 const INDENT: &str = "  ";
+/// The lines of a campaign of which nothing but a verdict is known: nothing was held out.
+const SHORT: [&str; 3] = ["found", "", "error"];
+/// Between a number and its unit, where no line ends; a terminal gets a blank. Within a unit it gets nothing.
+const NO_BREAK: char = '\u{a0}';
+const JOINER: char = '\u{2060}';
 
-/// The lines of one campaign: what was found, what was set aside and the errors in any case, of the rest as much as there is room for.
-pub(super) fn lines(found: &CampaignFindings) -> Vec<String> {
+/// The lines of one campaign: its name, and below it what the models make of it, what was found, the errors before and after, what they are
+/// made of, what to measure next, and what in the records looks wrong. A line that has nothing to say is not there; what was found alone stands
+/// behind the name.
+pub(super) fn lines(found: &CampaignFindings, models: Option<&str>) -> Vec<String> {
     let said = clauses(found);
-    let errors = said.errors_in_short.clone();
-    let (first, recording) = first(found, &said, errors.as_deref());
-    // In the order in which they are said; the errors are chosen before all others.
-    let mut chosen = vec![Some(first), recording, None, errors, None, None, None, None];
-    let others = [
-        (2, &said.contradicted),
-        (4, &said.unexplained),
-        (5, &said.budget_in_short),
-        (6, &said.worth),
-        (7, &said.readings),
-    ];
-    for (place, clause) in others {
-        chosen[place].clone_from(clause);
-        if !fits(&joined(&chosen)) {
-            chosen[place] = None;
-        }
-    }
-    let lines = wrapped(&(joined(&chosen) + "."));
-    let printed = lines.into_iter().take(LINES);
-    printed.map(|line| line.replace(NO_BREAK, " ")).collect()
-}
-
-fn joined(clauses: &[Option<String>]) -> String {
-    let said: Vec<&str> = clauses.iter().flatten().map(String::as_str).collect();
-    said.join("; ")
-}
-
-fn fits(text: &str) -> bool {
-    wrapped(&format!("{text}.")).len() <= LINES
-}
-
-/// The name of the campaign and what was found, and the mistakes of recording: both at as great a length as leaves room for the errors; of the mistakes at
-/// least how many there are.
-fn first(
-    found: &CampaignFindings,
-    said: &Clauses,
-    errors: Option<&str>,
-) -> (String, Option<String>) {
-    let limits = if said.limits {
-        " (smallest detectable sizes: tables/detection_limits.csv)"
-    } else {
-        ""
+    let limits = match said.limits {
+        true => " (smallest detectable sizes: tables/detection_limits.csv)",
+        false => "",
     };
+    let joined = |parts: [Option<String>; 2]| {
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        (!parts.is_empty()).then(|| parts.join("; "))
+    };
+    let below = [
+        ("models", models.map(ToOwned::to_owned)),
+        ("found", Some(said.found + limits)),
+        ("", said.unexplained),
+        ("error", said.errors_in_short),
+        ("sources", said.budget),
+        ("next", joined([said.worth, said.readings])),
+        (
+            "records",
+            joined([said.recording_errors, said.contradicted]),
+        ),
+    ];
     let name = name::campaign(found);
-    let mut lengths = vec![
-        format!("{}{limits}", said.found),
-        said.found_in_short.clone(),
-        said.found_by_name.clone(),
-    ];
-    lengths.extend(said.found_in_part.iter().cloned());
-    lengths.push(name::verdict(found.verdict).to_owned());
-    let fitting = |lengths: &[String], recording: &Option<String>| {
-        let mut with = lengths.iter().map(|what| format!("{name}: {what}"));
-        let errors = errors.map(str::to_owned);
-        let fits_in = |first: &String| {
-            fits(&joined(&[
-                Some(first.clone()),
-                recording.clone(),
-                errors.clone(),
-            ]))
-        };
-        with.find(fits_in).map(|first| (first, recording.clone()))
-    };
-    // Rather the names of effects and how many mistakes than a verdict and what the mistakes are.
-    let short = &said.recording_errors_in_short;
-    let named = &lengths[..lengths.len() - 1];
-    let found = fitting(named, &said.recording_errors).or_else(|| fitting(&lengths, short));
-    found.unwrap_or_else(|| (name.clone(), short.clone()))
+    let below = below.into_iter();
+    let below: Vec<(&str, String)> = below.filter_map(|(l, text)| Some((l, text?))).collect();
+    if found.before.rmse_heldout.is_none() && below.iter().all(|(l, _)| SHORT.contains(l)) {
+        let texts: Vec<&str> = below.iter().map(|(_, text)| text.as_str()).collect();
+        return paragraph(&format!("{name}: {}", texts.join("; ")));
+    }
+    let below = below.iter().flat_map(|(l, text)| labelled(l, text));
+    std::iter::once(name).chain(below).collect()
 }
 
-/// A text in lines, parted at blanks.
-fn wrapped(text: &str) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    for word in text.split(' ').filter(|word| !word.is_empty()) {
-        match lines.last_mut() {
-            Some(line) if letters(line) + 1 + letters(word) <= WIDTH => {
-                line.push(' ');
-                line.push_str(word);
-            }
-            Some(_) => lines.push(format!("{INDENT}{word}")),
-            None => lines.push(word.to_owned()),
-        }
-    }
+/// A text in lines, all but the first indented.
+fn paragraph(text: &str) -> Vec<String> {
+    let mut lines = wrapped(text, WIDTH - INDENT.len());
+    lines[1..]
+        .iter_mut()
+        .for_each(|line| line.insert_str(0, INDENT));
     lines
 }
 
-fn letters(text: &str) -> usize {
-    text.chars().count()
+/// A text in lines beside its label, the first with it and the others below the text.
+pub(super) fn labelled(label: &str, text: &str) -> Vec<String> {
+    let wrapped = wrapped(text, WIDTH - MARGIN).into_iter().enumerate();
+    let line = |(k, line): (usize, String)| {
+        let label = if k == 0 { label } else { "" };
+        format!("  {label:<width$}{line}", width = MARGIN - 2)
+    };
+    wrapped.map(line).collect()
+}
+
+/// A text in lines, parted at blanks.
+fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let letters = |text: &str| text.chars().count();
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ').filter(|word| !word.is_empty()) {
+        match lines.last_mut() {
+            Some(line) if letters(line) + 1 + letters(word) <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    for line in &mut lines {
+        *line = line.replace(NO_BREAK, " ").replace(JOINER, "");
+    }
+    lines
 }
 
 /// The answer of one campaign for other programs.
@@ -128,42 +112,95 @@ mod tests {
         all.campaigns.into_iter().next().unwrap()
     }
 
-    #[test]
-    fn three_lines_at_most_and_none_too_long() {
-        let found = example();
-        let lines = lines(&found);
-        assert_eq!(
-            lines,
-            [
-                "iso10, 10 mm: threshold pressure of the bladder 60.0 kPa (indistinguishable from zero of the",
-                "  pressure sensor); recording error: session s05 (set length, \u{2212}10.0 mm; set aside here only); the",
-                "  error on unseen specimens goes from 18.7 to 15.8 N; knowing set lengths to 0.2 mm is worth 6.0 N.",
-            ]
-        );
-        assert!(lines.iter().all(|l| letters(l) <= WIDTH));
+    /// The texts of the lines by label, each in one piece.
+    fn by_label(lines: &[String]) -> Vec<(String, String)> {
+        let mut all: Vec<(String, String)> = Vec::new();
+        for line in &lines[1..] {
+            let (label, text) = line.split_at(MARGIN);
+            match (label.trim(), all.last_mut()) {
+                ("", Some((_, before))) => *before += &format!(" {text}"),
+                (label, _) => all.push((label.to_owned(), text.to_owned())),
+            }
+        }
+        all
     }
 
     #[test]
-    fn the_errors_and_what_is_wrong_with_them_are_said_whatever_was_found() {
+    fn every_fact_has_its_label_and_no_line_is_too_long() {
+        let found = example();
+        let lines = lines(&found, Some("new 13.2 N"));
+        assert!(lines.iter().all(|l| l.chars().count() <= WIDTH));
+        assert!(lines[0].contains("iso10") && lines[0].contains("10 mm"));
+        let said = by_label(&lines);
+        for (label, facts) in [
+            ("models", &["13.2 N"][..]),
+            ("found", &["60.0 kPa", "zero of the pressure sensor"]),
+            ("found", &["humidity", "12%"]),
+            ("error", &["18.7", "15.8 N"]),
+            (
+                "sources",
+                &["13.4 N", "set lengths", "0.90 mm", "4.1", "noise"],
+            ),
+            ("next", &["0.2 mm", "6.0 N", "5.1 N"]),
+            ("records", &["s05", "10.0 mm", "0.20 N"]),
+        ] {
+            let of = said.iter().find(|(l, _)| l == label);
+            let text = &of.unwrap_or_else(|| panic!("{label}: {lines:#?}")).1;
+            for fact in facts {
+                assert!(text.contains(fact), "{label}: {fact}: {text}");
+            }
+        }
+    }
+
+    #[test]
+    fn each_of_many_effects_is_said_with_its_size() {
         let mut found = example();
         let one = found.effects[0].clone();
-        found.effects = vec![one; 4];
+        found.effects = (1..=4)
+            .map(|k| {
+                let mut effect = one.clone();
+                effect.parameters[0].value = 10.0 * f64::from(k) + 1.0;
+                effect
+            })
+            .collect();
         found.after.log_density_heldout = Some(-5.0);
-        let lines = lines(&found);
-        let all = lines.join(" ");
-        let words: Vec<&str> = all.split(' ').filter(|w| !w.is_empty()).collect();
-        let text = words.join(" ");
-        assert!(lines.len() <= LINES && lines.iter().all(|l| letters(l) <= WIDTH));
-        assert!(
-            text.contains("goes from 18.7 to 15.8 N, but its stated uncertainty gets worse"),
-            "{text}"
-        );
+        let said = by_label(&lines(&found, None));
+        let text = |label: &str| &said.iter().find(|(l, _)| l == label).unwrap().1;
+        for size in ["11.0 kPa", "21.0 kPa", "31.0 kPa", "41.0 kPa"] {
+            assert!(text("found").contains(size), "{size}: {}", text("found"));
+        }
+        assert!(text("error").contains("uncertainty gets worse"));
     }
 
     #[test]
-    fn a_name_that_fills_three_lines_is_cut_and_not_more() {
+    fn a_verdict_alone_is_one_paragraph_with_the_name() {
         let mut found = example();
-        found.campaign = "word ".repeat(200);
-        assert_eq!(lines(&found).len(), LINES);
+        found.recording_errors.clear();
+        found.scatter.clear();
+        found.budget.clear();
+        found.next_measurement.clear();
+        (found.before, found.after) = Default::default();
+        let lines = lines(&found, None);
+        assert!(lines[0].starts_with("iso10, 10 mm: "), "{lines:?}");
+        let is_indented = |l: &String| l.starts_with(INDENT) && l.chars().count() <= WIDTH;
+        assert!(lines[1..].iter().all(is_indented), "{lines:?}");
+        assert!(lines.concat().contains("60.0 kPa"), "{lines:?}");
+    }
+
+    #[test]
+    fn a_number_stays_with_its_unit_and_no_invisible_character_is_printed() {
+        let lines = wrapped("rate 0.06\u{a0}N\u{a0}s/\u{2060}kPa here", 16);
+        assert_eq!(lines, ["rate", "0.06 N s/kPa", "here"]);
+    }
+
+    #[test]
+    fn what_there_is_nothing_to_say_of_has_no_line() {
+        let mut found = example();
+        found.recording_errors.clear();
+        found.scatter.clear();
+        found.budget.clear();
+        let said = by_label(&lines(&found, None));
+        let labels: Vec<&str> = said.iter().map(|(label, _)| label.as_str()).collect();
+        assert_eq!(labels, ["found", "error", "next"]);
     }
 }

@@ -5,6 +5,7 @@ use crate::explain::ExplainArgs;
 use crate::export::ExportArgs;
 use crate::gc::GcArgs;
 use crate::graph::GraphArgs;
+use crate::init::InitArgs;
 use crate::manual::{CompletionsArgs, ManArgs};
 use crate::new_session::NewSessionArgs;
 use crate::predict::PredictArgs;
@@ -34,6 +35,11 @@ const MOST_JOBS: u64 = 256;
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Make a project of your own: pipeline.toml with its folders, settings of the golden tables, .gitignore
+    #[command(
+        after_help = "Example:\n  pipeline init my-muscles\n  cd my-muscles\n  pipeline new-session ~/logs/test8.csv --out raw/test8\n  pipeline run\n  pipeline check --init\n\nEvery command reads where things are from pipeline.toml; --raw, --derived and --reports come before it."
+    )]
+    Init(InitArgs),
     /// Run every stage whose inputs changed
     #[command(
         after_help = "Examples:\n  pipeline run\n  pipeline run --raw raw --raw ../rig --explain\n  pipeline run --force fit --strict\n\nExit codes: 0 done; 2 usage, configuration or no usable input; 3 done, but sessions were rejected (with --strict); 4 internal; 5 done, but a figure or document was left out for a defect of the program (summary.json names it)."
@@ -41,10 +47,15 @@ pub enum Command {
     Run(RunArgs),
     /// Say what would run and why; exit code 1 if anything would
     #[command(after_help = "Example:\n  pipeline status --raw ../rig")]
-    Status(Places),
+    Status(PlaceArgs),
+    /// Print what the last run found: models, verdicts, errors and what to measure next, campaign by campaign
+    #[command(
+        after_help = "Examples:\n  pipeline summary\n  pipeline summary --json\n\nIt computes nothing; where the sessions have changed since, it says so."
+    )]
+    Summary(PlaceArgs),
     /// Bring the results up to date and compare the tables with the golden ones; exit code 1 on a difference
     #[command(
-        after_help = "Examples:\n  pipeline check\n  pipeline check --bless --reason \"the zero of clipped logs is now the slack force\"\n\nExit codes: 0 equal; 1 a difference; 2 usage, or no golden tables; 4 internal."
+        after_help = "Examples:\n  pipeline check --init\n  pipeline check\n  pipeline check --bless --reason \"the zero of clipped logs is now the slack force\"\n\nExit codes: 0 equal; 1 a difference; 2 usage, or no golden tables; 4 internal."
     )]
     Check(CheckArgs),
     /// Predict the force of a muscle, or its torque about a knee, with the interval for one that was not measured
@@ -107,29 +118,45 @@ fn simulate_help() -> String {
 
 fn new_session_help() -> String {
     format!(
-        "Examples:\n  pipeline new-session logs/test8.csv --out /tmp/test8\n  pipeline new-session logs/runs.xlsx --sheet \"Run 8\"\n  \
+        "Examples:\n  pipeline new-session logs/test8.csv --out /tmp/test8\n  pipeline new-session logs/*.csv --out raw --copy\n  pipeline new-session old.txt --skip-rows 12 --encoding latin-1\n  pipeline new-session logs/runs.xlsx --sheet \"Run 8\"\n  \
          pipeline new-session logs/rig.mat --variable log --json\n\nFormats: {}; each also compressed with gzip. What is guessed \
          (quantities, units, states, the sampling) says so in the comments of session.toml, and what no log can say is marked FILL IN. Correct \
-         it and put it beside the log; until its line `exclude` is removed the session takes part in no fit.",
+         it, remove the marks and put it beside the log; as long as a mark is there, a run leaves the session out and names the lines.",
         pipeline_formats::list_of_formats()
     )
 }
 
-/// What is read, and where results are: arguments of every command that runs stages or looks at what they left.
+/// Where the cache is: arguments of every command that looks at it alone.
 #[derive(Debug, clap::Args)]
-pub struct Places {
-    /// Raw directory, read-only; may be given several times
-    #[arg(long, value_name = "DIR", default_value = "raw")]
-    pub raw: Vec<PathBuf>,
-    /// Where the cache and the tidy data go
-    #[arg(long, value_name = "DIR", default_value = "derived")]
-    pub derived: PathBuf,
-    /// Where reports, tables and figures go
-    #[arg(long, value_name = "DIR", default_value = "reports")]
-    pub reports: PathBuf,
+pub struct DerivedArgs {
+    /// The cache and the tidy data [default: paths.derived of pipeline.toml, else derived]
+    #[arg(long, value_name = "DIR")]
+    pub derived: Option<PathBuf>,
     /// Configuration [default: pipeline.toml, if there is one]
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
+}
+
+/// Where results are: arguments of every command that looks at what a run left.
+#[derive(Debug, clap::Args)]
+pub struct ResultArgs {
+    /// Where the cache is
+    #[command(flatten)]
+    pub cache: DerivedArgs,
+    /// Reports, tables and figures [default: paths.reports of pipeline.toml, else reports]
+    #[arg(long, value_name = "DIR")]
+    pub reports: Option<PathBuf>,
+}
+
+/// What is read, and where results are: arguments of every command that runs stages.
+#[derive(Debug, clap::Args)]
+pub struct PlaceArgs {
+    /// Raw directory, read-only; may be given several times [default: paths.raw of pipeline.toml, else raw]
+    #[arg(long, value_name = "DIR")]
+    pub raw: Vec<PathBuf>,
+    /// Where results are
+    #[command(flatten)]
+    pub results: ResultArgs,
     /// Threads; 0 for as many as there are cores
     #[arg(long, short, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=MOST_JOBS))]
     pub jobs: u64,
@@ -146,7 +173,7 @@ pub struct Places {
 pub struct RunArgs {
     /// Where things are
     #[command(flatten)]
-    pub places: Places,
+    pub places: PlaceArgs,
     /// Do this stage again whatever the cache holds
     #[arg(long, value_name = "STAGE")]
     pub force: Option<String>,

@@ -1,10 +1,10 @@
 //! `pipeline check`.
 
-use crate::args::Places;
+use crate::args::PlaceArgs;
 use crate::columns::{Align, aligned, shortened};
 use crate::print::{self, line, print_json};
 use crate::{DIFFERENCE, DONE, nothing_usable, options, progress};
-use pipeline_base::error::Result;
+use pipeline_base::error::{Error, Result};
 use pipeline_golden as golden;
 use pipeline_golden::Findings;
 use pipeline_golden::bless::{self, Blessing};
@@ -24,13 +24,16 @@ const LONGEST_CELL: usize = 24;
 pub struct CheckArgs {
     /// Where things are
     #[command(flatten)]
-    pub places: Places,
+    pub places: PlaceArgs,
     /// Do this stage again whatever the cache holds
     #[arg(long, value_name = "STAGE")]
     pub force: Option<String>,
-    /// Where the golden tables and golden.toml are
-    #[arg(long, value_name = "DIR", default_value = "tests/golden")]
-    pub golden: PathBuf,
+    /// Where the golden tables and golden.toml are [default: paths.golden of pipeline.toml, else tests/golden]
+    #[arg(long, value_name = "DIR")]
+    pub golden: Option<PathBuf>,
+    /// Write a golden.toml where there is none, and take the tables of this run as the first golden ones
+    #[arg(long, conflicts_with = "bless")]
+    pub init: bool,
     /// Take the fresh tables as golden ones, with a reason
     #[arg(long, requires = "reason")]
     pub bless: bool,
@@ -41,22 +44,33 @@ pub struct CheckArgs {
 
 /// Runs what changed, then compares or blesses.
 pub fn command(args: &CheckArgs) -> Result<u8> {
-    let places = &args.places;
-    let options = options(places, args.force.as_deref(), false)?;
-    let progress = progress::Shown::new(places.json);
+    let (json, verbose) = (args.places.json, args.places.verbose);
+    let places = args.places.places()?;
+    let golden = args.golden.as_ref().unwrap_or(&places.golden);
+    if args.init && golden::are_blessed(golden) {
+        return Err(Error::Usage(format!(
+            "there are golden tables in {} already; `pipeline check` compares with them, and --bless --reason \"why\" replaces them",
+            golden.display()
+        )));
+    }
+    let options = options(&places, args.places.jobs, args.force.as_deref(), false)?;
+    let progress = progress::Shown::new(json);
     let outcome = run::run(&options, &progress)?;
     progress.finish();
-    print::diagnostics(&outcome.diagnostics, places.verbose);
+    print::diagnostics(&outcome.diagnostics, verbose);
     nothing_usable(&outcome)?;
     print::left_out(&outcome.left_out);
-    if args.bless {
-        let reason = args.reason.as_deref().unwrap_or_default();
-        let blessing = bless::bless(&args.golden, &places.reports, reason)?;
-        print_blessing(&blessing, &args.golden, places.json)?;
+    if args.init {
+        golden::start(golden)?;
+    }
+    let first = args.init.then_some("the first tables");
+    if let Some(reason) = args.reason.as_deref().or(first) {
+        let blessing = bless::bless(golden, &places.reports, reason)?;
+        print_blessing(&blessing, golden, json)?;
         return Ok(DONE);
     }
-    let findings = golden::check(&args.golden, &places.reports)?;
-    print_findings(&findings, &args.golden, places.json)?;
+    let findings = golden::check(golden, &places.reports)?;
+    print_findings(&findings, golden, json)?;
     Ok(if findings.equal() { DONE } else { DIFFERENCE })
 }
 

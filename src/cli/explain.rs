@@ -1,16 +1,15 @@
 //! `pipeline explain`: where a table, figure, report or single number comes from.
 
 use crate::DONE;
+use crate::args::ResultArgs;
+use crate::cell::{Number, number, place};
+use crate::places::Places;
 use crate::print::{line, print_json};
-use pipeline_base::diagnostics::nearest;
-use pipeline_base::digest::{self, Digest};
+use pipeline_base::digest;
 use pipeline_base::error::{Error, Result};
 use pipeline_config::Config;
-use pipeline_golden::table::Table;
 use pipeline_run::STAGES;
 use pipeline_run::ancestry::{Ancestry, Unit};
-use pipeline_run::materialize::PROVENANCE;
-use serde::Deserialize;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -23,12 +22,9 @@ const SHOWN: usize = 6;
 pub struct ExplainArgs {
     /// A file below reports/ or derived/, a session, or a stage with its unit; `FILE:LINE:COLUMN` for one number of a table
     pub artifact: String,
-    /// Where the cache and the tidy data are
-    #[arg(long, value_name = "DIR", default_value = "derived")]
-    pub derived: PathBuf,
-    /// Where reports, tables and figures are
-    #[arg(long, value_name = "DIR", default_value = "reports")]
-    pub reports: PathBuf,
+    /// Where results are
+    #[command(flatten)]
+    pub results: ResultArgs,
     /// List every session and every raw file
     #[arg(long, short)]
     pub verbose: bool,
@@ -37,31 +33,17 @@ pub struct ExplainArgs {
     pub json: bool,
 }
 
-/// `provenance.json`.
-#[derive(Default, Deserialize)]
-struct Provenance {
-    sessions: BTreeMap<String, BTreeMap<String, Digest>>,
-}
-
-/// One number of a table, with what its row says of where it belongs.
-struct Number {
-    line: usize,
-    column: String,
-    value: String,
-    /// Campaign, session and so on, by column.
-    row: BTreeMap<String, String>,
-}
-
 /// Looks up the artifact and prints its ancestry.
 pub fn command(args: &ExplainArgs) -> Result<u8> {
-    let ancestry = Ancestry::load(&args.derived)?;
-    let (artifact, place) = place(&args.artifact);
+    let places = args.results.places()?;
+    let ancestry = Ancestry::load(&places.derived)?;
+    let (artifact, place) = place(&args.artifact)?;
     let (unit, output) = ancestry.find(artifact)?;
     let number = match (place, &output) {
-        (Some(place), Some(output)) => Some(number(args, output, place)?),
+        (Some(place), Some(output)) => Some(number(&places, output, place)?),
         (Some(_), None) => {
             return Err(Error::Usage(format!(
-                "{artifact} is no table; a line and a column need one"
+                "{artifact} is not a table; only tables have lines and columns"
             )));
         }
         (None, _) => None,
@@ -72,6 +54,7 @@ pub fn command(args: &ExplainArgs) -> Result<u8> {
     };
     let explained = Explained {
         args,
+        places: &places,
         ancestry: &ancestry,
         unit: &ancestry.units[unit],
         output,
@@ -86,55 +69,14 @@ pub fn command(args: &ExplainArgs) -> Result<u8> {
     Ok(DONE)
 }
 
-/// `FILE:LINE:COLUMN` in its parts.
-fn place(artifact: &str) -> (&str, Option<(usize, &str)>) {
-    let mut parts = artifact.rsplitn(3, ':');
-    if let (Some(column), Some(line), Some(file)) = (parts.next(), parts.next(), parts.next())
-        && let Ok(line) = line.parse()
-    {
-        return (file, Some((line, column)));
-    }
-    (artifact, None)
-}
-
-/// The cell of a table at a line of its file, counted from 1 with the header.
-fn number(args: &ExplainArgs, output: &str, (line, column): (usize, &str)) -> Result<Number> {
-    let path = on_disk(args, output);
-    let table = Table::read(&path)?;
-    let no_column = || {
-        let near = nearest(column, table.columns.iter().map(String::as_str));
-        let hint = near.map_or_else(String::new, |near| format!("; did you mean {near}?"));
-        Error::Usage(format!("{} has no column {column}{hint}", path.display()))
-    };
-    let at = table.column(column).ok_or_else(no_column)?;
-    let row = line.checked_sub(2).and_then(|k| table.rows.get(k));
-    let row = row.ok_or_else(|| {
-        Error::Usage(format!(
-            "{} has lines 2 to {} below its header, and none {line}",
-            path.display(),
-            table.rows.len() + 1
-        ))
-    })?;
-    Ok(Number {
-        line,
-        column: column.to_owned(),
-        value: row[at].clone(),
-        row: table
-            .columns
-            .iter()
-            .cloned()
-            .zip(row.iter().cloned())
-            .collect(),
-    })
-}
-
-fn on_disk(args: &ExplainArgs, output: &str) -> PathBuf {
+/// Where an output of the cache lies.
+pub(super) fn on_disk(places: &Places, output: &str) -> PathBuf {
     match (
         output.strip_prefix("reports/"),
         output.strip_prefix("derived/"),
     ) {
-        (Some(rest), _) => args.reports.join(rest),
-        (_, Some(rest)) => args.derived.join(rest),
+        (Some(rest), _) => places.reports.join(rest),
+        (_, Some(rest)) => places.derived.join(rest),
         _ => PathBuf::from(output),
     }
 }
@@ -168,6 +110,7 @@ fn narrowed(ancestry: &Ancestry, unit: usize, row: &BTreeMap<String, String>) ->
 /// All that is said of an artifact.
 struct Explained<'a> {
     args: &'a ExplainArgs,
+    places: &'a Places,
     ancestry: &'a Ancestry,
     unit: &'a Unit,
     output: Option<String>,
@@ -181,7 +124,7 @@ impl Explained<'_> {
             let object = &self.unit.entry.outputs[output];
             line(format!(
                 "{} ({}, sha256 {})",
-                on_disk(self.args, output).display(),
+                on_disk(self.places, output).display(),
                 self.state(output),
                 object.digest.short()
             ));
@@ -200,6 +143,9 @@ impl Explained<'_> {
                 STAGES[stage],
                 self.listed(units.iter().map(|u| u.name.as_str()))
             ));
+            if let Some(how) = how(STAGES[stage]) {
+                line(format!("  {how}"));
+            }
             if let Some(unit) = units.first() {
                 line(format!(
                     "  code {}, version {}",
@@ -242,7 +188,7 @@ impl Explained<'_> {
             .as_ref()
             .map(|n| json!({ "line": n.line, "column": n.column, "value": n.value, "row": n.row }));
         let file = self.output.as_ref().map(|o| {
-            json!({ "path": on_disk(self.args, o), "state": self.state(o), "sha256": self.unit.entry.outputs[o].digest.hex() })
+            json!({ "path": on_disk(self.places, o), "state": self.state(o), "sha256": self.unit.entry.outputs[o].digest.hex() })
         });
         let raw: BTreeMap<String, String> = self.raw();
         print_json(
@@ -256,31 +202,16 @@ impl Explained<'_> {
 
     /// Whether the file is as the run made it.
     fn state(&self, output: &str) -> &'static str {
-        match digest::of_file(&on_disk(self.args, output)) {
+        match digest::of_file(&on_disk(self.places, output)) {
             Ok(digest) if digest == self.unit.entry.outputs[output].digest => "as it was made",
             Ok(_) => "changed since it was made; `pipeline run` puts it back",
             Err(_) => "not there; `pipeline run` puts it back",
         }
     }
 
-    /// Raw files by folder and name, with their digests as the run wrote them down; the key of a session has what its description says and not
-    /// the digest of that file.
+    /// Raw files by folder and name, with their digests.
     fn raw(&self) -> BTreeMap<String, String> {
-        let path = self.args.reports.join(PROVENANCE);
-        let text = std::fs::read_to_string(path).unwrap_or_default();
-        let written: Provenance = serde_json::from_str(&text).unwrap_or_default();
-        let ingest = self.units().filter(|u| u.reads_raw());
-        ingest
-            .flat_map(|u| {
-                let options = &u.entry.parts.options;
-                let folder = options.get("folder").map_or("", String::as_str);
-                let file = move |(name, digest): (&String, &Digest)| {
-                    (format!("{folder}/{name}"), digest.hex().to_owned())
-                };
-                let files = written.sessions.get(&u.name).unwrap_or(&u.given);
-                files.iter().map(file).collect::<Vec<_>>()
-            })
-            .collect()
+        self.ancestry.raw_files(self.units(), &self.places.reports)
     }
 
     fn listed<'a>(&self, names: impl Iterator<Item = &'a str>) -> String {
@@ -296,6 +227,37 @@ impl Explained<'_> {
         }
         text
     }
+}
+
+/// How a stage makes its numbers.
+fn how(stage: &str) -> Option<&'static str> {
+    Some(match stage {
+        "ingest" => {
+            "every row of the logs, times gain plus offset, in one unit a quantity (docs/sessions.md)"
+        }
+        "clean" => {
+            "rows that are no measurement left out, the zero of the force taken off, the mean of each steady plateau (docs/data.md)"
+        }
+        "normalize" => {
+            "ε = (l_rest − l)/l_rest, ε* = ε/ε_620 and P* = P/620 kPa of every reading (docs/data.md)"
+        }
+        "fit" => {
+            "the equations of the new model by robust least squares, intervals from refits without each specimen (docs/data.md)"
+        }
+        "compare" => {
+            "measured less predicted of every model: RMSE, largest error, bias, adjusted R² by split (docs/data.md)"
+        }
+        "diagnose" => {
+            "one mixed model of what the law leaves: scatter by restricted likelihood, effects tested by bootstrap, errors on specimens left out (docs/loop.md)"
+        }
+        "torque" => {
+            "force of each model times the moment arm of the route, and the same mixed model on the torques (docs/loop.md)"
+        }
+        "report" => {
+            "the results of the stages below as tables, figures and pages; nothing is computed here"
+        }
+        _ => return None,
+    })
 }
 
 fn label(unit: &Unit) -> String {
@@ -330,12 +292,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_number_is_a_line_and_a_column_behind_the_file() {
-        assert_eq!(
-            place("tables/a.csv:12:rmse"),
-            ("tables/a.csv", Some((12, "rmse")))
-        );
-        assert_eq!(place("tables/a.csv"), ("tables/a.csv", None));
-        assert_eq!(place("C:\\x:y"), ("C:\\x:y", None));
+    fn every_stage_says_how_it_makes_its_numbers() {
+        for stage in STAGES {
+            assert!(how(stage).is_some(), "{stage}");
+        }
     }
 }

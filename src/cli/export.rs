@@ -1,7 +1,7 @@
 //! `pipeline export`: the work of a run as a workflow for another engine.
 
 use crate::DONE;
-use crate::args::Places;
+use crate::args::PlaceArgs;
 use crate::print::{self, line, print_json};
 use clap::builder::PossibleValuesParser;
 use pipeline_base::diagnostics::Diagnostic;
@@ -21,7 +21,7 @@ pub struct ExportArgs {
     pub engine: String,
     /// Where things are
     #[command(flatten)]
-    pub places: Places,
+    pub places: PlaceArgs,
 }
 
 /// Prints the workflow.
@@ -37,9 +37,9 @@ pub fn command(args: &ExportArgs) -> Result<u8> {
     Ok(DONE)
 }
 
-fn plan(args: &Places) -> Result<Plan> {
-    let options = Config::load(args.config.as_deref())?;
-    let discovery = discover(&args.raw);
+fn plan(args: &PlaceArgs) -> Result<Plan> {
+    let places = args.places()?;
+    let discovery = discover(&places.raw);
     let unusable = discovery.unusable.iter().flat_map(|u| &u.diagnostics);
     let diagnostics: Vec<Diagnostic> = discovery
         .diagnostics
@@ -53,12 +53,12 @@ fn plan(args: &Places) -> Result<Plan> {
             "there are no usable sessions to plan for; --raw DIR says where they are, and `pipeline run` what is wrong with them".to_owned(),
         ));
     }
-    let jobs = jobs::all(&discovery, &options);
+    let jobs = jobs::all(&discovery, &places.config);
     let places = export::Places {
-        raw: args.raw.clone(),
-        derived: args.derived.clone(),
-        reports: args.reports.clone(),
-        config: Config::place(args.config.as_deref()).map(ToOwned::to_owned),
+        raw: places.raw,
+        derived: places.derived,
+        reports: places.reports,
+        config: Config::place(args.results.cache.config.as_deref()).map(ToOwned::to_owned),
     };
     Plan::new(places, args.jobs as usize, &discovery, &jobs)
 }

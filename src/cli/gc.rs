@@ -1,12 +1,12 @@
 //! `pipeline gc`: throws away old cache entries.
 
+use crate::args::DerivedArgs;
 use crate::print::{line, print_json};
 use crate::{DONE, progress};
 use pipeline_base::error::{Error, Result};
 use pipeline_cache::collect::{self, Limits, Plan};
 use pipeline_run::cache::{Access, Cache};
 use serde_json::json;
-use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
 
 const DAY_S: u64 = 24 * 3600;
@@ -15,8 +15,8 @@ const DAY_S: u64 = 24 * 3600;
 #[derive(Debug, clap::Args)]
 pub struct GcArgs {
     /// Where the cache is
-    #[arg(long, value_name = "DIR", default_value = "derived")]
-    pub derived: PathBuf,
+    #[command(flatten)]
+    pub cache: DerivedArgs,
     /// Entries that the last run did not use go if they are older than so many days
     #[arg(long, value_name = "DAYS", default_value_t = 30)]
     pub older_than: u64,
@@ -33,16 +33,17 @@ pub struct GcArgs {
 
 /// Plans, and removes unless it is a dry run.
 pub fn command(args: &GcArgs) -> Result<u8> {
+    let derived = args.cache.places()?.derived;
     let progress = progress::Shown::new(args.json);
-    let mut cache = Cache::open(&args.derived, Access::Look, &progress)?;
+    let mut cache = Cache::open(&derived, Access::Look, &progress)?;
     if cache.last().is_empty() {
         return Err(Error::Usage(format!(
             "nothing has been run in {} yet, or its state.jsonl is lost; `pipeline run` first, so that it is known what is needed",
-            args.derived.display()
+            derived.display()
         )));
     }
     if !args.dry_run {
-        cache = Cache::open(&args.derived, Access::Alone, &progress)?;
+        cache = Cache::open(&derived, Access::Alone, &progress)?;
     }
     let limits = Limits {
         older_than: Duration::from_secs(args.older_than.saturating_mul(DAY_S)),
@@ -108,7 +109,7 @@ fn size(text: &str) -> std::result::Result<u64, String> {
     let number: f64 = number
         .trim()
         .parse()
-        .map_err(|_| format!("{number:?} is no number; write a size as 500MB or 2GB"))?;
+        .map_err(|_| format!("{number:?} is not a number; write a size as 500MB or 2GB"))?;
     if number.is_finite() && number >= 0.0 {
         Ok((number * factor as f64) as u64)
     } else {

@@ -1,6 +1,7 @@
 //! `pipeline graph`: the stages and artifacts of the last run as a drawing for Mermaid or Graphviz.
 
 use crate::DONE;
+use crate::args::ResultArgs;
 use crate::print::{line, print_json};
 use clap::ValueEnum;
 use pipeline_base::error::Result;
@@ -8,14 +9,13 @@ use pipeline_run::STAGES;
 use pipeline_run::ancestry::{Ancestry, Unit};
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::PathBuf;
 
 /// Arguments of `graph`.
 #[derive(Debug, clap::Args)]
 pub struct GraphArgs {
-    /// Where the cache and the tidy data are
-    #[arg(long, value_name = "DIR", default_value = "derived")]
-    pub derived: PathBuf,
+    /// Where results are
+    #[command(flatten)]
+    pub results: ResultArgs,
     /// Language of the drawing
     #[arg(long, value_enum, default_value = "mermaid")]
     pub format: Format,
@@ -45,8 +45,12 @@ struct Drawing {
 
 /// Prints the drawing.
 pub fn command(args: &GraphArgs) -> Result<u8> {
-    let ancestry = Ancestry::load(&args.derived)?;
-    let drawing = drawing(&ancestry, args.units);
+    let places = args.results.places()?;
+    let ancestry = Ancestry::load(&places.derived)?;
+    let raw = ancestry
+        .raw_files(ancestry.units.iter(), &places.reports)
+        .len();
+    let drawing = drawing(&ancestry, raw, args.units);
     if args.json {
         print_json(&json!({ "nodes": drawing.nodes, "edges": drawing.edges }))?;
         return Ok(DONE);
@@ -58,7 +62,7 @@ pub fn command(args: &GraphArgs) -> Result<u8> {
     Ok(DONE)
 }
 
-fn drawing(ancestry: &Ancestry, each_unit: bool) -> Drawing {
+fn drawing(ancestry: &Ancestry, raw_files: usize, each_unit: bool) -> Drawing {
     let id = |k: usize| {
         if each_unit {
             format!("u{k}")
@@ -67,6 +71,7 @@ fn drawing(ancestry: &Ancestry, each_unit: bool) -> Drawing {
         }
     };
     let mut drawing = Drawing::default();
+    let mut made: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for (k, unit) in ancestry.units.iter().enumerate() {
         let words = if each_unit {
             format!("{} {}", unit.stage_name(), unit.name)
@@ -83,47 +88,42 @@ fn drawing(ancestry: &Ancestry, each_unit: bool) -> Drawing {
             .edges
             .extend(unit.from.iter().map(|from| (id(*from), id(k))));
         if unit.reads_raw() {
-            drawing.nodes.insert(
-                "raw".to_owned(),
-                format!("raw ({} files)", raw_files(ancestry)),
-            );
+            let words = format!("raw ({raw_files} files)");
+            drawing.nodes.insert("raw".to_owned(), words);
             drawing.edges.insert(("raw".to_owned(), id(k)));
         }
         if unit.stage + 1 == STAGES.len() {
-            for (node, words) in artifacts(unit) {
+            for (node, name) in artifacts(unit) {
                 drawing.edges.insert((id(k), node.clone()));
-                drawing.nodes.insert(node, words);
+                made.entry(node).or_default().insert(name);
             }
         }
     }
+    let words = |(node, names): (String, BTreeSet<String>)| {
+        let words = match FOLDERS.contains(&node.as_str()) {
+            true => format!("{node} ({})", names.len()),
+            false => names.into_iter().collect(),
+        };
+        (node, words)
+    };
+    drawing.nodes.extend(made.into_iter().map(words));
     drawing
 }
 
-fn raw_files(ancestry: &Ancestry) -> usize {
-    let ingest = ancestry.units.iter().filter(|u| u.reads_raw());
-    ingest.map(|u| u.given.len()).sum()
-}
+/// Folders below `reports/` of which the drawing says how many things are in them: one in several formats is one.
+const FOLDERS: [&str; 2] = ["tables", "figures"];
 
-/// What stands below `reports/`: each report, and the tables and figures by number.
-fn artifacts(report: &Unit) -> Vec<(String, String)> {
-    let names: Vec<&str> = report
-        .entry
-        .outputs
-        .keys()
-        .filter_map(|n| n.strip_prefix("reports/"))
-        .collect();
-    let mut list: Vec<(String, String)> = Vec::new();
-    for folder in ["tables", "figures"] {
-        let stems: BTreeSet<&str> = names
-            .iter()
-            .filter_map(|n| n.strip_prefix(folder)?.strip_prefix('/'))
-            .map(|n| n.rsplit_once('.').map_or(n, |(stem, _)| stem))
-            .collect();
-        list.push((folder.to_owned(), format!("{folder} ({})", stems.len())));
-    }
-    let files = names.iter().filter(|n| !n.contains('/'));
-    list.extend(files.map(|n| (n.replace('.', "_"), (*n).to_owned())));
-    list
+/// What a unit leaves below `reports/`: node and name.
+fn artifacts(report: &Unit) -> impl Iterator<Item = (String, String)> {
+    let below = |name: &str| {
+        let name = name.strip_prefix("reports/")?;
+        let Some((folder, file)) = name.split_once('/') else {
+            return Some((name.replace('.', "_"), name.to_owned()));
+        };
+        let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
+        Some((folder.to_owned(), stem.to_owned()))
+    };
+    report.entry.outputs.keys().filter_map(move |n| below(n))
 }
 
 impl Drawing {

@@ -7,28 +7,33 @@
 
 mod answers;
 mod args;
+mod cell;
 mod check;
 mod columns;
 mod explain;
 mod export;
 mod gc;
 mod graph;
+mod init;
 mod manual;
 mod new_session;
+mod places;
 mod predict;
 mod predict_leg;
 mod predict_print;
 mod print;
 mod progress;
+mod summary;
 mod values;
 
-use args::{Args, Command, Places, RunArgs, SimulateArgs};
+use args::{Args, Command, PlaceArgs, RunArgs, SimulateArgs};
 use clap::Parser;
 use pipeline_base::error::{Error, Result};
 use pipeline_config::Config;
 use pipeline_run as run;
 use pipeline_run::{Outcome, RunOptions};
 use pipeline_simulate as simulate;
+use places::Places;
 use std::ffi::OsString;
 
 const DONE: u8 = 0;
@@ -50,7 +55,9 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let done = match &args.command {
         Command::Run(run) => run_command(run),
         Command::Status(run) => status_command(run),
+        Command::Summary(args) => summary::command(args),
         Command::Check(args) => check::command(args),
+        Command::Init(args) => init::command(args),
         Command::Predict(args) => predict::command(args),
         Command::Simulate(simulate) => simulate_command(simulate),
         Command::NewSession(args) => new_session::command(args),
@@ -71,7 +78,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     })
 }
 
-fn options(places: &Places, force: Option<&str>, dry_run: bool) -> Result<RunOptions> {
+fn options(places: &Places, jobs: u64, force: Option<&str>, dry_run: bool) -> Result<RunOptions> {
     let force = match force {
         Some(stage) if !run::STAGES.contains(&stage) => {
             return Err(Error::Usage(format!(
@@ -85,8 +92,8 @@ fn options(places: &Places, force: Option<&str>, dry_run: bool) -> Result<RunOpt
         raw: places.raw.clone(),
         derived: places.derived.clone(),
         reports: places.reports.clone(),
-        config: Config::load(places.config.as_deref())?,
-        jobs: places.jobs as usize,
+        config: places.config.clone(),
+        jobs: jobs as usize,
         force,
         dry_run,
         keep_going: false,
@@ -107,24 +114,39 @@ fn refuse_remote(raw: &[std::path::PathBuf]) -> Result<()> {
 
 fn run_command(args: &RunArgs) -> Result<u8> {
     let started = std::time::Instant::now();
-    let places = &args.places;
+    let (json, verbose) = (args.places.json, args.places.verbose);
+    let places = args.places.places()?;
     if args.offline_only {
         refuse_remote(&places.raw)?;
     }
     let options = RunOptions {
         keep_going: args.keep_going,
         only: args.only.clone(),
-        ..options(places, args.force.as_deref(), args.dry_run)?
+        ..options(
+            &places,
+            args.places.jobs,
+            args.force.as_deref(),
+            args.dry_run,
+        )?
     };
-    let progress = progress::Shown::new(places.json);
+    let progress = progress::Shown::new(json);
     let outcome = run::run(&options, &progress)?;
     progress.finish();
-    print::diagnostics(&outcome.diagnostics, places.verbose);
+    print::diagnostics(&outcome.diagnostics, verbose);
     if args.dry_run {
-        print::status(&outcome, places.json)?;
+        print::status(&outcome, json)?;
         return Ok(DONE);
     }
-    print::run(&outcome, started.elapsed(), args.explain, places.json)?;
+    let answers = match outcome.findings_file {
+        Some(_) => Some(summary::Answers::load(&places.reports)?),
+        None => None,
+    };
+    let took = started.elapsed();
+    if json {
+        print::run_as_json(&outcome, answers.as_ref())?;
+    } else {
+        print::run(&outcome, answers.as_ref(), took, args.explain);
+    }
     if !outcome.failed.is_empty() {
         return Ok(INTERNAL);
     }
@@ -138,18 +160,19 @@ fn run_command(args: &RunArgs) -> Result<u8> {
     Ok(if strict { REJECTED } else { DONE })
 }
 
-/// A run in which every session was rejected is no success; of a job nobody can say that.
+/// A run in which every session was rejected or excluded is no success; of a job nobody can say that.
 fn nothing_usable(outcome: &Outcome) -> Result<()> {
-    if outcome.rejected.len() >= outcome.sessions + outcome.unusable {
+    if outcome.has_nothing_usable() {
         return Err(Error::Usage(
-            "no session could be used; the messages above say why".to_owned(),
+            "no session is left to work with; the messages above say why".to_owned(),
         ));
     }
     Ok(())
 }
 
-fn status_command(args: &Places) -> Result<u8> {
-    let outcome = run::run(&options(args, None, true)?, &progress::Shown::new(true))?;
+fn status_command(args: &PlaceArgs) -> Result<u8> {
+    let options = options(&args.places()?, args.jobs, None, true)?;
+    let outcome = run::run(&options, &progress::Shown::new(true))?;
     print::diagnostics(&outcome.diagnostics, args.verbose);
     print::status(&outcome, args.json)?;
     Ok(if outcome.work.is_empty() && outcome.written.is_empty() {

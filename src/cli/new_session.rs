@@ -3,12 +3,14 @@
 use super::DONE;
 use super::columns::{Align, aligned};
 use super::predict::PNG_DPI;
+use super::print::{line, print_json};
 use pipeline_base::error::{Error, Result};
-use pipeline_base::session::{Part, PartKind};
+use pipeline_base::session::{Encoding, Part, PartKind, TextFormat};
 use pipeline_draft::{Draft, Guess, text};
 use pipeline_formats::discover::SESSION_FILE;
 use pipeline_formats::overview::{overview, place};
-use pipeline_formats::{log_file, session_toml};
+use pipeline_formats::session_toml::FILL_IN;
+use pipeline_formats::{log_file, session_toml, text_format};
 use pipeline_report::figures::{files, log};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -16,11 +18,21 @@ use std::path::{Path, PathBuf};
 /// Arguments of `new-session`.
 #[derive(Debug, clap::Args)]
 pub struct NewSessionArgs {
-    /// The log, in any of the formats
-    pub file: PathBuf,
-    /// Where session.toml and the plot go [default: a new folder with the name of the log, here]
+    /// The log, in any of the formats; of several each becomes a session in a folder with its name
+    #[arg(required = true, value_name = "LOG")]
+    pub files: Vec<PathBuf>,
+    /// Where session.toml and the plot go, of several logs their folders [default: a new folder with the name of the log, here]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Copy the log beside session.toml
+    #[arg(long)]
+    pub copy: bool,
+    /// Lines of a text log above its header or first row
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub skip_rows: u64,
+    /// How the characters of a text log are written
+    #[arg(long, value_enum, default_value = "utf-8")]
+    pub encoding: Written,
     /// The sheet of a workbook [default: the first]
     #[arg(long, value_name = "NAME", conflicts_with = "variable")]
     pub sheet: Option<String>,
@@ -35,39 +47,105 @@ pub struct NewSessionArgs {
     pub json: bool,
 }
 
-/// Looks at the log, writes what was guessed and says it.
+/// How the characters of a text log are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Written {
+    /// As nearly every program writes them today
+    #[value(name = "utf-8")]
+    Utf8,
+    /// ISO 8859-1
+    #[value(name = "latin-1")]
+    Latin1,
+}
+
+/// A draft with the files that are written of it, and where.
+struct Looked {
+    draft: Draft,
+    out: PathBuf,
+    files: Vec<(String, Vec<u8>)>,
+}
+
+/// Looks at the logs, writes what was guessed and says it.
 ///
 /// # Errors
 /// A log that cannot be read, and files that exist already.
 pub fn command(args: &NewSessionArgs) -> Result<u8> {
-    let draft = draft(args)?;
-    let stem = stem(&args.file);
-    let out = args.out.clone().unwrap_or_else(|| PathBuf::from(&stem));
-    let written = files_of(&draft, &stem)?;
-    write(&out, &written, args.force)?;
-    if args.json {
-        let paths: Vec<String> = written
-            .iter()
-            .map(|(n, _)| out.join(n).display().to_string())
-            .collect();
-        let text =
-            serde_json::to_string_pretty(&as_json(&draft, &paths)).map_err(Error::internal)?;
-        println!("{text}");
-    } else {
-        print(&draft, &out, &written);
+    let looked = args.files.iter().map(|file| look(args, file));
+    let looked: Vec<Looked> = looked.collect::<Result<_>>()?;
+    for (looked, file) in looked.iter().zip(&args.files) {
+        write(&looked.out, &looked.files, args.force)?;
+        let copy = looked.out.join(&looked.draft.file);
+        if args.copy && !copy.exists() {
+            std::fs::copy(file, &copy).map_err(Error::io("write", &copy))?;
+        }
+    }
+    match (args.json, &looked[..]) {
+        (true, [one]) => print_json(&one.as_json())?,
+        (true, all) => print_json(&all.iter().map(Looked::as_json).collect())?,
+        (false, [one]) => print(&one.draft, &one.out, &one.files),
+        (false, all) => all.iter().for_each(Looked::print_in_short),
     }
     Ok(DONE)
 }
 
-fn draft(args: &NewSessionArgs) -> Result<Draft> {
+/// What is written of one log.
+fn look(args: &NewSessionArgs, file: &Path) -> Result<Looked> {
+    let draft = draft(args, file)?;
+    let stem = stem(file);
+    let out = match (&args.out, args.files.len()) {
+        (Some(out), 1) => out.clone(),
+        (Some(out), _) => out.join(&stem),
+        (None, _) => PathBuf::from(&stem),
+    };
+    let files = files_of(&draft, &stem)?;
+    Ok(Looked { draft, out, files })
+}
+
+impl Looked {
+    fn as_json(&self) -> Value {
+        let paths = self.files.iter();
+        let paths: Vec<String> = paths
+            .map(|(n, _)| self.out.join(n).display().to_string())
+            .collect();
+        as_json(&self.draft, &paths)
+    }
+
+    /// One line: what was found, and what was not.
+    fn print_in_short(&self) {
+        let found = self.draft.guesses.iter().filter_map(|g| g.quantity);
+        let found: Vec<&str> = found.map(|q| q.quantity_name).collect();
+        let missing = self.draft.missing();
+        let missing = match missing.is_empty() {
+            true => String::new(),
+            false => format!("; not found: {}", missing.join(", ")),
+        };
+        line(format!(
+            "{}: {}{missing}",
+            self.out.join(SESSION_FILE).display(),
+            found.join(", ")
+        ));
+    }
+}
+
+fn draft(args: &NewSessionArgs, file: &Path) -> Result<Draft> {
     let named = |kind, name: &Option<String>| name.clone().map(|name| Part { kind, name });
     let part = named(PartKind::Sheet, &args.sheet).or(named(PartKind::Variable, &args.variable));
-    let shown = args.file.display().to_string();
+    let shown = file.display().to_string();
     let unreadable = |d| Error::Config(vec![d]);
-    let bytes = log_file::load(&args.file, &shown).map_err(unreadable)?;
-    let columns = overview(&shown, &bytes, part.as_ref()).map_err(unreadable)?;
-    let name = args.file.file_name().unwrap_or_default();
-    Ok(Draft::of(&name.to_string_lossy(), part, &columns))
+    let bytes = log_file::load(file, &shown).map_err(unreadable)?;
+    let format = TextFormat {
+        skip_rows: args.skip_rows,
+        encoding: match args.encoding {
+            Written::Utf8 => Encoding::Utf8,
+            Written::Latin1 => Encoding::Latin1,
+        },
+    };
+    let text = text_format::applied(&shown, &bytes, format).map_err(unreadable)?;
+    let columns = overview(&shown, &text, part.as_ref()).map_err(unreadable)?;
+    let name = file.file_name().unwrap_or_default();
+    let mut draft = Draft::of(&name.to_string_lossy(), part, &columns);
+    draft.format = format;
+    Ok(draft)
 }
 
 /// The name of a log without its endings: `test8` of `test8.csv.gz`.
@@ -81,7 +159,8 @@ fn stem(file: &Path) -> String {
 fn files_of(draft: &Draft, id: &str) -> Result<Vec<(String, Vec<u8>)>> {
     let session = text::session_toml(draft, id);
     if draft.missing().is_empty() {
-        session_toml::read(SESSION_FILE, &session).map_err(Error::Config)?;
+        let completed = session.replace(FILL_IN, "");
+        session_toml::read(SESSION_FILE, &completed).map_err(Error::Config)?;
     }
     let mut written = vec![(SESSION_FILE.to_owned(), session.into_bytes())];
     if let Some(figure) = log::figure(draft) {
@@ -126,27 +205,26 @@ fn print(draft: &Draft, out: &Path, written: &[(String, Vec<u8>)]) {
         Align::Right,
         Align::Left,
     ];
-    for line in aligned(&rows, &columns) {
-        println!("{line}");
+    for text in aligned(&rows, &columns) {
+        line(text);
     }
     let interval = draft.interval_s.map_or_else(String::new, |s| {
         format!(", every {} ms", text::short(1e3 * s))
     });
-    println!(
+    line(format!(
         "\n{}: {} rows{interval}",
         text::sampling(draft.sampling),
         draft.rows
-    );
+    ));
     for column in draft.missing() {
-        println!("not found: {column}");
+        line(format!("not found: {column}"));
     }
     let names: Vec<&str> = written.iter().map(|(name, _)| name.as_str()).collect();
-    println!("wrote {} into {}", names.join(", "), out.display());
-    println!(
+    line(format!("wrote {} into {}", names.join(", "), out.display()));
+    line(format!(
         "correct {SESSION_FILE} (lines with {}), put it beside {}, and `pipeline run`",
-        text::FILL_IN,
-        draft.file
-    );
+        FILL_IN, draft.file
+    ));
 }
 
 fn row(guess: &Guess) -> [String; 6] {

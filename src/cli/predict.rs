@@ -1,5 +1,6 @@
 //! `pipeline predict`.
 
+use crate::args::DerivedArgs;
 use crate::predict_leg::{self, LegArgs};
 use crate::{DONE, predict_print, values};
 use pipeline_base::error::{Error, Result};
@@ -69,8 +70,8 @@ pub struct PredictArgs {
     #[arg(long, value_name = "ID")]
     pub campaign: Option<String>,
     /// Where an earlier run left fits.json
-    #[arg(long, value_name = "DIR", default_value = "derived")]
-    pub derived: PathBuf,
+    #[command(flatten)]
+    pub cache: DerivedArgs,
     /// Vary one quantity
     #[arg(long, value_name = "QUANTITY", conflicts_with = "table")]
     pub sweep: Option<Swept>,
@@ -118,7 +119,7 @@ pub struct PredictArgs {
 /// Predicts, and prints or writes what was asked for.
 pub fn command(args: &PredictArgs) -> Result<u8> {
     let muscle = muscle(args)?;
-    let fits = fits(&args.derived)?;
+    let fits = fits(&args.cache.places()?.derived)?;
     let choice = choose(
         &fits,
         &args.model,
@@ -142,7 +143,7 @@ pub fn command(args: &PredictArgs) -> Result<u8> {
 fn single(args: &PredictArgs, predictor: &Predictor, around: Around) -> Result<()> {
     if let Some(file) = args.csv.as_ref().or(args.plot.as_ref()) {
         return Err(Error::Usage(format!(
-            "one state is no table and no curve for {}: add --sweep or --table",
+            "one state gives neither a table nor a curve for {}: add --sweep or --table",
             file.display()
         )));
     }
@@ -259,7 +260,7 @@ fn fits(derived: &Path) -> Result<Vec<GroupFit>> {
     };
     serde_json::from_slice(&text).map_err(|e| {
         Error::Usage(format!(
-            "{} cannot be understood ({e}): it was written by another version; `pipeline run` writes it anew",
+            "{} cannot be read ({e}): another version wrote it; `pipeline run` writes it again",
             path.display()
         ))
     })

@@ -57,9 +57,10 @@ pub fn command(args: &PredictArgs, name: &str, predictor: &Predictor) -> Result<
         Some(name) => Some(target(name)?),
         None => Target::usual(&leg),
     };
-    let pressure = args.pressure.as_deref().ok_or_else(|| {
-        Error::Usage("there has to be a pressure: give --pressure with --knee".to_owned())
-    })?;
+    let pressure = args
+        .pressure
+        .as_deref()
+        .ok_or_else(|| Error::Usage("--knee needs a pressure: give --pressure".to_owned()))?;
     let pressure = values::quantity("--pressure", pressure, Quantity::Pressure)?;
     let over = |step| torque::over_the_range(predictor, &built, target.as_ref(), pressure, step);
     let fine = over(FINE_DEG)?;
@@ -99,7 +100,7 @@ fn knee(name: &str) -> Result<Knee> {
     }
     let text = std::fs::read_to_string(name).map_err(|e| {
         Error::Usage(format!(
-            "--knee {name} is no shipped knee (pinned, biomimetic, gait2392), and cannot be read as a file: {e}"
+            "--knee {name} is not a shipped knee (pinned, biomimetic, gait2392), and cannot be read as a file: {e}"
         ))
     })?;
     Knee::parse("described", name, &text).map_err(Error::Config)
@@ -132,7 +133,7 @@ fn target(name: &str) -> Result<Target> {
         let hint = nearest(name, human::NAMES)
             .map_or_else(String::new, |near| format!("; did you mean {near}?"));
         Error::Usage(format!(
-            "--human {name} is none of {}{hint}",
+            "--human {name} is not one of {}{hint}",
             human::NAMES.join(", ")
         ))
     })
@@ -204,7 +205,7 @@ fn row(a: &AtAngle, with_interval: bool) -> Vec<String> {
 fn verdict(fine: &[AtAngle], human: &str) -> String {
     if fine.iter().all(|a| a.meets.is_none()) {
         return format!(
-            "meets {human}: not known, for at no angle is there both a torque and a human one; look at the lengths (in m) and at the reasons below"
+            "meets {human}: unknown, because at no angle are both torques known; check the lengths (in m) and the reasons below"
         );
     }
     let words = |met: Vec<(f64, f64)>| {

@@ -1,12 +1,12 @@
 //! What the commands print.
 
-use super::answers;
+use super::summary::Answers;
 use pipeline_base::diagnostics::{Diagnostic, Severity};
 use pipeline_base::error::{Error, Result};
 use pipeline_cache::reason::one_line;
-use pipeline_report::left_out::{LeftOut, counted};
+use pipeline_report::left_out::{self, LeftOut};
 use pipeline_run::step::Failure;
-use pipeline_run::{Outcome, STAGES};
+use pipeline_run::{Outcome, Rejected, STAGES};
 use pipeline_simulate::Campaign;
 use serde_json::json;
 use std::io::Write;
@@ -21,17 +21,26 @@ pub(super) fn line(text: impl std::fmt::Display) {
     let _ = writeln!(std::io::stdout(), "{text}");
 }
 
+/// A number with its noun.
+pub(super) fn counted(n: usize, one: &str, several: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { several })
+}
+
 /// The defaults.
 pub fn config(text: &str) {
     line(text.trim_end());
 }
 
-/// Errors and warnings; notes only if asked for.
+/// Errors, then warnings; notes only if asked for.
 pub fn diagnostics(all: &[Diagnostic], verbose: bool) {
-    let loud: Vec<&Diagnostic> = all
+    let mut loud: Vec<&Diagnostic> = all
         .iter()
         .filter(|d| verbose || d.severity != Severity::Note)
         .collect();
+    loud.sort_by_key(|d| std::cmp::Reverse(d.severity));
+    // A mistake in campaign.toml is one of every session below it.
+    let mut said = std::collections::BTreeSet::new();
+    loud.retain(|d| said.insert(d.to_string()));
     let shown = if verbose { loud.len() } else { SHOWN };
     for diagnostic in loud.iter().take(shown) {
         eprintln!("{diagnostic}");
@@ -64,10 +73,22 @@ fn reasons(outcome: &Outcome) {
         let why = one_line(&work.reasons);
         line(format!("{} {}: {why}", work.stage, work.unit));
     }
-    if outcome.work.is_empty() {
-        for path in &outcome.written {
-            line(format!("{}: missing or changed by hand", path.display()));
-        }
+}
+
+/// One line for each of the first files that were, or would be, put back though their results were there.
+fn put_back(written: &[std::path::PathBuf]) {
+    for path in written.iter().take(SHOWN) {
+        let what = match path.exists() {
+            true => "not as the run made it",
+            false => "missing",
+        };
+        line(format!("{}: {what}", path.display()));
+    }
+    if written.len() > SHOWN {
+        line(format!(
+            "and {} more files; --json lists them",
+            written.len() - SHOWN
+        ));
     }
 }
 
@@ -93,36 +114,32 @@ pub(super) fn print_json(value: &serde_json::Value) -> Result<()> {
     Ok(())
 }
 
+/// The outcome of a run for other programs.
+pub fn run_as_json(outcome: &Outcome, answers: Option<&Answers>) -> Result<()> {
+    let session = |r: &Rejected| json!({ "session": r.session, "reason": r.reason });
+    let log = |r: &Rejected| json!({ "session": r.session, "log": r.log, "reason": r.reason });
+    let excluded = |(id, why): &(String, String)| json!({ "session": id, "reason": why });
+    print_json(&json!({
+        "sessions": outcome.sessions, "computed": work_json(outcome), "up_to_date": outcome.fresh,
+        "failed": failed_json(outcome), "left_out": outcome.left_out,
+        "rejected_sessions": outcome.rejected.iter().map(session).collect::<Vec<_>>(),
+        "rejected_logs": outcome.rejected_logs.iter().map(log).collect::<Vec<_>>(),
+        "excluded_sessions": outcome.excluded.iter().map(excluded).collect::<Vec<_>>(),
+        "files_written": paths(&outcome.written), "reports": paths(&outcome.pdfs),
+        "findings": outcome.findings_file.as_ref().map(|f| f.display().to_string()),
+        "answers": answers.map(Answers::as_json),
+    }))
+}
+
 /// The outcome of a run.
-pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> Result<()> {
-    if as_json {
-        let rejected: Vec<_> = outcome
-            .rejected
-            .iter()
-            .map(|(id, why)| json!({ "session": id, "reason": why }))
-            .collect();
-        let logs: Vec<_> = outcome
-            .rejected_logs
-            .iter()
-            .map(|(session, log, why)| json!({ "session": session, "log": log, "reason": why }))
-            .collect();
-        return print_json(&json!({
-            "sessions": outcome.sessions, "computed": work_json(outcome), "up_to_date": outcome.fresh,
-            "failed": failed_json(outcome), "left_out": outcome.left_out,
-            "rejected_sessions": rejected, "rejected_logs": logs, "files_written": paths(&outcome.written),
-            "reports": paths(&outcome.pdfs), "findings": outcome.findings_file.as_ref().map(|f| f.display().to_string()),
-            "new_answers": outcome.answers.iter().map(answers::as_json).collect::<Vec<_>>(),
-        }));
-    }
+pub fn run(outcome: &Outcome, answers: Option<&Answers>, took: Duration, explain: bool) {
     if explain {
         reasons(outcome);
+        if outcome.work.is_empty() {
+            put_back(&outcome.written);
+        }
     }
-    for (session, log, why) in &outcome.rejected_logs {
-        line(format!("left out: log {log} of session {session}: {why}"));
-    }
-    for (session, why) in &outcome.rejected {
-        line(format!("left out: session {session}: {why}"));
-    }
+    inputs_left_out(outcome);
     for failure in &outcome.failed {
         let Failure { stage, unit, why } = failure;
         line(format!("failed: {stage} {unit}: {why}"));
@@ -131,21 +148,22 @@ pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> R
     let seconds = took.as_secs_f64();
     if outcome.failed.is_empty() && outcome.work.is_empty() && outcome.written.is_empty() {
         line(format!(
-            "nothing to do: {} sessions, all {} results are up to date ({seconds:.2} s)",
-            outcome.sessions, outcome.fresh
+            "nothing to do: {}, all {} results are up to date ({seconds:.2} s)",
+            counted(outcome.sessions, "session", "sessions"),
+            outcome.fresh
         ));
     } else {
         line(format!(
-            "{} sessions: computed {} results ({}), {} were up to date; {} files written ({seconds:.2} s)",
-            outcome.sessions,
-            outcome.work.len(),
+            "{}: computed {} ({}), {} up to date; {} written ({seconds:.2} s)",
+            counted(outcome.sessions, "session", "sessions"),
+            counted(outcome.work.len(), "result", "results"),
             counts(outcome),
             outcome.fresh,
-            outcome.written.len()
+            counted(outcome.written.len(), "file", "files")
         ));
     }
-    for found in &outcome.answers {
-        answers::lines(found).into_iter().for_each(line);
+    if let Some(answers) = answers {
+        answers.print();
     }
     if let Some(file) = &outcome.findings_file {
         line(format!("findings: {}", file.display()));
@@ -153,7 +171,44 @@ pub fn run(outcome: &Outcome, took: Duration, explain: bool, as_json: bool) -> R
     for pdf in &outcome.pdfs {
         line(format!("report: {}", pdf.display()));
     }
-    Ok(())
+}
+
+/// The sessions and logs that no message has named yet, and how many of each kind are left out.
+fn inputs_left_out(outcome: &Outcome) {
+    let all = outcome.rejected_logs.iter().chain(&outcome.rejected);
+    let unsaid: Vec<&Rejected> = all.filter(|r| !r.has_diagnostic).collect();
+    for Rejected {
+        session,
+        log,
+        reason,
+        ..
+    } in unsaid.iter().take(SHOWN)
+    {
+        line(match log.as_str() {
+            "" => format!("left out: session {session}: {reason}"),
+            log => format!("left out: log {log} of session {session}: {reason}"),
+        });
+    }
+    let (logs, sessions) = (outcome.rejected_logs.len(), outcome.rejected.len());
+    if logs + sessions > 0 {
+        let all = outcome.sessions + outcome.unusable;
+        line(format!(
+            "left out: {sessions} of {}, {} (tables/rejects.csv has all reasons)",
+            counted(all, "session", "sessions"),
+            counted(logs, "log", "logs")
+        ));
+    }
+    if let Some((id, why)) = outcome.excluded.first() {
+        let others = match outcome.excluded.len() {
+            1 => String::new(),
+            n => format!(" and {} more", n - 1),
+        };
+        line(format!(
+            "excluded by their owner: {} of {}: {id} (\"{why}\"){others}; the line `exclude` in session.toml does that",
+            outcome.excluded.len(),
+            counted(outcome.sessions, "session", "sessions")
+        ));
+    }
 }
 
 /// Figures and documents that could not be built: a line for each of the first, and how many there are.
@@ -163,9 +218,9 @@ pub fn left_out(all: &[LeftOut]) {
     }
     if !all.is_empty() {
         eprintln!(
-            "{} left out for a defect of pipeline itself, please report it; everything else is complete, and summary.json names them. Once it is mended, or to try \
+            "{} left out for a defect of pipeline itself, please report it; everything else is complete, and summary.json names them. Once it is fixed, or to try \
              again: pipeline run --force report",
-            counted(all)
+            left_out::counted(all)
         );
     }
 }
@@ -179,6 +234,7 @@ pub fn status(outcome: &Outcome, as_json: bool) -> Result<()> {
         }));
     }
     reasons(outcome);
+    put_back(&outcome.written);
     left_out(&outcome.left_out);
     if outcome.work.is_empty() && outcome.written.is_empty() {
         line(format!(

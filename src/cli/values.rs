@@ -25,7 +25,7 @@ pub fn quantity(option: &str, text: &str, quantity: Quantity) -> Result<f64> {
             let hint = nearest(symbol, symbols)
                 .map_or_else(String::new, |n| format!("; did you mean {n}?"));
             usage(format!(
-                "{option} {text}: the unit {symbol} is none of {units}{hint}"
+                "{option} {text}: the unit {symbol} is not one of {units}{hint}"
             ))
         }
     }
@@ -66,7 +66,7 @@ fn split<'a>(option: &str, text: &'a str) -> Result<(f64, &'a str)> {
     match number {
         Some(number) => Ok((number, text[end..].trim())),
         None => usage(format!(
-            "{option} {text}: no number; write one such as 182mm, 300kPa or 5%"
+            "{option} {text} is not a number; write one such as 182mm, 300kPa or 5%"
         )),
     }
 }
@@ -117,8 +117,8 @@ mod tests {
         says(pressure("300"), "kPa, Pa, MPa, bar, psi");
         says(pressure("300"), "--pressure 300kPa");
         says(pressure("300kpa"), "did you mean kPa?");
-        says(pressure("300mm"), "is none of");
-        says(pressure("kPa"), "no number");
+        says(pressure("300mm"), "is not one of");
+        says(pressure("kPa"), "is not a number");
         says(fraction("--contraction", "5mm"), "plain fraction (0.05)");
     }
 }

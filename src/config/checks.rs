@@ -1,9 +1,13 @@
 //! What is wrong with a configuration: keys that are no options, values of a wrong type, values that make no sense.
 
 use super::Config;
+use pipeline_base::date::is_date;
 use pipeline_base::diagnostics::{Diagnostic, nearest};
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
+
+/// Resolutions of the PNG figures: with fewer dots nothing can be seen, with more a figure fills the memory.
+const PNG_DPI: std::ops::RangeInclusive<f64> = 10.0..=1200.0;
 
 impl Config {
     /// Values that are of the right type and make no sense.
@@ -19,7 +23,6 @@ impl Config {
             ("fit.at_rest", self.fit.at_rest),
             ("fit.near_620_kpa", self.fit.near_620_kpa),
             ("fit.huber_at_rmse", self.fit.huber_at_rmse),
-            ("report.png_dpi", self.report.png_dpi),
             ("torque.fitting_mm", self.torque.fitting_mm),
         ];
         let mut mistakes: Vec<Diagnostic> = positive
@@ -27,6 +30,7 @@ impl Config {
             .filter(|(_, x)| !(*x > 0.0 && x.is_finite()))
             .map(|(key, x)| mistake(file, key, &x.to_string(), "a positive number"))
             .collect();
+        mistakes.extend(self.mistakes_of_ranges(file));
         let d = &self.diagnose;
         let smallest = [
             ("diagnose.smallest_effect_n", d.smallest_effect_n),
@@ -107,28 +111,77 @@ impl Config {
     }
 }
 
-/// A message of the deserializer as what was found and what was expected, without the names of Rust's types.
-pub(super) fn found_and_expected(message: &str) -> (String, String) {
-    let line = message.lines().next().unwrap_or_default();
-    let Some((found, expected)) = line.split_once(", expected ") else {
-        return (
-            line.to_owned(),
-            "an option as `pipeline config` prints it".to_owned(),
-        );
-    };
-    let found = ["invalid type: ", "invalid value: "]
-        .iter()
-        .fold(found, |found, start| {
-            found.strip_prefix(start).unwrap_or(found)
-        });
-    let expected = match expected {
-        "usize" | "u64" | "u32" => "a whole number, zero or more",
-        "f64" => "a number",
-        "a string" => "a text in quotes",
-        "a boolean" => "true or false",
-        other => other,
-    };
-    (found.to_owned(), expected.to_owned())
+impl Config {
+    /// Numbers that have to lie in a range, ranges that have to ascend, and the date.
+    fn mistakes_of_ranges(&self, file: &str) -> Vec<Diagnostic> {
+        let mut mistakes = Vec::new();
+        let dpi = self.report.png_dpi;
+        if !PNG_DPI.contains(&dpi) {
+            let expected = format!(
+                "a number from {} to {} (dots per inch)",
+                PNG_DPI.start(),
+                PNG_DPI.end()
+            );
+            mistakes.push(mistake(file, "report.png_dpi", &dpi.to_string(), &expected));
+        }
+        let not_negative = [
+            ("clean.settle_s", self.clean.settle_s),
+            ("clean.distinct_kpa", self.clean.distinct_kpa),
+            ("clean.turning_kpa", self.clean.turning_kpa),
+            ("clean.largest_drift_kpa", self.clean.largest_drift_kpa),
+            ("clean.largest_force_drift", self.clean.largest_force_drift),
+        ];
+        for (key, x) in not_negative
+            .iter()
+            .filter(|(_, x)| !(*x >= 0.0 && x.is_finite()))
+        {
+            mistakes.push(mistake(file, key, &x.to_string(), "0 or a positive number"));
+        }
+        let [low, high] = self.clean.pressure_range_kpa;
+        if !(low < high && low.is_finite() && high.is_finite()) {
+            let found = format!("[{low}, {high}]");
+            let expected = "two numbers, the smaller first";
+            mistakes.push(mistake(file, "clean.pressure_range_kpa", &found, expected));
+        }
+        let date = &self.report.date;
+        if !date.is_empty() && !is_date(date) {
+            let expected = "a day or a month that exists, in ISO 8601, such as \"2022-11-30\"";
+            mistakes.push(mistake(file, "report.date", date, expected));
+        }
+        mistakes
+    }
+}
+
+/// What an option has to be, where its value is not that: the words that it may be, which the deserializer knows, or what the default is an
+/// example of.
+fn expected(section: &str, key: &str, default: &toml::Value) -> String {
+    match default {
+        toml::Value::Integer(_) => "a whole number, zero or more".to_owned(),
+        toml::Value::Float(_) => "a number".to_owned(),
+        toml::Value::Boolean(_) => "true or false".to_owned(),
+        toml::Value::Array(list) => match list.first() {
+            Some(toml::Value::Float(_)) => format!("a list of {} numbers", list.len()),
+            _ => "a list of texts in quotes".to_owned(),
+        },
+        _ => words(section, key).unwrap_or_else(|| "text in quotes".to_owned()),
+    }
+}
+
+/// The words that an option may be, if only some may.
+fn words(section: &str, key: &str) -> Option<String> {
+    let error = alone(section, key, &String::new().into()).err()?;
+    let line = error.message().lines().next()?.to_owned();
+    Some(line.split_once(", expected ")?.1.to_owned())
+}
+
+/// One option beside the defaults of all others.
+fn alone(
+    section: &str,
+    key: &str,
+    value: &toml::Value,
+) -> std::result::Result<Config, toml::de::Error> {
+    let option = toml::Table::from_iter([(key.to_owned(), value.clone())]);
+    toml::Table::from_iter([(section.to_owned(), option.into())]).try_into::<Config>()
 }
 
 fn mistake(file: &str, key: &str, found: &str, expected: &str) -> Diagnostic {
@@ -188,18 +241,18 @@ pub(super) fn wrong_types(
     {
         let known = known[section].as_table();
         let Some(options) = options.as_table() else {
-            let found = format!("{} `{options}`", options.type_str());
             let expected = format!("[{section}] on a line of its own, and its options below it");
+            let found = options.to_string();
             let diagnostic = Diagnostic::error(file, found, expected, "see `pipeline config`");
             wrong.push(at(diagnostic, rows, section));
             continue;
         };
-        let is_option = |key: &str| known.is_some_and(|known| known.contains_key(key));
-        for (key, value) in options.iter().filter(|(key, _)| is_option(key)) {
-            let option = toml::Table::from_iter([(key.clone(), value.clone())]);
-            let alone = toml::Table::from_iter([(section.clone(), option.into())]);
-            if let Err(error) = alone.try_into::<Config>() {
-                let (found, expected) = found_and_expected(error.message());
+        for (key, value) in options {
+            let Some(default) = known.and_then(|known| known.get(key)) else {
+                continue;
+            };
+            if alone(section, key, value).is_err() {
+                let (found, expected) = (value.to_string(), expected(section, key, default));
                 let diagnostic = Diagnostic::error(file, found, expected, "see `pipeline config`");
                 wrong.push(at(diagnostic, rows, &dotted(section, key)));
             }

@@ -6,12 +6,12 @@
 mod checks;
 mod part;
 
-use pipeline_base::diagnostics::Diagnostic;
 use pipeline_base::error::{Error, Result};
+use pipeline_base::toml_syntax;
 use pipeline_numerics::plateaus::PlateauOptions;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub use part::Part;
 
@@ -39,6 +39,8 @@ documented! {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {
+    /// Where things are, relative to this file; the options of the command line come before it.
+    pub paths: PathOptions,
     /// Cleaning of logs.
     pub clean: CleanOptions,
     /// Fits of the new model.
@@ -52,6 +54,45 @@ pub struct Config {
     /// The reports.
     pub report: ReportOptions,
 }
+}
+
+documented! {
+/// Where things are. No result depends on it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PathOptions {
+    /// Raw directories, which are only read.
+    pub raw: Vec<PathBuf>,
+    /// The cache and the tidy data.
+    pub derived: PathBuf,
+    /// Reports, tables and figures.
+    pub reports: PathBuf,
+    /// Golden tables and golden.toml, for `pipeline check`.
+    pub golden: PathBuf,
+}
+}
+
+impl Default for PathOptions {
+    fn default() -> Self {
+        Self {
+            raw: vec!["raw".into()],
+            derived: "derived".into(),
+            reports: "reports".into(),
+            golden: "tests/golden".into(),
+        }
+    }
+}
+
+impl PathOptions {
+    /// The same paths from the folder in which the command runs, of a file in `folder`.
+    fn from(self, folder: &Path) -> Self {
+        Self {
+            raw: self.raw.iter().map(|raw| folder.join(raw)).collect(),
+            derived: folder.join(self.derived),
+            reports: folder.join(self.reports),
+            golden: folder.join(self.golden),
+        }
+    }
 }
 
 /// Where the zero of the force channel comes from.
@@ -404,6 +445,7 @@ impl Config {
     /// The comments on the options of a section.
     fn comments_of(section: &str) -> Comments {
         match section {
+            "paths" => PathOptions::COMMENTS,
             "clean" => CleanOptions::COMMENTS,
             "fit" => FitOptions::COMMENTS,
             "compare" => CompareOptions::COMMENTS,
@@ -414,12 +456,13 @@ impl Config {
         }
     }
 
-    /// Every option by dotted name, as it enters cache keys.
+    /// Every option on which a result may depend, by dotted name, as it enters cache keys.
     ///
     /// # Errors
     /// A value that TOML cannot hold.
     pub fn flattened(&self) -> Result<BTreeMap<String, String>> {
-        let sections = toml::Table::try_from(self).map_err(Error::internal)?;
+        let mut sections = toml::Table::try_from(self).map_err(Error::internal)?;
+        sections.remove("paths");
         let mut all = BTreeMap::new();
         for (section, options) in &sections {
             all.extend(flatten(section, options)?);
@@ -447,7 +490,10 @@ impl Config {
                 path.display()
             ))
         })?;
-        Self::read(&path.display().to_string(), &text)
+        let config = Self::read(&path.display().to_string(), &text)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let paths = config.paths.clone().from(folder);
+        Ok(Self { paths, ..config })
     }
 
     /// Reads the text of a configuration; messages call it `file`.
@@ -456,16 +502,10 @@ impl Config {
     /// Every unknown key with the nearest known one and every value of a wrong type, or every value that makes no sense; each with its line
     /// and its key.
     pub fn read(file: &str, text: &str) -> Result<Self> {
-        let syntax = |e: toml::de::Error| {
-            let row = e
-                .span()
-                .map(|s| 1 + text[..s.start].matches('\n').count() as u64);
-            let (found, expected) = checks::found_and_expected(e.message());
-            let mut diagnostic = Diagnostic::error(file, found, expected, "mend the line");
-            diagnostic.row = row;
-            Error::Config(vec![diagnostic])
-        };
-        let given: toml::Table = toml::from_str(text).map_err(syntax)?;
+        if let Some(defect) = toml_syntax::defect(file, text) {
+            return Err(Error::Config(vec![defect]));
+        }
+        let given: toml::Table = toml::from_str(text).map_err(Error::internal)?;
         let known = toml::Table::try_from(Config::default()).map_err(Error::internal)?;
         let place = checks::Rows::new(text);
         let mut wrong = Vec::new();
@@ -474,7 +514,7 @@ impl Config {
         if !wrong.is_empty() {
             return Err(Error::Config(wrong));
         }
-        let config: Config = toml::from_str(text).map_err(syntax)?;
+        let config: Config = toml::from_str(text).map_err(Error::internal)?;
         let mut mistakes = config.mistakes(file);
         for mistake in &mut mistakes {
             mistake.row = mistake.column.as_deref().and_then(|key| place.of(key));
@@ -568,16 +608,18 @@ mod tests {
         let said = |text: &str| Config::read("p.toml", text).unwrap_err().to_string();
         let text = said("[diagnose]\ndraws = -3");
         assert!(
-            text.contains("found integer `-3`; expected a whole number, zero or more"),
+            text.contains("found -3; expected a whole number, zero or more"),
             "{text}"
         );
         let text = said("[fit]\nseed = 2\n[clean]\nbin_s = \"x\"\n[diagnose]\nseed = 'one'");
         assert!(
-            text.contains("p.toml:4 [clean.bin_s]: found string \"x\"; expected a number"),
+            text.contains("p.toml:4 [clean.bin_s]: found \"x\"; expected a number"),
             "{text}"
         );
         assert!(
-            text.contains("p.toml:6 [diagnose.seed]: found string \"one\"; expected a whole number, zero or more"),
+            text.contains(
+                "p.toml:6 [diagnose.seed]: found \"one\"; expected a whole number, zero or more"
+            ),
             "{text}"
         );
         let text = said("[clean]\npressure_range_kpa = [1, 'x']");
@@ -585,13 +627,16 @@ mod tests {
             text.contains("p.toml:2 [clean.pressure_range_kpa]"),
             "{text}"
         );
-        let text = said("[clean]\nzero = 'first'");
-        assert!(text.contains("p.toml:2 [clean.zero]: found"), "{text}");
+        for value in ["'first'", "3"] {
+            let text = said(&format!("[clean]\nzero = {value}"));
+            assert!(text.contains("p.toml:2 [clean.zero]: found"), "{text}");
+            assert!(text.contains("`zero-log` or `none`"), "{text}");
+        }
+        let text = said("[report]\npng_dpi = 1e9\ndate = 'soon'");
+        assert!(text.contains("p.toml:2 [report.png_dpi]"), "{text}");
+        assert!(text.contains("p.toml:3 [report.date]"), "{text}");
         let text = said("clean = 3");
-        assert!(
-            text.contains("p.toml:1 [clean]: found integer `3`"),
-            "{text}"
-        );
+        assert!(text.contains("p.toml:1 [clean]: found 3"), "{text}");
         let text = said("[clean]\n\nbin_s = -1.0");
         assert!(text.contains("p.toml:3 [clean.bin_s]: found -1"), "{text}");
         let text = said("[diagnose]\nbase_model = \"hunt2071\"");

@@ -1,8 +1,8 @@
 #![warn(missing_docs)]
 //! A first `session.toml` for a log: which column may be which quantity, in which unit, logged how often.
 //!
-//! Everything here is a guess for a person to correct, and says what it rests on. What no log can say (the lengths of the actuator)
-//! is left to be filled in, and until then the session is kept out of every fit by its own `exclude`.
+//! Everything here is a guess for a person to correct, and says what it rests on. What no log can say (the lengths of the actuator), and what
+//! rests on the size of numbers alone, is marked to be filled in; a session with such a mark is left out of a run.
 //!
 //! | module | what |
 //! |---|---|
@@ -15,7 +15,7 @@ pub mod names;
 pub mod text;
 
 use pipeline_base::columns::{ANGLE, FORCE, KnownColumn, PRESSURE, TIME, TORQUE};
-use pipeline_base::session::{Kind, Part, Phase, Position, Sampling};
+use pipeline_base::session::{Kind, Part, Phase, Position, Sampling, TextFormat};
 use pipeline_base::units::Unit;
 use pipeline_formats::overview::Undescribed;
 use std::collections::BTreeMap;
@@ -36,6 +36,8 @@ pub struct Guess {
     pub states: BTreeMap<String, Phase>,
     /// What the guess rests on.
     pub why: String,
+    /// Whether it rests on so little that a person has to confirm it: on the size of the numbers.
+    pub doubtful: bool,
     /// Its numbers, as logged; nothing where it holds words.
     pub numbers: Vec<f64>,
 }
@@ -49,6 +51,7 @@ impl Guess {
             unit: None,
             states: BTreeMap::new(),
             why: String::new(),
+            doubtful: false,
             numbers: column.numbers.clone(),
         }
     }
@@ -77,6 +80,8 @@ pub struct Draft {
     pub file: String,
     /// Which of its tables, where one was named.
     pub part: Option<Part>,
+    /// What it needs before it is a table.
+    pub format: TextFormat,
     /// Its columns, in their order.
     pub guesses: Vec<Guess>,
     /// What was measured.
@@ -113,6 +118,7 @@ impl Draft {
             },
             file: file.to_owned(),
             part,
+            format: TextFormat::default(),
             interval_s,
             rows,
             guesses,
@@ -147,6 +153,7 @@ fn keep_first_of_each(guesses: &mut [Guess]) {
                 guess.quantity = None;
                 guess.unit = None;
                 guess.states.clear();
+                guess.doubtful = false;
                 guess.why = format!("a second {column}");
             }
             Some(column) => seen.push(column),

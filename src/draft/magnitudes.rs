@@ -53,6 +53,8 @@ fn set_first(guesses: &mut [Guess], name: &str, why: &str, fits: impl Fn(&Guess)
     if let Some(guess) = guesses.iter_mut().find(open) {
         guess.quantity = columns::by_quantity_name(name);
         guess.why = why.to_owned();
+        // A clock is known by its steps; a voltage may have the size of a pressure.
+        guess.doubtful = name != "time";
     }
 }
 
@@ -63,6 +65,7 @@ fn guess_pressure_of_two(guesses: &mut [Guess]) {
         .filter(|g| g.quantity.is_none() && is_nameless(g) && is_measured(g));
     if let (Some(_), Some(second), None) = (open.next(), open.next(), open.next()) {
         second.quantity = columns::by_quantity_name("pressure");
+        second.doubtful = true;
         second.why =
             "the second of two columns; counts of a converter need gain and offset".to_owned();
     }
@@ -137,6 +140,7 @@ fn guess_unit(guess: &mut Guess) {
         other => other.units().next().map_or("", |u| u.symbol),
     };
     guess.unit = quantity.unit(symbol);
+    guess.doubtful |= quantity != Quantity::Time;
     guess.why += ", unit by the size of its numbers";
 }
 
@@ -177,6 +181,7 @@ fn guess_phase(columns: &[Undescribed], guesses: &mut [Guess]) {
             guess.states = states;
         } else if named {
             guess.quantity = None;
+            guess.doubtful = false;
             guess.why =
                 "named like a state, but pressure does not rise and fall with it".to_owned();
         }

@@ -2,13 +2,10 @@
 
 use super::{Draft, Guess};
 use pipeline_base::columns::{self, FORCE, LENGTH};
-use pipeline_base::session::{Kind, Position, Sampling};
-use pipeline_formats::session_toml::SCHEMA;
+use pipeline_base::session::{Encoding, Kind, Position, Sampling, TextFormat};
+use pipeline_formats::session_toml::{FILL_IN, SCHEMA};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
-
-/// What marks a line that a person has to complete.
-pub const FILL_IN: &str = "FILL IN";
 
 /// Samples at the lowest value, as a share, from which on the converter may clip there.
 const CLIPPED_SHARE: f64 = 0.005;
@@ -27,6 +24,7 @@ pub fn session_toml(draft: &Draft, id: &str) -> String {
     if draft.kind == Kind::KneeTorque {
         text += JOINT;
     }
+    text += &format_table(draft.format);
     text += &columns_table(draft);
     text += &log(draft);
     text
@@ -77,13 +75,13 @@ fn head(draft: &Draft, id: &str) -> String {
         None => format!("{} rows, no column of time", draft.rows),
     };
     format!(
-        r#"# Written by `pipeline new-session`: guesses from the log, to be corrected. Lines with {FILL_IN} hold what no log can say.
+        r#"# Written by `pipeline new-session`: guesses from the log, to be corrected. What no log can say is marked in capitals: write it, and remove the
+# mark. The session is left out as long as a mark is there.
 schema = "{SCHEMA}"
 id = {id}      # unique over all sessions
 kind = "{kind}"         # guessed from the columns: "isometric" or "knee-torque"
 sampling = "{sampling}"    # guessed: {interval}
 campaign = "campaign-1"      # {FILL_IN}: what was measured together, with one rig set-up
-exclude = "lines of session.toml are still to be filled in"   # keeps the session out of every fit: remove it when done
 "#,
         id = quoted(id),
     )
@@ -107,6 +105,22 @@ pub fn sampling(sampling: Sampling) -> &'static str {
 /// A text as TOML writes it.
 fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
+}
+
+/// What a text log needs before it is a table, where it needs anything.
+fn format_table(format: TextFormat) -> String {
+    let mut text = String::new();
+    if format.skip_rows > 0 {
+        let _ = writeln!(text, "skip_rows = {}", format.skip_rows);
+    }
+    if format.encoding == Encoding::Latin1 {
+        text += "encoding = \"latin-1\"\n";
+    }
+    if text.is_empty() {
+        text
+    } else {
+        format!("\n[format]\n{text}")
+    }
 }
 
 fn columns_table(draft: &Draft) -> String {
@@ -161,8 +175,13 @@ fn column(guess: &Guess, names: &mut BTreeSet<String>) -> String {
         let states: Vec<String> = states.collect();
         keys.push(format!("values = {{ {} }}", states.join(", ")));
     }
+    let mark = if guess.doubtful {
+        format!("{FILL_IN}: quantity and unit, confirmed; guessed because ")
+    } else {
+        String::new()
+    };
     format!(
-        "{} = {{ {} }}   # {}; {range}{}\n",
+        "{} = {{ {} }}   # {mark}{}; {range}{}\n",
         quantity.quantity_name,
         keys.join(", "),
         guess.why,

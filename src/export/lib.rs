@@ -154,6 +154,7 @@ fn raw_files(located: &Located) -> Result<Vec<String>> {
     let described = session.joint.iter().filter_map(|j| j.description.as_ref());
     let names = [SESSION_FILE]
         .into_iter()
+        .chain(located.campaign.as_deref())
         .chain(described.map(|d| d.file.as_str()))
         .chain(session.logs.iter().map(|log| log.file.as_str()));
     let paths = names.map(|name| located.directory.join(name));

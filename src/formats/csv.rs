@@ -62,7 +62,8 @@ fn utf8<'a>(file: &str, bytes: &'a [u8]) -> Result<&'a str, Diagnostic> {
             "bytes that are not UTF-8",
             "plain text",
             format!(
-                "save the log as CSV in UTF-8, or in another of the formats: {}",
+                "write encoding = \"latin-1\" below [format] in session.toml if the log has umlauts, µ or °; else save it as CSV in UTF-8, or in another of the \
+                 formats: {}",
                 super::list_of_formats()
             ),
         )

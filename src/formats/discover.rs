@@ -1,10 +1,13 @@
 //! Finding sessions: every folder below a raw directory that holds a `session.toml`, in sorted order.
 
-use crate::{leg, session_toml};
+use crate::session_toml::CAMPAIGN_FILE;
+use crate::{leg, session_toml, shared_logs};
 use pipeline_base::diagnostics::{Diagnostic, Severity};
 use pipeline_base::session::{Session, Specimen};
+use pipeline_base::toml_reader::line_of_key;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use walkdir::WalkDir;
 
@@ -23,13 +26,13 @@ pub struct Located {
     pub directory: PathBuf,
     /// The folder relative to its raw directory, with forward slashes.
     pub relative: String,
+    /// The `campaign.toml` that completes it, relative to the folder, if there is one.
+    pub campaign: Option<String>,
 }
 
 /// A session that cannot be used, with every reason.
 #[derive(Clone, Debug)]
 pub struct Unusable {
-    /// Its id, where it could be read.
-    pub id: Option<String>,
     /// The folder relative to its raw directory.
     pub relative: String,
     /// Why.
@@ -62,6 +65,7 @@ pub fn discover(roots: &[PathBuf]) -> Discovery {
         }
     }
     reject_duplicates(&mut found);
+    shared_logs::reject(&mut found);
     note_contradictions(&mut found);
     found
         .sessions
@@ -98,7 +102,6 @@ fn walk(root: &Path, seen: &mut BTreeSet<PathBuf>, found: &mut Discovery) -> Vec
 fn not_a_file(root: &Path, path: &Path) -> Unusable {
     let relative = relative_to(root, path);
     Unusable {
-        id: None,
         diagnostics: vec![Diagnostic::error(
             relative.clone(),
             "something that is not a file",
@@ -118,7 +121,7 @@ fn unreadable_entry(root: &Path, error: &walkdir::Error) -> Diagnostic {
         ),
         (None, Some(io)) => (
             format!("\"{}\"", io.kind()),
-            "mend the permissions; what is below was not seen",
+            "give yourself permission to read it; what is below was not seen",
         ),
         (None, None) => ("an unreadable entry".to_owned(), "look at it"),
     };
@@ -148,39 +151,68 @@ fn relative_to(root: &Path, path: &Path) -> String {
 fn read_session(root: &Path, directory: &Path) -> Result<Located, Unusable> {
     let relative = relative_to(root, directory);
     let file = format!("{relative}/{SESSION_FILE}");
-    let session = read_text(&directory.join(SESSION_FILE), &file)
-        .map_err(|d| vec![d])
-        .and_then(|text| session_toml::read(&file, &text))
+    let campaign = campaign_of(root, directory);
+    let described = || {
+        let text = read_text(&directory.join(SESSION_FILE), &file)?;
+        let campaign = campaign.as_ref().map(|folder| {
+            let path = folder.join(CAMPAIGN_FILE);
+            let shown = relative_to(root, &path);
+            Ok((read_text(&path, &shown)?, shown))
+        });
+        Ok((text, campaign.transpose()?))
+    };
+    let session = described()
+        .map_err(|d: Diagnostic| vec![d])
+        .and_then(|(text, campaign)| match campaign {
+            None => session_toml::read(&file, &text),
+            Some((campaign, shown)) => session_toml::read_over((&file, &text), (&shown, &campaign)),
+        })
         .and_then(|session| leg::complete(session, directory, &relative));
     match session {
         Ok(session) => Ok(Located {
             session,
             directory: directory.to_path_buf(),
             relative,
+            campaign: campaign.map(|folder| from_below(directory, folder)),
         }),
         Err(diagnostics) => Err(Unusable {
-            id: None,
             relative,
             diagnostics,
         }),
     }
 }
 
+/// The nearest folder with a `campaign.toml`: that of the session, or one above it up to the raw directory.
+fn campaign_of<'a>(root: &Path, directory: &'a Path) -> Option<&'a Path> {
+    let mut above = directory.ancestors().take_while(|a| a.starts_with(root));
+    above.find(|folder| folder.join(CAMPAIGN_FILE).is_file())
+}
+
+/// The path of the `campaign.toml` of a folder above, seen from a session's folder.
+fn from_below(directory: &Path, folder: &Path) -> String {
+    let below = directory.strip_prefix(folder).unwrap_or(Path::new(""));
+    "../".repeat(below.components().count()) + CAMPAIGN_FILE
+}
+
 /// The text of a small file that describes something; messages call it `file`.
 pub(super) fn read_text(path: &Path, file: &str) -> Result<String, Diagnostic> {
     let fail =
         |found: String, hint: &str| Diagnostic::error(file, found, "a readable TOML file", hint);
-    let size = std::fs::metadata(path)
-        .map_err(|e| fail(format!("\"{}\"", e.kind()), "mend the permissions"))?
-        .len();
+    let unread = |e: std::io::Error| match e.kind() {
+        ErrorKind::NotFound => fail(
+            "no such file".to_owned(),
+            "put it beside session.toml, or correct its name",
+        ),
+        kind => fail(format!("\"{kind}\""), "give yourself permission to read it"),
+    };
+    let size = std::fs::metadata(path).map_err(unread)?.len();
     if size > LARGEST_SESSION_FILE {
         return Err(fail(
             format!("{size} bytes"),
             "a session.toml holds a description, not data",
         ));
     }
-    let bytes = std::fs::read(path)
-        .map_err(|e| fail(format!("\"{}\"", e.kind()), "mend the permissions"))?;
+    let bytes = std::fs::read(path).map_err(unread)?;
     String::from_utf8(bytes).map_err(|e| {
         let offset = e.utf8_error().valid_up_to();
         let row = 1 + e.as_bytes()[..offset]
@@ -207,22 +239,33 @@ fn reject_duplicates(found: &mut Discovery) {
                 kept.push(located);
             }
             Some(other) => found.unusable.push(Unusable {
-                diagnostics: vec![
-                    Diagnostic::error(
-                        format!("{}/{SESSION_FILE}", located.relative),
-                        format!("\"{id}\", which {other}/{SESSION_FILE} has already"),
-                        "an id that is unique over the whole raw tree",
-                        "give this session another id",
-                    )
-                    .in_column("id"),
-                ],
-                id: Some(id),
+                diagnostics: vec![taken(&located, other)],
                 relative: located.relative,
             }),
         }
     }
     found.sessions = kept;
     found.unusable.sort_by(|a, b| a.relative.cmp(&b.relative));
+}
+
+/// The id of a session is that of another one.
+fn taken(located: &Located, other: &str) -> Diagnostic {
+    let file = format!("{}/{SESSION_FILE}", located.relative);
+    let diagnostic = Diagnostic::error(
+        file.clone(),
+        format!(
+            "\"{}\", which is the id of {other}/{SESSION_FILE}",
+            located.session.id
+        ),
+        "an id that no other session has",
+        "give one of the two sessions another id",
+    )
+    .in_column("id");
+    let text = read_text(&located.directory.join(SESSION_FILE), &file).unwrap_or_default();
+    match line_of_key(&text, "id") {
+        Some(line) => diagnostic.at_row(line),
+        None => diagnostic,
+    }
 }
 
 /// A length of a specimen with its declared standard deviation.

@@ -25,7 +25,7 @@ pub fn unpacked<'a>(file: &str, bytes: &'a [u8]) -> Result<Cow<'a, [u8]>, Diagno
             file,
             format!("a damaged gzip archive ({e})"),
             "a log compressed with gzip",
-            "copy the file again, or compress it anew",
+            "copy the file again, or compress it again",
         )
     };
     // The lines of a text are looked at before anything is held in memory: a few kilobytes may unpack to gigabytes.

@@ -175,13 +175,22 @@ fn locate(file: &str, names: &[String], requests: &[Request]) -> Result<Vec<usiz
                 format!("a column with index {index} (counted from 0)"),
                 format!("{} columns", names.len()),
             )),
-            Position::Name(name) => names.iter().position(|n| n == name).ok_or_else(|| {
-                missing(
-                    request,
-                    format!("a column named \"{name}\""),
-                    format!("the header {}", names.join(", ")),
-                )
-            }),
+            Position::Name(name) => {
+                let mut named = (0..names.len()).filter(|k| names[*k] == *name);
+                match (named.next(), named.next()) {
+                    (Some(index), None) => Ok(index),
+                    (Some(first), Some(second)) => Err(missing(
+                        request,
+                        format!("one column named \"{name}\""),
+                        format!("columns {first} and {second} (counted from 0) of that name"),
+                    )),
+                    (None, _) => Err(missing(
+                        request,
+                        format!("a column named \"{name}\""),
+                        format!("the header {}", names.join(", ")),
+                    )),
+                }
+            }
         })
         .collect()
 }
@@ -291,13 +300,20 @@ fn quote_bad_cells(
     let bad = || values.iter().enumerate().filter(|(_, x)| !x.is_finite());
     let of = bad().count();
     log.bad_cell_count += of;
-    log.bad_cells
-        .extend(bad().take(QUOTED_CELLS).map(|(row, _)| BadCell {
-            line: table.first_line() + row as u64,
-            column: request.name.clone(),
-            found: table.quote(row, index),
-            of,
-        }));
+    let mut quoted: Vec<BadCell> = Vec::new();
+    for (row, _) in bad().take(QUOTED_CELLS) {
+        let found = table.quote(row, index);
+        // A logger that writes one word for every missing value says no more the third time.
+        if quoted.iter().all(|cell| cell.found != found) {
+            quoted.push(BadCell {
+                line: table.first_line() + row as u64,
+                column: request.name.clone(),
+                found,
+                of,
+            });
+        }
+    }
+    log.bad_cells.append(&mut quoted);
 }
 
 #[cfg(test)]
@@ -351,6 +367,14 @@ mod tests {
     }
 
     #[test]
+    fn a_cell_that_repeats_is_quoted_once_with_how_many_there_are() {
+        let text = b"1,2\nOVR,3\nOVR,4\nOVR,5\nOVR,6\n";
+        let log = read("t", text, None, &by_index(&[0, 1])).unwrap();
+        let quoted: Vec<(u64, usize)> = log.bad_cells.iter().map(|c| (c.line, c.of)).collect();
+        assert_eq!((quoted, log.bad_cell_count), (vec![(2, 4)], 4));
+    }
+
+    #[test]
     fn a_blank_line_is_a_row_without_numbers_and_lines_keep_their_count() {
         for text in ["1,2\n\nx,4\n", "1,2\r\n\r\nx,4\r\n", " 1, 2\n\nx, 4\n"] {
             let log = read("t", text.as_bytes(), None, &by_index(&[0])).unwrap();
@@ -365,6 +389,13 @@ mod tests {
         assert!(error.found.contains("a, b") && error.expected.contains("force"));
         let error = read("t", b"1,2\n", None, &by_index(&[2])).unwrap_err();
         assert!(error.found.contains("2 columns") && error.expected.contains("index 2"));
+    }
+
+    #[test]
+    fn a_name_that_two_columns_have_is_refused() {
+        let error = read("t", b"force,p,force\n1,2,3\n", None, &by_name("force")).unwrap_err();
+        assert!(error.found.contains("0 and 2"), "{error}");
+        assert!(read("t", b"force,p,p\n1,2,3\n", None, &by_name("force")).is_ok());
     }
 
     #[test]

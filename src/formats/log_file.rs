@@ -100,7 +100,7 @@ fn cannot_read(file: &str, error: &std::io::Error) -> Diagnostic {
             "no such file".to_owned(),
             "put the log beside session.toml, or remove its [[log]]",
         ),
-        kind => (format!("\"{kind}\""), "mend the permissions"),
+        kind => (format!("\"{kind}\""), "give yourself permission to read it"),
     };
     unreadable(file, found, "a readable log", hint)
 }

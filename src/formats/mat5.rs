@@ -77,7 +77,7 @@ fn open<'a>(source: &Source<'a>) -> Result<Box<dyn Table + 'a>, Diagnostic> {
             source.file,
             format!("a file that cannot be read ({why})"),
             "a MATLAB file of level 5",
-            "save it again with -v7; a file that was cut off lacks its end",
+            "save it again with -v7: the file may be truncated",
         )
     })?;
     workspace::boxed(source, variables)

@@ -30,7 +30,7 @@ fn open<'a>(source: &Source<'a>) -> Result<Box<dyn Table + 'a>, Diagnostic> {
             source.file,
             format!("a file that cannot be read ({})", quoted(&why)),
             "a Parquet file",
-            "write it again; a file that was cut off lacks its end",
+            "write it again: the file may be truncated",
         )
     })?;
     let mut columns = Columns::starting_at(1);

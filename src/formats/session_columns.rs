@@ -14,7 +14,8 @@ pub fn column_specs(table: &Section) -> Vec<ColumnSpec> {
             continue;
         };
         if let Some(other) = specs.iter().find(|s| s.position == spec.position) {
-            entry.reject(
+            entry.reject_for(
+                "a column that is taken",
                 &format!("a column of its own, not that of {}", other.column),
                 "correct `index` or `name` of one of them",
             );
@@ -27,10 +28,19 @@ pub fn column_specs(table: &Section) -> Vec<ColumnSpec> {
 fn column_spec(name: &str, entry: &Entry) -> Option<ColumnSpec> {
     let known = columns::by_quantity_name(name);
     if known.is_none() && columns::is_reserved(name) {
-        entry.reject(
+        entry.reject_for(
+            &format!("the name {name}"),
             "a name that the pipeline does not use itself",
             "choose another name",
         );
+        return None;
+    }
+    if entry.as_string().is_some() {
+        let hint = format!(
+            "write `{name} = {{ name = {}, unit = \"...\" }}`",
+            entry.describe()
+        );
+        entry.reject("where the column stands, and its unit", &hint);
         return None;
     }
     let table = entry.table()?;
@@ -56,13 +66,18 @@ fn column_spec(name: &str, entry: &Entry) -> Option<ColumnSpec> {
     let (unit, factor, constant) = unit_of(name, known, entry, unit_entry)?;
     let (gain, offset) = (gain?, offset?);
     if gain == 0.0 {
-        entry.reject("a gain other than 0", "write the converter's gain");
+        entry.reject_for(
+            "gain = 0",
+            "a gain other than 0",
+            "write the converter's gain",
+        );
         return None;
     }
     if let (Some(low), Some(high)) = (low, high)
         && low >= high
     {
-        entry.reject(
+        entry.reject_for(
+            &format!("saturation_low = {low} and saturation_high = {high}"),
             "a `saturation_low` below `saturation_high`",
             "exchange them",
         );
@@ -122,8 +137,13 @@ fn position(entry: &Entry, table: &Section) -> Option<Position> {
             }
         },
         (None, Some(name)) => name.string().map(Position::Name),
-        _ => {
-            entry.reject(
+        (index, _) => {
+            let found = match index {
+                Some(_) => "both `index` and `name`",
+                None => "neither `index` nor `name`",
+            };
+            entry.reject_for(
+                found,
                 "either `index` (file without header) or `name` (header line)",
                 "say where the column stands",
             );
@@ -145,7 +165,7 @@ fn unit_of(
     };
     let expected = format!("a unit of {name}: {}", quantity.list_of_units());
     let Some(unit_entry) = unit else {
-        entry.reject(&expected, "add `unit = \"...\"`");
+        entry.reject_for("no unit", &expected, "add `unit = \"...\"`");
         return None;
     };
     let symbol = unit_entry.string()?;
@@ -170,11 +190,12 @@ fn phase_values(
     match (is_phase, values) {
         (false, None) => Some(BTreeMap::new()),
         (false, Some(v)) => {
-            v.reject("`values` at the phase only", "remove it");
+            v.reject_for("`values`", "`values` at the phase only", "remove it");
             None
         }
         (true, None) => {
-            entry.reject(
+            entry.reject_for(
+                "no `values`",
                 "`values`, from what stands in the log to pressurizing or depressurizing",
                 "write values = { \"1\" = \"pressurizing\", \"2\" = \"depressurizing\" }",
             );

@@ -18,7 +18,8 @@ pub fn joint(root: &Section, kind: Option<Kind>, entry: Option<Entry>) -> Option
             None
         }
         (Some(Kind::Isometric), Some(entry)) => {
-            entry.reject(
+            entry.reject_for(
+                "a [joint]",
                 "no [joint] in an isometric session",
                 "remove it, or correct `kind`",
             );

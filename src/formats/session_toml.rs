@@ -2,19 +2,26 @@
 //!
 //! `README.md` has the format by example. How well the lengths of a session are known may be declared: `super::session_sd` has the keys.
 
-use crate::{session_columns, session_joint, session_sd};
+use crate::text_format::text_format;
+use crate::{session_checks, session_columns, session_joint, session_sd, session_specimen};
 use pipeline_base::columns::{self, KnownColumn};
+use pipeline_base::date::is_date;
 use pipeline_base::diagnostics::Diagnostic;
-use pipeline_base::session::{
-    ColumnSpec, Constant, Kind, LogSpec, Part, PartKind, Position, Role, Sampling, Session,
-    Specimen,
-};
+use pipeline_base::session::{Constant, Kind, LogSpec, Part, PartKind, Role, Sampling, Session};
 use pipeline_base::toml_reader::{Entry, Reader, Section, parse};
 use pipeline_base::units::{Quantity, Unit};
 use std::collections::BTreeMap;
 
 /// The only schema that is understood.
 pub const SCHEMA: &str = "bpa-session/1";
+
+/// What sessions below a folder have in common.
+pub const CAMPAIGN_FILE: &str = "campaign.toml";
+/// Its only schema.
+const CAMPAIGN_SCHEMA: &str = "bpa-campaign/1";
+
+/// What marks a line that a person has to complete, in a session that `pipeline new-session` has drafted.
+pub const FILL_IN: &str = "FILL IN";
 
 /// The longest id or campaign, bytes: it becomes part of file names.
 const LONGEST_NAME: usize = 80;
@@ -24,13 +31,76 @@ const LONGEST_NAME: usize = 80;
 /// # Errors
 /// Every mistake of the file, in the order of its lines.
 pub fn read(file: &str, text: &str) -> Result<Session, Vec<Diagnostic>> {
-    let table = parse(file, text).map_err(|d| vec![d])?;
-    let reader = Reader::new(file, text);
-    let session = session(&reader.root(&table));
-    let mistakes = reader.finish();
-    match session {
+    read_over((file, text), (CAMPAIGN_FILE, "schema = \"bpa-campaign/1\""))
+}
+
+/// The same, with the text of a `campaign.toml` for what the session does not say itself. A session may complete a table of the campaign or take
+/// another value for a key of it; a column that it describes is described anew.
+///
+/// # Errors
+/// Every mistake of both files.
+pub fn read_over(
+    (file, text): (&str, &str),
+    (campaign_file, campaign): (&str, &str),
+) -> Result<Session, Vec<Diagnostic>> {
+    let one = |d| vec![d];
+    let table = parse(file, text).map_err(one)?;
+    let defaults = parse(campaign_file, campaign).map_err(one)?;
+    let (reader, campaign_reader) = (
+        Reader::new(file, text),
+        Reader::new(campaign_file, campaign),
+    );
+    report_unfilled(&reader, text);
+    report_unfilled(&campaign_reader, campaign);
+    let mut found = None;
+    if reader.is_clean() && campaign_reader.is_clean() {
+        let of_campaign = campaign_reader.root(&defaults);
+        check_campaign(&of_campaign);
+        found = session(&reader.root_over(&table, of_campaign));
+    }
+    let mistakes = [reader.finish(), campaign_reader.finish()].concat();
+    match found {
         Some(session) if mistakes.is_empty() => Ok(session),
         _ => Err(mistakes),
+    }
+}
+
+/// What a campaign has of its own, and what only a session can have.
+fn check_campaign(campaign: &Section) {
+    let hint = "write schema = \"bpa-campaign/1\"";
+    if let Some(entry) = campaign.require("schema", CAMPAIGN_SCHEMA, hint) {
+        entry.choice(&[(CAMPAIGN_SCHEMA, ())]);
+    }
+    for key in ["id", "log"] {
+        if let Some(entry) = campaign.get(key) {
+            entry.reject_for(
+                &format!("`{key}`"),
+                "what sessions have in common",
+                "write it into each session.toml",
+            );
+        }
+    }
+}
+
+/// Every line that `pipeline new-session` has left to a person and nobody has completed.
+fn report_unfilled(reader: &Reader, text: &str) {
+    for (k, line) in text.lines().enumerate() {
+        let Some((before, meant)) = line.split_once(FILL_IN) else {
+            continue;
+        };
+        let key = before
+            .split(['=', '#', '{'])
+            .next()
+            .unwrap_or_default()
+            .trim();
+        let meant = meant.trim_start_matches(':').trim().trim_end_matches('"');
+        let expected = if meant.is_empty() {
+            "what was measured"
+        } else {
+            meant
+        };
+        let hint = format!("write it, and remove the words {FILL_IN}");
+        reader.report(k as u64 + 1, key, FILL_IN, expected, &hint);
     }
 }
 
@@ -96,7 +166,7 @@ fn session(root: &Section) -> Option<Session> {
     let specimen = root
         .require("specimen", "a table [specimen]", "describe the actuator")
         .and_then(|e| e.table())
-        .and_then(|t| specimen(&t));
+        .and_then(|t| session_specimen::specimen(&t));
     let setup = root.get("setup").and_then(|e| e.table());
     let (setup, length_sd_m) = setup
         .map(|t| {
@@ -107,6 +177,8 @@ fn session(root: &Section) -> Option<Session> {
         })
         .unwrap_or_default();
     let joint_entry = root.get("joint");
+    let format = root.get("format").and_then(|e| e.table());
+    let format = format.map(|t| text_format(&t)).unwrap_or_default();
     let columns = root
         .require(
             "columns",
@@ -134,19 +206,18 @@ fn session(root: &Section) -> Option<Session> {
         setup,
         length_sd_m,
         joint,
+        format,
         columns: columns?,
         logs: logs?,
     };
     // A column that was given and is wrong has been reported; that it is missing as well would be false.
     if root.reader().is_clean() {
-        check_columns(root, &session);
-        check_positions(root, &session);
+        session_checks::check(root, &session);
     }
-    check_logs(root, &session);
     Some(session)
 }
 
-fn identifier(root: &Section, key: &'static str, expected: &str) -> Option<String> {
+pub(super) fn identifier(root: &Section, key: &'static str, expected: &str) -> Option<String> {
     let entry = root.require(key, expected, "add it")?;
     let text = entry.string()?;
     if text.trim().is_empty() || text.len() > LONGEST_NAME || text.chars().any(char::is_control) {
@@ -158,19 +229,9 @@ fn identifier(root: &Section, key: &'static str, expected: &str) -> Option<Strin
 
 fn date(entry: &Entry) -> Option<String> {
     let text = entry.as_string().unwrap_or_else(|| entry.describe());
-    let digits = |s: &str, n: usize| s.len() == n && s.bytes().all(|b| b.is_ascii_digit());
-    let parts: Vec<&str> = text.split('-').collect();
-    let in_range = |s: &str, top: u32| s.parse::<u32>().is_ok_and(|x| (1..=top).contains(&x));
-    let good = match parts[..] {
-        [y, m] => digits(y, 4) && digits(m, 2) && in_range(m, 12),
-        [y, m, d] => {
-            digits(y, 4) && digits(m, 2) && digits(d, 2) && in_range(m, 12) && in_range(d, 31)
-        }
-        _ => false,
-    };
-    if !good {
+    if !is_date(&text) {
         entry.reject(
-            "a date, ISO 8601: a day or a month",
+            "a day or a month that exists, in ISO 8601",
             "write \"2022-11\" or \"2022-11-30\"",
         );
         return None;
@@ -178,60 +239,8 @@ fn date(entry: &Entry) -> Option<String> {
     Some(text)
 }
 
-fn specimen(table: &Section) -> Option<Specimen> {
-    let id = identifier(table, "id", "the name of the physical actuator");
-    let diameter = table
-        .require(
-            "diameter_mm",
-            "10, 20 or 40",
-            "write the uninflated inner diameter",
-        )
-        .and_then(|e| {
-            let mm = e.number()?;
-            if [10.0, 20.0, 40.0].contains(&mm) {
-                return Some(mm);
-            }
-            e.reject("10, 20 or 40 (mm)", "write the uninflated inner diameter");
-            None
-        });
-    let rest = table
-        .require(
-            "rest_length_mm",
-            "l_rest in mm",
-            "write the distance between the hose clamps",
-        )
-        .and_then(|e| e.positive("mm", "write the distance between the hose clamps"));
-    let contracted = table.require(
-        "contracted_length_mm",
-        "l_620 in mm",
-        "write the free length at 620 kPa without load",
-    );
-    let contracted = contracted.and_then(|e| {
-        let mm = e.positive("mm", "write the free length at 620 kPa without load")?;
-        if rest.is_some_and(|l| mm >= l) {
-            e.reject(
-                "a length below rest_length_mm: an actuator contracts under pressure",
-                "check whether the two lengths are swapped",
-            );
-            return None;
-        }
-        Some(mm)
-    });
-    let rest_length_sd_m = session_sd::declared(table, session_sd::REST_LENGTH);
-    let contracted_length_sd_m = session_sd::declared(table, session_sd::CONTRACTED_LENGTH);
-    table.close();
-    Some(Specimen {
-        id: id?,
-        diameter_mm: diameter?,
-        rest_length_m: rest? * 1e-3,
-        contracted_length_m: contracted? * 1e-3,
-        rest_length_sd_m,
-        contracted_length_sd_m,
-    })
-}
-
 /// A key of `[setup]` such as `length_mm` or `temperature_c`: quantity and unit, the unit's case ignored.
-fn split_unit(key: &str) -> Option<(&'static KnownColumn, Unit)> {
+pub(super) fn split_unit(key: &str) -> Option<(&'static KnownColumn, Unit)> {
     columns::KNOWN.iter().find_map(|known| {
         let suffix = key.strip_prefix(known.quantity_name)?.strip_prefix('_')?;
         let unit = known
@@ -257,13 +266,14 @@ fn setup_constants(table: &Section) -> BTreeMap<String, Constant> {
                 constants.insert(known.column.to_owned(), Constant::Number(value));
             }
         } else if let Some(known) = columns::by_quantity_name(&key) {
-            let example = known
-                .quantity
-                .and_then(|q| q.units().last())
-                .map_or("", |u| u.symbol);
-            entry.reject(
-                "the unit in the key",
-                &format!("write `{key}_{}`", example.to_lowercase()),
+            let units = known.quantity.into_iter().flat_map(|q| q.units());
+            let keys: Vec<String> = units
+                .map(|u| format!("{key}_{}", u.symbol.replace('.', "").to_lowercase()))
+                .collect();
+            entry.reject_for(
+                &format!("{key} = {}", entry.describe()),
+                &format!("the unit in the key, one of {}", keys.join(", ")),
+                "write the unit behind the name",
             );
         } else if let Some((expected, hint)) = session_sd::slip_in_setup(&key) {
             entry.reject(&expected, &hint);
@@ -339,72 +349,4 @@ fn part(table: &Section) -> Option<Part> {
     };
     let name = entry.string()?;
     Some(Part { kind, name })
-}
-
-/// The columns that this kind and sampling cannot do without.
-fn check_columns(root: &Section, session: &Session) {
-    let mut needed: Vec<&str> = match session.kind {
-        Kind::Isometric => vec![columns::FORCE, columns::PRESSURE],
-        Kind::KneeTorque => vec![columns::TORQUE, columns::ANGLE, columns::PRESSURE],
-    };
-    if session.sampling == Sampling::Timeseries {
-        needed.push(columns::TIME);
-    }
-    if session.kind == Kind::Isometric {
-        needed.push(columns::LENGTH);
-    }
-    for column in needed {
-        let name = columns::KNOWN
-            .iter()
-            .find(|k| k.column == column)
-            .map_or(column, |k| k.quantity_name);
-        let constant = session.setup.contains_key(column) && column != columns::TIME;
-        if session.column(column).is_none() && !constant {
-            root.reader().report(
-                root.line(),
-                &format!("columns.{name}"),
-                "nothing",
-                &format!("the column `{name}`, or where it is constant the set-up's `{column}`"),
-                "say where it stands in the log",
-            );
-        }
-    }
-}
-
-fn check_positions(root: &Section, session: &Session) {
-    let by_name = |c: &&ColumnSpec| matches!(c.position, Position::Name(_));
-    let named = session.columns.iter().filter(by_name).count();
-    if named != 0 && named != session.columns.len() {
-        root.reader().report(
-            root.line(),
-            "columns",
-            "some columns by `index` and some by `name`",
-            "all by `index` (files without header) or all by `name` (files with a header line)",
-            "use one way for all columns",
-        );
-    }
-}
-
-fn check_logs(root: &Section, session: &Session) {
-    let measuring = session.logs.iter().filter(|l| !l.is_zero).count();
-    if measuring == 0 {
-        root.reader().report(
-            root.line(),
-            "log",
-            format!("{} zero logs and no other", session.logs.len()),
-            "at least one [[log]] that measures",
-            "add it, or remove role = \"zero\"",
-        );
-    }
-    for (k, log) in session.logs.iter().enumerate() {
-        if session.logs[..k].iter().any(|l| l.name() == log.name()) {
-            root.reader().report(
-                root.line(),
-                &format!("log[{k}].file"),
-                format!("\"{}\" a second time", log.name()),
-                "every log once",
-                "remove one of them",
-            );
-        }
-    }
 }

@@ -40,7 +40,7 @@ impl Kind {
             Kind::ColumnMissing => "the column is missing",
             Kind::ColumnNew => "the column is new",
             Kind::TableMissing => "the run does not make this table any more",
-            Kind::TableNew => "the table has no golden one yet; bless it",
+            Kind::TableNew => "the table has no golden copy yet; --bless accepts it",
             Kind::TableUnknown => {
                 "the table is new; give it an entry in golden.toml (or leave_out)"
             }

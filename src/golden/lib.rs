@@ -9,6 +9,8 @@
 //! Rows are matched by their key columns, never by position ([`compare`]); numbers compare as numbers, texts as texts. Deliberately
 //! absent: knowledge of any single table. A new table is one entry in `golden.toml` and a blessing; until it has its entry, it counts as
 //! a difference, so that no result goes unwatched by mistake.
+//! What differs is said in the order of `golden.toml`, which begins with what matters most. A project of a laboratory's own needs no entries:
+//! `standard = true` stands for those of the pipeline's own tables ([`start`]).
 
 pub mod bless;
 pub mod compare;
@@ -22,6 +24,26 @@ use settings::{SETTINGS, Settings};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use table::Table;
+
+/// The settings of a project that has said nothing yet.
+const FIRST_SETTINGS: &str = r#"# What `pipeline check` compares the tables of a run with: the tables beside this file, as they were when somebody last looked at them and wrote
+#
+#     pipeline check --bless --reason "why the results are right"
+#
+# Rows are matched by the columns that tell them apart, never by position.
+
+# Every table that the pipeline makes is compared. An entry of your own, [table.NAME] with `key`, `tolerance` or `columns.NAME`, takes the place
+# of the standard one.
+standard = true
+
+# Tables that are written and not compared.
+leave_out = ["audit"] # the papers' claims, which your sessions do not change
+
+# Numbers may differ by the larger of `absolute` and `relative` times the golden number.
+[tolerance]
+absolute = 1e-9
+relative = 1e-6
+"#;
 
 /// How one table fared.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -39,7 +61,7 @@ pub struct TableResult {
 /// What a comparison found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Findings {
-    /// Every table, by name.
+    /// Every table, in the order of golden.toml.
     pub tables: Vec<TableResult>,
     /// Every difference: by table, then in the order of its rows and columns.
     pub differences: Vec<Difference>,
@@ -71,14 +93,7 @@ pub fn check(golden: &Path, reports: &Path) -> Result<Findings> {
         tables: Vec::new(),
         differences: Vec::new(),
     };
-    let names: BTreeSet<&String> = settings
-        .table
-        .keys()
-        .chain(blessed.keys())
-        .chain(fresh.keys())
-        .filter(|name| !settings.leave_out.contains(name))
-        .collect();
-    for name in names {
+    for name in names(&settings, &blessed, &fresh) {
         let (old, new) = (blessed.get(name), fresh.get(name));
         let found = one(&settings, name, old, new)?;
         findings.tables.push(TableResult {
@@ -90,6 +105,20 @@ pub fn check(golden: &Path, reports: &Path) -> Result<Findings> {
         findings.differences.extend(found.differences);
     }
     Ok(findings)
+}
+
+/// The tables in question: in the order of the settings, then those that these do not know.
+fn names<'a>(
+    settings: &'a Settings,
+    blessed: &'a BTreeMap<String, Table>,
+    fresh: &'a BTreeMap<String, Table>,
+) -> Vec<&'a String> {
+    let others: BTreeSet<&String> = blessed.keys().chain(fresh.keys()).collect();
+    let others = others.into_iter();
+    let others = others.filter(|name| !settings.table.contains_key(*name));
+    let all = settings.order.iter().chain(others);
+    all.filter(|name| !settings.leave_out.contains(name))
+        .collect()
 }
 
 /// One table, which may be missing on either side or from the settings.
@@ -112,6 +141,25 @@ fn one(
             compare::tables(name, &of_table.key, &tolerance, old, new)
         }
     })
+}
+
+/// Writes a `golden.toml` for a project that has none: all standard tables, the usual tolerance. Whether there was none.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn start(golden: &Path) -> Result<bool> {
+    let path = golden.join(SETTINGS);
+    if path.exists() {
+        return Ok(false);
+    }
+    std::fs::create_dir_all(golden).map_err(Error::io("create the folder", golden))?;
+    std::fs::write(&path, FIRST_SETTINGS).map_err(Error::io("write", &path))?;
+    Ok(true)
+}
+
+/// Whether somebody has taken tables as golden ones.
+pub fn are_blessed(golden: &Path) -> bool {
+    blessed(golden).is_ok_and(|tables| !tables.is_empty())
 }
 
 /// The golden tables, by name.

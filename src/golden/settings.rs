@@ -6,6 +6,8 @@ use pipeline_base::error::{Error, Result};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
 
 /// Name of the file in the golden directory.
 pub const SETTINGS: &str = "golden.toml";
@@ -56,6 +58,9 @@ impl Override {
     }
 }
 
+/// The settings for the tables that the pipeline makes: those of its own repository.
+const STANDARD: &str = include_str!("../../tests/golden/golden.toml");
+
 /// One table.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -79,9 +84,15 @@ pub struct Settings {
     /// Tables that are knowingly not compared.
     #[serde(default)]
     pub leave_out: Vec<String>,
+    /// Whether all tables that the pipeline makes have an entry without being named here.
+    #[serde(default)]
+    pub standard: bool,
     /// The tables, by name.
     #[serde(default)]
     pub table: BTreeMap<String, TableSettings>,
+    /// The names of the tables in the order of the file, the standard ones after those that it names itself.
+    #[serde(skip)]
+    pub order: Vec<String>,
     /// The file, for messages.
     #[serde(skip)]
     file: String,
@@ -96,7 +107,8 @@ impl Settings {
         let file = super::settings_file(golden);
         let text = std::fs::read_to_string(golden.join(SETTINGS)).map_err(|e| {
             Error::Usage(format!(
-                "cannot read {file}, which names the golden tables, their key columns and tolerances: {e}; give its directory with --golden DIR"
+                "cannot read {file}, which says what is compared, by which columns and how closely: {e}; `pipeline check --init` begins with one, --golden DIR \
+                 names another folder"
             ))
         })?;
         Self::read(&file, &text)
@@ -114,17 +126,38 @@ impl Settings {
             let row = e
                 .span()
                 .map(|s| 1 + text[..s.start].matches('\n').count() as u64);
-            let mut diagnostic = Diagnostic::error(file, found, expected, "mend the line");
+            let mut diagnostic = Diagnostic::error(file, found, expected, "correct the line");
             diagnostic.row = row;
             Error::Config(vec![diagnostic])
         })?;
         settings.file = file.to_owned();
+        settings.order = order_of_tables(text);
+        if settings.standard {
+            settings.add_standard()?;
+        }
         let mistakes = settings.mistakes();
         if mistakes.is_empty() {
             Ok(settings)
         } else {
             Err(Error::Config(mistakes))
         }
+    }
+
+    fn add_standard(&mut self) -> Result<()> {
+        let standard = Self::read("the standard settings", STANDARD)?;
+        for name in standard.leave_out {
+            if !self.leave_out.contains(&name) && !self.table.contains_key(&name) {
+                self.leave_out.push(name);
+            }
+        }
+        for name in standard.order {
+            if !self.leave_out.contains(&name) && !self.table.contains_key(&name) {
+                self.table
+                    .insert(name.clone(), standard.table[&name].clone());
+                self.order.push(name);
+            }
+        }
+        Ok(())
     }
 
     fn mistakes(&self) -> Vec<Diagnostic> {
@@ -202,6 +235,19 @@ impl Settings {
     }
 }
 
+/// The names of the tables in the order in which the file has them.
+fn order_of_tables(text: &str) -> Vec<String> {
+    let Ok(all) = DeTable::parse(text) else {
+        return Vec::new();
+    };
+    let Some(DeValue::Table(tables)) = all.get_ref().get("table").map(Spanned::get_ref) else {
+        return Vec::new();
+    };
+    let mut names: Vec<_> = tables.iter().map(|(name, _)| name).collect();
+    names.sort_by_key(|name| name.span().start);
+    names.into_iter().map(|n| n.get_ref().to_string()).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -218,6 +264,19 @@ mod tests {
         assert_eq!((of("rmse").absolute, of("rmse").relative), (0.5, 1e-3));
         assert_eq!(of("rmse").around(2000.0), 2.0);
         assert_eq!(of("rmse").around(-1.0), 0.5);
+    }
+
+    #[test]
+    fn the_standard_tables_come_behind_those_of_the_file_which_hold() {
+        let text = format!("standard = true\nleave_out = [\"sessions\"]\n{GOOD}");
+        let settings = Settings::read("golden.toml", &text).unwrap();
+        assert_eq!(settings.order.first().map(String::as_str), Some("fits"));
+        assert_eq!(settings.table["fits"].key, ["campaign"]);
+        assert!(settings.table.contains_key("coefficients"));
+        assert!(!settings.table.contains_key("sessions"));
+        let mut named: Vec<&String> = settings.order.iter().collect();
+        named.sort();
+        assert_eq!(named, settings.table.keys().collect::<Vec<_>>());
     }
 
     #[test]

@@ -131,7 +131,7 @@ fn named<'a>(
             why: String::new(),
         }),
         None if usable.is_empty() => usage(format!(
-            "there is no fit for {diameter_mm} mm, of no campaign: `pipeline run` makes them"
+            "there is no fit for {diameter_mm} mm in any campaign; `pipeline run` makes fits from sessions"
         )),
         None => usage(format!(
             "there is no fit of a campaign {campaign} for {diameter_mm} mm; there are {}",

@@ -34,7 +34,7 @@ impl Muscle {
         let whole = diameter_mm.round();
         if !((1.0..1000.0).contains(&whole) && (diameter_mm - whole).abs() < 0.5) {
             return usage(format!(
-                "a diameter of {diameter_mm} mm is none: give the nominal diameter, 10, 20 or 40"
+                "a diameter of {diameter_mm} mm is not a nominal diameter: give 10, 20 or 40"
             ));
         }
         positive("the resting length", rest_length_m)?;
@@ -56,7 +56,7 @@ impl Muscle {
         };
         if let Some(contraction) = contraction_620.filter(|e| !(*e > 0.0 && *e < 1.0)) {
             return usage(format!(
-                "a contraction of {contraction} at 620 kPa is none: give a fraction between 0 and 1, such as 0.165 or 16.5%"
+                "a contraction of {contraction} at 620 kPa is not possible: give a fraction between 0 and 1, such as 0.165 or 16.5%"
             ));
         }
         Ok(Self {
@@ -107,7 +107,7 @@ const MOST_STRETCHED: f64 = 0.5;
 pub fn check_state(contraction: f64, pressure_kpa: f64, rest_length_m: f64) -> Result<()> {
     if !(pressure_kpa.is_finite() && pressure_kpa >= 0.0) {
         return usage(format!(
-            "a pressure of {pressure_kpa} kPa is none: give the gauge pressure, which is zero in a vented muscle and never negative"
+            "a pressure of {pressure_kpa} kPa is not possible: give the gauge pressure, which is zero in a vented muscle and never negative"
         ));
     }
     if !(contraction.is_finite() && contraction < 1.0) {

@@ -8,8 +8,9 @@ use pipeline_mechanics::knee::human::{self, meets};
 use pipeline_mechanics::knee::{Knee, Leg, Setup, choice};
 use serde::Serialize;
 
-/// Contractions beyond which there is no state of a muscle to ask for: torn, or pushed together.
-const CONTRACTIONS: (f64, f64) = (-0.5, 1.0);
+/// Contractions beyond which there is no state of a muscle to ask for: stretched beyond what its braid bears (makers allow 3 to 5%), where every law
+/// grows without bound, or pushed together.
+const CONTRACTIONS: (f64, f64) = (-0.05, 1.0);
 
 /// Where the muscle is built in.
 #[derive(Clone, Copy)]
@@ -144,9 +145,8 @@ fn at_angle(
         meets: None,
         warnings: Vec::new(),
     };
-    if contraction <= CONTRACTIONS.0 || contraction >= CONTRACTIONS.1 {
-        let why = "the path leaves the muscle a length that none has";
-        found.warnings.push(why.to_owned());
+    if let Some(why) = impossible(contraction) {
+        found.warnings.push(why);
         return Ok(Some(found));
     }
     let answer = predictor.at(length, pressure_kpa)?;
@@ -158,6 +158,19 @@ fn at_angle(
     found.meets = found.torque_nm.zip(human_nm).map(|(t, h)| meets(t, h));
     found.warnings = answer.warnings;
     Ok(Some(found))
+}
+
+/// Why a muscle cannot have a contraction, if it cannot.
+fn impossible(contraction: f64) -> Option<String> {
+    let (stretched, pushed) = CONTRACTIONS;
+    if contraction < stretched {
+        return Some(format!(
+            "the path stretches the muscle by {:.0}%, and a braid bears no more than {:.0}%: no force; a longer muscle, or shorter fittings or tendon",
+            -100.0 * contraction,
+            -100.0 * stretched
+        ));
+    }
+    (contraction >= pushed).then(|| "the path leaves the muscle no length".to_owned())
 }
 
 /// The stretches of angle in which the muscle meets the human one, degrees.

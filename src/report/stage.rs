@@ -25,7 +25,7 @@ use pipeline_base::error::{Error, Result};
 use pipeline_base::reject::Extent;
 use pipeline_base::row::{self, Row, role_name};
 use pipeline_base::session::{Phase, Sampling};
-use pipeline_compare::GroupComparison;
+use pipeline_compare::{COMMON, GroupComparison, NEW, RANKED};
 use pipeline_config::{Config, ReportOptions};
 use pipeline_findings::{CampaignFindings, Findings, SCHEMA};
 use pipeline_fit::{GroupFit, is_usable, split};
@@ -370,6 +370,7 @@ fn summary(input: &ReportInput, left_out: &[LeftOut]) -> Result<Vec<u8>> {
         "readings": input.rows.len(),
         "findings": "findings.json",
         "verdicts": verdicts,
+        "models": input.groups.iter().filter_map(models_json).collect::<Vec<_>>(),
         "tables": input.tables,
         "left_out": left_out,
     });
@@ -385,6 +386,28 @@ fn verdict_json(found: &CampaignFindings) -> serde_json::Value {
         "verdict": found.verdict, "unit": found.unit,
         "rmse_heldout_before": found.before.rmse_heldout, "rmse_heldout_after": found.after.rmse_heldout,
         "expected_rmse_heldout": found.expected_rmse_heldout, "sentences": sentences(found),
+    })
+}
+
+/// The ranked models on the readings that all of them answer, of one group in `summary.json`; none where no model stands beside the new one.
+fn models_json(group: &GroupInput) -> Option<serde_json::Value> {
+    let GroupComparison {
+        group, comparisons, ..
+    } = &group.comparison;
+    let of = |model: &str, split: &str| {
+        let mut all = comparisons.iter();
+        all.find(|c| c.model == model && c.split == split)
+    };
+    let new = of(NEW, COMMON)?;
+    let ranked = RANKED.iter().filter_map(|model| of(model, COMMON));
+    let errors: Vec<_> = ranked
+        .filter_map(|c| Some(json!({ "model": c.model, "rmse": c.rmse? })))
+        .collect();
+    (errors.len() > 1).then(|| {
+        json!({
+            "campaign": group.campaign, "diameter_mm": group.diameter_mm, "readings": new.n,
+            "of": of(NEW, "loso").map(|c| c.n + c.n_excluded), "rmse_n": errors,
+        })
     })
 }
 

@@ -4,7 +4,7 @@
 //! file if no unit made it, so that an ancestry is what the keys say and no second opinion.
 
 use crate::cache::STATE;
-use crate::materialize::SESSIONS;
+use crate::materialize::{PROVENANCE, SESSIONS};
 use crate::stages::clean::READINGS;
 use crate::stages::normalize::ROWS;
 use crate::stages::{LIST, NAMES, ingest};
@@ -13,6 +13,7 @@ use pipeline_base::error::{Error, Result};
 use pipeline_base::names::file_name;
 use pipeline_cache::store::{Entry, Store};
 use pipeline_cache::{Left, State};
+use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -31,6 +32,12 @@ pub struct Unit {
     pub from: BTreeSet<usize>,
     /// Inputs that no unit made, by name: raw files, descriptions.
     pub given: BTreeMap<String, Digest>,
+}
+
+/// `provenance.json`.
+#[derive(Default, Deserialize)]
+struct Provenance {
+    sessions: BTreeMap<String, BTreeMap<String, Digest>>,
 }
 
 impl Unit {
@@ -74,7 +81,7 @@ impl Ancestry {
             };
             let entry = store.recorded(&key).ok_or_else(|| {
                 Error::Usage(format!(
-                    "the cache entry of {name} is no longer there; `pipeline run` mends it"
+                    "the cache entry of {name} is no longer there; `pipeline run` computes it again"
                 ))
             })?;
             units.push(Unit {
@@ -134,6 +141,28 @@ impl Ancestry {
         };
         let best = makers.iter().copied().max_by_key(|k| meant(*k))?;
         (self.units[best].stage < reader.stage).then_some(best)
+    }
+
+    /// Raw files that some units read, by folder and name, with their digests as the run wrote them down in `reports`: the key of a session has what its
+    /// description says and not the digest of that file. Where that list is not there, what the keys have.
+    pub fn raw_files<'a>(
+        &self,
+        units: impl Iterator<Item = &'a Unit>,
+        reports: &Path,
+    ) -> BTreeMap<String, String> {
+        let text = std::fs::read_to_string(reports.join(PROVENANCE)).unwrap_or_default();
+        let written: Provenance = serde_json::from_str(&text).unwrap_or_default();
+        let ingest = units.filter(|u| u.reads_raw());
+        let of_unit = |u: &Unit| {
+            let options = &u.entry.parts.options;
+            let folder = options.get("folder").map_or("", String::as_str);
+            let file = |(name, digest): (&String, &Digest)| {
+                (format!("{folder}/{name}"), digest.hex().to_owned())
+            };
+            let files = written.sessions.get(&u.name).unwrap_or(&u.given);
+            files.iter().map(file).collect::<Vec<_>>()
+        };
+        ingest.flat_map(of_unit).collect()
     }
 
     /// Units on which some units depend, themselves included.

@@ -86,7 +86,7 @@ fn lock(path: &Path, shared: bool, progress: &dyn Progress) -> Result<Option<Fil
     match attempt {
         Ok(()) => Ok(Some(file)),
         Err(std::fs::TryLockError::WouldBlock) => {
-            progress.note("another run works on this directory; waiting for it to end");
+            progress.note("another run is working on this directory; waiting for it to end");
             let locked = match shared {
                 true => file.lock_shared(),
                 false => file.lock(),
@@ -96,7 +96,7 @@ fn lock(path: &Path, shared: bool, progress: &dyn Progress) -> Result<Option<Fil
         }
         Err(std::fs::TryLockError::Error(e)) if e.kind() == std::io::ErrorKind::Unsupported => {
             progress
-                .note("this file system has no locks: let nobody else run on this directory now");
+                .note("this file system has no locks: make sure that nobody else runs pipeline on this directory now");
             Ok(None)
         }
         Err(std::fs::TryLockError::Error(e)) => Err(Error::io("lock", path)(e)),

@@ -139,7 +139,7 @@ mod tests {
     use crate::stages::fit::FIT;
     use crate::stages::normalize::ROWS;
     use crate::units::Scope;
-    use crate::{Progress, RunOptions};
+    use crate::{RunOptions, Silent};
     use pipeline_base::digest::Outputs;
 
     const RULE: Rule = Rule {
@@ -150,28 +150,10 @@ mod tests {
         run: |_| Ok(Outputs::new()),
     };
 
-    struct Silent;
-
-    impl Progress for Silent {
-        fn begin(&self, _stage: &str, _units: usize) {}
-        fn tick(&self) {}
-        fn note(&self, _message: &str) {}
-    }
-
     #[test]
     fn what_a_rule_does_not_declare_it_cannot_read() {
         let folder = tempfile::tempdir().unwrap();
-        let options = RunOptions {
-            raw: Vec::new(),
-            derived: folder.path().to_path_buf(),
-            reports: folder.path().to_path_buf(),
-            config: Config::default(),
-            jobs: 1,
-            force: None,
-            dry_run: true,
-            keep_going: false,
-            only: None,
-        };
+        let options = RunOptions::below(folder.path());
         let engine = Engine::open(&options, None, &Silent).unwrap();
         let unit = Unit {
             name: "small 10 mm".to_owned(),

@@ -45,16 +45,15 @@ pub mod units;
 pub mod walk;
 
 use engine::Engine;
-use made::Made;
 use messages::Messages;
 use pipeline_base::diagnostics::Diagnostic;
 use pipeline_base::error::{Error, Result};
-use pipeline_base::reject::Extent;
+use pipeline_base::reject::{Extent, Reject};
 use pipeline_config::Config;
-use pipeline_findings::CampaignFindings;
 use pipeline_formats::discover::{Discovery, discover};
 use pipeline_report::left_out::LeftOut;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use step::{Failure, Work};
 use unchanged::Watch;
@@ -86,6 +85,23 @@ pub struct RunOptions {
     pub only: Option<String>,
 }
 
+impl RunOptions {
+    /// A run with all defaults, of nothing yet, whose results go below a folder.
+    pub fn below(folder: &Path) -> Self {
+        Self {
+            raw: Vec::new(),
+            derived: folder.join("derived"),
+            reports: folder.join("reports"),
+            config: Config::default(),
+            jobs: 0,
+            force: None,
+            dry_run: false,
+            keep_going: false,
+            only: None,
+        }
+    }
+}
+
 /// What a run did. What it remembers of itself for the next is without the work.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Outcome {
@@ -101,10 +117,12 @@ pub struct Outcome {
     pub sessions: usize,
     /// Sessions whose `session.toml` cannot be used.
     pub unusable: usize,
-    /// Sessions without a result, the unusable ones first: id or folder, and why.
-    pub rejected: Vec<(String, String)>,
-    /// Logs left out: session, log, why.
-    pub rejected_logs: Vec<(String, String, String)>,
+    /// Sessions without a result, the unusable ones first.
+    pub rejected: Vec<Rejected>,
+    /// Logs left out.
+    pub rejected_logs: Vec<Rejected>,
+    /// Sessions that their owner keeps out of every fit: id, and why.
+    pub excluded: Vec<(String, String)>,
     /// What is wrong with the inputs.
     pub diagnostics: Vec<Diagnostic>,
     /// Files written below `reports/` (or that would be), because they were missing or had other contents.
@@ -117,19 +135,74 @@ pub struct Outcome {
     pub left_out: Vec<LeftOut>,
     /// Where the findings are, of everything that was diagnosed.
     pub findings_file: Option<PathBuf>,
-    /// The answers that are new.
-    #[serde(skip)]
-    pub answers: Vec<CampaignFindings>,
+}
+
+/// A session or a log that was left out.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Rejected {
+    /// Id of the session, or its folder where its description cannot be used.
+    pub session: String,
+    /// The log; empty where it is the whole session.
+    pub log: String,
+    /// Why.
+    pub reason: String,
+    /// Whether one of the diagnostics says so.
+    pub has_diagnostic: bool,
+}
+
+impl Rejected {
+    fn of(reject: Reject, has_diagnostic: bool) -> Self {
+        Self {
+            session: reject.session,
+            log: reject.log,
+            reason: reject.reason,
+            has_diagnostic,
+        }
+    }
+}
+
+impl Outcome {
+    /// Whether no session is left from which anything could follow.
+    pub fn has_nothing_usable(&self) -> bool {
+        let rejected = self.rejected.iter().map(|r| r.session.as_str());
+        let excluded = self.excluded.iter().map(|(id, _)| id.as_str());
+        let lost: BTreeSet<&str> = rejected.chain(excluded).collect();
+        lost.len() >= self.sessions + self.unusable
+    }
 }
 
 /// Hears how far a run is.
 pub trait Progress: Sync {
-    /// So many units of a stage are to come.
-    fn begin(&self, stage: &str, units: usize);
-    /// One unit is done.
-    fn tick(&self);
+    /// So many units of each stage are to come.
+    fn begin(&self, stages: &[(&'static str, usize)]);
+    /// A stage is at work on a unit.
+    fn at(&self, stage: &'static str, unit: &str);
+    /// It has done that, or found the result there.
+    fn done(&self, stage: &'static str, unit: &str);
     /// Something that the user should know now.
     fn note(&self, message: &str);
+}
+
+/// Hears it and says nothing.
+pub struct Silent;
+
+impl Progress for Silent {
+    fn begin(&self, _: &[(&'static str, usize)]) {}
+    fn at(&self, _: &'static str, _: &str) {}
+    fn done(&self, _: &'static str, _: &str) {}
+    fn note(&self, _: &str) {}
+}
+
+/// Does some work on a unit, which `progress` hears of.
+fn watched<T>(
+    progress: &dyn Progress,
+    (stage, unit): (&'static str, &str),
+    work: impl FnOnce() -> T,
+) -> T {
+    progress.at(stage, unit);
+    let done = work();
+    progress.done(stage, unit);
+    done
 }
 
 /// Runs every stage whose inputs changed.
@@ -142,6 +215,7 @@ pub fn run(options: &RunOptions, progress: &dyn Progress) -> Result<Outcome> {
         check_outside(raw, &options.derived, "--derived")?;
         check_outside(raw, &options.reports, "--reports")?;
     }
+    check_apart(options)?;
     let (watch, unchanged) = Watch::begin(options, progress)?;
     if let Some(outcome) = unchanged {
         return Ok(outcome);
@@ -198,24 +272,25 @@ fn drive(
         pool,
         jobs,
     };
+    progress.begin(&steps(discovery, config));
     let made = walk.all(progress)?;
     let done = reports::Done {
         discovery,
         made: &made,
     };
-    progress.begin("tables", 1);
-    let tables = pool.install(|| reports::tables(engine, &done, options))?;
-    progress.tick();
-    let groups = made.of(Scope::Group);
-    progress.begin("figures", groups.len());
-    let figures = parallel::each(jobs, groups, |group| {
-        let step = pool.install(|| figures::process(engine, group, config));
-        progress.tick();
-        step
+    let report = stages::report::STAGE.stage.name;
+    let tables = watched(progress, (report, "tables"), || {
+        pool.install(|| reports::tables(engine, &done, options))
     })?;
-    progress.begin("report", 1);
-    let written = pool.install(|| reports::pages(engine, &done, &figures, tables, options))?;
-    progress.tick();
+    let figures = parallel::each(jobs, made.of(Scope::Group), |group| {
+        let unit = format!("figures of {}", group.unit.name);
+        watched(progress, (report, &unit), || {
+            pool.install(|| figures::process(engine, group, config))
+        })
+    })?;
+    let written = watched(progress, (report, "documents"), || {
+        pool.install(|| reports::pages(engine, &done, &figures, tables, options))
+    })?;
     let only_look = options.dry_run || options.only.is_some();
     let messages = pool.install(|| messages::all(engine, made.of(Scope::Session), only_look))?;
     let mut outcome = summary(discovery, messages);
@@ -223,20 +298,22 @@ fn drive(
     outcome.written = written.changed;
     outcome.findings_file = written.findings;
     outcome.left_out = written.left_out;
-    outcome.answers = answers(engine, &made)?;
     Ok(outcome)
 }
 
-/// The answers that this run has computed.
-fn answers(engine: &Engine, made: &Made) -> Result<Vec<CampaignFindings>> {
-    let mut answers = Vec::new();
-    for group in made.of(Scope::Group) {
-        answers.extend(stages::diagnose::fresh_findings(engine, group)?);
-    }
-    for campaign in made.of(Scope::TorqueCampaign) {
-        answers.extend(stages::torque::fresh_findings(engine, campaign)?);
-    }
-    Ok(answers)
+/// How many units each stage has to look at; the report those of its figures, its tables and its documents.
+fn steps(discovery: &Discovery, config: &Config) -> Vec<(&'static str, usize)> {
+    let groups = Scope::Group.units(discovery, config).len();
+    let of_stage = |declared: &rule::Declared| {
+        let units = declared
+            .rules
+            .iter()
+            .map(|r| r.units(discovery, config).len());
+        (declared.stage.name, units.sum())
+    };
+    let stages = stages::LIST.iter().map(of_stage);
+    let report = (stages::report::STAGE.stage.name, groups + 2);
+    stages.filter(|(_, n)| *n > 0).chain([report]).collect()
 }
 
 fn check_raw(raw: &Path) -> Result<()> {
@@ -258,12 +335,27 @@ fn check_outside(raw: &Path, output: &Path, option: &str) -> Result<()> {
     });
     match (raw.canonicalize(), there) {
         (Ok(raw), Some(there)) if there.starts_with(&raw) => Err(Error::Usage(format!(
-            "{option} {} lies in the raw directory {}, in which nothing is written; choose another place",
+            "{option} {} is inside the raw directory {}, where nothing is written; choose another folder",
             output.display(),
             raw.display()
         ))),
         _ => Ok(()),
     }
+}
+
+/// Reports and cache each need a folder of their own: what lies in one is removed by rules that do not know the other.
+fn check_apart(options: &RunOptions) -> Result<()> {
+    let absolute = |path: &Path| std::path::absolute(path).map_err(Error::io("find", path));
+    let (derived, reports) = (absolute(&options.derived)?, absolute(&options.reports)?);
+    let kept = ["cache", materialize::SESSIONS].map(|folder| derived.join(folder));
+    if derived == reports || kept.iter().any(|folder| reports.starts_with(folder)) {
+        return Err(Error::Usage(format!(
+            "--reports {} is where the cache and the tidy data are (--derived {}); choose a folder of its own for the reports",
+            options.reports.display(),
+            options.derived.display()
+        )));
+    }
+    Ok(())
 }
 
 fn no_sessions(options: &RunOptions, discovery: &Discovery) -> String {
@@ -273,7 +365,7 @@ fn no_sessions(options: &RunOptions, discovery: &Discovery) -> String {
         .map(|r| r.display().to_string())
         .collect();
     let mut message = format!(
-        "no session.toml below {}; a session is a folder with a session.toml and its logs (see README.md, With your own sessions)",
+        "no session.toml below {}; a session is a folder with a session.toml and its logs: `pipeline new-session LOG` writes a first one, and --raw DIR names another place",
         roots.join(", ")
     );
     for diagnostic in &discovery.diagnostics {
@@ -282,12 +374,20 @@ fn no_sessions(options: &RunOptions, discovery: &Discovery) -> String {
     message
 }
 
+/// The sessions that take part in no fit because their owner says so.
+fn excluded(discovery: &Discovery) -> Vec<(String, String)> {
+    let sessions = discovery.sessions.iter().map(|l| &l.session);
+    let excluded = sessions.filter_map(|s| Some((s.id.clone(), s.exclude.clone()?)));
+    excluded.collect()
+}
+
 /// The messages about the inputs.
 fn summary(discovery: &Discovery, messages: Vec<Messages>) -> Outcome {
     let mut outcome = Outcome {
         sessions: discovery.sessions.len(),
         unusable: discovery.unusable.len(),
         diagnostics: discovery.diagnostics.clone(),
+        excluded: excluded(discovery),
         ..Outcome::default()
     };
     for unusable in &discovery.unusable {
@@ -295,17 +395,25 @@ fn summary(discovery: &Discovery, messages: Vec<Messages>) -> Outcome {
             let place = d.column.as_deref().unwrap_or("session.toml");
             format!("{place}: found {}, expected {}", d.found, d.expected)
         });
-        outcome.rejected.push((unusable.relative.clone(), why));
+        outcome.rejected.push(Rejected {
+            session: unusable.relative.clone(),
+            log: String::new(),
+            reason: why,
+            has_diagnostic: true,
+        });
         outcome
             .diagnostics
             .extend(unusable.diagnostics.iter().cloned());
     }
     for session in messages {
         outcome.diagnostics.extend(session.diagnostics);
+        let unreadable = session.unreadable.into_iter();
+        let logs = unreadable.map(|r| Rejected::of(r, true));
+        outcome.rejected_logs.extend(logs);
         for r in session.rejects {
             match r.extent {
-                Extent::Session => outcome.rejected.push((r.session, r.reason)),
-                _ => outcome.rejected_logs.push((r.session, r.log, r.reason)),
+                Extent::Session => outcome.rejected.push(Rejected::of(r, false)),
+                _ => outcome.rejected_logs.push(Rejected::of(r, false)),
             }
         }
     }

@@ -99,6 +99,15 @@ impl<'a> Shelf<'a> {
         let (name, digest) = (format!("{REPORTS}{PROVENANCE}"), Digest::of(&raw));
         let differs = write(engine, &name, (&path, &digest), || Ok(raw), options)?;
         self.note(&name, path, differs, &digest);
+        self.link_sessions(sessions)
+    }
+
+    /// Puts in place the tidy data of the sessions that are up to date.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn link_sessions(&mut self, sessions: &[UnitMade]) -> Result<()> {
+        let (engine, options) = (self.engine, self.options);
         let linked = sessions.par_iter().map(|session| {
             let folder = session_folder(&session.unit.name, options);
             let is_other = link_session(engine, session, &folder, options.dry_run)?;
@@ -153,8 +162,21 @@ impl<'a> Shelf<'a> {
         Ok(self.written)
     }
 
-    /// What is in place, where the rest could not be made: nothing is removed.
-    pub fn unfinished(self) -> Written {
+    /// What is in place, where the rest could not be made: nothing is removed. A dry run also looks for what the last run left and is not there any
+    /// more, or was changed since: it comes back whatever else is to be computed.
+    pub fn unfinished(mut self) -> Written {
+        if self.options.dry_run {
+            let before: BTreeMap<String, Digest> = self.engine.read_aside(LIST);
+            let others = before
+                .iter()
+                .filter(|(n, _)| !self.present.contains_key(*n));
+            let lost = others.filter_map(|(name, digest)| {
+                let path = place(name, self.options)?;
+                (!stands(self.engine, name, &path, digest)).then_some(path)
+            });
+            let lost: Vec<PathBuf> = lost.collect();
+            self.written.changed.extend(lost);
+        }
         self.written
     }
 }
@@ -187,7 +209,8 @@ fn raw_files(engine: &Engine, sessions: &[UnitMade], discovery: &Discovery) -> R
         digests.remove(SESSION_FILE);
         let leg = located.session.joint.as_ref();
         let leg = leg.and_then(|joint| Some(joint.description.as_ref()?.file.as_str()));
-        for name in [SESSION_FILE].into_iter().chain(leg) {
+        let campaign = located.campaign.as_deref();
+        for name in [SESSION_FILE].into_iter().chain(campaign).chain(leg) {
             let path = located.directory.join(name);
             let found = engine
                 .hashes
@@ -283,7 +306,10 @@ fn link_session(
     let mut is_other = false;
     for (path, object) in &links {
         let place = engine.object_path(object);
-        if same_file(&place, path, object.size) {
+        let below = path.strip_prefix(folder).unwrap_or(path).display();
+        let name = || format!("{SESSIONS}/{}/{below}", session.unit.name);
+        // What was copied from another place has the contents and is no link.
+        if same_file(&place, path, object.size) || stands(engine, &name(), path, &object.digest) {
             continue;
         }
         is_other = true;

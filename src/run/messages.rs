@@ -19,7 +19,9 @@ const MESSAGES: &str = "messages.jsonl";
 pub struct Messages {
     /// Errors and warnings about its files.
     pub diagnostics: Vec<Diagnostic>,
-    /// The logs that were left out, and the session itself.
+    /// The logs that could not be read; of each there is a diagnostic.
+    pub unreadable: Vec<Reject>,
+    /// The logs that were read and left out, and the session itself.
     pub rejects: Vec<Reject>,
 }
 
@@ -64,14 +66,14 @@ fn digest_of(session: &UnitMade) -> Option<Digest> {
 
 fn messages(engine: &Engine, session: &UnitMade) -> Result<Messages> {
     let ingest = session.read(engine, &ingest::HEADER)?;
-    let mut rejects = ingest.rejects;
-    rejects.extend(session.read(engine, &clean::HEADER)?.rejects);
+    let mut rejects = session.read(engine, &clean::HEADER)?.rejects;
     rejects.extend(session.read(engine, &REJECTS)?);
     rejects.retain(|r| matches!(r.extent, Extent::Session | Extent::Log));
     let mut diagnostics = ingest.diagnostics;
     diagnostics.retain(|d| d.severity != Severity::Note);
     Ok(Messages {
         diagnostics,
+        unreadable: ingest.rejects,
         rejects,
     })
 }

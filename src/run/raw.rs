@@ -90,7 +90,7 @@ impl<'a> Logs<'a> {
 
     fn restless(&self) -> Error {
         Error::Usage(format!(
-            "the logs of session {} change while they are read; run again when they are at rest",
+            "the logs of session {} are being written while they are read; run again when the logger has finished",
             self.located.session.id
         ))
     }

@@ -55,6 +55,7 @@ pub fn tables<'a>(engine: &'a Engine, done: &Done, options: &'a RunOptions) -> R
         Ok(inputs) => inputs,
         Err(on) => {
             let step = engine.waits(STAGE.stage, TABLES, &on)?;
+            look_at_sessions(&mut shelf, done, options)?;
             return Ok(Tables { step, shelf });
         }
     };
@@ -68,9 +69,19 @@ pub fn tables<'a>(engine: &'a Engine, done: &Done, options: &'a RunOptions) -> R
         shelf.put(&step)?;
         shelf.put_sessions(done.made.of(Scope::Session), done.discovery)?;
         shelf.remember()?;
+    } else {
+        look_at_sessions(&mut shelf, done, options)?;
     }
     let step = step.settled();
     Ok(Tables { step, shelf })
+}
+
+/// A dry run says what is missing of the sessions even where the tables are out of date.
+fn look_at_sessions(shelf: &mut Shelf, done: &Done, options: &RunOptions) -> Result<()> {
+    if options.dry_run {
+        shelf.link_sessions(done.made.of(Scope::Session))?;
+    }
+    Ok(())
 }
 
 /// Brings the pages up to date, and puts them and the figures where people look for them.
@@ -203,7 +214,7 @@ fn discovery_digest(discovery: &Discovery) -> Result<Digest> {
     let unusable: Vec<_> = discovery
         .unusable
         .iter()
-        .map(|u| (&u.id, &u.relative, &u.diagnostics))
+        .map(|u| (&u.relative, &u.diagnostics))
         .collect();
     let json = serde_json::to_vec(&(unusable, &discovery.diagnostics)).map_err(Error::internal)?;
     Ok(Digest::of(&json))
@@ -256,8 +267,7 @@ fn knee(engine: &Engine, done: &Done) -> Result<Option<KneeInput>> {
 }
 
 fn name_and_reasons(unusable: &Unusable) -> (String, Vec<Diagnostic>) {
-    let name = unusable.id.as_ref().unwrap_or(&unusable.relative);
-    (name.clone(), unusable.diagnostics.clone())
+    (unusable.relative.clone(), unusable.diagnostics.clone())
 }
 
 /// The same with everything that pages show besides.

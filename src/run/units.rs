@@ -40,16 +40,6 @@ impl Scope {
         Scope::ShippedKnees,
     ];
 
-    /// Its units as progress counts them.
-    pub fn name(self) -> &'static str {
-        match self {
-            Scope::Session => "sessions",
-            Scope::Group => "fits",
-            Scope::TorqueCampaign => "torque",
-            Scope::ShippedKnees => "knees",
-        }
-    }
-
     /// The units, in order.
     pub fn units(self, discovery: &Discovery, config: &Config) -> Vec<Unit> {
         match self {

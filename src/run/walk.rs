@@ -8,7 +8,7 @@ use crate::rule::{Input, Rule};
 use crate::stages::LIST;
 use crate::step::{Stage, Step};
 use crate::units::{Scope, Unit};
-use crate::{Progress, parallel};
+use crate::{Progress, parallel, watched};
 use pipeline_base::digest::Digest;
 use pipeline_base::error::{Error, Result};
 use pipeline_config::{Config, Part};
@@ -66,27 +66,30 @@ impl<'a> Walk<'a> {
     ) -> Result<Vec<UnitMade>> {
         let rules = rules(scope, self.config)?;
         let units = scope.units(self.discovery, self.config);
-        if !units.is_empty() {
-            progress.begin(scope.name(), units.len());
-        }
         parallel::each(self.jobs, &units, |unit| {
-            let work = || self.unit(&rules, unit, sessions);
+            let work = || self.unit(&rules, unit, sessions, progress);
             // Why the threads of sessions are no workers of the pool: see `parallel`.
-            let done = match scope {
+            match scope {
                 Scope::Session => work(),
                 _ => self.pool.install(work),
-            };
-            progress.tick();
-            done
+            }
         })
     }
 
     /// One unit through all its stages.
-    fn unit(&self, rules: &[Ready], unit: &Unit, sessions: &[UnitMade]) -> Result<UnitMade> {
+    fn unit(
+        &self,
+        rules: &[Ready],
+        unit: &Unit,
+        sessions: &[UnitMade],
+        progress: &dyn Progress,
+    ) -> Result<UnitMade> {
         let mut own = Steps::new();
         let mine = |ready: &&Ready| (ready.rule.takes)(unit, self.discovery, self.config);
         for ready in rules.iter().filter(mine) {
-            let step = self.step(ready, unit, sessions, &own)?;
+            let step = watched(progress, (ready.stage.name, &unit.name), || {
+                self.step(ready, unit, sessions, &own)
+            })?;
             own.push((ready.stage.name, step));
         }
         Ok(UnitMade::new(unit.clone(), own))

@@ -61,6 +61,7 @@ fn session(drawn: &DrawnTruth, session: &DrawnSession) -> Session {
         setup: BTreeMap::from([(LENGTH.to_owned(), length)]),
         length_sd_m: None,
         joint: None,
+        format: Default::default(),
         columns: Vec::new(),
         logs: Vec::new(),
     }

@@ -191,7 +191,7 @@ fn mistakes_in_session_toml_name_line_key_found_expected_and_hint() {
         (
             "id = \"points\"",
             "id = \"points",
-            &["/session.toml:2", "valid TOML"],
+            &["/session.toml:2", "a closing quote"],
         ),
     ];
     let numbered = cases.into_iter().enumerate();
@@ -286,9 +286,7 @@ fn a_line_of_a_gigabyte_is_refused_without_being_held_in_memory() {
     log.set_len(1 << 30).unwrap();
     let said = bench.run(&["run"]);
     assert_eq!(said.code, 0, "{}", said.err);
-    for part in ["bad/points.csv:1", "a line of more than"] {
-        assert!(said.err.contains(part), "{part:?} is not in\n{}", said.err);
-    }
+    said.warns_of(&["bad/points.csv:1", "a line of more than"]);
     let rejects = bench.table("rejects");
     assert!(rejects.iter().any(|r| r["session"] == "bad"), "{rejects:?}");
 }
@@ -317,28 +315,41 @@ fn impossible_values_are_left_out_and_counted() {
 
 #[test]
 fn duplicate_ids_keep_the_first_and_name_both() {
-    let bench = with("session.toml", "id = \"points\"", "id = \"good\"");
+    let mut same = bad("late", "session.toml", "182", "182");
+    same.session = same.session.replacen("\"late\"", "\"good\"", 1);
+    let bench = beside_a_good_one(&[same]);
     let said = bench.run(&["run"]);
-    assert!(
-        said.err.contains("good/session.toml [id]") && said.err.contains("bad/session.toml"),
-        "{}",
-        said.err
-    );
+    said.warns_of(&["late/session.toml:2 [id]", "good/session.toml"]);
+    assert_eq!(bench.table("plateaus").len(), 7);
+    let rejects = bench.table("rejects");
+    let sessions: Vec<&str> = rejects.iter().map(|r| r["session"].as_str()).collect();
+    assert_eq!(sessions, ["late"], "the good session keeps its name");
+    let summary = std::fs::read(bench.root().join("reports/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_slice(&summary).unwrap();
+    assert_eq!(summary["sessions_used"][0]["id"], "good");
+    assert_eq!(summary["sessions_rejected"][0]["session"], "late");
+}
+
+#[test]
+fn one_log_under_two_sessions_is_refused_with_both_named() {
+    let twin = bad("twin", "session.toml", "182", "182");
+    let bench = beside_a_good_one(&[twin]);
+    let said = bench.run(&["run"]);
+    said.warns_of(&[
+        "twin/session.toml:19 [log]",
+        "good/points.csv byte for byte",
+    ]);
     assert_eq!(bench.table("plateaus").len(), 7);
 }
 
 #[cfg(unix)]
 #[test]
 fn a_loop_of_links_is_reported_and_not_entered() {
-    let bench = with("points.csv", "182,620,388", "182,620,388");
+    let bench = with("points.csv", "182,620,388", "182,620,389");
     std::os::unix::fs::symlink("..", bench.raw().join("good/loop")).unwrap();
     let said = bench.run(&["run"]);
     assert_eq!(said.code, 0);
-    assert!(
-        said.err.contains("a link to a folder above itself"),
-        "{}",
-        said.err
-    );
+    said.warns_of(&["a link to a folder above itself"]);
     assert_eq!(bench.table("plateaus").len(), 14);
 }
 
@@ -351,11 +362,7 @@ fn an_unreadable_folder_is_reported_and_the_rest_is_used() {
     let said = bench.run_unprivileged(&["run"]);
     bench.set_mode("raw/bad", 0o755);
     assert_eq!(said.code, 0, "{}", said.err);
-    assert!(
-        said.err.contains("a readable file or folder"),
-        "{}",
-        said.err
-    );
+    said.warns_of(&["a readable file or folder"]);
     assert_eq!(bench.table("plateaus").len(), 7);
 }
 
@@ -365,11 +372,11 @@ fn a_run_without_any_usable_session_is_no_success() {
     bench.write("bad/session.toml", "schema = 1\n");
     let said = bench.run(&["run"]);
     assert_eq!(said.code, 2, "{}{}", said.out, said.err);
-    assert!(said.err.contains("bad/session.toml"), "{}", said.err);
+    said.warns_of(&["bad/session.toml"]);
 }
 
 #[test]
-fn a_campaign_of_which_every_session_is_excluded_stops_nothing() {
+fn a_run_of_which_every_session_is_excluded_is_no_success_and_says_why() {
     let bench = Bench::small();
     for file in crate::support::files(&bench.raw()) {
         if file.ends_with("session.toml") {
@@ -383,5 +390,67 @@ fn a_campaign_of_which_every_session_is_excluded_stops_nothing() {
         }
     }
     let said = bench.run(&["run"]);
-    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    assert_eq!(said.code, 2, "{}{}", said.out, said.err);
+    for part in ["6 of 6 sessions", "the bolt slipped"] {
+        assert!(said.out.contains(part), "{part}: {}", said.out);
+    }
+    assert!(bench.root().join("reports/force.pdf").exists());
+}
+
+#[test]
+fn a_session_or_log_that_is_left_out_is_said_once() {
+    let no_steady_reading = bad(
+        "slack",
+        "points.csv",
+        DATA,
+        "length_mm,pressure_kpa,force_n\n1,620,3\n",
+    );
+    let misspelt = bad("misspelt", "session.toml", "kind =", "kin =");
+    let bench = beside_a_good_one(&[no_steady_reading, misspelt]);
+    let said = bench.run(&["run"]);
+    let all = said.out + &said.err;
+    let of = |name: &str| all.lines().filter(|l| l.contains(name)).count();
+    assert_eq!(of("slack"), 1, "{all}");
+    // One line for the key that is missing and one for that which is unknown.
+    assert_eq!(of("misspelt"), 2, "{all}");
+    assert!(all.contains("2 of 3 sessions"), "{all}");
+}
+
+#[test]
+fn lengths_in_metres_are_refused_with_the_key_line_and_remedy() {
+    let rest = bad(
+        "rest",
+        "session.toml",
+        "rest_length_mm = 182",
+        "rest_length_mm = 0.182",
+    );
+    let held = "[setup]\nlength_mm = 0.182\n\n[columns]";
+    let held = bad(
+        "held",
+        "session.toml",
+        "[columns]\nlength = { name = \"length_mm\", unit = \"mm\" }",
+        held,
+    );
+    expect(vec![
+        (
+            rest,
+            &[
+                "/session.toml:10 [specimen.rest_length_mm]",
+                "`rest_length_mm = 182`",
+            ],
+        ),
+        (
+            held,
+            &[
+                "/session.toml:14 [setup.length_mm]",
+                "found 0.182 mm",
+                "specimen of 182 mm",
+            ],
+        ),
+    ]);
+    let logged = with("session.toml", "unit = \"mm\"", "unit = \"m\"");
+    let said = logged.run(&["run"]);
+    for part in ["session bad", "182000.000 mm", "unit of the length"] {
+        assert!(said.out.contains(part), "{part}: {}", said.out);
+    }
 }

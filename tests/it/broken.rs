@@ -95,7 +95,7 @@ fn logs() -> Vec<(&'static str, Vec<u8>, &'static str)> {
 fn descriptions() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     vec![
         ("toml-empty", Vec::new(), "found nothing"),
-        ("toml-syntax", b"schema = [[[".to_vec(), "valid TOML"),
+        ("toml-syntax", b"schema = [[[".to_vec(), "`key = value`"),
         (
             "toml-utf8",
             b"schema = \"\xff\"".to_vec(),
@@ -105,7 +105,7 @@ fn descriptions() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         (
             "toml-deep",
             b"a = ".iter().copied().chain(vec![b'['; 100_000]).collect(),
-            "valid TOML",
+            "`key = value`",
         ),
         ("toml-large", vec![b'#'; 2 << 20], "not data"),
     ]
@@ -142,7 +142,7 @@ fn break_everything(bench: &Bench) -> Vec<(String, &'static str)> {
         &format!("{}/session.toml", folder("twin")),
         session(&folder("garbage")),
     );
-    said.push((folder("twin"), "unique over the whole raw tree"));
+    said.push((folder("twin"), "an id that no other session has"));
     said.extend(system::break_more(bench, &folder, &session));
     said
 }

@@ -11,6 +11,8 @@ fn every_command_has_help_with_an_example() {
         &["run", "--help"],
         &["status", "--help"],
         &["check", "--help"],
+        &["init", "--help"],
+        &["summary", "--help"],
         &["predict", "--help"],
         &["simulate", "--help"],
         &["new-session", "--help"],
@@ -120,10 +122,11 @@ fn strict_turns_rejected_sessions_into_exit_code_3() {
     let said = bench.run(&["run", "--strict"]);
     assert_eq!(said.code, 3);
     assert!(
-        said.out.contains("left out: session broken"),
+        said.out.contains("left out: 1 of 7 sessions"),
         "{}",
         said.out
     );
+    assert!(said.err.contains("broken/session.toml"), "{}", said.err);
 }
 
 /// The commands, as the help lists them.

@@ -4,13 +4,12 @@ use crate::support::{Bench, FAST, Said, files};
 use pipeline::base::digest::{Digest, Outputs};
 use pipeline::base::error::Error;
 use pipeline::base::random::Stream;
-use pipeline::config::Config;
 use pipeline::run::engine::Engine;
 use pipeline::run::step::{Stage, Step};
-use pipeline::run::{Progress, RunOptions};
+use pipeline::run::{RunOptions, Silent};
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 const RUN: [&str; 3] = ["run", "--config", FAST];
@@ -157,14 +156,6 @@ fn flip_digit(log: &Path) {
     std::fs::write(log, bytes).unwrap();
 }
 
-struct Silent;
-
-impl Progress for Silent {
-    fn begin(&self, _stage: &str, _units: usize) {}
-    fn tick(&self) {}
-    fn note(&self, _message: &str) {}
-}
-
 /// A defect of the program in the work on one unit: named, and of no consequence for the next unit of a run that keeps going.
 #[test]
 fn a_panic_in_one_unit_is_named_and_stops_only_a_run_that_does_not_keep_going() {
@@ -177,15 +168,8 @@ fn a_panic_in_one_unit_is_named_and_stops_only_a_run_that_does_not_keep_going() 
     let readings: Vec<f64> = Vec::new();
     let try_both = |keep_going: bool| {
         let options = RunOptions {
-            raw: Vec::new(),
-            derived: folder.path().join("derived"),
-            reports: folder.path().join("reports"),
-            config: Config::default(),
-            jobs: 1,
-            force: None,
-            dry_run: false,
             keep_going,
-            only: None,
+            ..RunOptions::below(folder.path())
         };
         let engine = Engine::open(&options, None, &Silent).unwrap();
         let broken = || Ok(Outputs::from([("x".to_owned(), vec![readings[3] as u8])]));
@@ -245,13 +229,7 @@ mod long {
             if reports.exists() {
                 std::fs::remove_dir_all(&reports).unwrap();
             }
-            let mut child = Command::new(env!("CARGO_BIN_EXE_pipeline"))
-                .args(RUN)
-                .current_dir(bench.root())
-                .stdout(Stdio::null())
-                .stderr(Stdio::null())
-                .spawn()
-                .unwrap();
+            let mut child = bench.start(&RUN);
             std::thread::sleep(whole.mul_f64(0.3 * stream.uniform()));
             let mut bytes = std::fs::read(&log).unwrap();
             let digits = (0..bytes.len()).filter(|k| bytes[*k].is_ascii_digit());

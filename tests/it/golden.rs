@@ -178,7 +178,7 @@ fn tables_that_come_and_go_are_differences() {
     let said = bench.run(&["check"]);
     assert_eq!(said.code, 1);
     for text in [
-        "has no golden one yet",
+        "has no golden copy yet",
         "without an entry",
         "give it an entry in golden.toml",
     ] {

@@ -2,21 +2,12 @@
 
 use crate::support::{Bench, FAST, files};
 use pipeline::base::random::Stream;
-use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Runs that are killed.
 const KILLED: usize = 200;
 
-fn start(bench: &Bench) -> std::process::Child {
-    Command::new(env!("CARGO_BIN_EXE_pipeline"))
-        .args(["run", "--config", FAST])
-        .current_dir(bench.root())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap()
-}
+const RUN: [&str; 3] = ["run", "--config", FAST];
 
 /// Removes a folder, which a killed run may not even have made.
 fn remove(bench: &Bench, folder: &str) {
@@ -31,7 +22,7 @@ fn two_runs_at_once_take_turns_and_agree() {
     let bench = Bench::quick_done();
     let right = bench.results();
     std::fs::remove_dir_all(bench.root().join("derived")).unwrap();
-    let mut first = start(&bench);
+    let mut first = bench.start(&RUN);
     while !bench.root().join("derived/cache/lock").exists() {
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -39,7 +30,9 @@ fn two_runs_at_once_take_turns_and_agree() {
     assert!(first.wait().unwrap().success());
     assert_eq!(second.code, 0, "{}", second.err);
     assert!(
-        second.err.contains("another run works on this directory"),
+        second
+            .err
+            .contains("another run is working on this directory"),
         "{}",
         second.err
     );
@@ -56,11 +49,11 @@ fn a_place_that_cannot_be_written_is_said_and_the_next_run_goes_on() {
     std::fs::remove_dir_all(&tables).unwrap();
     // A file where a folder should be fails for everybody, root included.
     std::fs::write(&tables, b"in the way").unwrap();
-    let said = bench.run(&["run", "--config", FAST]);
+    let said = bench.run(&RUN);
     assert_eq!(said.code, 2, "{}", said.err);
     assert!(said.err.contains("reports/tables"), "{}", said.err);
     std::fs::remove_file(&tables).unwrap();
-    assert!(start(&bench).wait().unwrap().success());
+    assert!(bench.start(&RUN).wait().unwrap().success());
     assert_eq!(bench.results(), right);
 }
 
@@ -73,7 +66,7 @@ mod long {
     fn two_hundred_killed_runs_leave_nothing_that_the_next_does_not_mend() {
         let bench = Bench::quick();
         let began = Instant::now();
-        assert!(start(&bench).wait().unwrap().success());
+        assert!(bench.start(&RUN).wait().unwrap().success());
         let whole = began.elapsed();
         let right = bench.results();
         let mut stream = Stream::new(1, &["kill"]);
@@ -95,7 +88,7 @@ mod long {
                 2 => remove(&bench, "reports"),
                 _ => {}
             }
-            let mut child = start(&bench);
+            let mut child = bench.start(&RUN);
             std::thread::sleep(whole.mul_f64(stream.uniform()));
             cut += usize::from(child.try_wait().unwrap().is_none());
             let _ = child.kill();
@@ -107,7 +100,7 @@ mod long {
                 assert!(right.get(&name) == Some(&bytes), "after kill {k}: {name}");
             }
             if k % 10 == 9 {
-                assert!(start(&bench).wait().unwrap().success());
+                assert!(bench.start(&RUN).wait().unwrap().success());
                 assert_eq!(bench.results(), right, "after kill {k}");
             }
         }

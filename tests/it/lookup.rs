@@ -96,6 +96,45 @@ fn a_changed_file_an_option_and_a_wrong_name_are_said() {
 }
 
 #[test]
+fn a_column_may_be_a_number_and_what_has_no_cells_says_where_they_are() {
+    let bench = Bench::small_done();
+    let says = |cell: &str| bench.run(&["explain", cell]);
+    let value = &bench.table("coefficients")[1]["value"];
+    let header = std::fs::read_to_string(bench.root().join("reports/tables/coefficients.csv"));
+    let header = header.unwrap();
+    let at = header
+        .lines()
+        .next()
+        .unwrap()
+        .split(',')
+        .position(|c| c == "value");
+    for column in ["value".to_owned(), (at.unwrap() + 1).to_string()] {
+        let said = says(&format!("coefficients.csv:3:{column}"));
+        assert!(
+            said.out.contains(&format!("line 3, value = {value}")),
+            "{}{}",
+            said.out,
+            said.err
+        );
+        assert!(
+            said.out.contains("least squares"),
+            "how it is computed: {}",
+            said.out
+        );
+    }
+    for (cell, part) in [
+        ("coefficients.csv:3:99", "it has"),
+        ("coefficients.csv:3", "FILE:LINE:COLUMN"),
+        ("coefficients.md:3:value", "coefficients.csv:LINE:value"),
+        ("force.pdf:1:2", "CSV"),
+    ] {
+        let said = says(cell);
+        assert_eq!(said.code, 2, "{cell}");
+        assert!(said.err.contains(part), "{cell}: {}", said.err);
+    }
+}
+
+#[test]
 fn the_graph_joins_the_stages_from_raw_files_to_reports() {
     let bench = Bench::small_done();
     let said = bench.run(&["graph"]);
@@ -110,6 +149,13 @@ fn the_graph_joins_the_stages_from_raw_files_to_reports() {
     ] {
         assert!(said.out.contains(edge), "{edge} in {}", said.out);
     }
+    let raw = bench.snapshot("raw").len();
+    let tables = bench.snapshot("reports/tables").into_keys();
+    let tables = tables.filter(|name| name.ends_with(".csv")).count();
+    for node in [format!("raw ({raw} files)"), format!("tables ({tables})")] {
+        assert!(said.out.contains(&node), "{node} in {}", said.out);
+    }
+    assert!(!said.out.contains("figures (0)"), "{}", said.out);
     let units = bench.run(&["graph", "--format", "dot", "--units"]);
     assert!(units.out.contains("clean small-b-c50"), "{}", units.out);
 }

@@ -3,7 +3,7 @@
 use pipeline::simulate;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output, Stdio};
 use tempfile::TempDir;
 
 /// A simulated campaign that is small enough to be run many times.
@@ -55,6 +55,15 @@ pub struct Said {
     pub code: i32,
     pub out: String,
     pub err: String,
+}
+
+impl Said {
+    /// Fails unless the messages have all these parts.
+    pub fn warns_of(&self, parts: &[&str]) {
+        for part in parts {
+            assert!(self.err.contains(part), "{part:?} is not in\n{}", self.err);
+        }
+    }
 }
 
 impl Bench {
@@ -122,6 +131,17 @@ impl Bench {
                 .output()
                 .unwrap(),
         )
+    }
+
+    /// Begins a run here, of which nobody hears.
+    pub fn start(&self, arguments: &[&str]) -> Child {
+        Command::new(env!("CARGO_BIN_EXE_pipeline"))
+            .args(arguments)
+            .current_dir(self.root())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap()
     }
 
     /// What a run says of itself for programs (`--json`).

@@ -51,7 +51,7 @@ const DEGREES: [f64; 6] = [-80.0, -60.0, -45.0, -30.0, -15.0, -5.0];
 
 /// A session of the leg: its id, what else its head says, and by how much its torques are wrong.
 fn write(bench: &Bench, id: &str, head: &str, wrong_nm: f64) {
-    let mut data = String::from("a,t,l,r,p\n");
+    let mut data = String::from("a,t,l,r,p,session\n");
     for degrees in DEGREES {
         let (length, arm, torque) = leg(degrees, FITTING_M);
         let row = [
@@ -62,7 +62,7 @@ fn write(bench: &Bench, id: &str, head: &str, wrong_nm: f64) {
             600.0,
         ];
         let cells: Vec<String> = row.iter().map(ToString::to_string).collect();
-        data += &(cells.join(",") + "\n");
+        data += &format!("{},{id}\n", cells.join(","));
     }
     let session = format!(
         "schema = \"bpa-session/1\"\nid = \"{id}\"\nkind = \"knee-torque\"\nsampling = \"points\"\ncampaign = \"own leg\"\n{head}\n\
@@ -223,7 +223,7 @@ fn mistakes_in_a_joint_are_named_with_file_key_and_remedy() {
             "session.toml",
             "file = \"leg.toml\"",
             "file = \"log.toml\"",
-            &["/log.toml", "mend"],
+            &["/log.toml", "no such file", "beside session.toml"],
         ),
         (
             "session.toml",

@@ -76,7 +76,7 @@ fn parse(file: &'static str, text: &str) -> Result<Table, Diagnostic> {
             }
             let found = format!("{} cells", row.len());
             let expected = format!("{} cells, one a column", columns.len());
-            Err(Diagnostic::error(file, found, expected, "mend the line").at_row(number))
+            Err(Diagnostic::error(file, found, expected, "correct the line").at_row(number))
         })
         .collect::<Result<_, _>>()?;
     Ok(Table {
@@ -125,7 +125,7 @@ impl Table {
         let number = |text: &str| match text {
             "" => Ok(f64::NAN),
             _ => text.parse().map_err(|_| {
-                Diagnostic::error(self.file, text, "a number", "mend the cell").in_column(column)
+                Diagnostic::error(self.file, text, "a number", "correct the cell").in_column(column)
             }),
         };
         self.text(column)?.into_iter().map(number).collect()

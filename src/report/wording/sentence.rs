@@ -15,8 +15,7 @@ use pipeline_torque::diagnose::terms::usual;
 /// A source that makes less than this share of the expected variance is summed up with others; noise is always named.
 const NAMED_SHARE: f64 = 0.02;
 /// Sources that the answer on a page and on the terminal names, beside noise; the table has all.
-const SOURCES_IN_FULL: usize = 3;
-const SOURCES_IN_SHORT: usize = 2;
+const SOURCES_NAMED: usize = 3;
 /// A measurement that lowers the expected error by less than this share of it is not worth a sentence; the table has it.
 const WORTH_SAYING: f64 = 0.02;
 /// An error that is more than this share of the one before has not fallen; one that is more than the other has risen.
@@ -40,16 +39,8 @@ pub struct Clauses {
     pub recording_errors: Option<String>,
     /// Uncertainties that were declared and are contradicted.
     pub contradicted: Option<String>,
-    /// How many recording errors there are.
-    pub recording_errors_in_short: Option<String>,
     /// What was found.
     pub found: String,
-    /// The same without what each effect is indistinguishable from.
-    pub found_in_short: String,
-    /// The names of the effects alone.
-    pub found_by_name: String,
-    /// The first of the names and how many more there are, with ever fewer names.
-    pub found_in_part: Vec<String>,
     /// Whether "the smallest detectable sizes are in" a table belongs behind what was found.
     pub limits: bool,
     /// What stays without a name beside an effect.
@@ -60,8 +51,6 @@ pub struct Clauses {
     pub errors_in_short: Option<String>,
     /// What the expected error is made of.
     pub budget: Option<String>,
-    /// The same with the largest sources only.
-    pub budget_in_short: Option<String>,
     /// What the best next measurement is worth.
     pub worth: Option<String>,
     /// What a few readings of a new unit are worth.
@@ -73,39 +62,27 @@ pub fn clauses(found: &CampaignFindings) -> Clauses {
     Clauses {
         recording_errors: recording_errors(&found.recording_errors),
         contradicted: contradicted(found),
-        recording_errors_in_short: match found.recording_errors.len() {
-            0 => None,
-            1 => Some("one recording error, see residual.pdf".to_owned()),
-            n => Some(format!("{} recording errors, see residual.pdf", count(n))),
-        },
-        found: answer(found, |e| (size_of(e), indistinguishable(e))),
-        found_in_short: answer(found, |e| (size_of(e), None)),
-        found_by_name: answer(found, |e| (called(e), None)),
-        found_in_part: in_part(found),
+        found: answer(found),
         limits: found.verdict == Verdict::None && !found.detection_limits.is_empty(),
         unexplained: (found.verdict == Verdict::EffectFound)
             .then(|| beside(found))
             .flatten(),
         errors: errors(found),
         errors_in_short: errors_in_short(found),
-        budget: budget(found, SOURCES_IN_FULL),
-        budget_in_short: budget(found, SOURCES_IN_SHORT),
+        budget: budget(found),
         worth: worth(found),
         readings: few_readings(found),
     }
 }
 
-/// What was found, without the errors; of an effect its name, and a remark if there is one.
-fn answer(
-    found: &CampaignFindings,
-    of_effect: fn(&EffectFinding) -> (String, Option<String>),
-) -> String {
+/// What was found, without the errors; of an effect its name and size, and all remarks in one bracket.
+fn answer(found: &CampaignFindings) -> String {
     let weighty: Vec<&EffectFinding> = found.effects.iter().filter(|e| !e.negligible).collect();
     let of_effect = |e: &EffectFinding| {
-        let (name, remark) = of_effect(e);
         let large = beyond_usual(found, e).map(|_| "implausibly large".to_owned());
-        let remarks = [large, of_one_group(found, e), remark];
+        let remarks = [large, of_one_group(found, e), indistinguishable(e)];
         let remarks: Vec<String> = remarks.into_iter().flatten().collect();
+        let name = size_of(e);
         if remarks.is_empty() {
             name
         } else {
@@ -145,21 +122,6 @@ fn contradicted(found: &CampaignFindings) -> Option<String> {
         })
         .collect();
     (!list.is_empty()).then(|| list.join("; "))
-}
-
-/// The first names of the effects and how many more there are.
-fn in_part(found: &CampaignFindings) -> Vec<String> {
-    let weighty = found.effects.iter().filter(|e| !e.negligible);
-    let names: Vec<String> = weighty.map(called).collect();
-    let first = |shown: usize| {
-        let more = match names.len() - shown {
-            1 => "one more effect".to_owned(),
-            n => format!("{} more effects", count(n)),
-        };
-        let said: Vec<&str> = names[..shown].iter().map(String::as_str).collect();
-        listed(&[&said[..], &[&more]].concat())
-    };
-    (1..names.len()).rev().map(first).collect()
 }
 
 /// Of an effect of a joint that it is larger than such parts were measured to be, and what these have up to: something else is probably in it.
@@ -436,7 +398,7 @@ fn these_only(found: &CampaignFindings) -> String {
     format!(": the effects describe these {units}, and do not help on another")
 }
 
-/// `the error on unseen actuators goes from 8.09 to 3.02 N m, but its stated uncertainty gets worse`.
+/// `the error on unseen actuators goes from 8.09 to 3.02 N m (larger on 1 of the 4 actuators), but its stated uncertainty gets worse`.
 fn errors_in_short(found: &CampaignFindings) -> Option<String> {
     let Some((before, after, change)) = error_change(found) else {
         return errors(found);
@@ -448,13 +410,14 @@ fn errors_in_short(found: &CampaignFindings) -> Option<String> {
     );
     let density = density_change(found).map_or(Change::Alike, |(.., change)| change);
     let worse = density == Change::Worse;
+    let on_some = larger_on_some(found);
     Some(match change {
         Change::Better if worse => {
             format!(
-                "the error on {on} goes from {from} to {to}, but its stated uncertainty gets worse"
+                "the error on {on} goes from {from} to {to}{on_some}, but its stated uncertainty gets worse"
             )
         }
-        Change::Better => format!("the error on {on} goes from {from} to {to}"),
+        Change::Better => format!("the error on {on} goes from {from} to {to}{on_some}"),
         Change::Alike if worse => {
             format!(
                 "the error on {on} does not fall ({from} to {to}), its stated uncertainty gets worse{}",
@@ -478,8 +441,8 @@ fn untried(found: &CampaignFindings) -> Option<String> {
     has_terms(found).then(|| format!("not tried on another {unit}, since there is none"))
 }
 
-/// The sources that a sentence names, largest first, at most so many and noise; and the root of what the others make together.
-fn named_sources(found: &CampaignFindings, most: usize) -> (Vec<&BudgetEntry>, f64) {
+/// The sources that a sentence names, largest first, and noise; and the root of what the others make together.
+fn named_sources(found: &CampaignFindings) -> (Vec<&BudgetEntry>, f64) {
     let total: f64 = found.budget.iter().map(|b| b.variance).sum();
     let mut order: Vec<&BudgetEntry> = found.budget.iter().collect();
     order.sort_by(|a, b| b.variance.total_cmp(&a.variance));
@@ -487,7 +450,7 @@ fn named_sources(found: &CampaignFindings, most: usize) -> (Vec<&BudgetEntry>, f
     let large = order
         .iter()
         .filter(|b| !is_noise(b) && b.variance >= NAMED_SHARE * total);
-    let mut named: Vec<&BudgetEntry> = large.take(most).copied().collect();
+    let mut named: Vec<&BudgetEntry> = large.take(SOURCES_NAMED).copied().collect();
     let left: f64 = order
         .iter()
         .filter(|b| !is_noise(b) && !named.iter().any(|n| n.source == b.source))
@@ -499,8 +462,8 @@ fn named_sources(found: &CampaignFindings, most: usize) -> (Vec<&BudgetEntry>, f
 
 /// `of the 13.4 N expected on an unseen specimen, 12.0 come from set lengths (0.9 mm), 4.1 from specimen gain and 2.6
 /// from noise (added in quadrature)`.
-fn budget(found: &CampaignFindings, most: usize) -> Option<String> {
-    let (named, left) = named_sources(found, most);
+fn budget(found: &CampaignFindings) -> Option<String> {
+    let (named, left) = named_sources(found);
     let from = |b: &&BudgetEntry| {
         let scatter = scattered(found, b);
         format!(
@@ -746,7 +709,7 @@ pub fn in_doubt<'a>(all: impl Iterator<Item = &'a RecordingError>) -> Option<Str
     };
     (!all.is_empty()).then(|| {
         format!(
-            "{} {verb} mistaken, and this fit holds {them}: mend session.toml or exclude {them} there (exclude = \"why\"), and run again",
+            "{} {verb} mistaken, and this fit holds {them}: correct session.toml or exclude {them} there (exclude = \"why\"), and run again",
             listed(&all)
         )
     })

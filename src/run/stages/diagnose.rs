@@ -4,7 +4,6 @@ use super::normalize::{ROWS_OF_EACH, rows};
 use super::parts::*;
 use crate::engine::Engine;
 use crate::made::UnitMade;
-use crate::step::Step;
 use crate::units::Unit;
 use pipeline_base::frame::{Frame, Values};
 use pipeline_config::Config;
@@ -91,14 +90,6 @@ pub fn diagnosis(engine: &Engine, group: &UnitMade) -> Result<Option<Diagnosis>>
 /// What this run has found in a group; none where an earlier one has.
 ///
 /// # Errors
-/// A damaged entry.
-pub fn fresh_findings(engine: &Engine, group: &UnitMade) -> Result<Option<CampaignFindings>> {
-    match group.step(NAME) {
-        Some(Step::Done(..)) => group.read(engine, &FINDINGS),
-        _ => Ok(None),
-    }
-}
-
 fn numbers(list: &[f64]) -> Values {
     Values::Number(list.to_vec())
 }

@@ -2,10 +2,6 @@
 
 use super::normalize::ROWS;
 use super::parts::*;
-use crate::engine::Engine;
-use crate::made::UnitMade;
-use crate::step::Step;
-use pipeline_findings::CampaignFindings;
 use pipeline_torque as torque;
 use pipeline_torque::reference::Reference;
 use pipeline_torque::{CampaignTorque, Measured};
@@ -61,16 +57,4 @@ fn run(given: &Given) -> Result<Outputs> {
 
 fn reference(_: &Given) -> Result<Outputs> {
     REFERENCE.alone(&torque::reference::reference())
-}
-
-/// What this run has found in a campaign, joint by joint; nothing where an earlier one has.
-///
-/// # Errors
-/// A damaged entry.
-pub fn fresh_findings(engine: &Engine, campaign: &UnitMade) -> Result<Vec<CampaignFindings>> {
-    let Some(Step::Done(..)) = campaign.step(NAME) else {
-        return Ok(Vec::new());
-    };
-    let found = campaign.read(engine, &TORQUE)?.diagnoses.into_iter();
-    Ok(found.map(|d| d.findings).collect())
 }

@@ -130,6 +130,7 @@ fn session(drawn: &Drawn, setup: &SetUp) -> Session {
         setup: BTreeMap::from([(LENGTH.to_owned(), length)]),
         length_sd_m: None,
         joint: None,
+        format: Default::default(),
         columns: Vec::new(),
         logs: Vec::new(),
     }

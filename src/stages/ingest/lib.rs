@@ -9,7 +9,8 @@ use pipeline_base::diagnostics::{Diagnostic, Severity};
 use pipeline_base::frame::{Frame, Values};
 use pipeline_base::reject::{Extent, Reject};
 use pipeline_base::session::{LogSpec, Session};
-use pipeline_formats::log::{self, RawLog, Request};
+use pipeline_formats::log::{RawLog, Request};
+use pipeline_formats::text_format;
 use serde::{Deserialize, Serialize};
 
 /// Raised when results change without a change of this stage's source files.
@@ -141,7 +142,14 @@ pub fn ingest(session: &Session, relative: &str, files: Vec<LogBytes>) -> Ingest
     };
     for (index, (spec, bytes)) in session.logs.iter().zip(files).enumerate() {
         let file = format!("{relative}/{}", spec.name());
-        match bytes.and_then(|bytes| log::read(&file, &bytes, spec.part.as_ref(), &requests)) {
+        match bytes.and_then(|bytes| {
+            text_format::read(
+                (&file, &bytes),
+                session.format,
+                spec.part.as_ref(),
+                &requests,
+            )
+        }) {
             Ok(raw) => keep(&mut ingested, index, spec, &file, raw),
             Err(diagnostic) => leave_out(&mut ingested.header, spec, diagnostic),
         }

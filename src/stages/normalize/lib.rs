@@ -2,7 +2,7 @@
 //! Normalize: readings with what is known of their specimen, and the dimensionless numbers of the force paper
 //! ([`pipeline_base::normalized`]).
 
-use pipeline_base::normalized::row;
+use pipeline_base::normalized::{CONTRACTION_RANGE, row};
 use pipeline_base::reading::Reading;
 use pipeline_base::reject::{Extent, Reject};
 use pipeline_base::row::Row;
@@ -11,8 +11,20 @@ use pipeline_base::session::Session;
 /// Raised when results change without a change of this stage's source files.
 pub const VERSION: u32 = 1;
 
-/// Contractions outside are no contractions of a braided actuator, but a wrong length or unit.
-const CONTRACTION_RANGE: (f64, f64) = (-0.3, 0.6);
+/// Why no reading is left: what was logged, and what the specimen can have.
+fn no_length_fits(session: &Session, readings: &[Reading]) -> String {
+    let lengths = readings.iter().map(|r| 1e3 * row(session, r).length_m);
+    let (low, high) = lengths.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+        (low.min(x), high.max(x))
+    });
+    let rest = 1e3 * session.specimen.rest_length_m;
+    let (least, most) = CONTRACTION_RANGE;
+    format!(
+        "no reading has a length that fits the specimen: found {low:.3} to {high:.3} mm, expected {:.0} to {:.0} mm; check the unit of the length in [columns]",
+        rest * (1.0 - most),
+        rest * (1.0 - least)
+    )
+}
 
 /// The rows of one session, and the readings that could not be normalised.
 pub fn normalize(session: &Session, readings: &[Reading]) -> (Vec<Row>, Vec<Reject>) {
@@ -44,7 +56,7 @@ pub fn normalize(session: &Session, readings: &[Reading]) -> (Vec<Row>, Vec<Reje
             last_row: None,
             count: 0,
             extent: Extent::Session,
-            reason: "no reading has a length that fits the specimen".to_owned(),
+            reason: no_length_fits(session, readings),
         });
     }
     (rows, rejects)

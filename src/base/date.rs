@@ -1,0 +1,57 @@
+//! Dates as users write them: ISO 8601, a day or a month.
+
+/// Whether a text is a day or a month that exists.
+pub fn is_date(text: &str) -> bool {
+    let parts: Vec<Option<u32>> = text.split('-').map(number).collect();
+    let lengths: Vec<usize> = text.split('-').map(str::len).collect();
+    match (&parts[..], &lengths[..]) {
+        ([Some(_), Some(month)], [4, 2]) => (1..=12).contains(month),
+        ([Some(year), Some(month), Some(day)], [4, 2, 2]) => {
+            (1..=12).contains(month) && (1..=days(*year, *month)).contains(day)
+        }
+        _ => false,
+    }
+}
+
+fn number(digits: &str) -> Option<u32> {
+    let are_digits = digits.bytes().all(|b| b.is_ascii_digit());
+    digits.parse().ok().filter(|_| are_digits)
+}
+
+/// Days of a month.
+fn days(year: u32, month: u32) -> u32 {
+    let is_leap = year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
+    match month {
+        2 if is_leap => 29,
+        2 => 28,
+        4 | 6 | 9 | 11 => 30,
+        _ => 31,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_days_and_months_that_exist_are_dates() {
+        for date in ["2022-11", "2022-11-30", "2024-02-29", "2000-02-29"] {
+            assert!(is_date(date), "{date}");
+        }
+        for text in [
+            "tomorrow",
+            "2022",
+            "2022-13",
+            "2022-02-31",
+            "2023-02-29",
+            "1900-02-29",
+            "22-11-30",
+            "2022-11-3",
+            "2022-11-+1",
+            "2022-11-30-1",
+            "",
+        ] {
+            assert!(!is_date(text), "{text}");
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! `pipeline summary`, which is also the end of `run`: models, verdicts, errors and what to measure next, campaign by campaign, from what the
+//! last run left below `reports/`.
+
+use crate::answers;
+use crate::args::PlaceArgs;
+use crate::print::{counted, line, print_json};
+use crate::{DONE, options, progress};
+use pipeline_base::error::{Error, Result};
+use pipeline_compare::NEW;
+use pipeline_findings::{CampaignFindings, Findings};
+use pipeline_report::wording::name::model_name;
+use pipeline_report::wording::number::error;
+use pipeline_run as run;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// Campaigns that are shown before the rest is counted.
+const SHOWN: usize = 20;
+
+/// What the last run found, and how the models did.
+pub(super) struct Answers {
+    findings: Findings,
+    summary: Summary,
+    reports: PathBuf,
+}
+
+/// The part of `summary.json` that is printed.
+#[derive(Deserialize)]
+struct Summary {
+    sessions_used: Vec<Session>,
+    sessions_rejected: Vec<Value>,
+    logs_rejected: Vec<Value>,
+    readings: usize,
+    models: Vec<GroupModels>,
+}
+
+#[derive(Deserialize)]
+struct Session {
+    exclude: Option<String>,
+}
+
+/// The models of one campaign and diameter, on the readings that all of them answer.
+#[derive(Deserialize)]
+struct GroupModels {
+    campaign: String,
+    diameter_mm: u32,
+    readings: usize,
+    of: Option<usize>,
+    rmse_n: Vec<ModelError>,
+}
+
+/// The error of one model on unseen specimens, N.
+#[derive(Deserialize, Serialize)]
+struct ModelError {
+    model: String,
+    rmse: f64,
+}
+
+/// Prints the answers of the last run; says so where they are no longer those of the sessions.
+pub(super) fn command(args: &PlaceArgs) -> Result<u8> {
+    let places = args.places()?;
+    let answers = Answers::load(&places.reports)?;
+    let options = options(&places, args.jobs, None, true)?;
+    let outcome = run::run(&options, &progress::Shown::new(true))?;
+    let stale = outcome.work.len();
+    if args.json {
+        print_json(&json!({ "answers": answers.as_json(), "would_run": stale }))?;
+        return Ok(DONE);
+    }
+    if stale > 0 {
+        line(format!(
+            "out of date: {stale} results would be computed (`pipeline status` says why); this is what the last run found"
+        ));
+    }
+    answers.print_extent();
+    answers.print();
+    Ok(DONE)
+}
+
+impl Answers {
+    /// What the last run left below `reports`.
+    ///
+    /// # Errors
+    /// There was no run, or another version of the program wrote it.
+    pub(super) fn load(reports: &Path) -> Result<Self> {
+        Ok(Self {
+            findings: read(&reports.join("findings.json"))?,
+            summary: read(&reports.join("summary.json"))?,
+            reports: reports.to_path_buf(),
+        })
+    }
+
+    /// The answers for other programs.
+    pub(super) fn as_json(&self) -> Value {
+        let campaigns = self.findings.campaigns.iter();
+        let one = |found: &CampaignFindings| {
+            let models = self.models_of(found);
+            let models =
+                models.map(|m| json!({ "readings": m.readings, "of": m.of, "rmse_n": m.rmse_n }));
+            let mut value = answers::as_json(found);
+            value["models"] = json!(models);
+            value
+        };
+        campaigns.map(one).collect()
+    }
+
+    /// The campaigns, a few lines each.
+    pub(super) fn print(&self) {
+        let campaigns = &self.findings.campaigns;
+        for found in campaigns.iter().take(SHOWN) {
+            let models = self.models_of(found).map(models_text);
+            line("");
+            answers::lines(found, models.as_deref())
+                .into_iter()
+                .for_each(line);
+        }
+        if campaigns.len() > SHOWN {
+            line(format!(
+                "\nand {} more: {}",
+                campaigns.len() - SHOWN,
+                self.reports.join("residual.pdf").display()
+            ));
+        }
+        line("");
+    }
+
+    /// How much was measured, and what was left out.
+    fn print_extent(&self) {
+        let all = &self.summary;
+        let (used, rejected) = (all.sessions_used.len(), all.sessions_rejected.len());
+        let excluded = all.sessions_used.iter().filter(|s| s.exclude.is_some());
+        line(format!(
+            "{} of {}; {} excluded by their owner, {} and {} left out",
+            counted(all.readings, "reading", "readings"),
+            counted(used, "session", "sessions"),
+            counted(excluded.count(), "session", "sessions"),
+            counted(rejected, "session", "sessions"),
+            counted(all.logs_rejected.len(), "log", "logs")
+        ));
+    }
+
+    fn models_of(&self, found: &CampaignFindings) -> Option<&GroupModels> {
+        let is = |m: &&GroupModels| {
+            found.part.is_none()
+                && (m.campaign.as_str(), m.diameter_mm) == (&found.campaign, found.diameter_mm)
+        };
+        self.summary.models.iter().find(is)
+    }
+}
+
+fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
+    let bytes = std::fs::read(path).map_err(|e| {
+        Error::Usage(format!(
+            "cannot read {}: {e}; `pipeline run` writes it",
+            path.display()
+        ))
+    })?;
+    pipeline_base::json::from_slice(&bytes).map_err(|_| {
+        Error::Usage(format!(
+            "{} is not as this version writes it; `pipeline run` writes it again",
+            path.display()
+        ))
+    })
+}
+
+/// `RMSE on unseen specimens: new 13.2, Hunt 2017 18.1, Festo tool 25.6 N (on the 1290 of 1675 readings that all of them answer)`.
+fn models_text(models: &GroupModels) -> String {
+    let one = |m: &ModelError| {
+        let fallback = if m.model == NEW { "new" } else { &m.model };
+        format!("{} {}", model_name(&m.model, fallback), error(m.rmse, "N"))
+    };
+    let all: Vec<String> = models.rmse_n.iter().map(one).collect();
+    let of = models.of.map_or_else(String::new, |of| format!(" of {of}"));
+    format!(
+        "RMSE on unseen specimens: {} N (on the {}{of} readings that all of them answer)",
+        all.join(", "),
+        models.readings
+    )
+}
