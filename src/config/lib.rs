@@ -374,6 +374,8 @@ pub struct ReportOptions {
     pub png_dpi: f64,
     /// Widths of the figures, one and two columns: "house" (85 and 175 mm), "ieee" (88 and 181 mm), "elsevier" (90 and 190 mm).
     pub figure_widths: FigureWidths,
+    /// Whether `audit.pdf` is made: the papers' numeric claims, each recomputed. The table `audit` is there in any case.
+    pub audit: bool,
 }
 }
 
@@ -408,6 +410,7 @@ impl Default for ReportOptions {
             date: String::new(),
             png_dpi: 150.0,
             figure_widths: FigureWidths::House,
+            audit: false,
         }
     }
 }

@@ -15,6 +15,7 @@ use crate::query;
 use crate::screen::{IDENTIFIABLE, Normal, Screen};
 use crate::search::{Decision, Found, Search};
 use crate::statistic::{deviate, likelihood_ratio};
+use crate::system::Factor;
 use crate::system::Variances;
 use crate::tree::{Block, Tree};
 use crate::variance::{Prior, Scale};
@@ -862,6 +863,42 @@ fn names_by_themselves_are_preferred_to_a_curve_where_forms_are_exchanged() {
         terms.sort_unstable();
         assert_eq!(terms, if differs { vec![2] } else { vec![0, 1] });
     }
+}
+
+#[test]
+fn a_point_is_judged_with_linear_components_following_it() {
+    // Readings of 0 and a coefficient of 3: in a group of n readings the intercept, with a standard deviation as large as the noise, takes
+    // n/(n + 1) of the -3 and leaves 9 n/(n + 1). With the intercepts held at 0 it would be 9 n.
+    let problem = line(&[], &[]);
+    let setting = Setting::new(&problem);
+    let model = null(&setting);
+    let alone = setting.linear_only(&model.variances);
+    let factor = Factor::new(&model.design.tree, &model.gram, &alone);
+    let mut point = problem.start();
+    point.coefficients[0] = 3.0;
+    let predicted = problem.predict(&point);
+    let sum = setting.objective(
+        &point,
+        &predicted,
+        (&model.design, &factor),
+        &model.variances,
+    );
+    let n = EACH as f64;
+    close(sum, GROUPS as f64 * 9.0 * n / (n + 1.0), 1e-9);
+}
+
+#[test]
+fn a_comparison_is_given_up_where_it_is_out_of_reach() {
+    // From 1000 the square takes ten halvings to its maximum at 5; what is wanted far beyond that is out of reach before.
+    let problem = line(&[(1, 25.0)], &[form(0, &[(1, 1.0)]).squared_from(1e3)]);
+    let setting = Setting::new(&problem);
+    let mut from = problem.start();
+    from.terms.push((0, vec![1e3]));
+    let there = setting.fit(&from, &setting.fresh());
+    let reached = setting.compare(&from, &setting.fresh(), there.log_likelihood - 1.0);
+    close(reached.log_likelihood, there.log_likelihood, 0.02);
+    let given_up = setting.compare(&from, &setting.fresh(), there.log_likelihood + 1e9);
+    assert!(!given_up.converged);
 }
 
 #[test]

@@ -4,6 +4,12 @@
 //! forward model is linearised; the variances maximise the marginal likelihood of that linear model ([`crate::variance`]); coefficients,
 //! amplitudes and random effects move to their estimates, shortened until the penalised sum of squares falls. Sensitivities inside the
 //! covariance are frozen within an iteration, else the likelihood would reward small predictions.
+//!
+//! Components in which the forward model is linear (misfits, rounding of lengths) are profiled out of that sum: they follow at once wherever the
+//! others go. Held where they were they would count what they take up a step later, and good steps would be shortened to a fraction.
+//!
+//! A fit ends where a whole step would gain next to nothing (the Newton decrement, which does not depend on the scale of anything) and the
+//! likelihood has settled. Fits that are only compared end earlier, or where they are out of reach of what they are compared with.
 
 use crate::gram::{Design, Gram, Square};
 use crate::problem::{Component, Linearised, Point, Problem};
@@ -403,7 +409,7 @@ impl<'a> Setting<'a> {
 
     /// Penalised sum of squares at a point with these predictions, the least over the random effects of linear components: wherever the others
     /// go, these follow at once. `linear` is the factor of a system that knows no others.
-    fn objective(
+    pub(crate) fn objective(
         &self,
         point: &Point,
         predicted: &[f64],
@@ -426,7 +432,7 @@ impl<'a> Setting<'a> {
     }
 
     /// The variances with no components but those in which the forward model is linear.
-    fn linear_only(&self, variances: &Variances) -> Variances {
+    pub(crate) fn linear_only(&self, variances: &Variances) -> Variances {
         let mut alone = variances.clone();
         let components = alone.components.iter_mut().zip(self.problem.components());
         for (sd, _) in components.filter(|(_, c)| !c.linear) {

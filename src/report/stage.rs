@@ -219,7 +219,10 @@ fn documents(
 ) -> Vec<Document> {
     let date = date_of(input, &config.report);
     let force = || force_pdf(input, &pictures.traces, config, figures_left_out).map(Some);
-    let audit = || audit_pdf(&audit_of(input), &input.input_digest, date).map(Some);
+    let audit = || {
+        let typeset = || audit_pdf(&audit_of(input), &input.input_digest, date);
+        config.report.audit.then(typeset).transpose()
+    };
     let residual = || residual_pdf(input, &pictures.found, date);
     let of_knee = knee::Figures {
         campaigns: &pictures.torque,

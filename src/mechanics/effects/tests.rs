@@ -122,6 +122,40 @@ fn derivatives_by_amplitude_and_shape_are_those_of_differences() {
     }
 }
 
+/// Where a reading pulls, friction is a constant of the tension, through nothing and beyond; where nobody knows, it takes the last of the tension
+/// and the derivatives with it.
+#[test]
+fn friction_of_a_reading_that_pulls_keeps_the_derivatives() {
+    let at = |tension: f64, pulls: bool| Conditions {
+        pulls,
+        pressure_kpa: 0.0,
+        length_m: 0.2 + tension / STIFFNESS,
+        ..somewhere()
+    };
+    for (id, form) in [("hysteresis", 0), ("rate_dependence", 0)] {
+        let slope = |tension: f64, pulls: bool| {
+            let at = at(tension, pulls);
+            let by_length = |step: f64| {
+                let at = Conditions {
+                    length_m: at.length_m + step,
+                    ..at
+                };
+                let friction = applied(id, form, 2.0, f64::NAN);
+                shown::<f64>(&[friction], &at)
+            };
+            (by_length(1e-7) - by_length(-1e-7)) / 2e-7
+        };
+        for tension in [-1.0, -1e-3, 1e-3, 1.0, 100.0] {
+            let slope = slope(tension, true);
+            assert!(
+                (slope / STIFFNESS - 1.0).abs() < 1e-6,
+                "{id} {tension}: {slope}"
+            );
+        }
+        assert!(slope(0.05, false) < 0.01 * STIFFNESS, "{id}");
+    }
+}
+
 /// F = a P + k (l - C F - l_rest) is F = (a P + k (l - l_rest))/(1 + k C).
 #[test]
 fn a_yielding_frame_balances_as_two_springs_in_series() {
