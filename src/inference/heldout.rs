@@ -349,11 +349,13 @@ impl<'a> Unseen<'a> {
         }
     }
 
-    /// Gauss-Newton steps from the random effects of a point.
+    /// Gauss-Newton steps from the random effects of a point, to no worse place than where they begin: a step is judged with the columns of linear
+    /// components as they are, and where these are other ones at its end by far, what it seemed to gain is lost.
     fn descend(&self, from: &Point, asked: &Asked) -> (Stand, Design) {
         let (mut design, mut rows) = self.linear(from, asked);
         let nothing = vec![0.0; self.root.n];
         let mut here = self.stand(from.clone(), nothing, asked, (&design, &rows));
+        let begun = (here.clone(), design.clone());
         for _ in 0..MOST_STEPS {
             let to = given(&design, asked);
             let next = self.step(&here, &to, asked, (&design, &rows));
@@ -364,6 +366,9 @@ impl<'a> Unseen<'a> {
             }
             (design, rows) = self.linear(&here.point, asked);
             here = self.stand(here.point, here.parameters, asked, (&design, &rows));
+        }
+        if here.value > begun.0.value {
+            return begun;
         }
         (here, design)
     }
@@ -501,6 +506,7 @@ struct Asked<'q> {
 }
 
 /// A place on the way to the mode of a group's random effects.
+#[derive(Clone)]
 struct Stand {
     point: Point,
     /// Root and fixed effects, in units of independent standard normal numbers.
