@@ -117,7 +117,7 @@ pub fn sensitive(setting: &Setting, found: &Found) -> Vec<usize> {
 }
 
 /// Each group's own estimate of a term's value, all else and the variances as found: `group` numbers the groups of the readings from 0.
-/// None of a group whose readings do not show it.
+/// None of a group whose readings do not show it, or show it so little that it comes out beyond what is possible.
 pub fn by_group(
     setting: &Setting,
     model: &Fitted,
@@ -130,6 +130,7 @@ pub fn by_group(
     let (Some(place), Some(values)) = (model.place(term, value), model.values(term)) else {
         return all;
     };
+    let (low, high) = setting.problem.terms()[term].bounds[value];
     let mut design = model.design.clone();
     let column = design.x.remove(place);
     let others = design.x.len();
@@ -154,7 +155,9 @@ pub fn by_group(
             value: values[value] + fixed[others + k],
             standard_error,
         };
-        all[g] = Some(estimate).filter(|_| standard_error > 0.0 && standard_error.is_finite());
+        let possible = estimate.value >= low && estimate.value <= high;
+        let known = standard_error > 0.0 && standard_error.is_finite();
+        all[g] = (known && possible).then_some(estimate);
     }
     all
 }

@@ -18,6 +18,8 @@ impl Actuator for Spring {
 fn somewhere() -> Conditions {
     Conditions {
         direction: 1.0,
+        highest_kpa: 620.0,
+        first_filling: true,
         log_time_s: 12.0,
         campaign_time: 0.4,
         since_step_s: 3.0,
@@ -156,6 +158,30 @@ fn friction_of_a_reading_that_pulls_keeps_the_derivatives() {
     }
 }
 
+/// At resting length nothing slides; a second filling has nothing of the first.
+#[test]
+fn what_does_not_slide_has_no_friction_and_what_has_settled_stays_settled() {
+    let forms = [("hysteresis", 5), ("conditioning", 1)];
+    let changed = |at: &Conditions| -> [f64; 2] {
+        forms.map(|(id, form)| {
+            let plain: f64 = shown(&[], at);
+            let with: f64 = shown(&[applied(id, form, 5.0, f64::NAN)], at);
+            with - plain
+        })
+    };
+    let at_rest = Conditions {
+        length_m: 0.2,
+        ..somewhere()
+    };
+    assert_eq!(changed(&at_rest), [0.0, 0.0]);
+    let settled = Conditions {
+        first_filling: false,
+        pressure_kpa: 620.0,
+        ..somewhere()
+    };
+    assert_eq!(changed(&settled), [0.0, 0.0]);
+}
+
 /// F = a P + k (l - C F - l_rest) is F = (a P + k (l - l_rest))/(1 + k C).
 #[test]
 fn a_yielding_frame_balances_as_two_springs_in_series() {
@@ -188,6 +214,8 @@ fn operators_do_what_their_equations_say() {
     };
     let ln = libm::log;
     let within = |change: f64| change / (1.0 + (change / 100.0) * (change / 100.0)).sqrt();
+    // Contracted by 2.5%, 2.5 times as far as friction needs to set in.
+    let slid = 6.25 / 7.25;
     let gradual = 100.0 - 0.5 * 30.0 * (1.0 - libm::exp(-somewhere().pressure_kpa / 30.0));
     let expected = [
         (f("force_zero_offset", 0, 3.0, f64::NAN), 103.0),
@@ -205,11 +233,19 @@ fn operators_do_what_their_equations_say() {
         (f("hysteresis", 2, 0.02, f64::NAN), 98.0),
         (f("hysteresis", 3, 6.2, f64::NAN), 100.0 - within(4.0)),
         (f("hysteresis", 4, 10.0, f64::NAN), 95.0),
+        (
+            f("hysteresis", 5, 20.0, f64::NAN),
+            100.0 - within(40.0 * (1.0 - 400.0 / 620.0) * slid),
+        ),
         (f("rate_dependence", 0, 0.5, f64::NAN), 100.0 - within(3.5)),
         (f("creep", 0, -0.01, 1.0), 100.0 * (1.0 - 0.01 * ln(4.0))),
         (
             f("conditioning", 0, 0.1, 15.0),
             100.0 * (1.0 - 0.1 * (1.0 - libm::exp(-1.0))),
+        ),
+        (
+            f("conditioning", 1, 8.0, f64::NAN),
+            100.0 - within(8.0 * slid),
         ),
         (f("misalignment", 0, 60.0, f64::NAN), 50.0),
         (f("rest_length_scaling", 0, 2.0, f64::NAN), 90.0),

@@ -45,14 +45,25 @@ pub(super) fn cycles_before(data: &Data, dated: bool) -> Vec<f64> {
 
 /// Time since the last step and rate of the pressure, from the sequence of readings in each log, where no column says them.
 pub(super) fn histories(rows: &[&Row], data: &Data, conditions: &mut [Conditions]) {
-    let mut by_log: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    // Logs in the order of their session, by which their rows come.
+    let mut logs: Vec<Vec<usize>> = Vec::new();
+    let mut place_of = BTreeMap::new();
     for (i, log) in data.log.iter().enumerate() {
-        by_log.entry(*log).or_default().push(i);
+        let place = *place_of.entry(*log).or_insert_with(|| {
+            logs.push(Vec::new());
+            logs.len() - 1
+        });
+        logs[place].push(i);
     }
-    for mut places in by_log.into_values() {
+    for places in &mut logs {
         places.sort_by(|a, b| rows[*a].time_s.total_cmp(&rows[*b].time_s).then(a.cmp(b)));
         let timed = places.iter().all(|&i| rows[i].time_s.is_finite());
-        directions_by_sequence(rows, &places, conditions);
+        directions_by_sequence(rows, places, conditions);
+        let pressures = places.iter().map(|i| rows[*i].pressure_kpa);
+        let highest = pressures.fold(f64::NEG_INFINITY, f64::max);
+        places
+            .iter()
+            .for_each(|i| conditions[*i].highest_kpa = highest);
         let mut level_began = f64::NAN;
         for (k, &i) in places.iter().enumerate() {
             let row = rows[i];
@@ -67,9 +78,24 @@ pub(super) fn histories(rows: &[&Row], data: &Data, conditions: &mut [Conditions
             let since = row.time_s - level_began;
             conditions[i].since_step_s =
                 named(row, SINCE_STEP).unwrap_or(if since.is_finite() { since } else { 0.0 });
-            conditions[i].rate_kpa_per_s = named(row, RATE)
-                .unwrap_or_else(|| if timed { rate(rows, &places, k) } else { 0.0 });
+            conditions[i].rate_kpa_per_s =
+                named(row, RATE).unwrap_or_else(|| if timed { rate(rows, places, k) } else { 0.0 });
         }
+    }
+    first_fillings(rows, data, &logs, conditions);
+}
+
+/// Whether a reading is of the first filling after its length was set in its session: nothing was vented at this length before.
+fn first_fillings(rows: &[&Row], data: &Data, logs: &[Vec<usize>], conditions: &mut [Conditions]) {
+    let mut settings = vec![(f64::NAN, false); data.sessions.len()];
+    for &i in logs.iter().flatten() {
+        let (length, vented) = &mut settings[data.session[i]];
+        let stayed = (rows[i].length_m - *length).abs() <= STEP_M;
+        if !stayed {
+            (*length, *vented) = (rows[i].length_m, false);
+        }
+        *vented |= conditions[i].direction < 0.0;
+        conditions[i].first_filling = !*vented && conditions[i].direction > 0.0;
     }
 }
 
@@ -124,5 +150,63 @@ fn rate(rows: &[&Row], places: &[usize], k: usize) -> f64 {
         (b.pressure_kpa - a.pressure_kpa) / seconds
     } else {
         0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::data::Data;
+    use pipeline_base::row::Row;
+    use pipeline_base::session::Phase;
+    use pipeline_simulate::rig_like;
+
+    /// A session of logs with these pressures, each at a length; rising ones are filled, falling ones vented.
+    fn session(logs: &[(&str, f64, &[f64])]) -> Vec<Row> {
+        let some = rig_like::campaign(1, &rig_like::Settings::default()).rows;
+        let mut rows = Vec::new();
+        for (log, length_m, pressures) in logs {
+            let mut before = 0.0;
+            for (k, pressure) in pressures.iter().enumerate() {
+                let phase = if *pressure > before {
+                    Phase::Pressurizing
+                } else {
+                    Phase::Depressurizing
+                };
+                before = *pressure;
+                rows.push(Row {
+                    log: (*log).to_owned(),
+                    length_m: *length_m,
+                    time_s: k as f64,
+                    pressure_kpa: *pressure,
+                    phase: Some(phase),
+                    ..some[0].clone()
+                });
+            }
+        }
+        rows
+    }
+
+    #[test]
+    fn a_filling_is_the_first_until_something_was_vented_at_its_length() {
+        let up_and_down = &[200.0, 400.0, 300.0, 100.0][..];
+        let rows = session(&[
+            ("run9", 0.19, up_and_down),
+            ("run10", 0.19, up_and_down),
+            ("run11", 0.18, &[150.0, 500.0]),
+            ("run12", 0.18, &[200.0]),
+        ]);
+        let rows: Vec<&Row> = rows.iter().collect();
+        let data = Data::new(&rows);
+        let of = |f: fn(&super::Conditions) -> f64| -> Vec<f64> {
+            data.conditions.iter().map(f).collect()
+        };
+        let first = of(|c| f64::from(u8::from(c.first_filling)));
+        let yes = [0, 1, 8, 9, 10];
+        for (i, first) in first.iter().enumerate() {
+            assert_eq!(*first == 1.0, yes.contains(&i), "{i}");
+        }
+        let highest = of(|c| c.highest_kpa);
+        assert_eq!(highest[..8], [400.0; 8]);
+        assert_eq!(highest[8..], [500.0, 500.0, 200.0]);
     }
 }

@@ -240,6 +240,12 @@ impl Data {
         };
         let known = [
             (Need::Direction, varies(|c| c.direction, 1.5)),
+            (
+                Need::LaterFillings,
+                self.conditions
+                    .iter()
+                    .any(|c| c.direction > 0.0 && !c.first_filling),
+            ),
             (Need::LogTime, varies(|c| c.log_time_s, 1e-6)),
             (Need::CampaignTime, dated),
             (
@@ -305,6 +311,8 @@ fn conditions(rows: &[&Row], data: &Data, dated: bool) -> Vec<Conditions> {
             } else {
                 0.0
             },
+            highest_kpa: r.pressure_kpa,
+            first_filling: false,
             since_step_s: 0.0,
             rate_kpa_per_s: 0.0,
             temperature_c: zero_if_nan(temperature(r) - mean_temperature),
