@@ -41,7 +41,7 @@ const FORMS: &[Form] = &[
     form(
         "constant",
         Place::Sensor,
-        "F -> F - h s/sqrt(1 + (h/F)^2) (s = +1 filling, -1 venting)",
+        "F -> F - L(c), c = h s (s = +1 filling, -1 venting); L(c) = c where the actuator pulls, else c/sqrt(1 + (c/F)^2)",
         "h",
         "N",
         300.0,
@@ -65,7 +65,7 @@ const FORMS: &[Form] = &[
     form(
         "proportional to pressure",
         Place::Sensor,
-        "F -> F - c s/sqrt(1 + (c/F)^2), c = h P/620 kPa",
+        "F -> F - L(c), c = h s P/620 kPa; L(c) = c where the actuator pulls, else c/sqrt(1 + (c/F)^2)",
         "h",
         "N",
         300.0,
@@ -81,7 +81,7 @@ const FORMS: &[Form] = &[
     form(
         "sliding, closed at the top",
         Place::Sensor,
-        "F -> F - c/sqrt(1 + (c/F)^2), c = 2 h s (1 - P/P_top) x^2/(1 + x^2), x = eps/0.01, P_top the highest of the log",
+        "F -> F - L(c), c = 2 h s (1 - P/P_top) x^2/(1 + x^2), x = eps/0.01, P_top the highest of the log; L(c) = c where the actuator pulls, else c/sqrt(1 + (c/F)^2)",
         "h",
         "N",
         300.0,

@@ -9,7 +9,7 @@ pub struct RateDependence;
 const FORMS: &[Form] = &[Form {
     name: "linear",
     place: Place::Sensor,
-    equation: "F -> F - c/sqrt(1 + (c/F)^2), c = r dP/dt",
+    equation: "F -> F - L(c), c = r dP/dt; L(c) = c where the actuator pulls, else c/sqrt(1 + (c/F)^2)",
     amplitude: Parameter {
         name: "r",
         unit: "N s/kPa",
