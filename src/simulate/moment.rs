@@ -28,6 +28,8 @@ pub struct Moment {
     pub place: f64,
     /// Pressure cycles that the specimen has been through before this log.
     pub cycle: f64,
+    /// Cycles since the length of the session was set.
+    pub own_cycle: f64,
     /// l_rest, m.
     pub rest_length_m: f64,
     /// eps* of the length held.

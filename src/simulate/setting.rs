@@ -56,6 +56,7 @@ impl Setting {
         let moment = Moment {
             place: session.place as f64,
             cycle,
+            own_cycle: run as f64,
             rest_length_m: actuator.rest_length_m,
             contraction_rel: session.contraction_rel,
             f620_n: actuator.f620_n,

@@ -69,6 +69,17 @@ fn a_threshold_is_found_or_its_alias_and_both_are_named() {
     assert_eq!(found.effects.len(), 1, "{:?}", names(&found));
 }
 
+/// What the readings of the laboratory's rig show, in the simulator's own equations.
+#[test]
+fn friction_of_a_sliding_braid_and_a_first_filling_are_found_together() {
+    let mut effects = put("hysteresis", "sliding", 8.0, 0.0);
+    effects.extend(put("conditioning", "first_filling", 9.0, 0.0));
+    let (found, _) = searched(218, effects);
+    let mut found_names = names(&found);
+    found_names.sort_unstable();
+    assert_eq!(found_names, ["conditioning", "hysteresis"]);
+}
+
 #[test]
 fn what_the_library_does_not_know_is_unexplained_and_names_its_column() {
     let (found, _) = searched(214, put("humidity", "gain", 0.01, 0.0));

@@ -19,6 +19,7 @@ fn moment() -> Moment {
     Moment {
         place: 5.0,
         cycle: 3.0,
+        own_cycle: 0.0,
         rest_length_m: 0.182,
         contraction_rel: 0.25,
         f620_n: 300.0,
@@ -79,6 +80,7 @@ const CLOSED_FORMS: &[ClosedForm] = &[
     ("bladder_threshold", "smooth", [25.0, 12.0, 0.0], 0.0, 30.0, 9.668104213508734),
     ("conditioning", "exponential", [0.1, 5.0, 0.0], 0.0, 120.0, 114.58573963312833),
     ("conditioning", "power", [0.1, 5.0, 1.5], 0.0, 120.0, 113.92927061281571),
+    ("conditioning", "first_filling", [9.0, 0.0, 0.0], 0.0, 120.0, 120.0),
     ("creep", "logarithm", [0.02, 2.0, 0.0], 0.0, 120.0, 125.75494865471609),
     ("creep", "stretched", [0.02, 15.0, 0.5], 0.0, 120.0, 121.64363544318671),
     ("force_drift", "linear", [0.1, 0.0, 0.0], 0.0, 120.0, 121.2),
@@ -94,6 +96,7 @@ const CLOSED_FORMS: &[ClosedForm] = &[
     ("hysteresis", "proportional", [0.01, 0.0, 0.0], 0.0, 120.0, 124.0),
     ("hysteresis", "play", [15.0, 0.0, 0.0], 0.0, 400.0, 415.0),
     ("hysteresis", "play", [15.0, 0.0, 0.0], 0.0, 590.0, 585.0),
+    ("hysteresis", "sliding", [4.0, 200.0, 0.0], 0.0, 120.0, 121.05492404919428),
     ("length_offset", "constant", [2.0, 0.0, 0.0], 0.0, 0.17, 0.172),
     ("length_offset", "growing", [2.0, 1.0, 0.0], 0.0, 0.17, 0.171964),
     ("misalignment", "constant", [10.0, 0.0, 0.0], 0.0, 120.0, 118.17693036146497),
@@ -216,10 +219,10 @@ fn traces(form: &'static Form, p: [f64; 3]) -> Vec<f64> {
 #[test]
 fn the_forms_of_an_effect_differ_but_are_the_same_effect() {
     // What is left of the other form's trace once the plain form has been scaled to it: the effect must be found by its plain form,
-    // and the plain form must not be the truth. What lies outside the library has no plain operator to be found by, and `campaign`
-    // and `two_batch` are the plain operator in other clothes.
+    // and the plain form must not be the truth. What lies outside the library has no plain operator to be found by, `campaign` and
+    // `two_batch` are the plain operator in other clothes, and the last two have forms of their own in the library.
     let outside = ["age", "humidity", "sensor_curvature", "unknown_column"];
-    let same = ["campaign", "two_batch"];
+    let same = ["campaign", "two_batch", "first_filling", "sliding"];
     for effect in EFFECTS.iter().filter(|e| !outside.contains(&e.id)) {
         let size = |form: &'static Form| {
             let closed = CLOSED_FORMS
@@ -251,4 +254,28 @@ fn the_forms_of_an_effect_differ_but_are_the_same_effect() {
             );
         }
     }
+}
+
+#[test]
+fn a_first_filling_pulls_less_and_leaves_an_actuator_at_rest_alone() {
+    let act = |contraction_rel: f64, own_cycle: f64| {
+        let at = Instant {
+            phase: Phase::Pressurizing,
+            ..moment().at
+        };
+        let moment = Moment {
+            contraction_rel,
+            own_cycle,
+            at,
+            ..moment()
+        };
+        let given = Given {
+            p: [9.0, 0.0, 0.0],
+            column: 0.0,
+        };
+        (form("conditioning", "first_filling").act)(&given, &moment, 120.0)
+    };
+    assert_eq!(act(0.0, 0.0), 120.0);
+    assert!((act(0.25, 0.0) - (120.0 - 9.0 * (1.0 - libm::exp(-6.25)))).abs() < 1e-12);
+    assert!((act(10.0, 1.0) - (120.0 - 9.0 * libm::exp(-2.0))).abs() < 1e-12);
 }

@@ -126,6 +126,7 @@ impl<'a> Forward<'a> {
         Moment {
             place: setup.place as f64,
             cycle: (setup.own_place * self.settings.pace.runs() + place.run) as f64,
+            own_cycle: place.run as f64,
             rest_length_m: 1e-3 * self.drawn.muscles[setup.muscle].rest_mm,
             contraction_rel: setup.contraction_rel,
             f620_n,
