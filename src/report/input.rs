@@ -3,6 +3,7 @@
 use crate::figures::Drawn;
 use crate::figures::found::Kind;
 use crate::left_out::LeftOut;
+use crate::predictions::Predicted;
 use pipeline_base::diagnostics::Diagnostic;
 use pipeline_base::frame::Frame;
 use pipeline_base::reject::Reject;
@@ -121,6 +122,8 @@ pub struct ReportInput {
     pub sessions: Vec<SessionInput>,
     /// The rows of all sessions, by session.
     pub rows: Vec<Row>,
+    /// What models and the residual search expect of the rows.
+    pub predicted: Predicted,
     /// The groups, by campaign.
     pub groups: Vec<GroupInput>,
     /// The figures of each group; none of a group that has no section of its own ([`with_section`](crate::extent::with_section)).

@@ -12,6 +12,7 @@
 //! | [`plot`] | journal figures on plotters: axes, layers, legends |
 //! | [`figures`] | one file a figure |
 //! | [`wording`] | names, numbers and sentences of what was found |
+//! | [`predictions`] | what models and the residual search expect of every reading |
 //! | [`left_out`] | figures and documents that could not be built |
 //! | [`pages`] | what every document has in common: data of its template, tables, pictures |
 //! | [`force`] | the pages of `force.pdf`; `opening` its first |
@@ -39,6 +40,7 @@ pub mod number;
 mod opening;
 pub mod pages;
 pub mod plot;
+pub mod predictions;
 pub mod raster;
 pub mod render;
 pub mod residual;

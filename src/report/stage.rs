@@ -22,6 +22,7 @@ use pipeline_base::columns::is_reserved;
 use pipeline_base::digest::Digest;
 use pipeline_base::digest::Outputs;
 use pipeline_base::error::{Error, Result};
+use pipeline_base::frame::Values;
 use pipeline_base::reject::Extent;
 use pipeline_base::row::{self, Row, role_name};
 use pipeline_base::session::{Phase, Sampling};
@@ -98,6 +99,10 @@ fn json_bytes(value: &impl Serialize) -> Result<Vec<u8>> {
 /// A table that cannot be written as Parquet or JSON.
 pub fn tables(input: &ReportInput, config: &Config) -> Result<Outputs> {
     let rows = row::to_frame(&input.rows).with_units(units_of_extras(input));
+    let predicted = input.predicted.iter();
+    let rows = predicted.fold(rows, |frame, (name, forces)| {
+        frame.with(name, Values::Number(forces.clone()))
+    });
     let mut outputs = Outputs::from([
         ("derived/rows.parquet".to_owned(), rows.to_parquet()?),
         ("derived/split.csv".to_owned(), split_csv(input, config)),

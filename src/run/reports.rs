@@ -8,7 +8,7 @@ use crate::materialize::{Shelf, Written};
 use crate::stages::normalize::{self, REJECTS, ROWS};
 use crate::stages::report::{STAGE, read, reads};
 use crate::stages::torque::{self, REFERENCE, TORQUE};
-use crate::stages::{clean, fit, ingest};
+use crate::stages::{clean, compare, fit, ingest};
 use crate::step::Step;
 use crate::units::Scope;
 use pipeline_base::diagnostics::Diagnostic;
@@ -18,8 +18,9 @@ use pipeline_base::row::Row;
 use pipeline_cache::Entry;
 use pipeline_compare::Predictions;
 use pipeline_formats::discover::{Discovery, Unusable};
+use pipeline_report::predictions::{Columns, Predicted};
 use pipeline_report::stage as report;
-use pipeline_report::stage::{KneeInput, Provenance, ReportInput, SessionInput, Trace};
+use pipeline_report::stage::{GroupInput, KneeInput, Provenance, ReportInput, SessionInput, Trace};
 use std::collections::BTreeMap;
 
 /// The unit of everything that needs no page.
@@ -234,15 +235,20 @@ fn gather(engine: &Engine, done: &Done, input_digest: &Digest) -> Result<ReportI
         });
         rows.extend(session_rows);
     }
-    let groups = done.made.of(Scope::Group).iter();
-    let groups = groups.map(|g| figures::input(engine, g, Predictions::default()));
+    let made = done.made.of(Scope::Group);
+    let groups = made
+        .iter()
+        .map(|g| figures::input(engine, g, Predictions::default()));
+    let groups = groups.collect::<Result<Vec<GroupInput>>>()?;
+    let predicted = predicted(engine, made, &groups, &rows)?;
     let unusable = done.discovery.unusable.iter();
     Ok(ReportInput {
         unusable: unusable.map(name_and_reasons).collect(),
         diagnostics: done.discovery.diagnostics.clone(),
         sessions,
         rows,
-        groups: groups.collect::<Result<_>>()?,
+        predicted,
+        groups,
         figures: Vec::new(),
         left_out: Vec::new(),
         tables: Vec::new(),
@@ -251,6 +257,23 @@ fn gather(engine: &Engine, done: &Done, input_digest: &Digest) -> Result<ReportI
         provenance: provenance(done),
         input_digest: input_digest.to_string(),
     })
+}
+
+/// What models and the residual search expect of the rows.
+fn predicted(
+    engine: &Engine,
+    made: &[UnitMade],
+    groups: &[GroupInput],
+    rows: &[Row],
+) -> Result<Predicted> {
+    let mut columns = Columns::new(rows);
+    for (made, group) in made.iter().zip(groups) {
+        compare::place(engine, made, &mut columns)?;
+        if let Some(diagnosis) = &group.diagnosis {
+            columns.put_search(group.fit.group.is_pool(), &diagnosis.residuals);
+        }
+    }
+    Ok(columns.finish())
 }
 
 /// What was found of torque; none where nobody has measured it.

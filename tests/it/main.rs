@@ -31,6 +31,7 @@ mod numerics;
 mod pages;
 mod predict;
 mod predict_coverage;
+mod predictions;
 mod projects;
 mod reasons;
 mod rig;
