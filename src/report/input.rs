@@ -1,5 +1,6 @@
 //! Everything that a report is made of. Tables and figures read it and compute no statistic of their own.
 
+use crate::explorer;
 use crate::figures::Drawn;
 use crate::figures::found::Kind;
 use crate::left_out::LeftOut;
@@ -136,6 +137,8 @@ pub struct ReportInput {
     pub knee: Option<KneeInput>,
     /// The logs to draw.
     pub traces: Vec<Trace>,
+    /// The logs of the page for a browser, thinned.
+    pub logs: Vec<explorer::trace::Trace>,
     /// Sessions, then groups.
     pub provenance: Vec<Provenance>,
     /// One digest over every input.

@@ -19,6 +19,7 @@
 //! | [`audit`] | the pages of `audit.pdf` |
 //! | [`residual`] | the pages of `residual.pdf` |
 //! | [`knee`] | the pages of `knee.pdf` |
+//! | [`explorer`] | the page for a browser, `explorer.html` |
 //! | [`layout`] | what stands where on a typeset page |
 //! | [`supplement`] | the pages of `supplement.pdf` |
 //! | [`typeset`], [`raster`], [`fonts`] | pages through Typst, figures as PNG, the bundled fonts |
@@ -27,6 +28,7 @@
 
 pub mod audit;
 pub mod described;
+pub mod explorer;
 pub mod extent;
 pub mod figures;
 pub mod fonts;

@@ -18,9 +18,11 @@ use pipeline_base::row::Row;
 use pipeline_cache::Entry;
 use pipeline_compare::Predictions;
 use pipeline_formats::discover::{Discovery, Unusable};
+use pipeline_report::explorer::{self, sample::Extent, trace};
 use pipeline_report::predictions::{Columns, Predicted};
 use pipeline_report::stage as report;
 use pipeline_report::stage::{GroupInput, KneeInput, Provenance, ReportInput, SessionInput, Trace};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// The unit of everything that needs no page.
@@ -254,6 +256,7 @@ fn gather(engine: &Engine, done: &Done, input_digest: &Digest) -> Result<ReportI
         tables: Vec::new(),
         knee: knee(engine, done)?,
         traces: Vec::new(),
+        logs: Vec::new(),
         provenance: provenance(done),
         input_digest: input_digest.to_string(),
     })
@@ -306,6 +309,7 @@ fn with_figures(
         &input.sessions,
         &input.rows,
     )?;
+    input.logs = logs(engine, done, &input, Extent::Laboratory)?;
     let with_section = report::with_section(&input.groups).into_iter();
     let drawn = with_section
         .zip(figures)
@@ -340,4 +344,25 @@ fn traces(
             })
         })
         .collect()
+}
+
+/// The logs of the page for a browser, thinned one after the other: together they do not fit into memory.
+///
+/// # Errors
+/// A damaged entry.
+pub fn logs(
+    engine: &Engine,
+    done: &Done,
+    input: &ReportInput,
+    extent: Extent,
+) -> Result<Vec<trace::Trace>> {
+    let made = done.made.of(Scope::Session);
+    let wanted = explorer::logs_wanted(input, extent);
+    let plateaus = wanted.iter().map(|(_, log)| log.plateaus.len()).sum();
+    let thinned = wanted.par_iter().map(|((session, output), log)| {
+        let samples = made[*session].table(engine, ingest::NAME, output)?;
+        Ok(trace::trace(log, &samples, plateaus))
+    });
+    let thinned: Vec<Option<trace::Trace>> = thinned.collect::<Result<_>>()?;
+    Ok(thinned.into_iter().flatten().collect())
 }
