@@ -23,7 +23,7 @@ use pipeline_report::predictions::{Columns, Predicted};
 use pipeline_report::stage as report;
 use pipeline_report::stage::{GroupInput, KneeInput, Provenance, ReportInput, SessionInput, Trace};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The unit of everything that needs no page.
 const TABLES: &str = "tables";
@@ -346,11 +346,35 @@ fn traces(
         .collect()
 }
 
+/// The page for a browser of one campaign in full.
+///
+/// # Errors
+/// Results that are not up to date, a campaign that is not there, damaged entries.
+pub fn explorer(engine: &Engine, done: &Done, campaign: &str) -> Result<String> {
+    let inputs = results(done)?.map_err(|on| {
+        Error::Usage(format!(
+            "the results of the {on} are missing or out of date; `pipeline run` makes them"
+        ))
+    })?;
+    let mut input = gather(engine, done, &Digest::of_named(inputs.iter()))?;
+    let sessions = input.sessions.iter().map(|s| &s.ingest.session);
+    let known: BTreeSet<&str> = sessions.map(|s| s.campaign.as_str()).collect();
+    if !known.contains(campaign) {
+        let known = Vec::from_iter(known).join(", ");
+        return Err(Error::Usage(format!(
+            "no campaign is called \"{campaign}\"; found {known}"
+        )));
+    }
+    let extent = Extent::Campaign(campaign);
+    input.logs = logs(engine, done, &input, extent)?;
+    explorer::html(&input, extent)
+}
+
 /// The logs of the page for a browser, thinned one after the other: together they do not fit into memory.
 ///
 /// # Errors
 /// A damaged entry.
-pub fn logs(
+fn logs(
     engine: &Engine,
     done: &Done,
     input: &ReportInput,
