@@ -10,6 +10,7 @@ mod crash;
 mod crates;
 mod declared;
 mod documents;
+mod explorer;
 mod findings_schema;
 mod finished;
 mod formats;

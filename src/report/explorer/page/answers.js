@@ -19,7 +19,7 @@ function answerOf(answer, sources, largest) {
   const parts = [element("h3", {}, answer.title, answer.simulated ? element("small", {}, " simulated") : null)];
   parts.push(...answer.sentences.map((text) => element("p", {}, text)));
   if (answer.before.heldout !== null) {
-    parts.push(element("p", { className: "numbers" }, `RMSE ${answer.held_out}: without effects `, element("b", {}, number(answer.before.heldout)), ", with effects ", element("b", {}, number(answer.after.heldout)), `; on the readings of the fit ${number(answer.before.train)} and ${number(answer.after.train)}.`));
+    parts.push(element("p", { className: "numbers" }, `RMSE on ${answer.held_out}: without effects `, element("b", {}, number(answer.before.heldout)), ", with effects ", element("b", {}, number(answer.after.heldout)), `; on the readings of the fit ${number(answer.before.train)} and ${number(answer.after.train)}.`));
   }
   if (total > 0) {
     const bars = answer.budget.filter((b) => b.variance > 0).map((b) => element("span", { className: "part", style: `width:${(100 * b.variance) / total}%;background:${inkOfSource(sources, b.label)}`, title: `${b.label}: ${number(b.rmse)}, ${Math.round((100 * b.variance) / total)}% of the variance` }));

@@ -162,7 +162,10 @@ function bindControls() {
   for (const name of ["x", "y", "model", "colour", "campaign"]) {
     byId(name).addEventListener("change", (event) => {
       state[name] = event.target.value;
-      if (name === "campaign") state.filters = {};
+      if (name === "campaign") {
+        state.filters = {};
+        if (state.campaign && state.colour === "campaign") state.colour = "specimen";
+      }
       refresh(name === "x" || name === "y" || name === "campaign" || (name === "model" && ["residual", "predicted"].includes(state.y)));
     });
   }

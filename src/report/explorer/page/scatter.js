@@ -191,13 +191,14 @@ function step(axis, by) {
   if (!order.length) return;
   const open = readingOf(setOf(), state.reading);
   const from = order.indexOf(scatter.hover >= 0 ? scatter.hover : open);
-  const to = from < 0 ? (by > 0 ? 0 : order.length - 1) : Math.min(Math.max(from + by, 0), order.length - 1);
+  const next = from >= 0 ? from + by : (by > 0 && by < Infinity) || by === -Infinity ? 0 : order.length - 1;
+  const to = Math.min(Math.max(next, 0), order.length - 1);
   hover(order[to]);
   byId("live").textContent = spoken(setOf(), order[to], to + 1, order.length);
 }
 
 function onKey(event) {
-  const steps = { ArrowRight: ["x", 1], ArrowLeft: ["x", -1], ArrowUp: ["y", 1], ArrowDown: ["y", -1], PageUp: ["x", 25], PageDown: ["x", -25], Home: ["x", -1e9], End: ["x", 1e9] };
+  const steps = { ArrowRight: ["x", 1], ArrowLeft: ["x", -1], ArrowUp: ["y", 1], ArrowDown: ["y", -1], PageUp: ["x", 25], PageDown: ["x", -25], Home: ["x", -Infinity], End: ["x", Infinity] };
   if (steps[event.key]) step(...steps[event.key]);
   else if (event.key === "Enter" && scatter.hover >= 0) openReading(scatter.hover, true);
   else if (event.key === "Escape") {
