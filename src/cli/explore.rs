@@ -31,7 +31,7 @@ pub fn command(args: &ExploreArgs) -> Result<u8> {
     if json {
         print_json(&json!({ "campaign": args.campaign, "page": args.out }))?;
     } else {
-        line(&format!("page: {}", args.out.display()));
+        line(format!("page: {}", args.out.display()));
     }
     Ok(DONE)
 }

@@ -2,7 +2,6 @@
 
 use crate::RunOptions;
 use crate::engine::Engine;
-use crate::figures;
 use crate::made::{Made, UnitMade};
 use crate::materialize::{Shelf, Written};
 use crate::stages::normalize::{self, REJECTS, ROWS};
@@ -11,6 +10,7 @@ use crate::stages::torque::{self, REFERENCE, TORQUE};
 use crate::stages::{clean, compare, fit, ingest};
 use crate::step::Step;
 use crate::units::Scope;
+use crate::{explore, figures};
 use pipeline_base::diagnostics::Diagnostic;
 use pipeline_base::digest::Digest;
 use pipeline_base::error::{Error, Result};
@@ -18,12 +18,11 @@ use pipeline_base::row::Row;
 use pipeline_cache::Entry;
 use pipeline_compare::Predictions;
 use pipeline_formats::discover::{Discovery, Unusable};
-use pipeline_report::explorer::{self, sample::Extent, trace};
+use pipeline_report::explorer::sample::Extent;
 use pipeline_report::predictions::{Columns, Predicted};
 use pipeline_report::stage as report;
 use pipeline_report::stage::{GroupInput, KneeInput, Provenance, ReportInput, SessionInput, Trace};
-use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// The unit of everything that needs no page.
 const TABLES: &str = "tables";
@@ -131,7 +130,7 @@ pub fn pages(
 }
 
 /// Digests by name; or the first result that is not there yet.
-type Inputs = std::result::Result<BTreeMap<String, Digest>, String>;
+pub(crate) type Inputs = std::result::Result<BTreeMap<String, Digest>, String>;
 
 /// The digest of a step's outputs, or what is to be waited for.
 fn digest(step: &Step, waits_on: impl FnOnce() -> String) -> std::result::Result<Digest, String> {
@@ -152,7 +151,7 @@ fn digest_of(
 ///
 /// # Errors
 /// What was found cannot be written as JSON.
-fn results(done: &Done) -> Result<Inputs> {
+pub(crate) fn results(done: &Done) -> Result<Inputs> {
     let found = discovery_digest(done.discovery)?;
     Ok(of_stages(done).map(|mut inputs| {
         inputs.insert("sessions found".to_owned(), found);
@@ -224,7 +223,7 @@ fn discovery_digest(discovery: &Discovery) -> Result<Digest> {
 }
 
 /// What tables are made of.
-fn gather(engine: &Engine, done: &Done, input_digest: &Digest) -> Result<ReportInput> {
+pub(crate) fn gather(engine: &Engine, done: &Done, input_digest: &Digest) -> Result<ReportInput> {
     let made = done.made.of(Scope::Session);
     let (mut sessions, mut rows) = (Vec::with_capacity(made.len()), Vec::new());
     for session in made {
@@ -309,7 +308,7 @@ fn with_figures(
         &input.sessions,
         &input.rows,
     )?;
-    input.logs = logs(engine, done, &input, Extent::Laboratory)?;
+    input.logs = explore::logs(engine, done, &input, Extent::Laboratory)?;
     let with_section = report::with_section(&input.groups).into_iter();
     let drawn = with_section
         .zip(figures)
@@ -344,49 +343,4 @@ fn traces(
             })
         })
         .collect()
-}
-
-/// The page for a browser of one campaign in full.
-///
-/// # Errors
-/// Results that are not up to date, a campaign that is not there, damaged entries.
-pub fn explorer(engine: &Engine, done: &Done, campaign: &str) -> Result<String> {
-    let inputs = results(done)?.map_err(|on| {
-        Error::Usage(format!(
-            "the results of the {on} are missing or out of date; `pipeline run` makes them"
-        ))
-    })?;
-    let mut input = gather(engine, done, &Digest::of_named(inputs.iter()))?;
-    let sessions = input.sessions.iter().map(|s| &s.ingest.session);
-    let known: BTreeSet<&str> = sessions.map(|s| s.campaign.as_str()).collect();
-    if !known.contains(campaign) {
-        let known = Vec::from_iter(known).join(", ");
-        return Err(Error::Usage(format!(
-            "no campaign is called \"{campaign}\"; found {known}"
-        )));
-    }
-    let extent = Extent::Campaign(campaign);
-    input.logs = logs(engine, done, &input, extent)?;
-    explorer::html(&input, extent)
-}
-
-/// The logs of the page for a browser, thinned one after the other: together they do not fit into memory.
-///
-/// # Errors
-/// A damaged entry.
-fn logs(
-    engine: &Engine,
-    done: &Done,
-    input: &ReportInput,
-    extent: Extent,
-) -> Result<Vec<trace::Trace>> {
-    let made = done.made.of(Scope::Session);
-    let wanted = explorer::logs_wanted(input, extent);
-    let plateaus = wanted.iter().map(|(_, log)| log.plateaus.len()).sum();
-    let thinned = wanted.par_iter().map(|((session, output), log)| {
-        let samples = made[*session].table(engine, ingest::NAME, output)?;
-        Ok(trace::trace(log, &samples, plateaus))
-    });
-    let thinned: Vec<Option<trace::Trace>> = thinned.collect::<Result<_>>()?;
-    Ok(thinned.into_iter().flatten().collect())
 }

@@ -105,16 +105,21 @@ pub fn html(input: &ReportInput, extent: Extent) -> Result<String> {
     Ok(begun.replace(DATA, &data.replace('<', "\\u003c")))
 }
 
+/// Up to so many sessions the page has their notes: of thousands they would be most of it.
+const MOST_NOTES: usize = 1000;
+
 fn sessions<'a>(input: &'a ReportInput, extent: Extent) -> BTreeMap<&'a str, Session<'a>> {
     let sessions = input.sessions.iter().map(|s| &s.ingest.session);
-    let shown = sessions.filter(|s| extent.takes(&s.campaign));
+    let shown: Vec<_> = sessions.filter(|s| extent.takes(&s.campaign)).collect();
+    let with_notes = shown.len() <= MOST_NOTES;
     shown
+        .into_iter()
         .map(|s| {
             let session = Session {
                 kind: row::kind_name(s.kind),
                 date: s.date.as_deref(),
                 exclude: s.exclude.as_deref(),
-                notes: s.notes.as_deref(),
+                notes: s.notes.as_deref().filter(|_| with_notes),
                 simulated: s.is_simulated(),
                 timed: s.sampling == pipeline_base::session::Sampling::Timeseries,
             };

@@ -4,7 +4,7 @@ use super::encode::{Encoded, numbers, texts};
 use super::labels;
 use super::sample::Extent;
 use crate::input::ReportInput;
-use pipeline_base::columns::{FORCE, PHASE, TORQUE, derived};
+use pipeline_base::columns::{FORCE, TORQUE};
 use pipeline_base::frame::{Frame, Values};
 use pipeline_base::row::{self, Row};
 use pipeline_base::session::Kind;
@@ -246,13 +246,3 @@ impl States<'_> {
         }
     }
 }
-
-/// Columns by which the page filters and names readings: the page looks for them by these names.
-pub const NAMED: [&str; 6] = [
-    derived::CAMPAIGN,
-    derived::SPECIMEN,
-    derived::SESSION,
-    derived::LOG,
-    PHASE,
-    STATE,
-];

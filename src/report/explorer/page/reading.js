@@ -46,7 +46,9 @@ function openReading(k, focus) {
   showReading(set, k);
   scatter.plot.redraw(false);
   byId("live").textContent = `Opened: ${spoken(set, k, scatter.places.indexOf(k) + 1, scatter.places.length)}`;
-  if (focus) byId("reading").querySelector("button").focus();
+  if (!focus) return;
+  hideTip();
+  byId("reading").querySelector("button").focus();
 }
 
 function closeReading() {
