@@ -124,6 +124,10 @@ def holds_trace(page, row):
     drawn = "c => { const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; return d.some((x, k) => k % 4 === 3 && x > 0); }"
     assert page.locator("#reading canvas").count() == 2
     assert page.locator("#reading canvas").first.evaluate(drawn)
+    whole = page.locator("#reading canvas").first.screenshot()
+    page.get_by_role("button", name="Near the plateau").click()
+    page.wait_for_timeout(100)
+    assert page.locator("#reading canvas").first.screenshot() != whole
 
 
 def holds_keys(page):

@@ -129,9 +129,31 @@ function drawTrace(set, k, into) {
     const plot = new uPlot(traceOptions(one, drawn, place === drawn.plots.length - 1, into.clientWidth), [drawn.at, one.values], holder);
     panel.plots.push(plot);
   });
+  if (trace) into.append(nearButton(drawn));
   into.append(...notes);
   into.setAttribute("role", "img");
   into.setAttribute("aria-label", drawn.spoken);
+}
+
+// Shows the plateau with a few plateaus' width around it, or the whole log again.
+function nearButton(drawn) {
+  const button = element("button", { type: "button", ariaPressed: "false" }, "Near the plateau");
+  button.addEventListener("click", () => {
+    const near = button.ariaPressed === "false";
+    button.ariaPressed = String(near);
+    const [from, to] = drawn.marked;
+    const room = 4 * Math.max(to - from, 1e-9);
+    const ends = near ? { min: from - room, max: to + room } : { min: drawn.at[0], max: drawn.at[drawn.at.length - 1] };
+    panel.plots[0].setScale("x", ends);
+  });
+  return button;
+}
+
+// What one plot of the log shows along it, the other shows too.
+function alike(u, scale) {
+  if (scale !== "x") return;
+  const { min, max } = u.scales.x;
+  for (const other of panel.plots) if (other !== u && (other.scales.x.min !== min || other.scales.x.max !== max)) other.setScale("x", { min, max });
 }
 
 function traceOptions(one, drawn, last, width) {
@@ -158,7 +180,7 @@ function traceOptions(one, drawn, last, width) {
     cursor: { sync: { key: "trace" }, drag: { x: true, y: false }, points: { show: false } },
     axes: [axisOf(last ? drawn.across : "", last ? {} : { size: 24, labelSize: 0, label: undefined }), axisOf(one.label, { size: 58 })],
     series: [{}, { stroke: () => colourOf("--trace"), width: 1.2, points: { show: drawn.points, size: 5, fill: () => colourOf("--trace") }, paths: drawn.points ? () => null : undefined }],
-    hooks: { draw: [mark] },
+    hooks: { draw: [mark], setScale: [alike] },
   };
 }
 
