@@ -19,8 +19,8 @@
 //!              length of the end fittings, what the rigid leg
 //!              lacks
 //!   report     tables, figures, force.pdf, knee.pdf,              stages::report     report
-//!              residual.pdf, supplement.pdf, findings.json,
-//!              summary.json
+//!              residual.pdf, supplement.pdf, explorer.html,
+//!              findings.json, summary.json
 //! derived/  the cache and the tidy data        reports/  for people
 //! ```
 //! The first three stages work on one session at a time, `fit` and `compare` on one group of rows (a campaign and diameter, or a
@@ -41,14 +41,14 @@
 //! | [`simulate`] | the test rig in software | |
 //! | [`stages`] | one crate a stage, pure; what each declares is in [`run::stages`] | a stage: `docs/adding-a-stage.md` |
 //! | [`audit`] | the papers' numeric claims, recomputed | a claim: a few lines of TOML |
-//! | [`report`] | tables, figures, pages | a table or figure: one file, one line in its folder's `mod.rs` |
+//! | [`report`] | tables, figures, pages, the page for a browser | a table or figure: one file, one line in its folder's `mod.rs` |
 //! | [`predict`] | the force of a muscle that somebody describes, with its interval; its torque in a described leg | |
 //! | [`draft`] | a first `session.toml` for a log, guessed from its columns | |
 //! | [`golden`] | fresh tables against blessed ones | a table: one entry in `tests/golden/golden.toml` |
 //! | [`run`] | the list of stages as declarations ([`run::rule`]), and what walks it through the cache ([`run::walk`]): one whole run at a time on a directory, or many jobs ([`run::jobs`]); where an artifact comes from ([`run::ancestry`]) | |
 //! | [`export`] | the jobs of a run as a workflow of another engine | an engine: one file, one line in `export/lib.rs` |
 //! | [`config`] | `pipeline.toml` | |
-//! | [`cli`] | arguments, and all printing: init, run, status, summary, explain, graph, check, predict, simulate, new-session, gc, export, completions, man | |
+//! | [`cli`] | arguments, and all printing: init, run, status, summary, explain, graph, check, predict, explore, simulate, new-session, gc, export, completions, man | |
 //!
 //! # Invariants
 //! - **Directions**: every folder with a `Cargo.toml` is a crate, and what it does not name there it cannot use. Each line has all that one crate
@@ -86,7 +86,7 @@
 //!   polars, polars-buffer, polars-parquet: base, formats
 //!   ```
 //!   So `cache` knows no stage, and stages know neither cache nor command line; `mechanics`, `inference` and `numerics` do no I/O and see no data frame. Only
-//!   `report` knows plotters and Typst, and it computes no statistic: every number comes from a stage, every
+//!   `report` knows plotters, Typst and HTML, and it computes no statistic: every number comes from a stage, every
 //!   curve, band and running median from `mechanics` and `numerics`.
 //! - **Values, then words**: what was found travels as values ([`findings`]); [`report::wording`] makes names and sentences of them for pages, tables and the
 //!   terminal, and nothing reads a sentence back.

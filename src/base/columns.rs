@@ -88,6 +88,14 @@ pub mod derived {
     pub const PRESSURE_REL: &str = "pressure_rel";
 }
 
+/// The column of the forces that are predicted by somebody, N: a model by its id, its fits without the reading's specimen, the residual search.
+pub fn predicted(by: &str) -> String {
+    format!("{PREDICTED}{by}_n")
+}
+
+/// How the columns of predictions begin.
+const PREDICTED: &str = "predicted_";
+
 /// Every quantity that has a meaning of its own.
 pub const KNOWN: &[KnownColumn] = &[
     known("time", TIME, Some(Quantity::Time)),
@@ -144,6 +152,7 @@ const UNITS_IN_NAMES: &[(&str, &str)] = &[
 pub fn is_reserved(name: &str) -> bool {
     use derived::*;
     KNOWN.iter().any(|k| k.column == name)
+        || (name.starts_with(PREDICTED) && name.ends_with("_n"))
         || [
             SESSION,
             CAMPAIGN,
@@ -194,5 +203,7 @@ mod tests {
         assert_eq!(unit_in("hunt2017_by_hand_torque_nm"), Some("N.m"));
         assert_eq!(unit_in(derived::CONTRACTION_REL), Some("1"));
         assert_eq!(unit_in(derived::LAST_ROW), None);
+        assert_eq!(unit_in(&predicted("new_unseen")), Some("N"));
+        assert!(is_reserved(&predicted("new_unseen")) && !is_reserved("predicted_weather"));
     }
 }

@@ -14,3 +14,10 @@ pub struct Group {
     /// Whether the data are simulated.
     pub simulated: bool,
 }
+
+impl Group {
+    /// Whether it is a pool: one diameter over several campaigns.
+    pub fn is_pool(&self) -> bool {
+        self.members.len() > 1
+    }
+}

@@ -2,6 +2,7 @@
 
 use crate::check::CheckArgs;
 use crate::explain::ExplainArgs;
+use crate::explore::ExploreArgs;
 use crate::export::ExportArgs;
 use crate::gc::GcArgs;
 use crate::graph::GraphArgs;
@@ -74,6 +75,11 @@ pub enum Command {
         after_help = "Examples:\n  pipeline explain reports/tables/coefficients.csv\n  pipeline explain coefficients.csv:2:value\n  pipeline explain force.pdf --json\n\nA number is FILE:LINE:COLUMN, the line as an editor counts it; what its row says of campaign and session narrows the answer."
     )]
     Explain(ExplainArgs),
+    /// Write every reading of one campaign into one file for a browser, in full
+    #[command(
+        after_help = "Example:\n  pipeline explore simulated-10mm --out simulated-10mm.html\n\nA run writes reports/explorer.html of all campaigns, of a large laboratory with a sample of the readings. This is made of what the last run left and computes nothing."
+    )]
+    Explore(ExploreArgs),
     /// Draw the stages and artifacts of the last run as Mermaid or Graphviz
     #[command(
         after_help = "Examples:\n  pipeline graph\n  pipeline graph --format dot --units | dot -Tsvg > graph.svg"

@@ -11,6 +11,7 @@ mod cell;
 mod check;
 mod columns;
 mod explain;
+mod explore;
 mod export;
 mod gc;
 mod graph;
@@ -62,6 +63,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Simulate(simulate) => simulate_command(simulate),
         Command::NewSession(args) => new_session::command(args),
         Command::Explain(args) => explain::command(args),
+        Command::Explore(args) => explore::command(args),
         Command::Graph(args) => graph::command(args),
         Command::Gc(args) => gc::command(args),
         Command::Export(args) => export::command(args),

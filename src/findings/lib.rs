@@ -588,4 +588,14 @@ pub struct Residuals {
     pub predicted: Vec<f64>,
     /// The columns that were tested, by name, one value a reading.
     pub columns: Vec<(String, Vec<f64>)>,
+    /// Log file of each reading, within its session.
+    #[serde(default)]
+    pub log: Vec<String>,
+    /// First line of the log that entered each reading.
+    #[serde(default)]
+    pub row: Vec<i64>,
+    /// What is left as in `after`, with the effects one after the other, in the order of the findings, then the columns that explain what no effect
+    /// does: id or name of what came in last, one value a reading.
+    #[serde(default)]
+    pub steps: Vec<(String, Vec<f64>)>,
 }

@@ -1,8 +1,10 @@
 //! Everything that a report is made of. Tables and figures read it and compute no statistic of their own.
 
+use crate::explorer;
 use crate::figures::Drawn;
 use crate::figures::found::Kind;
 use crate::left_out::LeftOut;
+use crate::predictions::Predicted;
 use pipeline_base::diagnostics::Diagnostic;
 use pipeline_base::frame::Frame;
 use pipeline_base::reject::Reject;
@@ -121,6 +123,8 @@ pub struct ReportInput {
     pub sessions: Vec<SessionInput>,
     /// The rows of all sessions, by session.
     pub rows: Vec<Row>,
+    /// What models and the residual search expect of the rows.
+    pub predicted: Predicted,
     /// The groups, by campaign.
     pub groups: Vec<GroupInput>,
     /// The figures of each group; none of a group that has no section of its own ([`with_section`](crate::extent::with_section)).
@@ -133,6 +137,8 @@ pub struct ReportInput {
     pub knee: Option<KneeInput>,
     /// The logs to draw.
     pub traces: Vec<Trace>,
+    /// The logs of the page for a browser, thinned.
+    pub logs: Vec<explorer::trace::Trace>,
     /// Sessions, then groups.
     pub provenance: Vec<Provenance>,
     /// One digest over every input.

@@ -37,6 +37,8 @@ pub enum Task {
     Converting,
     /// Typesetting the pages of a document.
     Typesetting,
+    /// Writing the page for a browser.
+    Writing,
 }
 
 /// A figure or document that could not be built.

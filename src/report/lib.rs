@@ -12,12 +12,14 @@
 //! | [`plot`] | journal figures on plotters: axes, layers, legends |
 //! | [`figures`] | one file a figure |
 //! | [`wording`] | names, numbers and sentences of what was found |
+//! | [`predictions`] | what models and the residual search expect of every reading |
 //! | [`left_out`] | figures and documents that could not be built |
 //! | [`pages`] | what every document has in common: data of its template, tables, pictures |
 //! | [`force`] | the pages of `force.pdf`; `opening` its first |
 //! | [`audit`] | the pages of `audit.pdf` |
 //! | [`residual`] | the pages of `residual.pdf` |
 //! | [`knee`] | the pages of `knee.pdf` |
+//! | [`explorer`] | the page for a browser, `explorer.html` |
 //! | [`layout`] | what stands where on a typeset page |
 //! | [`supplement`] | the pages of `supplement.pdf` |
 //! | [`typeset`], [`raster`], [`fonts`] | pages through Typst, figures as PNG, the bundled fonts |
@@ -26,6 +28,7 @@
 
 pub mod audit;
 pub mod described;
+pub mod explorer;
 pub mod extent;
 pub mod figures;
 pub mod fonts;
@@ -39,6 +42,7 @@ pub mod number;
 mod opening;
 pub mod pages;
 pub mod plot;
+pub mod predictions;
 pub mod raster;
 pub mod render;
 pub mod residual;

@@ -2,6 +2,8 @@
 
 use crate::audit::audit_pdf;
 use crate::described::Described;
+use crate::explorer;
+use crate::explorer::sample::Extent;
 use crate::extent::{MOST_ROWS_PRINTED, SIDE_BY_SIDE};
 use crate::figures::found::Kind;
 use crate::figures::{self, Built, Composed, Drawn};
@@ -22,7 +24,8 @@ use pipeline_base::columns::is_reserved;
 use pipeline_base::digest::Digest;
 use pipeline_base::digest::Outputs;
 use pipeline_base::error::{Error, Result};
-use pipeline_base::reject::Extent;
+use pipeline_base::frame::Values;
+use pipeline_base::reject;
 use pipeline_base::row::{self, Row, role_name};
 use pipeline_base::session::{Phase, Sampling};
 use pipeline_compare::{COMMON, GroupComparison, NEW, RANKED};
@@ -98,6 +101,10 @@ fn json_bytes(value: &impl Serialize) -> Result<Vec<u8>> {
 /// A table that cannot be written as Parquet or JSON.
 pub fn tables(input: &ReportInput, config: &Config) -> Result<Outputs> {
     let rows = row::to_frame(&input.rows).with_units(units_of_extras(input));
+    let predicted = input.predicted.iter();
+    let rows = predicted.fold(rows, |frame, (name, forces)| {
+        frame.with(name, Values::Number(forces.clone()))
+    });
     let mut outputs = Outputs::from([
         ("derived/rows.parquet".to_owned(), rows.to_parquet()?),
         ("derived/split.csv".to_owned(), split_csv(input, config)),
@@ -147,6 +154,14 @@ pub fn pages(input: &ReportInput, config: &Config) -> Result<Outputs> {
             Ok(None) => {}
             Err(failed) => left_out.push(failed),
         }
+    }
+    match attempt(Part::Document, explorer::FILE, Task::Writing, || {
+        explorer::html(input, Extent::Laboratory)
+    }) {
+        Ok(page) => {
+            outputs.insert(format!("reports/{}", explorer::FILE), page.into_bytes());
+        }
+        Err(failed) => left_out.push(failed),
     }
     left_out.sort();
     outputs.insert(LEFT_OUT.to_owned(), json_bytes(&left_out)?);
@@ -338,7 +353,7 @@ fn summary(input: &ReportInput, left_out: &[LeftOut]) -> Result<Vec<u8>> {
         rejected.insert(name, diagnostics.iter().map(ToString::to_string).collect());
     }
     for reject in input.sessions.iter().flat_map(|s| s.rejects()) {
-        if reject.extent == Extent::Session {
+        if reject.extent == reject::Extent::Session {
             rejected
                 .entry(&reject.session)
                 .or_default()
@@ -359,7 +374,7 @@ fn summary(input: &ReportInput, left_out: &[LeftOut]) -> Result<Vec<u8>> {
         .sessions
         .iter()
         .flat_map(|s| s.rejects())
-        .filter(|r| r.extent == Extent::Log)
+        .filter(|r| r.extent == reject::Extent::Log)
         .map(|r| json!({ "session": r.session, "log": r.log, "reason": r.reason }))
         .collect();
     let verdicts: Vec<_> = input.all_findings().map(verdict_json).collect();

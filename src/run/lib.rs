@@ -24,6 +24,7 @@ pub mod cache;
 pub mod code;
 pub mod defect;
 pub mod engine;
+pub mod explore;
 pub mod figures;
 #[cfg(test)]
 mod fingerprint;

@@ -2,15 +2,15 @@
 
 use crate::RunOptions;
 use crate::engine::Engine;
-use crate::figures;
 use crate::made::{Made, UnitMade};
 use crate::materialize::{Shelf, Written};
 use crate::stages::normalize::{self, REJECTS, ROWS};
 use crate::stages::report::{STAGE, read, reads};
 use crate::stages::torque::{self, REFERENCE, TORQUE};
-use crate::stages::{clean, fit, ingest};
+use crate::stages::{clean, compare, fit, ingest};
 use crate::step::Step;
 use crate::units::Scope;
+use crate::{explore, figures};
 use pipeline_base::diagnostics::Diagnostic;
 use pipeline_base::digest::Digest;
 use pipeline_base::error::{Error, Result};
@@ -18,8 +18,10 @@ use pipeline_base::row::Row;
 use pipeline_cache::Entry;
 use pipeline_compare::Predictions;
 use pipeline_formats::discover::{Discovery, Unusable};
+use pipeline_report::explorer::sample::Extent;
+use pipeline_report::predictions::{Columns, Predicted};
 use pipeline_report::stage as report;
-use pipeline_report::stage::{KneeInput, Provenance, ReportInput, SessionInput, Trace};
+use pipeline_report::stage::{GroupInput, KneeInput, Provenance, ReportInput, SessionInput, Trace};
 use std::collections::BTreeMap;
 
 /// The unit of everything that needs no page.
@@ -128,7 +130,7 @@ pub fn pages(
 }
 
 /// Digests by name; or the first result that is not there yet.
-type Inputs = std::result::Result<BTreeMap<String, Digest>, String>;
+pub(crate) type Inputs = std::result::Result<BTreeMap<String, Digest>, String>;
 
 /// The digest of a step's outputs, or what is to be waited for.
 fn digest(step: &Step, waits_on: impl FnOnce() -> String) -> std::result::Result<Digest, String> {
@@ -149,7 +151,7 @@ fn digest_of(
 ///
 /// # Errors
 /// What was found cannot be written as JSON.
-fn results(done: &Done) -> Result<Inputs> {
+pub(crate) fn results(done: &Done) -> Result<Inputs> {
     let found = discovery_digest(done.discovery)?;
     Ok(of_stages(done).map(|mut inputs| {
         inputs.insert("sessions found".to_owned(), found);
@@ -221,7 +223,7 @@ fn discovery_digest(discovery: &Discovery) -> Result<Digest> {
 }
 
 /// What tables are made of.
-fn gather(engine: &Engine, done: &Done, input_digest: &Digest) -> Result<ReportInput> {
+pub(crate) fn gather(engine: &Engine, done: &Done, input_digest: &Digest) -> Result<ReportInput> {
     let made = done.made.of(Scope::Session);
     let (mut sessions, mut rows) = (Vec::with_capacity(made.len()), Vec::new());
     for session in made {
@@ -234,23 +236,46 @@ fn gather(engine: &Engine, done: &Done, input_digest: &Digest) -> Result<ReportI
         });
         rows.extend(session_rows);
     }
-    let groups = done.made.of(Scope::Group).iter();
-    let groups = groups.map(|g| figures::input(engine, g, Predictions::default()));
+    let made = done.made.of(Scope::Group);
+    let groups = made
+        .iter()
+        .map(|g| figures::input(engine, g, Predictions::default()));
+    let groups = groups.collect::<Result<Vec<GroupInput>>>()?;
+    let predicted = predicted(engine, made, &groups, &rows)?;
     let unusable = done.discovery.unusable.iter();
     Ok(ReportInput {
         unusable: unusable.map(name_and_reasons).collect(),
         diagnostics: done.discovery.diagnostics.clone(),
         sessions,
         rows,
-        groups: groups.collect::<Result<_>>()?,
+        predicted,
+        groups,
         figures: Vec::new(),
         left_out: Vec::new(),
         tables: Vec::new(),
         knee: knee(engine, done)?,
         traces: Vec::new(),
+        logs: Vec::new(),
         provenance: provenance(done),
         input_digest: input_digest.to_string(),
     })
+}
+
+/// What models and the residual search expect of the rows.
+fn predicted(
+    engine: &Engine,
+    made: &[UnitMade],
+    groups: &[GroupInput],
+    rows: &[Row],
+) -> Result<Predicted> {
+    let mut columns = Columns::new(rows);
+    for (made, group) in made.iter().zip(groups) {
+        compare::place(engine, made, &mut columns)?;
+        if let Some(diagnosis) = &group.diagnosis {
+            columns.put_search(group.fit.group.is_pool(), &diagnosis.residuals);
+        }
+    }
+    Ok(columns.finish())
 }
 
 /// What was found of torque; none where nobody has measured it.
@@ -283,6 +308,7 @@ fn with_figures(
         &input.sessions,
         &input.rows,
     )?;
+    input.logs = explore::logs(engine, done, &input, Extent::Laboratory)?;
     let with_section = report::with_section(&input.groups).into_iter();
     let drawn = with_section
         .zip(figures)

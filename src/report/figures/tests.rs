@@ -256,6 +256,7 @@ fn figures_of_a_diagnosis_are_fit_for_print() {
                     )
                 })
                 .to_vec(),
+            ..Residuals::default()
         },
     });
     let figures = composed_of_diagnosis(&group);

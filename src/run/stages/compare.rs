@@ -3,10 +3,16 @@
 use super::fit::FIT;
 use super::normalize::{ROWS_OF_EACH, rows};
 use super::parts::*;
+use super::report;
+use crate::engine::Engine;
+use crate::made::UnitMade;
+use pipeline_base::columns::derived;
+use pipeline_base::error::Error;
 use pipeline_base::frame::{Frame, Values};
 use pipeline_base::row;
 use pipeline_compare as compare;
 use pipeline_compare::{GroupComparison, Predictions};
+use pipeline_report::predictions::Columns;
 use std::collections::BTreeMap;
 
 /// The stage.
@@ -32,6 +38,9 @@ pub const NAME: &str = "compare";
 pub const COMPARISON: Artifact<GroupComparison> = Artifact::json(NAME, "comparison.json");
 /// Rows with the prediction of every model.
 pub const PREDICTIONS: Artifact<Predictions> = Artifact::table(NAME, "predictions.parquet");
+
+/// The same as a table.
+const FORCES: Artifact<Frame> = Artifact::table(NAME, "predictions.parquet");
 
 /// How the column of a model's predictions begins.
 const PREDICTED: &str = "force_n by ";
@@ -67,4 +76,27 @@ impl Tabular for Predictions {
         }
         Ok(Predictions { rows, by_model })
     }
+}
+
+/// The readings of a group with every model's force, placed among all readings.
+///
+/// # Errors
+/// A damaged entry.
+pub fn place(engine: &Engine, group: &UnitMade, among: &mut Columns) -> Result<()> {
+    let frame = report::read(engine, group, &FORCES)?;
+    let missing = || Error::Internal("a table of predictions without its readings".to_owned());
+    let sessions = frame.texts(derived::SESSION).ok_or_else(missing)?;
+    let logs = frame.texts(derived::LOG).ok_or_else(missing)?;
+    let rows = frame.integers(derived::ROW).ok_or_else(missing)?;
+    let keys = sessions.iter().zip(logs).zip(rows);
+    let places: Vec<Option<usize>> = keys
+        .map(|((session, log), row)| among.place(session.as_deref()?, log.as_deref()?, (*row)?))
+        .collect();
+    let is_pool = group.unit.group.as_ref().is_some_and(|g| g.is_pool());
+    for (name, values) in &frame.columns {
+        if let (Some(model), Values::Number(forces)) = (name.strip_prefix(PREDICTED), values) {
+            among.put_model(is_pool, model, &places, forces);
+        }
+    }
+    Ok(())
 }

@@ -38,6 +38,8 @@ pub const FINDINGS: Artifact<Option<CampaignFindings>> = Artifact::json(NAME, "f
 const RESIDUALS: Artifact<Frame> = Artifact::table(NAME, "residuals.parquet");
 /// One row a reading: the columns that were tested.
 const TESTED: Artifact<Frame> = Artifact::table(NAME, "tested.parquet");
+/// What is left as the effects come in one after the other.
+const STEPS: Artifact<Vec<(String, Vec<f64>)>> = Artifact::json(NAME, "steps.json");
 
 /// A pool of many specimens is not searched, because its parts say as much in a fraction of the time.
 fn is_searched(unit: &Unit, discovery: &Discovery, config: &Config) -> bool {
@@ -63,6 +65,7 @@ fn run(given: &Given) -> Result<Outputs> {
     let mut outputs = FINDINGS.alone(&Some(findings))?;
     RESIDUALS.put(&residuals_frame(&residuals), &mut outputs)?;
     TESTED.put(&tested_frame(&residuals), &mut outputs)?;
+    STEPS.put(&residuals.steps, &mut outputs)?;
     Ok(outputs)
 }
 
@@ -83,7 +86,10 @@ pub fn diagnosis(engine: &Engine, group: &UnitMade) -> Result<Option<Diagnosis>>
     );
     Ok(Some(Diagnosis {
         findings,
-        residuals: residuals(found, tested),
+        residuals: Residuals {
+            steps: group.read(engine, &STEPS)?,
+            ..residuals(found, tested)
+        },
     }))
 }
 
@@ -96,8 +102,11 @@ fn numbers(list: &[f64]) -> Values {
 
 fn residuals_frame(residuals: &Residuals) -> Frame {
     let texts = |list: &[String]| Values::Text(list.iter().cloned().map(Some).collect());
+    let rows = residuals.row.iter().map(|r| Some(*r)).collect();
     Frame::default()
         .with("session", texts(&residuals.session))
+        .with("log", texts(&residuals.log))
+        .with("row", Values::Integer(rows))
         .with("specimen", texts(&residuals.specimen))
         .with("before", numbers(&residuals.before))
         .with("after", numbers(&residuals.after))
@@ -117,6 +126,8 @@ fn residuals(frame: Frame, tested: Frame) -> Residuals {
     for (name, values) in frame.columns {
         match (name.as_str(), values) {
             ("session", Values::Text(x)) => residuals.session = x.into_iter().flatten().collect(),
+            ("log", Values::Text(x)) => residuals.log = x.into_iter().flatten().collect(),
+            ("row", Values::Integer(x)) => residuals.row = x.into_iter().flatten().collect(),
             ("specimen", Values::Text(x)) => residuals.specimen = x.into_iter().flatten().collect(),
             ("before", Values::Number(x)) => residuals.before = x,
             ("after", Values::Number(x)) => residuals.after = x,
@@ -151,6 +162,9 @@ mod tests {
                 ("session".into(), vec![0.0, 1.0]),
                 ("x".into(), vec![3.0, 4.0]),
             ],
+            log: vec!["1.csv".into(), "2.csv".into()],
+            row: vec![7, 9],
+            steps: Vec::new(),
         };
         let back = |frame: Frame| Frame::from_parquet(&frame.to_parquet().unwrap()).unwrap();
         let after = residuals(back(residuals_frame(&before)), back(tested_frame(&before)));

@@ -59,7 +59,7 @@ impl Work<'_> {
         self.problem.data
     }
 
-    fn term(&self, term: usize) -> &Term {
+    pub(crate) fn term(&self, term: usize) -> &Term {
         &self.problem.library[term]
     }
 
@@ -92,7 +92,7 @@ impl Work<'_> {
 
     /// What is left of every reading, as on unseen specimens: with the misfit that all share in the prediction, without what groups have of their
     /// own.
-    fn left_as_unseen(&self, fitted: &Fitted) -> Vec<f64> {
+    pub(crate) fn left_as_unseen(&self, fitted: &Fitted) -> Vec<f64> {
         let predicted = self.unconditional(&fitted.point, None);
         let root = self.problem.tree().width(0);
         let common = &fitted.point.random[..root];
@@ -503,6 +503,8 @@ impl Work<'_> {
             conditional: query::conditional(&self.found.model),
             predicted: self.unconditional(&self.found.null.point, None),
             columns: columns(data),
+            steps: self.steps(),
+            ..Residuals::default()
         }
     }
 }

@@ -32,6 +32,7 @@ pub mod recording;
 pub mod settings;
 pub mod slack;
 pub mod smooth;
+pub mod steps;
 pub mod tally;
 pub mod unseen;
 
@@ -269,13 +270,11 @@ impl Campaign<'_> {
             found: &found,
             normal: &normal,
         };
-        Answer::Given(Box::new(answered(
-            self.group,
-            self.base,
-            &searched,
-            self.options,
-            findings,
-        )))
+        let mut diagnosis = answered(self.group, self.base, &searched, self.options, findings);
+        let residuals = &mut diagnosis.residuals;
+        let of = data.place.iter().map(|place| rows[*place]);
+        (residuals.log, residuals.row) = of.map(|r| (r.log.clone(), r.first_row)).unzip();
+        Answer::Given(Box::new(diagnosis))
     }
 }
 

@@ -7,6 +7,7 @@ use pipeline_base::columns::{
 };
 use pipeline_base::frame::{Frame, Values};
 use pipeline_mechanics::models::published;
+use std::collections::BTreeMap;
 
 /// A reading with everything that it belongs to.
 struct Reading<'a> {
@@ -86,10 +87,56 @@ pub fn frame<'a>(campaigns: impl Iterator<Item = &'a CampaignTorque>) -> Frame {
             .with(&format!("{}_{TORQUE}", model.id()), predicted)
             .with(&format!("{}_by_hand_{TORQUE}", model.id()), back);
     }
+    for (name, torques) in of_searches(&all) {
+        frame = frame.with(&name, Values::Number(torques));
+    }
     let units: Vec<(String, String)> = frame
         .columns
         .iter()
         .filter_map(|(name, _)| Some((name.clone(), unit_in(name)?.to_owned())))
         .collect();
     frame.with_units(units)
+}
+
+/// What the residual search of each joint expects of its readings, N.m, by column: without effects, with them, after each in turn, and with the
+/// values of actuator and test; NaN where it has not asked.
+fn of_searches(all: &[Reading]) -> BTreeMap<String, Vec<f64>> {
+    let key = |r: &Reading| (r.test.session.clone(), r.point.log.clone(), r.point.row);
+    let places: BTreeMap<(String, String, i64), usize> =
+        all.iter().enumerate().map(|(k, r)| (key(r), k)).collect();
+    let mut columns: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    let mut campaigns: Vec<&CampaignTorque> = all.iter().map(|r| r.campaign).collect();
+    campaigns.dedup_by_key(|c| &c.campaign);
+    for residuals in campaigns
+        .iter()
+        .flat_map(|c| &c.diagnoses)
+        .map(|d| &d.residuals)
+    {
+        let keys = residuals
+            .session
+            .iter()
+            .zip(&residuals.log)
+            .zip(&residuals.row);
+        let own: Vec<Option<usize>> = keys
+            .map(|((session, log), row)| places.get(&(session.clone(), log.clone(), *row)).copied())
+            .collect();
+        let mut put = |name: &str, left: &[f64]| {
+            let blank = || vec![f64::NAN; all.len()];
+            let column = columns
+                .entry(format!("loop_{name}_{TORQUE}"))
+                .or_insert_with(blank);
+            for (place, left) in own.iter().zip(left) {
+                if let Some(k) = place {
+                    column[*k] = all[*k].point.torque_nm - left;
+                }
+            }
+        };
+        put("before", &residuals.before);
+        put("after", &residuals.after);
+        put("conditional", &residuals.conditional);
+        for (k, (_, left)) in residuals.steps.iter().enumerate() {
+            put(&format!("after_{}", k + 1), left);
+        }
+    }
+    columns
 }

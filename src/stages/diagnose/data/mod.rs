@@ -25,6 +25,8 @@ const ZERO_STANDS_OUT: (f64, f64) = (5.0, 3.0);
 pub struct Data {
     /// What is known of each reading.
     pub conditions: Vec<Conditions>,
+    /// Place of the reading among the rows that the data were made of.
+    pub place: Vec<usize>,
     /// Measured force, N.
     pub force: Vec<f64>,
     /// Place of the reading's session in `sessions`.
@@ -89,6 +91,7 @@ impl Data {
             .map(|(k, log)| (log, k))
             .collect();
         let mut data = Data {
+            place: (0..rows.len()).collect(),
             force: rows.iter().map(|r| r.force_n).collect(),
             session: rows.iter().map(|r| place(&sessions, &r.session)).collect(),
             specimen: of_specimen.iter().map(|s| place(&specimens, s)).collect(),
@@ -151,6 +154,7 @@ impl Data {
         let pick = |v: &[usize]| places.iter().map(|&i| v[i]).collect();
         Data {
             conditions: places.iter().map(|&i| self.conditions[i]).collect(),
+            place: pick(&self.place),
             force: places.iter().map(|&i| self.force[i]).collect(),
             session: pick(&self.session),
             specimen: pick(&self.specimen),

@@ -337,7 +337,39 @@ impl Work<'_> {
                     (c.name.clone(), values.collect())
                 })
                 .collect(),
+            log: rows
+                .iter()
+                .map(|r| data.readings[*r].source.0.to_owned())
+                .collect(),
+            row: rows.iter().map(|r| data.readings[*r].source.1).collect(),
+            steps: self.steps(),
         }
+    }
+
+    /// What is left of the torques with the first effect, with the first two, and so on, each model fitted again, in the order of the findings; then
+    /// with the columns that explain what no effect does.
+    fn steps(&self) -> Vec<(String, Vec<f64>)> {
+        let model = &self.found.model;
+        let is_effect = |a: &&Accepted| self.what(a.term).form().is_some();
+        let (mut order, columns): (Vec<&Accepted>, Vec<&Accepted>) =
+            self.found.accepted.iter().partition(is_effect);
+        order.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        order.extend(columns);
+        let step = |k: usize| {
+            let name = self.name(order[k].term);
+            let mut from = model.point.clone();
+            let comes_in = |t: usize| order[..=k].iter().any(|a| a.term == t);
+            from.terms.retain(|(t, _)| comes_in(*t));
+            let point = if k + 1 == order.len() {
+                from
+            } else {
+                self.setting
+                    .fit(&from, std::slice::from_ref(&model.variances))
+                    .point
+            };
+            (name, self.residual(&self.unconditional(&point, None)))
+        };
+        (0..order.len()).map(step).collect()
     }
 
     /// What is worth measuring next, best first.

@@ -32,6 +32,8 @@ pub struct Reading<'a> {
     pub test: usize,
     /// Place in the order of its test's readings: 0 for the first, 1 for the last.
     pub order: f64,
+    /// Log file and line of the reading.
+    pub source: (&'a str, i64),
     /// Other columns.
     pub extras: &'a BTreeMap<String, f64>,
 }

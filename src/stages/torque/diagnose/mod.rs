@@ -444,6 +444,7 @@ impl<'a> Group<'a> {
                     actuator,
                     test: number,
                     order: order as f64 / (test.points.len().max(2) - 1) as f64,
+                    source: (&p.log, p.row),
                     extras: &p.extras,
                 };
                 if !p.pressure_kpa.is_finite() {

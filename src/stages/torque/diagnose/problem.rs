@@ -625,6 +625,7 @@ mod unit {
                     actuator: test / 2,
                     test,
                     order: f64::from(k) / 13.0,
+                    source: ("log.csv", i64::from(k) + 2),
                     extras: none,
                 });
             }

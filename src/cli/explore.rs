@@ -1,0 +1,37 @@
+//! `pipeline explore`: every reading of one campaign in one file for a browser.
+
+use crate::args::PlaceArgs;
+use crate::print::{line, print_json};
+use crate::{DONE, options, progress};
+use pipeline_base::error::Result;
+use pipeline_run::explore::explore;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Arguments of `explore`.
+#[derive(Debug, clap::Args)]
+pub struct ExploreArgs {
+    /// The campaign, as `session.toml` names it
+    pub campaign: String,
+    /// Where the page goes
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Where things are
+    #[command(flatten)]
+    pub places: PlaceArgs,
+}
+
+/// Writes the page and says where it is.
+pub fn command(args: &ExploreArgs) -> Result<u8> {
+    let json = args.places.json;
+    let options = options(&args.places.places()?, args.places.jobs, None, true)?;
+    let progress = progress::Shown::new(json);
+    explore(&options, &args.campaign, &args.out, &progress)?;
+    progress.finish();
+    if json {
+        print_json(&json!({ "campaign": args.campaign, "page": args.out }))?;
+    } else {
+        line(format!("page: {}", args.out.display()));
+    }
+    Ok(DONE)
+}
