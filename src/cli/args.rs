@@ -1,5 +1,6 @@
 //! The arguments, with their help.
 
+use crate::bundle::BundleArgs;
 use crate::check::CheckArgs;
 use crate::explain::ExplainArgs;
 use crate::export::ExportArgs;
@@ -89,6 +90,11 @@ pub enum Command {
         after_help = "Example:\n  pipeline export snakemake > Snakefile\n  snakemake --cores 8\n\nEvery job is `pipeline run --only STAGE:UNIT`, which fills the cache below derived/; an ordinary `pipeline run` at the end writes the reports. All machines have to see raw/ and derived/ under the same paths. --jobs is the number of threads of one job (0: one)."
     )]
     Export(ExportArgs),
+    /// Pack the last run as an RO-Crate for a repository: reports, tables, tidy data, configuration, digests of the raw files
+    #[command(
+        after_help = "Examples:\n  pipeline bundle\n  pipeline bundle --out force-2026.zip --with-raw\n\nThe last run has to be up to date. Name, description, license and authors are options below [bundle] of pipeline.toml; the date is that of the documents (report.date, else the last measurement). Same run, same bytes. Unpacked, a bundle with its raw files is a project: `pipeline run` in it gives the same results."
+    )]
+    Bundle(BundleArgs),
     /// Print what a shell needs to complete commands and options
     #[command(
         after_help = "Examples:\n  pipeline completions bash > ~/.local/share/bash-completion/completions/pipeline\n  pipeline completions zsh > ~/.zfunc/_pipeline\n  pipeline completions fish > ~/.config/fish/completions/pipeline.fish\n  pipeline completions powershell >> $PROFILE"
