@@ -47,6 +47,11 @@ fn fill(bundle: &Bundle, path: &Path) -> Result<usize> {
     // The metadata is the first entry: who lists the archive sees at once what it is.
     start(&mut zip, (metadata::NAME, json.len() as u64), time)?;
     zip.write_all(&json).map_err(Error::io("write", path))?;
+    for folder in metadata::folders(bundle) {
+        let options = SimpleFileOptions::default().last_modified_time(time);
+        zip.add_directory(folder, options.unix_permissions(0o755))
+            .map_err(Error::internal)?;
+    }
     let mut files = 1;
     for packed in &bundle.files {
         if matches!(packed.contents, Contents::Absent) {

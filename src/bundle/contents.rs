@@ -12,6 +12,9 @@ use std::path::{Path, PathBuf};
 
 /// The file of the options in a bundle.
 pub(super) const CONFIG: &str = "pipeline.toml";
+/// The file that says what the program is: the standard wants an address for it.
+pub(super) const CITATION: &str = "CITATION.cff";
+const CITATION_TEXT: &str = include_str!("../../CITATION.cff");
 const REPORTS: &str = "reports/";
 const DERIVED: &str = "derived/";
 
@@ -44,13 +47,23 @@ pub(super) fn configuration(config: &Config, roots: usize) -> Result<Packed> {
     config.paths.derived = "derived".into();
     config.paths.reports = "reports".into();
     config.paths.golden = "golden".into();
-    let bytes = config.to_commented_toml()?.into_bytes();
-    Ok(Packed {
-        path: CONFIG.to_owned(),
+    Ok(of_text(CONFIG, config.to_commented_toml()?))
+}
+
+/// How to cite the program.
+pub(super) fn citation() -> Packed {
+    of_text(CITATION, CITATION_TEXT.to_owned())
+}
+
+/// A file that is made for the bundle.
+fn of_text(name: &str, text: String) -> Packed {
+    let bytes = text.into_bytes();
+    Packed {
+        path: name.to_owned(),
         digest: Digest::of(&bytes),
         size: bytes.len() as u64,
         contents: Contents::Bytes(bytes),
-    })
+    }
 }
 
 /// The raw files of every session, usable or not: descriptions, logs, and what they share.

@@ -2,6 +2,7 @@
 
 /// Media types by ending; the last of a name counts.
 const MEDIA: &[(&str, &str)] = &[
+    ("cff", "application/yaml"),
     ("csv", "text/csv"),
     ("gz", "application/gzip"),
     ("html", "text/html"),
@@ -28,6 +29,7 @@ const COMPRESSED: &[&str] = &["gz", "parquet", "pdf", "png", "xlsx", "mat"];
 
 /// Descriptions by the beginning and the end of a path; the first that fits.
 const DESCRIPTIONS: &[(&str, &str, &str)] = &[
+    ("CITATION.cff", "", "The program, and how to cite it"),
     ("pipeline.toml", "", "Every option of the run"),
     (
         "raw/",
@@ -129,6 +131,12 @@ pub(super) fn media_type(path: &str) -> &'static str {
     let ending = ending(path);
     let known = MEDIA.iter().find(|(e, _)| *e == ending);
     known.map_or("application/octet-stream", |(_, media)| media)
+}
+
+/// What a folder holds.
+pub(super) fn of_folder(folder: &str) -> &'static str {
+    let known = FOLDERS.iter().find(|(name, _)| *name == folder);
+    known.map_or("", |(_, what)| what)
 }
 
 /// Whether compressing it again gains nothing.

@@ -119,6 +119,7 @@ impl Bundle {
         };
         let mut files = contents::results(places)?;
         files.push(contents::configuration(config, places.raw.len())?);
+        files.push(contents::citation());
         files.extend(contents::raw_files(places, discovery, with_raw)?);
         files.sort_by(|a, b| a.path.cmp(&b.path));
         Ok(Self { about, files })

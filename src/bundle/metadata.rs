@@ -25,7 +25,7 @@ pub(super) fn of(bundle: &Bundle) -> Result<Vec<u8>> {
     let mut graph = vec![descriptor(), root(bundle), license(&about.license)];
     graph.extend(authors(about).into_iter().map(|(_, entity)| entity));
     graph.extend([program(about), run(bundle)]);
-    graph.extend(folders(bundle));
+    graph.extend(folders(bundle).map(|folder| dataset(bundle, folder)));
     graph.extend(bundle.files.iter().map(file));
     let json = json!({ "@context": format!("{STANDARD}/context"), "@graph": graph });
     let mut bytes = serde_json::to_vec_pretty(&json).map_err(Error::internal)?;
@@ -96,7 +96,7 @@ fn authors(about: &About) -> Vec<(String, Value)> {
 
 fn program(about: &About) -> Value {
     json!({
-        "@id": PROGRAM, "@type": "SoftwareApplication", "name": "pipeline", "softwareVersion": about.version,
+        "@id": PROGRAM, "@type": "SoftwareApplication", "name": "pipeline", "version": about.version, "url": link(contents::CITATION),
         "description": "From raw test-rig sessions of braided pneumatic actuators to tables, figures and reports",
     })
 }
@@ -104,26 +104,27 @@ fn program(about: &About) -> Value {
 /// What the program did: raw files and options in, everything else out.
 fn run(bundle: &Bundle) -> Value {
     let is_input = |f: &&Packed| f.path.starts_with(RAW) || f.path == contents::CONFIG;
-    let (inputs, outputs): (Vec<&Packed>, Vec<&Packed>) = bundle.files.iter().partition(is_input);
+    let files = bundle.files.iter().filter(|f| f.path != contents::CITATION);
+    let (inputs, outputs): (Vec<&Packed>, Vec<&Packed>) = files.partition(is_input);
     let links = |files: Vec<&Packed>| files.into_iter().map(|f| link(&id(f))).collect::<Vec<_>>();
     json!({
         "@id": RUN, "@type": "CreateAction", "name": "pipeline run",
         "description": "Ingest, clean, normalize, fit, compare, diagnose, torque, report",
-        "actionStatus": link("http://schema.org/CompletedActionStatus"),
+        "actionStatus": "http://schema.org/CompletedActionStatus",
         "instrument": link(PROGRAM), "object": links(inputs), "result": links(outputs),
     })
 }
 
 /// The folders that hold a file of the bundle.
-fn folders(bundle: &Bundle) -> impl Iterator<Item = Value> {
-    let present = kinds::FOLDERS
-        .iter()
-        .filter(|(folder, _)| is_there(bundle, folder));
-    present.map(|(folder, what)| {
-        json!({
-            "@id": folder, "@type": "Dataset", "name": folder, "description": what,
-            "hasPart": parts(bundle, folder),
-        })
+pub(super) fn folders(bundle: &Bundle) -> impl Iterator<Item = &'static str> {
+    let known = kinds::FOLDERS.iter().map(|(folder, _)| *folder);
+    known.filter(|folder| is_there(bundle, folder))
+}
+
+fn dataset(bundle: &Bundle, folder: &str) -> Value {
+    json!({
+        "@id": folder, "@type": "Dataset", "name": folder, "description": kinds::of_folder(folder),
+        "hasPart": parts(bundle, folder),
     })
 }
 
@@ -136,11 +137,9 @@ fn is_there(bundle: &Bundle, folder: &str) -> bool {
 
 /// Links to what a folder holds: its folders, and the files of none of these. Raw files that are only named belong to the root.
 fn parts(bundle: &Bundle, folder: &str) -> Vec<Value> {
-    let known = kinds::FOLDERS.iter().map(|(name, _)| *name);
-    let below = known.filter(|f| *f != folder && home(f.trim_end_matches('/')) == folder);
-    let below = below.filter(|f| is_there(bundle, f)).map(link);
+    let below = folders(bundle).filter(|f| home(f.trim_end_matches('/')) == folder);
     let files = bundle.files.iter().filter(|f| f.home() == folder);
-    below.chain(files.map(|f| link(&id(f)))).collect()
+    below.map(link).chain(files.map(|f| link(&id(f)))).collect()
 }
 
 /// The innermost known folder of a path; empty for the root.

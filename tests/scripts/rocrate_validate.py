@@ -6,7 +6,6 @@ term of our metadata is the same in 1.2.
 
 import importlib.resources
 import sys
-import tempfile
 
 import requests
 from rocrate_validator import services
@@ -29,14 +28,13 @@ def answer(_adapter, request, **_options):
 
 def main():
     requests.adapters.HTTPAdapter.send = answer
-    with tempfile.TemporaryDirectory() as cache:
-        settings = ValidationSettings(
-            rocrate_uri=sys.argv[1],
-            profile_identifier="ro-crate-1.2",
-            requirement_severity=Severity.REQUIRED if len(sys.argv) < 3 else Severity[sys.argv[2]],
-            cache_path=f"{cache}/http",
-        )
-        result = services.validate(settings)
+    settings = ValidationSettings(
+        rocrate_uri=sys.argv[1],
+        profile_identifier="ro-crate-1.2",
+        requirement_severity=Severity.REQUIRED if len(sys.argv) < 3 else Severity[sys.argv[2]],
+        no_cache=True,
+    )
+    result = services.validate(settings)
     for issue in result.get_issues():
         print(f"{issue.severity.name}: {issue.message} ({issue.violatingEntity})")
     sys.exit(1 if result.has_issues() else 0)
