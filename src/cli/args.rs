@@ -51,9 +51,9 @@ pub enum Command {
     Status(PlaceArgs),
     /// Print what the last run found: models, verdicts, errors and what to measure next, campaign by campaign
     #[command(
-        after_help = "Examples:\n  pipeline summary\n  pipeline summary --json\n\nIt computes nothing; where the sessions have changed since, it says so."
+        after_help = "Examples:\n  pipeline summary\n  pipeline summary iso10-2022-11\n  pipeline summary --full\n  pipeline summary --json\n\nOf more than two campaigns, pools and joints each has a line or two. It computes nothing; where the sessions have changed since, it says so."
     )]
-    Summary(PlaceArgs),
+    Summary(SummaryArgs),
     /// Bring the results up to date and compare the tables with the golden ones; exit code 1 on a difference
     #[command(
         after_help = "Examples:\n  pipeline check --init\n  pipeline check\n  pipeline check --bless --reason \"the zero of clipped logs is now the slack force\"\n\nExit codes: 0 equal; 1 a difference; 2 usage, or no golden tables; 4 internal."
@@ -172,6 +172,19 @@ pub struct PlaceArgs {
     /// Print every message about the inputs, notes included
     #[arg(long, short, action = ArgAction::SetTrue)]
     pub verbose: bool,
+}
+
+/// Arguments of `summary`.
+#[derive(Debug, clap::Args)]
+pub struct SummaryArgs {
+    /// One campaign, with all that is known of it
+    pub campaign: Option<String>,
+    /// Everything of every campaign
+    #[arg(long)]
+    pub full: bool,
+    /// Where things are
+    #[command(flatten)]
+    pub places: PlaceArgs,
 }
 
 /// Arguments of `run`.

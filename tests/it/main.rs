@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod broken;
+mod bundle;
 mod cache;
 mod closed_loop;
 mod commands;
@@ -31,6 +32,7 @@ mod numerics;
 mod pages;
 mod predict;
 mod predict_coverage;
+mod printed;
 mod projects;
 mod reasons;
 mod rig;
