@@ -34,7 +34,7 @@ fn unpacked(path: &Path) -> BTreeMap<String, Vec<u8>> {
         let mut bytes = Vec::new();
         entry.read_to_end(&mut bytes).unwrap();
         if entry.is_file() {
-            files.insert(entry.name().to_owned(), bytes);
+            files.insert(entry.name().unwrap().into_owned(), bytes);
         }
     }
     files

@@ -121,7 +121,7 @@ fn an_error_that_falls_on_the_whole_is_said_to_grow_on_some() {
 
 #[test]
 fn a_line_has_names_numbers_and_what_is_worth_most() {
-    let line = in_a_line(&example()).replace('\u{a0}', " ");
+    let line = super::sentence::in_a_line(&example()).replace('\u{a0}', " ");
     for part in [
         "60.0 kPa, ",
         "error on unseen specimens 18.7 → 15.8 N",
