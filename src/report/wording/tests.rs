@@ -123,7 +123,7 @@ fn an_error_that_falls_on_the_whole_is_said_to_grow_on_some() {
 fn a_line_has_names_numbers_and_what_is_worth_most() {
     let line = super::sentence::in_a_line(&example()).replace('\u{a0}', " ");
     for part in [
-        "60.0 kPa, ",
+        "threshold pressure of the bladder 60.0 kPa; ",
         "error on unseen specimens 18.7 → 15.8 N",
         "next: knowing",
         "recording error",
@@ -155,7 +155,7 @@ fn nothing_found_points_to_the_detection_limits() {
         broken(&said.rest)[..2],
         [
             "The zero of the force scatters by 0.60 N and not by the 0.20 N that were declared.",
-            "The error on unseen specimens is 18.7 N."
+            "The mixed model's error on unseen specimens is 18.7 N."
         ]
     );
 }
