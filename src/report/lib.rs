@@ -19,6 +19,7 @@
 //! | [`residual`] | the pages of `residual.pdf` |
 //! | [`knee`] | the pages of `knee.pdf` |
 //! | [`layout`] | what stands where on a typeset page |
+//! | `summary` | `summary.json` |
 //! | [`supplement`] | the pages of `supplement.pdf` |
 //! | [`typeset`], [`raster`], [`fonts`] | pages through Typst, figures as PNG, the bundled fonts |
 //!
@@ -43,6 +44,7 @@ pub mod raster;
 pub mod render;
 pub mod residual;
 pub mod stage;
+mod summary;
 pub mod supplement;
 pub mod symbols;
 pub mod table;
