@@ -10,6 +10,7 @@ mod coverage;
 mod crash;
 mod crates;
 mod declared;
+mod diameters;
 mod documents;
 mod findings_schema;
 mod finished;
