@@ -46,15 +46,17 @@
 //! | [`draft`] | a first `session.toml` for a log, guessed from its columns | |
 //! | [`golden`] | fresh tables against blessed ones | a table: one entry in `tests/golden/golden.toml` |
 //! | [`run`] | the list of stages as declarations ([`run::rule`]), and what walks it through the cache ([`run::walk`]): one whole run at a time on a directory, or many jobs ([`run::jobs`]); where an artifact comes from ([`run::ancestry`]) | |
+//! | [`bundle`] | a run as an RO-Crate for a repository | |
 //! | [`export`] | the jobs of a run as a workflow of another engine | an engine: one file, one line in `export/lib.rs` |
 //! | [`config`] | `pipeline.toml` | |
-//! | [`cli`] | arguments, and all printing: init, run, status, summary, explain, graph, check, predict, explore, simulate, new-session, gc, export, completions, man | |
+//! | [`cli`] | arguments, and all printing: init, run, status, summary, explain, graph, check, predict, explore, simulate, new-session, gc, export, bundle, completions, man | |
 //!
 //! # Invariants
 //! - **Directions**: every folder with a `Cargo.toml` is a crate, and what it does not name there it cannot use. Each line has all that one crate
 //!   names, and names only crates of lines below it; `tests/it/crates.rs` holds every `Cargo.toml` to this list:
 //!   ```text
-//!   cli       -> export, run, report, predict, draft, compare, fit, config, formats, simulate, cache, golden, mechanics, base, findings
+//!   cli       -> bundle, export, run, report, predict, draft, compare, fit, config, formats, simulate, cache, golden, mechanics, base, findings
+//!   bundle    -> run, config, formats, base
 //!   export    -> run, formats, base
 //!   run       -> report, torque, clean, compare, diagnose, fit, ingest, config, formats, cache, normalize, base, findings
 //!   report    -> audit, predict, torque, clean, compare, diagnose, draft, fit, ingest, config, formats, mechanics, base, findings, numerics
@@ -107,6 +109,7 @@
 
 pub use pipeline_audit as audit;
 pub use pipeline_base as base;
+pub use pipeline_bundle as bundle;
 pub use pipeline_cache as cache;
 pub use pipeline_cli as cli;
 pub use pipeline_config as config;

@@ -2,7 +2,7 @@
 
 use pipeline_findings::CampaignFindings;
 use pipeline_report::wording::name;
-use pipeline_report::wording::sentence::clauses;
+use pipeline_report::wording::sentence::{clauses, in_a_line};
 use serde_json::{Value, json};
 
 /// Letters in a line.
@@ -51,6 +51,11 @@ pub(super) fn lines(found: &CampaignFindings, models: Option<&str>) -> Vec<Strin
     }
     let below = below.iter().flat_map(|(l, text)| labelled(l, text));
     std::iter::once(name).chain(below).collect()
+}
+
+/// The same in a line or two.
+pub(super) fn in_short(found: &CampaignFindings) -> Vec<String> {
+    paragraph(&format!("{}: {}", name::campaign(found), in_a_line(found)))
 }
 
 /// A text in lines, all but the first indented.

@@ -1,5 +1,6 @@
 //! The arguments, with their help.
 
+use crate::bundle::BundleArgs;
 use crate::check::CheckArgs;
 use crate::explain::ExplainArgs;
 use crate::explore::ExploreArgs;
@@ -51,9 +52,9 @@ pub enum Command {
     Status(PlaceArgs),
     /// Print what the last run found: models, verdicts, errors and what to measure next, campaign by campaign
     #[command(
-        after_help = "Examples:\n  pipeline summary\n  pipeline summary --json\n\nIt computes nothing; where the sessions have changed since, it says so."
+        after_help = "Examples:\n  pipeline summary\n  pipeline summary iso10-2022-11\n  pipeline summary --full\n  pipeline summary --json\n\nOf more than two campaigns, pools and joints each has a line or two. It computes nothing; where the sessions have changed since, it says so."
     )]
-    Summary(PlaceArgs),
+    Summary(SummaryArgs),
     /// Bring the results up to date and compare the tables with the golden ones; exit code 1 on a difference
     #[command(
         after_help = "Examples:\n  pipeline check --init\n  pipeline check\n  pipeline check --bless --reason \"the zero of clipped logs is now the slack force\"\n\nExit codes: 0 equal; 1 a difference; 2 usage, or no golden tables; 4 internal."
@@ -95,6 +96,11 @@ pub enum Command {
         after_help = "Example:\n  pipeline export snakemake > Snakefile\n  snakemake --cores 8\n\nEvery job is `pipeline run --only STAGE:UNIT`, which fills the cache below derived/; an ordinary `pipeline run` at the end writes the reports. All machines have to see raw/ and derived/ under the same paths. --jobs is the number of threads of one job (0: one)."
     )]
     Export(ExportArgs),
+    /// Pack the last run as an RO-Crate for a repository: reports, tables, tidy data, configuration, digests of the raw files
+    #[command(
+        after_help = "Examples:\n  pipeline bundle\n  pipeline bundle --out force-2026.zip --with-raw\n\nThe last run has to be up to date. Name, description, license and authors are options below [bundle] of pipeline.toml; the date is that of the documents (report.date, else the last measurement). Same run, same bytes. Unpacked, a bundle with its raw files is a project: `pipeline run` in it gives the same results."
+    )]
+    Bundle(BundleArgs),
     /// Print what a shell needs to complete commands and options
     #[command(
         after_help = "Examples:\n  pipeline completions bash > ~/.local/share/bash-completion/completions/pipeline\n  pipeline completions zsh > ~/.zfunc/_pipeline\n  pipeline completions fish > ~/.config/fish/completions/pipeline.fish\n  pipeline completions powershell >> $PROFILE"
@@ -172,6 +178,19 @@ pub struct PlaceArgs {
     /// Print every message about the inputs, notes included
     #[arg(long, short, action = ArgAction::SetTrue)]
     pub verbose: bool,
+}
+
+/// Arguments of `summary`.
+#[derive(Debug, clap::Args)]
+pub struct SummaryArgs {
+    /// One campaign, with all that is known of it
+    pub campaign: Option<String>,
+    /// Everything of every campaign
+    #[arg(long)]
+    pub full: bool,
+    /// Where things are
+    #[command(flatten)]
+    pub places: PlaceArgs,
 }
 
 /// Arguments of `run`.

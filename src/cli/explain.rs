@@ -8,8 +8,9 @@ use crate::print::{line, print_json};
 use pipeline_base::digest;
 use pipeline_base::error::{Error, Result};
 use pipeline_config::Config;
+use pipeline_report::tables::meanings;
 use pipeline_run::STAGES;
-use pipeline_run::ancestry::{Ancestry, Unit};
+use pipeline_run::ancestry::{Ancestry, Unit, stem};
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -131,6 +132,9 @@ impl Explained<'_> {
         }
         if let Some(n) = &self.number {
             line(format!("  line {}, {} = {}", n.line, n.column, n.value));
+            for meaning in self.meanings() {
+                line(format!("  {meaning}"));
+            }
         }
         let set = options_set(self.units())?;
         for stage in (0..STAGES.len()).rev() {
@@ -186,7 +190,7 @@ impl Explained<'_> {
         let number = self
             .number
             .as_ref()
-            .map(|n| json!({ "line": n.line, "column": n.column, "value": n.value, "row": n.row }));
+            .map(|n| json!({ "line": n.line, "column": n.column, "value": n.value, "row": n.row, "meaning": self.meanings() }));
         let file = self.output.as_ref().map(|o| {
             json!({ "path": on_disk(self.places, o), "state": self.state(o), "sha256": self.unit.entry.outputs[o].digest.hex() })
         });
@@ -194,6 +198,20 @@ impl Explained<'_> {
         print_json(
             &json!({ "artifact": file, "number": number, "made_by": label(self.unit), "units": units, "raw_files": raw }),
         )
+    }
+
+    /// What the number is: its column, and the words of its row that stand for a formula.
+    fn meanings(&self) -> Vec<String> {
+        let (Some(number), Some(output)) = (&self.number, &self.output) else {
+            return Vec::new();
+        };
+        let of_column = meanings::of_column(stem(output), &number.column);
+        let of_column = of_column.map(|m| format!("{}: {m}", number.column));
+        let words = number.row.iter().filter_map(|(column, word)| {
+            let meaning = meanings::of_word(column, word)?;
+            Some(format!("{column} {word}: {meaning}"))
+        });
+        of_column.into_iter().chain(words).collect()
     }
 
     fn units(&self) -> impl Iterator<Item = &Unit> {

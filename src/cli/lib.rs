@@ -7,6 +7,7 @@
 
 mod answers;
 mod args;
+mod bundle;
 mod cell;
 mod check;
 mod columns;
@@ -67,6 +68,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Graph(args) => graph::command(args),
         Command::Gc(args) => gc::command(args),
         Command::Export(args) => export::command(args),
+        Command::Bundle(args) => bundle::command(args),
         Command::Completions(args) => manual::completions(args),
         Command::Man(args) => manual::command(args),
         Command::Config => Config::default().to_commented_toml().map(|text| {

@@ -34,7 +34,7 @@ pub enum Swept {
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("state").args(["contraction", "length", "relative_contraction"])))]
 pub struct PredictArgs {
-    /// Nominal diameter, mm: 10, 20 or 40
+    /// Nominal diameter, mm: 10, 20 or 40, or one that the last run has fitted
     #[arg(long, value_name = "MM", allow_hyphen_values = true)]
     pub diameter: String,
     /// Resting length, clamp to clamp, without pressure

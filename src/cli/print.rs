@@ -1,6 +1,6 @@
 //! What the commands print.
 
-use super::summary::Answers;
+use super::summary::{Answers, Detail};
 use pipeline_base::diagnostics::{Diagnostic, Severity};
 use pipeline_base::error::{Error, Result};
 use pipeline_cache::reason::one_line;
@@ -163,7 +163,7 @@ pub fn run(outcome: &Outcome, answers: Option<&Answers>, took: Duration, explain
         ));
     }
     if let Some(answers) = answers {
-        answers.print();
+        answers.print(Detail::AsFits);
     }
     if let Some(file) = &outcome.findings_file {
         line(format!("findings: {}", file.display()));

@@ -2,9 +2,10 @@
 //! last run left below `reports/`.
 
 use crate::answers;
-use crate::args::PlaceArgs;
+use crate::args::SummaryArgs;
 use crate::print::{counted, line, print_json};
 use crate::{DONE, options, progress};
+use pipeline_base::diagnostics::nearest;
 use pipeline_base::error::{Error, Result};
 use pipeline_compare::NEW;
 use pipeline_findings::{CampaignFindings, Findings};
@@ -18,6 +19,17 @@ use std::path::{Path, PathBuf};
 
 /// Campaigns that are shown before the rest is counted.
 const SHOWN: usize = 20;
+/// So many have all their lines; of more each has one or two, until they are asked for.
+const IN_FULL: usize = 2;
+
+/// How much is said.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Detail {
+    /// Everything of a few campaigns, a line or two of each of many.
+    AsFits,
+    /// Everything.
+    Full,
+}
 
 /// What the last run found, and how the models did.
 pub(super) struct Answers {
@@ -59,13 +71,20 @@ struct ModelError {
 }
 
 /// Prints the answers of the last run; says so where they are no longer those of the sessions.
-pub(super) fn command(args: &PlaceArgs) -> Result<u8> {
-    let places = args.places()?;
-    let answers = Answers::load(&places.reports)?;
-    let options = options(&places, args.jobs, None, true)?;
+pub(super) fn command(args: &SummaryArgs) -> Result<u8> {
+    let places = args.places.places()?;
+    let mut answers = Answers::load(&places.reports)?;
+    let mut detail = Detail::AsFits;
+    if let Some(campaign) = &args.campaign {
+        answers.narrow(campaign)?;
+    }
+    if args.full || args.campaign.is_some() {
+        detail = Detail::Full;
+    }
+    let options = options(&places, args.places.jobs, None, true)?;
     let outcome = run::run(&options, &progress::Shown::new(true))?;
     let stale = outcome.work.len();
-    if args.json {
+    if args.places.json {
         print_json(&json!({ "answers": answers.as_json(), "would_run": stale }))?;
         return Ok(DONE);
     }
@@ -75,7 +94,7 @@ pub(super) fn command(args: &PlaceArgs) -> Result<u8> {
         ));
     }
     answers.print_extent();
-    answers.print();
+    answers.print(detail);
     Ok(DONE)
 }
 
@@ -106,20 +125,55 @@ impl Answers {
         campaigns.map(one).collect()
     }
 
-    /// The campaigns, a few lines each.
-    pub(super) fn print(&self) {
-        let campaigns = &self.findings.campaigns;
-        for found in campaigns.iter().take(SHOWN) {
-            let models = self.models_of(found).map(models_text);
-            line("");
-            answers::lines(found, models.as_deref())
-                .into_iter()
-                .for_each(line);
+    /// One campaign alone.
+    ///
+    /// # Errors
+    /// The last run found none of this name.
+    fn narrow(&mut self, campaign: &str) -> Result<()> {
+        let all = &mut self.findings.campaigns;
+        if !all.iter().any(|found| found.campaign == campaign) {
+            let mut names: Vec<&str> = all.iter().map(|found| found.campaign.as_str()).collect();
+            names.dedup();
+            let near = nearest(campaign, names.iter().copied());
+            let hint = near.map_or_else(String::new, |near| format!("; did you mean {near}?"));
+            return Err(Error::Usage(format!(
+                "the last run has no campaign {campaign}; it has {}{hint}",
+                names.join(", ")
+            )));
         }
-        if campaigns.len() > SHOWN {
+        all.retain(|found| found.campaign == campaign);
+        Ok(())
+    }
+
+    /// The campaigns, a few lines each.
+    pub(super) fn print(&self, detail: Detail) {
+        let campaigns = &self.findings.campaigns;
+        let in_full = detail == Detail::Full || campaigns.len() <= IN_FULL;
+        let shown = if detail == Detail::Full {
+            campaigns.len()
+        } else {
+            SHOWN
+        };
+        if !in_full {
+            line("");
+        }
+        for found in campaigns.iter().take(shown) {
+            if in_full {
+                line("");
+                let models = self.models_of(found).map(models_text);
+                let lines = answers::lines(found, models.as_deref());
+                lines.into_iter().for_each(line);
+            } else {
+                answers::in_short(found).into_iter().for_each(line);
+            }
+        }
+        if !in_full {
+            line("\n`pipeline summary CAMPAIGN` says more of one campaign, --full of all");
+        }
+        if campaigns.len() > shown {
             line(format!(
                 "\nand {} more: {}",
-                campaigns.len() - SHOWN,
+                campaigns.len() - shown,
                 self.reports.join("residual.pdf").display()
             ));
         }
@@ -165,7 +219,7 @@ fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
     })
 }
 
-/// `RMSE on unseen specimens: new 13.2, Hunt 2017 18.1, Festo tool 25.6 N (on the 1290 of 1675 readings that all of them answer)`.
+/// `laws alone, least squares, RMSE on unseen specimens: New model, fitted 13.2, Hunt 2017 18.1, Festo tool 25.6 N (on the 1290 of 1675 readings that all of them answer)`.
 fn models_text(models: &GroupModels) -> String {
     let one = |m: &ModelError| {
         let fallback = if m.model == NEW { "new" } else { &m.model };
@@ -174,7 +228,7 @@ fn models_text(models: &GroupModels) -> String {
     let all: Vec<String> = models.rmse_n.iter().map(one).collect();
     let of = models.of.map_or_else(String::new, |of| format!(" of {of}"));
     format!(
-        "RMSE on unseen specimens: {} N (on the {}{of} readings that all of them answer)",
+        "laws alone, least squares, RMSE on unseen specimens: {} N (on the {}{of} readings that all of them answer)",
         all.join(", "),
         models.readings
     )

@@ -1,6 +1,7 @@
 //! What is wrong with a configuration: keys that are no options, values of a wrong type, values that make no sense.
 
 use super::Config;
+use crate::bundle::{author, is_license};
 use pipeline_base::date::is_date;
 use pipeline_base::diagnostics::{Diagnostic, nearest};
 use std::collections::BTreeMap;
@@ -147,6 +148,23 @@ impl Config {
         if !date.is_empty() && !is_date(date) {
             let expected = "a day or a month that exists, in ISO 8601, such as \"2022-11-30\"";
             mistakes.push(mistake(file, "report.date", date, expected));
+        }
+        mistakes.extend(self.mistakes_of_bundle(file));
+        mistakes
+    }
+
+    /// A license that is none, authors that cannot be read.
+    fn mistakes_of_bundle(&self, file: &str) -> Vec<Diagnostic> {
+        let options = &self.bundle;
+        let mut mistakes = Vec::new();
+        if !is_license(&options.license) {
+            let expected = "an identifier of the SPDX list, such as \"CC-BY-4.0\", or an address";
+            mistakes.push(mistake(file, "bundle.license", &options.license, expected));
+        }
+        for text in options.authors.iter().filter(|a| author(a).is_none()) {
+            let expected =
+                "a name, or a name with its ORCID, such as \"Ada Lovelace <0000-0002-1825-0097>\"";
+            mistakes.push(mistake(file, "bundle.authors", text, expected));
         }
         mistakes
     }

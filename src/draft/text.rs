@@ -33,7 +33,7 @@ pub fn session_toml(draft: &Draft, id: &str) -> String {
 const SPECIMEN: &str = r#"
 [specimen]
 id = "specimen-1"            # FILL IN: the physical actuator; the same in all of its sessions
-diameter_mm = 10             # FILL IN: uninflated inner diameter: 10, 20 or 40
+diameter_mm = 10             # FILL IN: uninflated inner diameter, whole mm
 rest_length_mm = 200         # FILL IN: resting length, hose clamp to hose clamp
 contracted_length_mm = 165   # FILL IN: free length at 620 kPa without load
 # How well these lengths are known, one standard deviation each: optional. Left out, the residual search

@@ -11,7 +11,7 @@ mod snakemake;
 
 use pipeline_base::error::{Error, Result};
 use pipeline_base::names::file_name;
-use pipeline_formats::discover::{Discovery, Located, SESSION_FILE};
+use pipeline_formats::discover::{Discovery, Located};
 use pipeline_run::jobs::{self, Job};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -150,14 +150,7 @@ fn task(
 
 /// The files of a session that are there: a log that is missing is reported when the session is read.
 fn raw_files(located: &Located) -> Result<Vec<String>> {
-    let session = &located.session;
-    let described = session.joint.iter().filter_map(|j| j.description.as_ref());
-    let names = [SESSION_FILE]
-        .into_iter()
-        .chain(located.campaign.as_deref())
-        .chain(described.map(|d| d.file.as_str()))
-        .chain(session.logs.iter().map(|log| log.file.as_str()));
-    let paths = names.map(|name| located.directory.join(name));
+    let paths = located.files().map(|name| located.directory.join(name));
     paths.filter(|p| p.is_file()).map(|p| text(&p)).collect()
 }
 

@@ -30,6 +30,19 @@ pub struct Located {
     pub campaign: Option<String>,
 }
 
+impl Located {
+    /// Every file that is read of the session, relative to its folder: its description and what completes it, the leg, the logs.
+    pub fn files(&self) -> impl Iterator<Item = &str> {
+        let session = &self.session;
+        let described = session.joint.iter().filter_map(|j| j.description.as_ref());
+        [SESSION_FILE]
+            .into_iter()
+            .chain(self.campaign.as_deref())
+            .chain(described.map(|d| d.file.as_str()))
+            .chain(session.logs.iter().map(|log| log.file.as_str()))
+    }
+}
+
 /// A session that cannot be used, with every reason.
 #[derive(Clone, Debug)]
 pub struct Unusable {

@@ -34,7 +34,7 @@ impl Muscle {
         let whole = diameter_mm.round();
         if !((1.0..1000.0).contains(&whole) && (diameter_mm - whole).abs() < 0.5) {
             return usage(format!(
-                "a diameter of {diameter_mm} mm is not a nominal diameter: give 10, 20 or 40"
+                "a diameter of {diameter_mm} mm is not a nominal diameter: give whole mm, such as 10, 20 or 40"
             ));
         }
         positive("the resting length", rest_length_m)?;

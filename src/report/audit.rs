@@ -18,7 +18,10 @@ struct Own {
     differ: Vec<Row>,
     last_digit: Vec<Row>,
     inconsistent: Vec<Inconsistent>,
+    /// Claims that are reproduced, section by section.
     sections: Vec<Section>,
+    /// Claims that rest on what the authors alone have.
+    cannot: Vec<Row>,
     rules: Vec<Rule>,
 }
 
@@ -164,13 +167,14 @@ fn own(audit: &Audit) -> Own {
     };
     let rules: Vec<Rule> = audit.rules.iter().map(rule).collect();
     let (differ, last_digit) = (of("differs"), of("differs in the last digit"));
+    let cannot = of("cannot be recomputed");
     Own {
         counts: Counts {
             claims: audit.claims.len(),
             reproduced: of("reproduced").len(),
             differ: differ.len(),
             last_digit: last_digit.len(),
-            cannot: of("cannot be recomputed").len(),
+            cannot: cannot.len(),
             tests: rules.iter().map(|r| r.tests).sum(),
             inconsistent: rules.iter().map(|r| r.inconsistent).sum(),
         },
@@ -178,6 +182,7 @@ fn own(audit: &Audit) -> Own {
         last_digit,
         inconsistent: inconsistent(audit),
         sections: sections(audit),
+        cannot,
         rules,
     }
 }
@@ -200,7 +205,8 @@ fn is_inconsistent(case: &Case) -> bool {
 
 fn sections(audit: &Audit) -> Vec<Section> {
     let mut sections: Vec<Section> = Vec::new();
-    for finding in &audit.claims {
+    let reproduced = |f: &&ClaimFinding| matches!(f.status, Status::Reproduced);
+    for finding in audit.claims.iter().filter(reproduced) {
         if sections.last().is_none_or(|s| s.title != finding.section) {
             sections.push(Section {
                 title: finding.section.clone(),

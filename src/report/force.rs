@@ -204,10 +204,15 @@ fn own(input: &ReportInput, config: &Config) -> Own {
     }
 }
 
-/// The isobars of the group with most readings, of those that were measured if there are any.
+/// The isobars of the campaign with most readings: a measured one if there is any, one of several specimens before one of a single one (of which
+/// papers print maps), and no pool of others.
 fn first_figure(input: &ReportInput) -> Option<Picture> {
     let groups = input.with_section();
-    let size = |g: &GroupInput| (!g.fit.group.simulated, g.fit.rows);
+    let size = |g: &GroupInput| {
+        let (group, specimens) = (&g.fit.group, g.fit.specimens.len());
+        let is_pool = group.members.len() > 1;
+        (!group.simulated, !is_pool, specimens > 1, g.fit.rows)
+    };
     let (_, figures) = groups.max_by_key(|(g, _)| size(g))?;
     let mut drawn = figures.group.iter();
     drawn

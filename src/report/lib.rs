@@ -21,6 +21,7 @@
 //! | [`knee`] | the pages of `knee.pdf` |
 //! | [`explorer`] | the page for a browser, `explorer.html` |
 //! | [`layout`] | what stands where on a typeset page |
+//! | `summary` | `summary.json` |
 //! | [`supplement`] | the pages of `supplement.pdf` |
 //! | [`typeset`], [`raster`], [`fonts`] | pages through Typst, figures as PNG, the bundled fonts |
 //!
@@ -47,6 +48,7 @@ pub mod raster;
 pub mod render;
 pub mod residual;
 pub mod stage;
+mod summary;
 pub mod supplement;
 pub mod symbols;
 pub mod table;

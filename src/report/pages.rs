@@ -6,6 +6,7 @@ use crate::input::ReportInput;
 use crate::render::{Renderer, typst::Typst};
 use crate::table::Table;
 use crate::typeset::Document;
+use pipeline_base::date;
 use pipeline_base::error::Result;
 use pipeline_config::ReportOptions;
 use serde::Serialize;
@@ -112,15 +113,7 @@ impl Picture {
 
 /// The date that a document carries: the configured one, else the last day on which anything in it was measured. Never today's.
 pub fn date_of(input: &ReportInput, options: &ReportOptions) -> Option<(i32, u8, u8)> {
-    let measured = input.sessions.iter().map(|s| &s.ingest.session.date);
-    date(&options.date).or_else(|| measured.flatten().filter_map(|d| date(d)).max())
-}
-
-/// Year, month and day of an ISO 8601 date; none where it is empty.
-fn date(text: &str) -> Option<(i32, u8, u8)> {
-    let mut parts = text.splitn(3, '-');
-    let year = parts.next()?.parse().ok()?;
-    let month = parts.next()?.parse().ok()?;
-    let day = parts.next().map_or(Some(1), |d| d.parse().ok())?;
-    Some((year, month, day))
+    let measured = input.sessions.iter();
+    let measured = measured.filter_map(|s| s.ingest.session.date.as_deref());
+    date::of_document(&options.date, measured)
 }

@@ -13,11 +13,11 @@ use crate::left_out::{LeftOut, Part, Task, attempt};
 use crate::pages::date_of;
 use crate::render::{self, Renderer};
 use crate::residual::{self, residual_pdf};
+use crate::summary::summary;
 use crate::supplement::{self, supplement_pdf};
 use crate::table::{Table, Unit};
 use crate::tables;
 use crate::typeset::Pdf;
-use crate::wording::sentence::sentences;
 use pipeline_audit::audit;
 use pipeline_audit::findings::Audit;
 use pipeline_base::columns::is_reserved;
@@ -25,16 +25,14 @@ use pipeline_base::digest::Digest;
 use pipeline_base::digest::Outputs;
 use pipeline_base::error::{Error, Result};
 use pipeline_base::frame::Values;
-use pipeline_base::reject;
 use pipeline_base::row::{self, Row, role_name};
 use pipeline_base::session::{Phase, Sampling};
-use pipeline_compare::{COMMON, GroupComparison, NEW, RANKED};
+use pipeline_compare::GroupComparison;
 use pipeline_config::{Config, ReportOptions};
-use pipeline_findings::{CampaignFindings, Findings, SCHEMA};
+use pipeline_findings::{Findings, SCHEMA};
 use pipeline_fit::{GroupFit, is_usable, split};
 use pipeline_torque::tidy;
 use serde::Serialize;
-use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 
 pub use crate::extent::with_section;
@@ -343,90 +341,6 @@ fn table_files(table: Table) -> Outputs {
     let mut files = render(&data, &table);
     files.extend(render(&print, &table.first_rows(MOST_ROWS_PRINTED)));
     files.into_iter().collect()
-}
-
-/// `summary.json`: versions, digest of the inputs, sessions used and rejected with reasons, verdicts, paths of the tables, what could not be
-/// built.
-fn summary(input: &ReportInput, left_out: &[LeftOut]) -> Result<Vec<u8>> {
-    let mut rejected: BTreeMap<&str, Vec<String>> = BTreeMap::new();
-    for (name, diagnostics) in &input.unusable {
-        rejected.insert(name, diagnostics.iter().map(ToString::to_string).collect());
-    }
-    for reject in input.sessions.iter().flat_map(|s| s.rejects()) {
-        if reject.extent == reject::Extent::Session {
-            rejected
-                .entry(&reject.session)
-                .or_default()
-                .push(reject.reason.clone());
-        }
-    }
-    let used = input
-        .sessions
-        .iter()
-        .map(|s| &s.ingest.session)
-        .filter(|s| !rejected.contains_key(s.id.as_str()));
-    let session = |s: &pipeline_base::session::Session| {
-        json!({
-            "id": s.id, "campaign": s.campaign, "kind": row::kind_name(s.kind), "simulated": s.is_simulated(), "exclude": s.exclude,
-        })
-    };
-    let logs: Vec<_> = input
-        .sessions
-        .iter()
-        .flat_map(|s| s.rejects())
-        .filter(|r| r.extent == reject::Extent::Log)
-        .map(|r| json!({ "session": r.session, "log": r.log, "reason": r.reason }))
-        .collect();
-    let verdicts: Vec<_> = input.all_findings().map(verdict_json).collect();
-    let summary = json!({
-        "schema": "bpa-summary/1",
-        "version": env!("CARGO_PKG_VERSION"),
-        "input": input.input_digest,
-        "sessions_used": used.map(session).collect::<Vec<_>>(),
-        "sessions_rejected": rejected.iter().map(|(id, why)| json!({ "session": id, "reasons": why })).collect::<Vec<_>>(),
-        "logs_rejected": logs,
-        "readings": input.rows.len(),
-        "findings": "findings.json",
-        "verdicts": verdicts,
-        "models": input.groups.iter().filter_map(models_json).collect::<Vec<_>>(),
-        "tables": input.tables,
-        "left_out": left_out,
-    });
-    let mut bytes = serde_json::to_vec_pretty(&summary).map_err(Error::internal)?;
-    bytes.push(b'\n');
-    Ok(bytes)
-}
-
-/// The answer of one campaign, pool or joint in `summary.json`.
-fn verdict_json(found: &CampaignFindings) -> serde_json::Value {
-    json!({
-        "campaign": found.campaign, "part": found.part, "diameter_mm": found.diameter_mm, "kind": found.kind,
-        "verdict": found.verdict, "unit": found.unit,
-        "rmse_heldout_before": found.before.rmse_heldout, "rmse_heldout_after": found.after.rmse_heldout,
-        "expected_rmse_heldout": found.expected_rmse_heldout, "sentences": sentences(found),
-    })
-}
-
-/// The ranked models on the readings that all of them answer, of one group in `summary.json`; none where no model stands beside the new one.
-fn models_json(group: &GroupInput) -> Option<serde_json::Value> {
-    let GroupComparison {
-        group, comparisons, ..
-    } = &group.comparison;
-    let of = |model: &str, split: &str| {
-        let mut all = comparisons.iter();
-        all.find(|c| c.model == model && c.split == split)
-    };
-    let new = of(NEW, COMMON)?;
-    let ranked = RANKED.iter().filter_map(|model| of(model, COMMON));
-    let errors: Vec<_> = ranked
-        .filter_map(|c| Some(json!({ "model": c.model, "rmse": c.rmse? })))
-        .collect();
-    (errors.len() > 1).then(|| {
-        json!({
-            "campaign": group.campaign, "diameter_mm": group.diameter_mm, "readings": new.n,
-            "of": of(NEW, "loso").map(|c| c.n + c.n_excluded), "rmse_n": errors,
-        })
-    })
 }
 
 /// The logs that the report draws, as positions of session and log: of every campaign of time series the log with most readings that

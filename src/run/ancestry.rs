@@ -270,7 +270,7 @@ impl Ancestry {
 }
 
 /// The file name without folders and ending.
-fn stem(name: &str) -> &str {
+pub fn stem(name: &str) -> &str {
     let file = name.rsplit('/').next().unwrap_or(name);
     file.rsplit_once('.').map_or(file, |(stem, _)| stem)
 }

@@ -328,7 +328,10 @@ fn check_raw(raw: &Path) -> Result<()> {
 }
 
 /// Nothing below a raw directory is ever written.
-fn check_outside(raw: &Path, output: &Path, option: &str) -> Result<()> {
+///
+/// # Errors
+/// `output`, which `option` named, is in `raw`.
+pub fn check_outside(raw: &Path, output: &Path, option: &str) -> Result<()> {
     let absolute = std::path::absolute(output).map_err(Error::io("find", output))?;
     let there = absolute.ancestors().find_map(|a| {
         let canonical = a.canonicalize().ok()?;

@@ -118,8 +118,8 @@ fn mistakes_in_session_toml_name_line_key_found_expected_and_hint() {
         ),
         (
             "diameter_mm = 10",
-            "diameter_mm = 15",
-            &[":9 [specimen.diameter_mm]", "found 15", "10, 20 or 40"],
+            "diameter_mm = 0.01",
+            &[":9 [specimen.diameter_mm]", "found 0.01", "1 to 100"],
         ),
         (
             "rest_length_mm = 182",

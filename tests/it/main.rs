@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod broken;
+mod bundle;
 mod cache;
 mod closed_loop;
 mod commands;
@@ -9,6 +10,7 @@ mod coverage;
 mod crash;
 mod crates;
 mod declared;
+mod diameters;
 mod documents;
 mod explorer;
 mod findings_schema;
@@ -33,6 +35,7 @@ mod pages;
 mod predict;
 mod predict_coverage;
 mod predictions;
+mod printed;
 mod projects;
 mod reasons;
 mod rig;

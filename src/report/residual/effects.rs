@@ -13,7 +13,7 @@ use serde::Serialize;
 /// The column whose values were shuffled.
 const PLACEBO: &str = "placebo";
 /// Most tested candidates in print; `tested.csv` has all.
-const TESTED: usize = 12;
+const TESTED: usize = 8;
 
 #[derive(Serialize)]
 pub(super) struct Effect {

@@ -12,13 +12,14 @@ use pipeline_findings::{Alternative, CampaignFindings, CoefficientChange, Parame
 const CLOSE: f64 = 2.0;
 /// An error on unseen units that is at most this share of another is lower.
 const MUCH_LOWER: f64 = 0.98;
+/// Most effects that are named of a unit; `residual_errors.csv` has all.
+const MOST_NAMED: usize = 2;
 /// Normal quantile of a 95% interval.
 const Z: f64 = 1.96;
 
 /// Unit, readings, before, after, own values, realised over expected, inside 95%, found without it.
 pub(super) fn unit(found: &CampaignFindings, u: &UnitErrors) -> [String; 8] {
     let error = |e: Option<f64>| error_or_none(e, &found.unit);
-    let without: Vec<String> = u.found.iter().map(|id| name::candidate(id)).collect();
     [
         u.unit.clone(),
         u.readings.to_string(),
@@ -28,12 +29,25 @@ pub(super) fn unit(found: &CampaignFindings, u: &UnitErrors) -> [String; 8] {
         u.realised_over_expected
             .map_or_else(|| NONE.to_owned(), |r| rounded(r, Rounding::Decimals(2))),
         percent_or_none(u.inside_95),
-        if without.is_empty() {
-            "nothing".to_owned()
-        } else {
-            without.join(", ")
-        },
+        found_without(found, u),
     ]
+}
+
+/// What the search without a unit found: by name where that is little, else how many of the effects, and how many others.
+fn found_without(found: &CampaignFindings, u: &UnitErrors) -> String {
+    if u.found.is_empty() {
+        return "nothing".to_owned();
+    }
+    if u.found.len() <= MOST_NAMED {
+        let named: Vec<String> = u.found.iter().map(|id| name::candidate(id)).collect();
+        return named.join(", ");
+    }
+    let is_effect = |id: &&String| found.effects.iter().any(|e| e.class.contains(id));
+    let again = u.found.iter().filter(is_effect).count();
+    match u.found.len() - again {
+        0 => format!("{again} of the effects"),
+        others => format!("{again} of the effects, {others} more"),
+    }
 }
 
 /// Whether the units have a predictive distribution, and errors with their own values: the columns of [`unit`] after the errors.

@@ -33,6 +33,9 @@ const TEMPLATE: &str = include_str!("../templates/residual.typ");
 /// Most rows of a table that has one for each held-out unit, or each recording error; the data files have all.
 const MOST_ROWS: usize = 40;
 
+/// The profiles of so many effects stand beside the effects; of more they fill a page that nobody needs to judge them.
+const PROFILES_BESIDE: usize = 2;
+
 /// The figures that belong to no group of rows.
 #[derive(Clone, Debug, Default)]
 pub struct Figures {
@@ -85,6 +88,8 @@ pub(crate) struct Campaign {
     budget: Vec<[String; 4]>,
     expected: String,
     effects: Vec<effects::Effect>,
+    /// Whether the profiles of the effects fill a page, and so stand in the supplement.
+    profiles_apart: bool,
     alias_sets: Vec<effects::AliasRow>,
     tested: Vec<effects::TestedRow>,
     tested_in_all: usize,
@@ -115,7 +120,7 @@ pub(crate) struct Campaign {
 impl Campaign {
     /// Whether the supplement has anything of it.
     pub(crate) fn varies(&self) -> bool {
-        !self.scatter.is_empty() || !self.coefficients.is_empty()
+        self.profiles_apart || !self.scatter.is_empty() || !self.coefficients.is_empty()
     }
 }
 
@@ -223,6 +228,7 @@ fn campaign(place: usize, found: &CampaignFindings, figures: &[(Kind, Drawn)]) -
             .iter()
             .map(|e| effects::effect(found, e))
             .collect(),
+        profiles_apart: found.effects.len() > PROFILES_BESIDE,
         alias_sets: effects::alias_sets(found),
         tested: effects::tested(found),
         tested_in_all: found.tested.len(),

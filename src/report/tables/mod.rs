@@ -66,6 +66,7 @@ tables! {
 
 mod audit;
 pub mod knee;
+pub mod meanings;
 pub mod prediction;
 
 pub use audit::audit;

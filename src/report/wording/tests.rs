@@ -27,7 +27,7 @@ fn the_answer_of_the_issue() {
     assert_eq!(
         broken(&sentences(&example())),
         [
-            "Threshold pressure of the bladder 60.0 kPa (indistinguishable from zero of the pressure sensor): the error on unseen specimens \
+            "Threshold pressure of the bladder 60.0 kPa (indistinguishable from zero of the pressure sensor): the mixed model's error on unseen specimens \
              goes from 18.7 to 15.8 N.",
             "The zero of the force scatters by 0.60 N and not by the 0.20 N that were declared.",
             "What the effects leave is not all chance: the error depends on humidity (p = 0.0020), for which the library has no effect \
@@ -47,13 +47,13 @@ fn an_error_that_rises_and_a_density_that_falls_are_said_in_plain_words() {
     found.after.log_density_heldout = Some(-4.5);
     assert_eq!(
         said(&found),
-        "the error on unseen specimens goes from 18.7 to 15.8 N, but the uncertainty stated with the predictions gets worse (log predictive density a \
+        "the mixed model's error on unseen specimens goes from 18.7 to 15.8 N, but the uncertainty stated with the predictions gets worse (log predictive density a \
          reading \u{2212}4.31 before, \u{2212}4.50 after)"
     );
     found.after.rmse_heldout = Some(25.0);
     assert_eq!(
         said(&found),
-        "the error on unseen specimens rises with the effects, from 18.7 to 25.0 N, and the uncertainty stated with the predictions gets worse too (log \
+        "the mixed model's error on unseen specimens rises with the effects, from 18.7 to 25.0 N, and the uncertainty stated with the predictions gets worse too (log \
          predictive density a reading \u{2212}4.31 before, \u{2212}4.50 after): the effects describe these specimens, and do not help on another"
     );
     found.after.log_density_heldout = Some(-4.0);
@@ -66,7 +66,7 @@ fn an_error_that_rises_and_a_density_that_falls_are_said_in_plain_words() {
     assert!(said(&found).ends_with("; where its gain and lengths are known the error is larger with the effects, 9.0 against 5.0 N"));
     found.after.rmse_heldout = Some(18.6);
     assert!(said(&found).starts_with(
-        "the error on unseen specimens does not fall: 18.7 without, 18.6 N with the effects"
+        "the mixed model's error on unseen specimens does not fall: 18.7 without, 18.6 N with the effects"
     ));
 }
 
@@ -120,6 +120,20 @@ fn an_error_that_falls_on_the_whole_is_said_to_grow_on_some() {
 }
 
 #[test]
+fn a_line_has_names_numbers_and_what_is_worth_most() {
+    let line = super::sentence::in_a_line(&example()).replace('\u{a0}', " ");
+    for part in [
+        "threshold pressure of the bladder 60.0 kPa; ",
+        "error on unseen specimens 18.7 → 15.8 N",
+        "next: knowing",
+        "recording error",
+    ] {
+        assert!(line.contains(part), "{part}: {line}");
+    }
+    assert!(!line.contains("indistinguishable"), "{line}");
+}
+
+#[test]
 fn nothing_found_points_to_the_detection_limits() {
     let mut none = example();
     none.verdict = Verdict::None;
@@ -129,7 +143,7 @@ fn nothing_found_points_to_the_detection_limits() {
     assert_eq!((c.found.as_str(), c.limits), ("no effect detected", true));
     assert_eq!(
         c.errors.unwrap(),
-        "the error on unseen specimens is 18.7\u{a0}N"
+        "the mixed model's error on unseen specimens is 18.7\u{a0}N"
     );
     assert_eq!(c.unexplained, None);
     let said = full_answer(&none);
@@ -141,7 +155,7 @@ fn nothing_found_points_to_the_detection_limits() {
         broken(&said.rest)[..2],
         [
             "The zero of the force scatters by 0.60 N and not by the 0.20 N that were declared.",
-            "The error on unseen specimens is 18.7 N."
+            "The mixed model's error on unseen specimens is 18.7 N."
         ]
     );
 }

@@ -26,6 +26,8 @@ pub const CONTRACTION: &str = "eps_620(l_rest)";
 
 /// What stands for an actuator whose diameter has no published law of length: a nearly constant F_620.
 const NO_LENGTH_LAW: f64 = 1e4;
+/// Where b2 begins for a diameter of which nothing is published, 1/m: between those of 10 and 20 mm.
+const LIKE_OTHERS: f64 = 17.0;
 
 /// The published coefficients of a diameter, by symbol.
 fn published(diameter_mm: u32, symbol: &str) -> Option<&'static Coefficient> {
@@ -332,12 +334,18 @@ fn with_joint<R>(
 ) -> R {
     let offset = cap_length_m(diameter_mm, options);
     let constant = start(diameter_mm, "F_620", 1000.0) / std::f64::consts::FRAC_PI_2;
+    // What is published of 40 mm has a constant F_620; of a diameter of which nothing is published the readings say it.
+    let is_constant = published(diameter_mm, "F_620").is_some();
+    let otherwise = if is_constant {
+        NO_LENGTH_LAW
+    } else {
+        LIKE_OTHERS
+    };
     let (b1, b2) = (
         start(diameter_mm, "b1", constant),
-        start(diameter_mm, "b2", NO_LENGTH_LAW),
+        start(diameter_mm, "b2", otherwise),
     );
     let [c0, c1, c2] = surface_start(diameter_mm);
-    let has_law = published(diameter_mm, "b2").is_some();
     let symbols = surface_symbols(diameter_mm);
     then(&Equation::<5> {
         id: JOINT,
@@ -362,7 +370,7 @@ fn with_joint<R>(
         held: &|lengths| {
             [
                 None,
-                (!has_law || lengths < 2).then_some(b2),
+                (is_constant || lengths < 2).then_some(b2),
                 None,
                 None,
                 None,

@@ -3,7 +3,7 @@
 use super::{angle_axis, configuration, over_angle};
 use crate::figures::Named;
 use crate::figures::formatting::largest;
-use crate::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Panel, Series, Stroke};
+use crate::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Panel, SINGLE_MM, Series, Stroke};
 use pipeline_base::names::file_name;
 use pipeline_torque::diagnose::JointDiagnosis;
 use pipeline_torque::diagnose::curves::BeforeAfter;
@@ -63,12 +63,15 @@ pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
     let columns = match shown.len() {
         0 | 1 => 1,
         2..=4 => 2,
-        _ => 3,
+        5 | 6 => 3,
+        _ => 4,
     };
     let rows = shown.len().div_ceil(columns);
     let height = ROW_MM * rows as f64 + LEGEND_MM;
     let panels = shown.iter().map(|c| panel(joint, c));
-    let empty = Figure::new(&title, DOUBLE_MM, height);
+    // A single panel stands beside the text.
+    let width = if columns == 1 { SINGLE_MM } else { DOUBLE_MM };
+    let empty = Figure::new(&title, width, height);
     let figure = panels.fold(empty, Figure::with);
     let simulated = if campaign.simulated {
         "Simulated. "

@@ -18,19 +18,15 @@ tables! {
 
 /// The tables that the pages show for one campaign, named after it.
 pub fn of_campaign(campaign: &CampaignTorque) -> impl Iterator<Item = Table> {
-    let shown: [fn(&[CampaignTorque]) -> Table; 4] = [
-        tests::tests,
-        joints::found,
-        joints::effects,
-        joints::by_hand,
-    ];
+    let shown: [fn(&[CampaignTorque]) -> Table; 3] = [tests::tests, joints::found, joints::by_hand];
     super::of_one(shown, campaign, names(campaign))
 }
 
 /// The tables that the supplement shows for one campaign, named after it.
 pub fn supplementary_of_campaign(campaign: &CampaignTorque) -> impl Iterator<Item = Table> {
-    let shown: [fn(&[CampaignTorque]) -> Table; 4] = [
+    let shown: [fn(&[CampaignTorque]) -> Table; 5] = [
         tests::tests,
+        joints::effects,
         errors::laws,
         errors::models,
         fittings::fittings,

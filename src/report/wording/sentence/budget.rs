@@ -1,0 +1,110 @@
+//! What the expected error is made of.
+
+use crate::number::Rounding;
+use crate::wording::name::{self, listed, nouns};
+use crate::wording::number::{error, error_with_unit, plain, rounded};
+use pipeline_findings::{BudgetEntry, CampaignFindings, Scatter};
+
+/// A source that makes less than this share of the expected variance is summed up with others; noise is always named.
+const NAMED_SHARE: f64 = 0.02;
+
+/// Sources that the answer on a page and on the terminal names, beside noise; the table has all.
+const SOURCES_NAMED: usize = 3;
+
+/// An expected error that is further than this factor from what came out is said to be.
+const FAR_FROM_EXPECTED: f64 = 1.25;
+
+/// The sources that a sentence names, largest first, and noise; and the root of what the others make together.
+fn named_sources(found: &CampaignFindings) -> (Vec<&BudgetEntry>, f64) {
+    let total: f64 = found.budget.iter().map(|b| b.variance).sum();
+    let mut order: Vec<&BudgetEntry> = found.budget.iter().collect();
+    order.sort_by(|a, b| b.variance.total_cmp(&a.variance));
+    let is_noise = |b: &BudgetEntry| b.source == "noise";
+    let large = order
+        .iter()
+        .filter(|b| !is_noise(b) && b.variance >= NAMED_SHARE * total);
+    let mut named: Vec<&BudgetEntry> = large.take(SOURCES_NAMED).copied().collect();
+    let left: f64 = order
+        .iter()
+        .filter(|b| !is_noise(b) && !named.iter().any(|n| n.source == b.source))
+        .map(|b| b.variance)
+        .sum();
+    named.extend(order.iter().filter(|b| is_noise(b)));
+    (named, left.max(0.0).sqrt())
+}
+
+/// `of the 13.4 N expected on an unseen specimen, 12.0 come from set lengths (0.9 mm), 4.1 from specimen gain and 2.6
+/// from noise (added in quadrature)`.
+pub(super) fn budget(found: &CampaignFindings) -> Option<String> {
+    let (named, left) = named_sources(found);
+    let from = |b: &&BudgetEntry| {
+        let scatter = scattered(found, b);
+        format!(
+            "{} from {}{scatter}",
+            error(b.rmse, &found.unit),
+            name::source(&b.source)
+        )
+    };
+    let mut parts: Vec<String> = named.iter().map(from).collect();
+    if left > 0.0 && left.is_finite() {
+        let others = format!("{} from all else", error(left, &found.unit));
+        parts.insert(
+            parts.len().saturating_sub(1).max(1).min(parts.len()),
+            others,
+        );
+    }
+    let (first, others) = (named.first()?, parts.get(1..).unwrap_or_default());
+    let first = format!(
+        "{} come from {}{}",
+        error(first.rmse, &found.unit),
+        name::source(&first.source),
+        scattered(found, first)
+    );
+    let all: Vec<String> = [first].into_iter().chain(others.iter().cloned()).collect();
+    let total = error_with_unit(found.expected_rmse_heldout?, &found.unit);
+    let unit = nouns(found).unit;
+    Some(format!(
+        "of the {total} expected on an unseen {unit}{}, {} (added in quadrature)",
+        came_out(found),
+        listed(&all)
+    ))
+}
+
+/// ` (78.5 N came out)`, where that is far from what was expected.
+pub(super) fn came_out(found: &CampaignFindings) -> String {
+    let expected = found.expected_rmse_heldout;
+    let came_out = found.after.rmse_heldout.or(found.before.rmse_heldout);
+    let (Some(expected), Some(came_out)) = (expected, came_out) else {
+        return String::new();
+    };
+    let far = came_out > FAR_FROM_EXPECTED * expected || expected > FAR_FROM_EXPECTED * came_out;
+    if far {
+        format!(" ({} came out)", error_with_unit(came_out, &found.unit))
+    } else {
+        String::new()
+    }
+}
+
+/// ` (0.9 mm)`: the scatter behind a source of error, where it is one random effect.
+fn scattered(found: &CampaignFindings, entry: &BudgetEntry) -> String {
+    let Some(scatter) = scatter_behind(found, &entry.source) else {
+        return String::new();
+    };
+    format!(" ({})", scatter_size(scatter))
+}
+
+/// The random effect behind a source of error, where it is one.
+pub fn scatter_behind<'a>(found: &'a CampaignFindings, source: &str) -> Option<&'a Scatter> {
+    let (id, levels) = name::scatter_of(source)?;
+    let is = |s: &&Scatter| s.id == id && levels.contains(&s.level);
+    found.scatter.iter().find(is)
+}
+
+/// The standard deviation with which unseen groups are predicted: a gain as a percentage.
+pub fn scatter_size(scatter: &Scatter) -> String {
+    if scatter.unit == "1" {
+        let rounding = Rounding::Digits(2);
+        return rounded(100.0 * scatter.sd_predictive, rounding) + "%";
+    }
+    plain(scatter.sd_predictive, &scatter.unit)
+}

@@ -1,0 +1,211 @@
+//! The errors on unseen units, before and after.
+
+use super::found::has_terms;
+use crate::number::Rounding;
+use crate::wording::name::{self, nouns};
+use crate::wording::number::{error, error_with_unit, rounded};
+use pipeline_findings::{CampaignFindings, UnitErrors};
+
+/// An error that is more than this share of the one before has not fallen; one that is more than the other has risen.
+const NO_BETTER: f64 = 0.98;
+
+const WORSE: f64 = 1.02;
+
+/// Log predictive densities a reading that differ by less are alike.
+const DENSITIES_ALIKE: f64 = 0.01;
+
+/// How an error or a log predictive density on unseen units has changed with the effects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Change {
+    Better,
+    Alike,
+    Worse,
+}
+
+/// An error before and after, and its change; none where nothing was held out or nothing was put into the model.
+pub(super) fn error_change(found: &CampaignFindings) -> Option<(f64, f64, Change)> {
+    let (before, after) = (found.before.rmse_heldout?, found.after.rmse_heldout?);
+    let change = if after > WORSE * before {
+        Change::Worse
+    } else if after > NO_BETTER * before {
+        Change::Alike
+    } else {
+        Change::Better
+    };
+    has_terms(found).then_some((before, after, change))
+}
+
+/// The same of the log predictive density a reading.
+fn density_change(found: &CampaignFindings) -> Option<(f64, f64, Change)> {
+    let before = found.before.log_density_heldout?;
+    let after = found.after.log_density_heldout?;
+    let change = if after < before - DENSITIES_ALIKE {
+        Change::Worse
+    } else if after > before + DENSITIES_ALIKE {
+        Change::Better
+    } else {
+        Change::Alike
+    };
+    has_terms(found).then_some((before, after, change))
+}
+
+/// `the mixed model's error on unseen specimens goes from 18.7 to 15.8 N (larger on 1 of the 5 specimens)`, and where the uncertainty that was predicted with it fits worse, or better though the
+/// error does not, that too.
+pub(super) fn errors(found: &CampaignFindings) -> Option<String> {
+    let on = name::held_out(found);
+    let Some((before, after, change)) = error_change(found) else {
+        let Some(before) = found.before.rmse_heldout else {
+            return untried(found);
+        };
+        return Some(format!(
+            "the mixed model's error on {on} is {}",
+            error_with_unit(before, &found.unit)
+        ));
+    };
+    let (from, to) = (
+        error(before, &found.unit),
+        error_with_unit(after, &found.unit),
+    );
+    let sizes = match change {
+        Change::Better => format!("the mixed model's error on {on} goes from {from} to {to}"),
+        Change::Alike => {
+            format!(
+                "the mixed model's error on {on} does not fall: {from} without, {to} with the effects"
+            )
+        }
+        Change::Worse => {
+            format!("the mixed model's error on {on} rises with the effects, from {from} to {to}")
+        }
+    };
+    let of_some = match change {
+        Change::Better => larger_on_some(found),
+        Change::Alike | Change::Worse => String::new(),
+    };
+    Some(sizes + &of_some + &densities(found, change) + &with_own_values(found))
+}
+
+/// On how many units an error that falls on the whole is larger with the effects, if on any.
+fn larger_on_some(found: &CampaignFindings) -> String {
+    let is_larger = |unit: &&UnitErrors| {
+        let [before, after] = [&unit.before, &unit.after].map(|e| e.rmse_heldout);
+        matches!((before, after), (Some(before), Some(after)) if after > WORSE * before)
+    };
+    let count = found.by_unit.iter().filter(is_larger).count();
+    if count == 0 {
+        return String::new();
+    }
+    format!(
+        " (larger on {count} of the {} {})",
+        found.by_unit.len(),
+        nouns(found).units
+    )
+}
+
+/// That the effects do harm where the gain and the lengths of the unseen unit are known, if they do.
+fn with_own_values(found: &CampaignFindings) -> String {
+    let before = found.before.rmse_heldout_calibrated;
+    let after = found.after.rmse_heldout_calibrated;
+    let (Some(before), Some(after)) = (before, after) else {
+        return String::new();
+    };
+    if after <= WORSE * before {
+        return String::new();
+    }
+    format!(
+        "; where its gain and lengths are known the error is larger with the effects, {} against {}",
+        error(after, &found.unit),
+        error_with_unit(before, &found.unit)
+    )
+}
+
+/// What there is to say of the uncertainty that was predicted, behind the sizes of the errors: nothing where it changes as they do.
+fn densities(found: &CampaignFindings, error: Change) -> String {
+    let Some((before, after, density)) = density_change(found) else {
+        return String::new();
+    };
+    let decimals = |x: f64| rounded(x, Rounding::Decimals(2));
+    let numbers = format!(
+        "(log predictive density a reading {} before, {} after)",
+        decimals(before),
+        decimals(after)
+    );
+    match (error, density) {
+        (Change::Better, Change::Worse) => {
+            format!(", but the uncertainty stated with the predictions gets worse {numbers}")
+        }
+        (Change::Alike | Change::Worse, Change::Worse) => format!(
+            ", and the uncertainty stated with the predictions gets worse too {numbers}{}",
+            these_only(found)
+        ),
+        (Change::Alike | Change::Worse, Change::Better) => {
+            format!(", but the uncertainty stated with the predictions gets better {numbers}")
+        }
+        _ => String::new(),
+    }
+}
+
+/// What follows where neither the error nor its stated uncertainty gets better.
+fn these_only(found: &CampaignFindings) -> String {
+    let units = nouns(found).units;
+    format!(": the effects describe these {units}, and do not help on another")
+}
+
+/// `the mixed model's error on unseen actuators goes from 8.09 to 3.02 N m (larger on 1 of the 4 actuators), but its stated uncertainty gets worse`.
+pub(super) fn errors_in_short(found: &CampaignFindings) -> Option<String> {
+    let Some((before, after, change)) = error_change(found) else {
+        return errors(found);
+    };
+    let on = name::held_out(found);
+    let (from, to) = (
+        error(before, &found.unit),
+        error_with_unit(after, &found.unit),
+    );
+    let density = density_change(found).map_or(Change::Alike, |(.., change)| change);
+    let worse = density == Change::Worse;
+    let on_some = larger_on_some(found);
+    Some(match change {
+        Change::Better if worse => {
+            format!(
+                "the mixed model's error on {on} goes from {from} to {to}{on_some}, but its stated uncertainty gets worse"
+            )
+        }
+        Change::Better => {
+            format!("the mixed model's error on {on} goes from {from} to {to}{on_some}")
+        }
+        Change::Alike if worse => {
+            format!(
+                "the mixed model's error on {on} does not fall ({from} to {to}), its stated uncertainty gets worse{}",
+                these_only(found)
+            )
+        }
+        Change::Alike => format!("the mixed model's error on {on} does not fall ({from} to {to})"),
+        Change::Worse if worse => {
+            format!(
+                "the mixed model's error on {on} rises from {from} to {to}, its stated uncertainty gets worse{}",
+                these_only(found)
+            )
+        }
+        Change::Worse => format!("the mixed model's error on {on} rises from {from} to {to}"),
+    })
+}
+
+/// `error on unseen specimens 18.7 → 15.8 N`.
+pub(super) fn errors_in_numbers(found: &CampaignFindings) -> Option<String> {
+    let on = name::held_out(found);
+    let Some((before, after, _)) = error_change(found) else {
+        let only = found.before.rmse_heldout;
+        let only = only.map(|e| format!("error on {on} {}", error_with_unit(e, &found.unit)));
+        return only.or_else(|| untried(found));
+    };
+    let (from, to) = (
+        error(before, &found.unit),
+        error_with_unit(after, &found.unit),
+    );
+    Some(format!("error on {on} {from} → {to}"))
+}
+
+/// `not tried on another actuator, since there is none`, of effects that could not be.
+fn untried(found: &CampaignFindings) -> Option<String> {
+    let unit = name::held_out_unit(found);
+    has_terms(found).then(|| format!("not tried on another {unit}, since there is none"))
+}

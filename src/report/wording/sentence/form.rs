@@ -1,0 +1,64 @@
+//! Whether one number is enough for the size of an effect.
+
+use crate::number::Rounding;
+use crate::wording::name::{self};
+use crate::wording::number::{equals_probability, plain, rounded, with_unit};
+use pipeline_findings::{EffectFinding, FormPoint, FreeForm};
+
+/// A range that is shorter than this share of its larger end says nothing of a change along it.
+const NARROW: f64 = 0.1;
+
+/// `Its size changes with the force: one number is not enough (p = 0.01).`, or that one number is enough over the range in which it acts; none where
+/// that was not asked.
+pub fn form(effect: &EffectFinding) -> Option<String> {
+    let free = effect.free_form.as_ref()?;
+    let along = name::column(&free.argument);
+    let p = equals_probability(free.p);
+    let range = range_of(free);
+    Some(match range {
+        Some(range) if is_narrow(range) => format!(
+            "Whether its size changes with the {along} cannot be told: it acts {} only.",
+            range_words(range, &free.unit)
+        ),
+        _ if free.differs => format!(
+            "Its size changes with the {along}{}: one number is not enough (p {p}).",
+            between_ends(effect, free)
+        ),
+        Some(range) => format!(
+            "One number is enough for its size over the {along} at which it acts, {} (p {p}).",
+            range_words(range, &free.unit)
+        ),
+        None => format!("One number is enough for its size, whatever the {along} (p {p})."),
+    })
+}
+
+/// `, from 101 kPa at 38 kPa to 309 kPa at 625 kPa, all else fitted again`: the sizes at the ends of the range.
+fn between_ends(effect: &EffectFinding, free: &FreeForm) -> String {
+    let ends = free.curve.first().zip(free.curve.last());
+    let (Some((first, last)), Some(size)) = (ends, effect.parameters.first()) else {
+        return String::new();
+    };
+    let end = |point: &FormPoint| {
+        let at = with_unit(&rounded(point.at, Rounding::Digits(2)), &free.unit);
+        format!("{} at {at}", plain(point.amplitude, &size.unit))
+    };
+    let (first, last) = (end(first), end(last));
+    format!(", from {first} to {last}, all else fitted again")
+}
+
+/// The range of the argument over which the size of an effect was looked at.
+fn range_of(free: &FreeForm) -> Option<(f64, f64)> {
+    let ends = free.curve.first().zip(free.curve.last());
+    ends.map(|(first, last)| (first.at, last.at))
+}
+
+/// Whether a range is so short that no change along it could be seen.
+fn is_narrow((low, high): (f64, f64)) -> bool {
+    high - low < NARROW * low.abs().max(high.abs())
+}
+
+fn range_words((low, high): (f64, f64), unit: &str) -> String {
+    let rounding = Rounding::Digits(3);
+    let high = with_unit(&rounded(high, rounding), unit);
+    format!("from {} to {high}", rounded(low, rounding))
+}

@@ -1,0 +1,157 @@
+//! What was found: effects with their sizes, columns without a name, contradicted declarations.
+
+use crate::wording::name::{self, listed};
+use crate::wording::number::{amounts, count, equals_probability, percent, plain, with_unit};
+use pipeline_findings::{ActsOn, CampaignFindings, EffectFinding, Level, Scatter, Verdict};
+use pipeline_mechanics::effects;
+use pipeline_torque::diagnose::terms::usual;
+
+/// Most members of an alias set, and most recording errors, that a sentence names.
+pub(super) const MOST_NAMED: usize = 3;
+
+/// What was found, without the errors; of an effect its name and size, and all remarks in one bracket.
+pub(super) fn answer(found: &CampaignFindings) -> String {
+    let weighty: Vec<&EffectFinding> = found.effects.iter().filter(|e| !e.negligible).collect();
+    let of_effect = |e: &EffectFinding| {
+        let large = beyond_usual(found, e).map(|_| "implausibly large".to_owned());
+        let remarks = [large, of_one_group(found, e), indistinguishable(e)];
+        let remarks: Vec<String> = remarks.into_iter().flatten().collect();
+        let name = size_of(e);
+        if remarks.is_empty() {
+            name
+        } else {
+            format!("{name} ({})", remarks.join("; "))
+        }
+    };
+    match found.verdict {
+        Verdict::NotAssessed => format!("not assessed: {}", name::not_assessed(found)),
+        Verdict::None if found.effects.is_empty() => "no effect detected".to_owned(),
+        Verdict::None => {
+            let all: Vec<String> = found.effects.iter().map(of_effect).collect();
+            format!(
+                "nothing beyond the smallest effect of interest; below it: {}",
+                all.join("; ")
+            )
+        }
+        Verdict::Unexplained => unexplained(found),
+        Verdict::EffectFound => {
+            let all: Vec<String> = weighty.into_iter().map(of_effect).collect();
+            all.join("; ")
+        }
+    }
+}
+
+/// The same without remarks: names and sizes.
+pub(super) fn in_names(found: &CampaignFindings) -> String {
+    let weighty = found.effects.iter().filter(|e| !e.negligible);
+    let all: Vec<String> = weighty.map(size_of).collect();
+    match found.verdict {
+        Verdict::EffectFound => all.join(", "),
+        Verdict::None => "no effect detected".to_owned(),
+        Verdict::Unexplained | Verdict::NotAssessed => answer(found),
+    }
+}
+
+/// `the set length scatters by 0.83 mm and not by the 0.10 mm that were declared`.
+pub(super) fn contradicted(found: &CampaignFindings) -> Option<String> {
+    let of_sessions = found.scatter.iter().filter(|s| s.declared_contradicted);
+    let list: Vec<String> = of_sessions
+        .filter(|s| matches!(s.level, Level::Session | Level::Test))
+        .filter_map(|s| {
+            let declared = plain(s.declared?, &s.unit);
+            Some(format!(
+                "the {} scatters by {} and not by the {declared} that were declared",
+                name::scatter(&s.id, s.level),
+                plain(s.sd, &s.unit)
+            ))
+        })
+        .collect();
+    (!list.is_empty()).then(|| list.join("; "))
+}
+
+/// Of an effect of a joint that it is larger than such parts were measured to be, and what these have up to: something else is probably in it.
+pub fn beyond_usual(found: &CampaignFindings, e: &EffectFinding) -> Option<String> {
+    let size = e.parameters.first()?;
+    let (most, unit) = usual(&e.id, &e.form).filter(|_| found.kind == "knee-torque")?;
+    (size.value.abs() > most).then(|| with_unit(&most.to_string(), unit))
+}
+
+/// Of an effect of which groups scatter as well, where there is but one of them: its own value and the effect are one number.
+fn of_one_group(found: &CampaignFindings, e: &EffectFinding) -> Option<String> {
+    let scatters = |s: &&Scatter| s.id == e.id && s.values.len() == 1;
+    let own = found.scatter.iter().find(scatters)?;
+    let (own, level) = (name::scatter(&own.id, own.level), name::level(own.level));
+    (e.acts_on == ActsOn::All).then(|| format!("perhaps the {own} of the only {level}"))
+}
+
+/// `indistinguishable from zero of the pressure sensor`; none where its alias set holds it alone.
+fn indistinguishable(effect: &EffectFinding) -> Option<String> {
+    let others: Vec<String> = alias_set(effect);
+    match others.len() {
+        0 => None,
+        n if n <= MOST_NAMED => Some(format!("indistinguishable from {}", listed(&others))),
+        n => Some(format!("indistinguishable from {} other effects", count(n))),
+    }
+}
+
+/// `threshold pressure of the bladder 60 kPa`.
+fn size_of(effect: &EffectFinding) -> String {
+    let size = amounts(&effect.parameters).map_or_else(String::new, |amount| format!(" {amount}"));
+    let from = match (&effect.from, &effect.column) {
+        (Some(session), _) => format!(" from session {session} on"),
+        (None, Some(_)) => format!(", {}", name::acts_on(effect)),
+        (None, None) => String::new(),
+    };
+    called(effect) + &size + &from
+}
+
+/// What an effect is called; with its form where its size has not the unit by which the effect is known: a compliance in mm.
+pub fn called(effect: &EffectFinding) -> String {
+    let known = effects::index(&effect.id).and_then(|k| effects::all()[k].forms().first());
+    let unit = effect.parameters.first().map(|p| p.unit.as_str());
+    if known.is_some_and(|form| unit.is_some_and(|u| u != form.amplitude.unit)) {
+        name::effect_with_form(&effect.id, &effect.form)
+    } else {
+        name::effect(&effect.id)
+    }
+}
+
+/// The other members of an effect's alias set.
+pub fn alias_set(effect: &EffectFinding) -> Vec<String> {
+    let others = effect.class.iter().filter(|id| **id != effect.id);
+    others.map(|id| name::effect(id)).collect()
+}
+
+/// `the error depends on humidity (p = 0.002), for which the library has no effect`.
+pub(super) fn unexplained(found: &CampaignFindings) -> String {
+    let columns: Vec<String> = found
+        .unexplained
+        .iter()
+        .map(|u| {
+            format!(
+                "{} (p {})",
+                name::column(&u.column),
+                equals_probability(u.p_familywise)
+            )
+        })
+        .collect();
+    format!(
+        "the error depends on {}, for which the library has no effect",
+        listed(&columns)
+    )
+}
+
+/// The same beside effects that were found.
+pub(super) fn beside(found: &CampaignFindings) -> Option<String> {
+    let share: f64 = found.unexplained.first()?.share_of_variance;
+    let rest = unexplained(found);
+    Some(format!(
+        "what the effects leave is not all chance: {rest} ({} of its variance)",
+        percent(share)
+    ))
+}
+
+/// Whether anything was put into the model.
+pub fn has_terms(found: &CampaignFindings) -> bool {
+    !found.effects.is_empty() || !found.unexplained.is_empty()
+}

@@ -1,0 +1,141 @@
+//! What is worth measuring next.
+
+use super::errors::{Change, error_change};
+use crate::number::Rounding;
+use crate::wording::name::{self, Nouns, listed, nouns};
+use crate::wording::number::{count, error_with_unit, percent, rounded, with_unit};
+use pipeline_findings::{CampaignFindings, NextKind, NextMeasurement};
+
+/// A measurement that lowers the expected error by less than this share of it is not worth a sentence; the table has it.
+const WORTH_SAYING: f64 = 0.02;
+
+/// The readings of each set-up of which the answer speaks; beside it the table has the others.
+const READINGS_GIVEN: &str = "3";
+
+/// Whether what a measurement would be worth can be relied on: it is a fall of the error that the model with the effects expects, and says nothing
+/// where that model is worse on unseen units than the one without, or where the fall would be more than all of the error that came out.
+pub fn is_worth_credible(found: &CampaignFindings, worth: f64) -> bool {
+    let rises = error_change(found).is_some_and(|(.., change)| change == Change::Worse);
+    let came_out = found.after.rmse_heldout.or(found.before.rmse_heldout);
+    !rises && came_out.is_none_or(|error| worth < error)
+}
+
+/// What the measurement that is worth most is worth.
+pub(super) fn worth(found: &CampaignFindings) -> Option<String> {
+    let in_units = found
+        .next_measurement
+        .iter()
+        .filter(|n| n.kind != NextKind::Separate)
+        .filter_map(|n| Some((n, n.worth?)));
+    let (best, worth) = in_units.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let words = worth_words(best)?;
+    let error = found.expected_rmse_heldout.unwrap_or(0.0);
+    let said = worth > WORTH_SAYING * error && is_worth_credible(found, worth);
+    said.then(|| format!("{} {words}", measurement(best, &nouns(found))))
+}
+
+/// `three readings of each session of a new specimen bring the error to 5.1 N`.
+pub(super) fn few_readings(found: &CampaignFindings) -> Option<String> {
+    let nouns = nouns(found);
+    let after = found.after.rmse_heldout_after.get(READINGS_GIVEN)?;
+    let unseen = found.after.rmse_heldout?;
+    let error = error_with_unit(*after, &found.unit);
+    let verb = if *after < unseen {
+        "bring the error to"
+    } else {
+        "leave it at"
+    };
+    Some(format!(
+        "three readings of each {} of a new {} {verb} {error}",
+        nouns.setup, nouns.unit
+    ))
+}
+
+/// What to measure: `knowing set lengths to 0.2 mm`.
+pub fn measurement(next: &NextMeasurement, nouns: &Nouns) -> String {
+    let number = |key: &str| next.at.get(key).copied();
+    match next.kind {
+        NextKind::Precision => {
+            let what: Vec<String> = next.separates.iter().map(|s| name::source(s)).collect();
+            format!("knowing {} to {}", listed(&what), conditions(next))
+        }
+        NextKind::Specimens => match number("specimens") {
+            Some(1.0) => format!("one more {}", nouns.unit),
+            Some(n) => format!("{} more {}", count(n as usize), nouns.units),
+            None => format!("more {}", nouns.units),
+        },
+        NextKind::SetPoints => match number("set_points") {
+            Some(n) => format!(
+                "the best {} further set points on these {}",
+                count(n as usize),
+                nouns.units
+            ),
+            None => format!("readings at {}", conditions(next)),
+        },
+        NextKind::Separate => {
+            let ids: Vec<String> = next.separates.iter().map(|id| name::effect(id)).collect();
+            format!(
+                "readings at {} to separate {}",
+                conditions(next),
+                listed(&ids)
+            )
+        }
+    }
+}
+
+/// What it is worth, as the end of a sentence: `is worth 6.0 N`; none where that was not computed.
+pub fn worth_words(next: &NextMeasurement) -> Option<String> {
+    let worth = next.worth?;
+    let several = match next.kind {
+        NextKind::Specimens => next.at.get("specimens") != Some(&1.0),
+        NextKind::SetPoints | NextKind::Separate => true,
+        NextKind::Precision => false,
+    };
+    let verb = if several { "are worth" } else { "is worth" };
+    Some(match next.kind {
+        NextKind::Separate => match rounded(worth, Rounding::Decimals(1)).as_str() {
+            "0.0" => "hardly tell them apart, and no other set point does better".to_owned(),
+            worth => format!("{verb} {worth} in log-likelihood"),
+        },
+        _ => format!("{verb} {}", error_with_unit(worth, &next.unit)),
+    })
+}
+
+/// The conditions of a measurement: `120 kPa, ε* = 0.40`.
+pub fn conditions(next: &NextMeasurement) -> String {
+    let all: Vec<String> = next
+        .at
+        .iter()
+        .map(|(key, value)| condition(key, *value))
+        .collect();
+    all.join(", ")
+}
+
+fn condition(key: &str, value: f64) -> String {
+    let digits = |unit: &str| with_unit(&rounded(value, Rounding::Digits(3)), unit);
+    let short = |unit: &str| plain_number(value, unit);
+    match key {
+        "pressure_kpa" => digits("kPa"),
+        "contraction_rel" => format!("ε* = {}", rounded(value, Rounding::Decimals(2))),
+        "contraction" => format!("ε = {}", rounded(value, Rounding::Decimals(3))),
+        "rest_length_mm" => format!("a resting length of {}", digits("mm")),
+        "length_mm" => format!("a length of {}", digits("mm")),
+        "angle_deg" => format!("{}°", rounded(value, Rounding::Decimals(0))),
+        "temperature_c" => digits("°C"),
+        "sd_mm" => short("mm"),
+        "sd_n" => short("N"),
+        "sd_kpa" => short("kPa"),
+        "sd" => percent(value),
+        "pressure_share" => format!("{} of the pressure", percent(value)),
+        other => format!("{} {}", other.replace('_', " "), short("1")),
+    }
+}
+
+/// As many digits as it has, at most three.
+pub fn plain_number(value: f64, unit: &str) -> String {
+    let text = (0..3).map(Rounding::Decimals).find(|r| {
+        r.round(value)
+            .is_some_and(|x| x.ascii().parse() == Ok(value))
+    });
+    with_unit(&rounded(value, text.unwrap_or(Rounding::Digits(3))), unit)
+}
