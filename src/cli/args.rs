@@ -84,9 +84,11 @@ pub enum Command {
         after_help = "Examples:\n  pipeline gc --dry-run\n  pipeline gc --older-than 7 --max-size 2GB\n\nWhat the last run used always stays; so does what lies in reports/ and derived/sessions/."
     )]
     Gc(GcArgs),
-    /// Write the work of a run as a workflow for another engine, whose jobs share a cache
+    /// Write the work of a run as a workflow for another engine, or a model as source code of other languages
     #[command(
-        after_help = "Example:\n  pipeline export snakemake > Snakefile\n  snakemake --cores 8\n\nEvery job is `pipeline run --only STAGE:UNIT`, which fills the cache below derived/; an ordinary `pipeline run` at the end writes the reports. All machines have to see raw/ and derived/ under the same paths. --jobs is the number of threads of one job (0: one)."
+        subcommand_required = true,
+        arg_required_else_help = true,
+        after_help = "Examples:\n  pipeline export snakemake > Snakefile\n  pipeline export model --campaign simulated-10mm --out bpa-10mm"
     )]
     Export(ExportArgs),
     /// Print what a shell needs to complete commands and options

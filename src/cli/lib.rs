@@ -12,6 +12,7 @@ mod check;
 mod columns;
 mod explain;
 mod export;
+mod export_model;
 mod gc;
 mod graph;
 mod init;

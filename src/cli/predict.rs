@@ -251,7 +251,7 @@ fn steps(args: &PredictArgs, axis: Axis, predictor: &Predictor) -> Result<Steps>
 }
 
 /// The fits of an earlier run; none where there was no run.
-fn fits(derived: &Path) -> Result<Vec<GroupFit>> {
+pub(super) fn fits(derived: &Path) -> Result<Vec<GroupFit>> {
     let path = derived.join("fits.json");
     let text = match std::fs::read(&path) {
         Ok(text) => text,

@@ -1,6 +1,6 @@
 //! A fresh actuator softens over its first cycles (Mullins effect), or wears.
 
-use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
 
 /// F (1 - k (1 - exp(-N/N_0))), N cycles done.
@@ -34,6 +34,9 @@ impl Effect for Conditioning {
     }
     fn title(&self) -> &'static str {
         "softening over cycles"
+    }
+    fn subject(&self) -> Subject {
+        Subject::Actuator
     }
     fn forms(&self) -> &'static [Form] {
         FORMS

@@ -2,7 +2,9 @@
 //!
 //! Every amplitude is half of the loop, positive where the force is higher while venting, as friction makes it at a held length.
 
-use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place, within_tension};
+use super::{
+    Argument, Conditions, Effect, Form, Link, Need, Parameter, Place, Subject, within_tension,
+};
 use crate::models::P_620_KPA;
 use pipeline_numerics::real::Real;
 
@@ -81,6 +83,9 @@ impl Effect for Hysteresis {
     }
     fn title(&self) -> &'static str {
         "hysteresis between filling and venting"
+    }
+    fn subject(&self) -> Subject {
+        Subject::Actuator
     }
     fn forms(&self) -> &'static [Form] {
         FORMS
