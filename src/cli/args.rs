@@ -1,6 +1,7 @@
 //! The arguments, with their help.
 
 use crate::check::CheckArgs;
+use crate::design::DesignArgs;
 use crate::explain::ExplainArgs;
 use crate::export::ExportArgs;
 use crate::gc::GcArgs;
@@ -60,9 +61,14 @@ pub enum Command {
     Check(CheckArgs),
     /// Predict the force of a muscle, or its torque about a knee, with the interval for one that was not measured
     #[command(
-        after_help = "Examples:\n  pipeline predict --diameter 10 --rest-length 182mm --contracted-length 152mm --pressure 300kPa --contraction 5%\n  pipeline predict --diameter 20 --rest-length 12in --contraction-620 0.24 --pressure 4bar --sweep contraction --plot force.svg\n  pipeline predict --diameter 10 --rest-length 250mm --contraction-620 16.5% --table --csv force.csv\n  pipeline predict --diameter 10 --rest-length 485mm --contracted-length 398mm --pressure 606kPa --knee pinned --route flexor --fitting 35.2mm --plot torque.svg\n\nUnits: m, cm, mm, in; kPa, Pa, MPa, bar, psi; contractions as 5% or 0.05. Pressures are gauge pressures."
+        after_help = "Examples:\n  pipeline predict --diameter 10 --rest-length 182mm --contracted-length 152mm --pressure 300kPa --contraction 5%\n  pipeline predict --diameter 20 --rest-length 12in --contraction-620 0.24 --pressure 4bar --sweep contraction --plot force.svg\n  pipeline predict --diameter 10 --rest-length 250mm --contraction-620 16.5% --table --csv force.csv\n  pipeline predict --diameter 10 --rest-length 182mm --contraction 5% --pressure-for 20N\n  pipeline predict --diameter 10 --rest-length 182mm --pressure 500kPa --length-for 100N\n  pipeline predict --diameter 10 --rest-length 485mm --contracted-length 398mm --pressure 606kPa --knee pinned --route flexor --fitting 35.2mm --plot torque.svg\n\nUnits: m, cm, mm, in; kPa, Pa, MPa, bar, psi; contractions as 5% or 0.05. Pressures are gauge pressures."
     )]
     Predict(Box<PredictArgs>),
+    /// Find the shortest muscle, of the diameters measured, that meets a curve of force or torque
+    #[command(
+        after_help = "Examples:\n  pipeline design curve.csv --pressure 600kPa --plot design.svg\n  pipeline design torque.csv --knee pinned --route flexor --fitting 35.2mm\n\nThe curve is a CSV file with one of the headers contraction,force_n; travel_mm,force_n (shortening from the resting length); angle_deg,torque_nm. A muscle meets it where the lower end of its 95% interval does."
+    )]
+    Design(Box<DesignArgs>),
     /// Write a simulated campaign of raw sessions from a truth file
     #[command(after_help = simulate_help())]
     Simulate(SimulateArgs),

@@ -175,7 +175,12 @@ fn put(law: &mut Law, e: &EffectFinding, named: &[String], fit: &GroupFit) -> Re
         }
     };
     *place = size;
-    Ok(format!("{title} ({id}, {form}): {size} {unit}"))
+    let equation = if id == e.id {
+        e.equation.as_str()
+    } else {
+        "P = max(0, P_meas - P_th)"
+    };
+    Ok(format!("{title} ({id}): {size} {unit} in {equation}"))
 }
 
 /// The form of an effect that was accepted, or of the one that is meant in its place. The findings have the size of the accepted one only; a zero of the

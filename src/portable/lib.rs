@@ -27,6 +27,8 @@ pub mod languages;
 pub mod law;
 pub mod model;
 pub mod source;
+#[cfg(test)]
+mod tests;
 
 pub use languages::LANGUAGES;
 pub use model::Model;

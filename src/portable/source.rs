@@ -109,7 +109,7 @@ pub fn of_fit(fit: &GroupFit, inputs: &str) -> Result<Model> {
             ),
             format!("raw files: {inputs}"),
         ],
-        effects: vec!["effects of the loop: none asked for (--effects)".to_owned()],
+        effects: vec!["Effects of the loop: none asked for.".to_owned()],
     })
 }
 

@@ -1,4 +1,4 @@
-//! MuJoCo: a callback in Python, and a load that hangs from the muscle.
+//! MuJoCo: a callback in Python, and a load that the muscle lifts.
 
 use super::{Comment, File, Language, fill, number, python, source};
 use crate::domain::State;
@@ -49,7 +49,6 @@ fn example(model: &Model) -> String {
         ("CONTRACTED", number(contracted_length_m)),
         ("MASS", format!("{mass:.3}")),
         ("DAMPING", format!("{damping:.1}")),
-        ("STRETCH", format!("{:.3}", 0.05 * rest_length_m)),
         ("LIFT", format!("{:.3}", 1.5 * stroke)),
         (
             "WIDTH",
