@@ -2,6 +2,7 @@
 
 use crate::bundle::BundleArgs;
 use crate::check::CheckArgs;
+use crate::design::DesignArgs;
 use crate::explain::ExplainArgs;
 use crate::explore::ExploreArgs;
 use crate::export::ExportArgs;
@@ -62,9 +63,14 @@ pub enum Command {
     Check(CheckArgs),
     /// Predict the force of a muscle, or its torque about a knee, with the interval for one that was not measured
     #[command(
-        after_help = "Examples:\n  pipeline predict --diameter 10 --rest-length 182mm --contracted-length 152mm --pressure 300kPa --contraction 5%\n  pipeline predict --diameter 20 --rest-length 12in --contraction-620 0.24 --pressure 4bar --sweep contraction --plot force.svg\n  pipeline predict --diameter 10 --rest-length 250mm --contraction-620 16.5% --table --csv force.csv\n  pipeline predict --diameter 10 --rest-length 485mm --contracted-length 398mm --pressure 606kPa --knee pinned --route flexor --fitting 35.2mm --plot torque.svg\n\nUnits: m, cm, mm, in; kPa, Pa, MPa, bar, psi; contractions as 5% or 0.05. Pressures are gauge pressures."
+        after_help = "Examples:\n  pipeline predict --diameter 10 --rest-length 182mm --contracted-length 152mm --pressure 300kPa --contraction 5%\n  pipeline predict --diameter 20 --rest-length 12in --contraction-620 0.24 --pressure 4bar --sweep contraction --plot force.svg\n  pipeline predict --diameter 10 --rest-length 250mm --contraction-620 16.5% --table --csv force.csv\n  pipeline predict --diameter 10 --rest-length 182mm --contraction 5% --pressure-for 20N\n  pipeline predict --diameter 10 --rest-length 182mm --pressure 500kPa --length-for 100N\n  pipeline predict --diameter 10 --rest-length 485mm --contracted-length 398mm --pressure 606kPa --knee pinned --route flexor --fitting 35.2mm --plot torque.svg\n\nUnits: m, cm, mm, in; kPa, Pa, MPa, bar, psi; contractions as 5% or 0.05. Pressures are gauge pressures."
     )]
     Predict(Box<PredictArgs>),
+    /// Find the shortest muscle, of the diameters measured, that meets a curve of force or torque
+    #[command(
+        after_help = "Examples:\n  pipeline design curve.csv --pressure 600kPa --plot design.svg\n  pipeline design torque.csv --knee pinned --route flexor --fitting 35.2mm\n\nThe curve is a CSV file with one of the headers contraction,force_n; travel_mm,force_n (shortening from the resting length); angle_deg,torque_nm. A muscle meets it where the lower end of its 95% interval does."
+    )]
+    Design(Box<DesignArgs>),
     /// Write a simulated campaign of raw sessions from a truth file
     #[command(after_help = simulate_help())]
     Simulate(SimulateArgs),
@@ -91,9 +97,11 @@ pub enum Command {
         after_help = "Examples:\n  pipeline gc --dry-run\n  pipeline gc --older-than 7 --max-size 2GB\n\nWhat the last run used always stays; so does what lies in reports/ and derived/sessions/."
     )]
     Gc(GcArgs),
-    /// Write the work of a run as a workflow for another engine, whose jobs share a cache
+    /// Write the work of a run as a workflow for another engine, or a model as source code of other languages
     #[command(
-        after_help = "Example:\n  pipeline export snakemake > Snakefile\n  snakemake --cores 8\n\nEvery job is `pipeline run --only STAGE:UNIT`, which fills the cache below derived/; an ordinary `pipeline run` at the end writes the reports. All machines have to see raw/ and derived/ under the same paths. --jobs is the number of threads of one job (0: one)."
+        subcommand_required = true,
+        arg_required_else_help = true,
+        after_help = "Examples:\n  pipeline export snakemake > Snakefile\n  pipeline export model --campaign simulated-10mm --out bpa-10mm"
     )]
     Export(ExportArgs),
     /// Pack the last run as an RO-Crate for a repository: reports, tables, tidy data, configuration, digests of the raw files

@@ -1,9 +1,9 @@
-//! `pipeline export`: the work of a run as a workflow for another engine.
+//! `pipeline export`: the work of a run as a workflow for another engine, or a model as source code of other languages.
 
 use crate::DONE;
 use crate::args::PlaceArgs;
+use crate::export_model::{self, ModelArgs};
 use crate::print::{self, line, print_json};
-use clap::builder::PossibleValuesParser;
 use pipeline_base::diagnostics::Diagnostic;
 use pipeline_base::error::{Error, Result};
 use pipeline_config::Config;
@@ -16,22 +16,41 @@ use serde_json::json;
 /// Arguments of `export`.
 #[derive(Debug, clap::Args)]
 pub struct ExportArgs {
-    /// The engine
-    #[arg(value_parser = PossibleValuesParser::new(ENGINES.iter().map(|e| e.name)))]
-    pub engine: String,
-    /// Where things are
-    #[command(flatten)]
-    pub places: PlaceArgs,
+    /// What is exported
+    #[command(subcommand)]
+    pub what: What,
 }
 
-/// Prints the workflow.
+/// What there is to export: an engine of [`ENGINES`] each, and the model.
+#[derive(Debug, clap::Subcommand)]
+pub enum What {
+    /// Print the work of a run as a Snakemake workflow, whose jobs share a cache
+    #[command(
+        after_help = "Example:\n  pipeline export snakemake > Snakefile\n  snakemake --cores 8\n\nEvery job is `pipeline run --only STAGE:UNIT`, which fills the cache below derived/; an ordinary `pipeline run` at the end writes the reports. All machines have to see raw/ and derived/ under the same paths. --jobs is the number of threads of one job (0: one)."
+    )]
+    Snakemake(PlaceArgs),
+    /// Write a model of the force as C, Python, MATLAB and Octave, MuJoCo and a table, with the points that test it
+    #[command(
+        after_help = "Examples:\n  pipeline export model --campaign simulated-10mm --out bpa-10mm\n  pipeline export model --campaign simulated-10mm --effects --out bpa-10mm\n  pipeline export model --published new --diameter 20 --out bpa-20mm\n\nEvery language has bpa_force(rest_length_m, contracted_length_m, length_m, pressure_kpa) in N, tension positive, its gradient and its domain. Outside of the box of the readings fitted the force is a bounded continuation."
+    )]
+    Model(Box<ModelArgs>),
+}
+
+/// Writes or prints what is asked for.
 pub fn command(args: &ExportArgs) -> Result<u8> {
-    let plan = plan(&args.places)?;
-    if args.places.json {
+    match &args.what {
+        What::Snakemake(places) => workflow("snakemake", places),
+        What::Model(args) => export_model::command(args),
+    }
+}
+
+fn workflow(engine: &str, places: &PlaceArgs) -> Result<u8> {
+    let plan = plan(places)?;
+    if places.json {
         print_json(&json!({ "tasks": plan.tasks }))?;
         return Ok(DONE);
     }
-    let engine = ENGINES.iter().find(|e| e.name == args.engine);
+    let engine = ENGINES.iter().find(|e| e.name == engine);
     let engine = engine.ok_or_else(|| Error::internal("an engine that is not there"))?;
     line((engine.workflow)(&plan)?.trim_end());
     Ok(DONE)

@@ -11,9 +11,12 @@ mod bundle;
 mod cell;
 mod check;
 mod columns;
+mod design;
+mod design_curve;
 mod explain;
 mod explore;
 mod export;
+mod export_model;
 mod gc;
 mod graph;
 mod init;
@@ -60,6 +63,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Summary(args) => summary::command(args),
         Command::Check(args) => check::command(args),
         Command::Init(args) => init::command(args),
+        Command::Design(args) => design::command(args),
         Command::Predict(args) => predict::command(args),
         Command::Simulate(simulate) => simulate_command(simulate),
         Command::NewSession(args) => new_session::command(args),

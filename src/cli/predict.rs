@@ -6,6 +6,7 @@ use crate::{DONE, predict_print, values};
 use pipeline_base::error::{Error, Result};
 use pipeline_base::units::Quantity;
 use pipeline_fit::GroupFit;
+use pipeline_predict::inverse::{self, Wanted};
 use pipeline_predict::law::choose;
 use pipeline_predict::sweep::{self, Around, Axis, Steps};
 use pipeline_predict::{Contraction, FreeLength, Muscle, Predictor};
@@ -72,6 +73,12 @@ pub struct PredictArgs {
     /// Where an earlier run left fits.json
     #[command(flatten)]
     pub cache: DerivedArgs,
+    /// The pressure for this force, at a contraction or length
+    #[arg(long, value_name = "FORCE", conflicts_with_all = ["pressure", "sweep", "table", "knee", "length_for"])]
+    pub pressure_for: Option<String>,
+    /// The length for this force, at a pressure
+    #[arg(long, value_name = "FORCE", conflicts_with_all = ["state", "sweep", "table", "knee"])]
+    pub length_for: Option<String>,
     /// Vary one quantity
     #[arg(long, value_name = "QUANTITY", conflicts_with = "table")]
     pub sweep: Option<Swept>,
@@ -132,12 +139,40 @@ pub fn command(args: &PredictArgs) -> Result<u8> {
         return Ok(DONE);
     }
     let around = around(args)?;
+    if let Some(wanted) = wanted(args, around)? {
+        let (wanted, force_n) = wanted;
+        let solved = inverse::solve(&predictor, wanted, force_n)?;
+        predict_print::solved(&predictor, wanted, &solved, args.json)?;
+        return Ok(DONE);
+    }
     match (args.sweep, args.table) {
         (Some(swept), _) => sweep_command(args, predictor, axis(swept), around)?,
         (None, true) => table_command(args, &predictor)?,
         (None, false) => single(args, &predictor, around)?,
     }
     Ok(DONE)
+}
+
+/// What an inverse looks for, and the force, N; none where a force is predicted.
+fn wanted(args: &PredictArgs, around: Around) -> Result<Option<(Wanted, f64)>> {
+    let force = |option, text: &str| values::quantity(option, text, Quantity::Force);
+    if let Some(text) = &args.pressure_for {
+        let contraction = around.contraction.ok_or_else(|| {
+            missing("a contraction with --pressure-for: give --contraction, --length or --relative-contraction")
+        })?;
+        let force_n = force("--pressure-for", text)?;
+        return Ok(Some((Wanted::Pressure(contraction), force_n)));
+    }
+    let Some(text) = &args.length_for else {
+        return Ok(None);
+    };
+    let pressure = around.pressure_kpa;
+    let pressure =
+        pressure.ok_or_else(|| missing("a pressure with --length-for: give --pressure"))?;
+    Ok(Some((
+        Wanted::Length(pressure),
+        force("--length-for", text)?,
+    )))
 }
 
 fn single(args: &PredictArgs, predictor: &Predictor, around: Around) -> Result<()> {
@@ -251,7 +286,7 @@ fn steps(args: &PredictArgs, axis: Axis, predictor: &Predictor) -> Result<Steps>
 }
 
 /// The fits of an earlier run; none where there was no run.
-fn fits(derived: &Path) -> Result<Vec<GroupFit>> {
+pub(super) fn fits(derived: &Path) -> Result<Vec<GroupFit>> {
     let path = derived.join("fits.json");
     let text = match std::fs::read(&path) {
         Ok(text) => text,
@@ -268,10 +303,13 @@ fn fits(derived: &Path) -> Result<Vec<GroupFit>> {
 
 /// Writes a table where one was asked for.
 pub fn write_csv(args: &PredictArgs, table: &Table) -> Result<()> {
-    match &args.csv {
-        Some(file) => std::fs::write(file, Csv.render(table)).map_err(Error::io("write", file)),
-        None => Ok(()),
-    }
+    let file = args.csv.as_ref();
+    file.map_or(Ok(()), |file| write_table(file, table))
+}
+
+/// Writes a table as CSV.
+pub(super) fn write_table(file: &Path, table: &Table) -> Result<()> {
+    std::fs::write(file, Csv.render(table)).map_err(Error::io("write", file))
 }
 
 /// Draws a figure in the format that the name of the file asks for.

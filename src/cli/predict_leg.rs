@@ -94,7 +94,7 @@ pub fn command(args: &PredictArgs, name: &str, predictor: &Predictor) -> Result<
 }
 
 /// A shipped knee, or one that a file describes.
-fn knee(name: &str) -> Result<Knee> {
+pub(super) fn knee(name: &str) -> Result<Knee> {
     if let Some(knee) = choice::named(name) {
         return Ok(knee);
     }
@@ -106,7 +106,8 @@ fn knee(name: &str) -> Result<Knee> {
     Knee::parse("described", name, &text).map_err(Error::Config)
 }
 
-fn leg<'a>(knee: &'a Knee, route: Option<&str>) -> Result<Leg<'a>> {
+/// A route of a knee.
+pub(super) fn leg<'a>(knee: &'a Knee, route: Option<&str>) -> Result<Leg<'a>> {
     let names: Vec<&str> = knee.routes.iter().map(|r| r.name.as_str()).collect();
     let wanted = match (route, names.as_slice()) {
         (Some(route), _) => route,

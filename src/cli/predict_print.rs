@@ -6,6 +6,7 @@ use pipeline_base::error::Result;
 use pipeline_mechanics::models::festo_tool::TOLERANCE;
 use pipeline_predict::answer::{FreeContraction, Measured, Other};
 use pipeline_predict::interval::CONFIDENCE;
+use pipeline_predict::inverse::{Solved, Wanted};
 use pipeline_predict::muscle::mm;
 use pipeline_predict::sweep::{Axis, TABLE_KPA};
 use pipeline_predict::{Answer, Law, Predictor};
@@ -38,6 +39,55 @@ pub fn single(predictor: &Predictor, answer: &Answer, as_json: bool) -> Result<(
     warnings(&answer.warnings);
     measured(&answer.measured);
     others(&answer.others);
+    Ok(())
+}
+
+/// The pressure or length for a force.
+pub fn solved(predictor: &Predictor, wanted: Wanted, solved: &Solved, as_json: bool) -> Result<()> {
+    if as_json {
+        return print_json(&with_head(predictor, "solved", json!(solved)));
+    }
+    head(predictor);
+    line("");
+    let (what, shown): (String, fn(&Answer) -> String) = match wanted {
+        Wanted::Pressure(_) => (
+            format!(
+                "pressure for {:.1} N at {:.1} mm, contraction {:.2}%",
+                solved.force_n,
+                1e3 * solved.answer.length_m,
+                100.0 * solved.answer.contraction
+            ),
+            |a| format!("{:.1} kPa", a.pressure_kpa),
+        ),
+        Wanted::Length(pressure_kpa) => (
+            format!(
+                "length for {:.1} N at {pressure_kpa:.1} kPa",
+                solved.force_n
+            ),
+            |a| {
+                format!(
+                    "{:.1} mm, contraction {:.2}%",
+                    1e3 * a.length_m,
+                    100.0 * a.contraction
+                )
+            },
+        ),
+    };
+    line(format!("{what}: {}", shown(&solved.answer)));
+    if let Some(strongest) = &solved.strongest {
+        let weakest = solved.weakest.as_ref();
+        let weakest = weakest.map_or_else(|| "beyond what was measured".to_owned(), shown);
+        line(format!(
+            "{:.0}% interval for a muscle that was not measured: {} (a strong one) to {weakest} (a weak one)",
+            100.0 * CONFIDENCE,
+            shown(strongest)
+        ));
+    }
+    if let Some(why) = no_interval(predictor) {
+        line(why);
+    }
+    warnings(&solved.answer.warnings);
+    measured(&solved.answer.measured);
     Ok(())
 }
 

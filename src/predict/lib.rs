@@ -8,6 +8,8 @@
 //! | [`interval`] | the interval |
 //! | [`answer`] | the answer at one state: force, interval, what lies outside of what was measured, every other model |
 //! | [`sweep`] | answers along one quantity, and the designer's table |
+//! | [`inverse`] | the pressure or length for a force |
+//! | [`design`] | the shortest muscle that meets a curve of force or torque |
 //! | [`torque`] | the torque over the range of a knee, beside a human muscle |
 //!
 //! Pure: fits in, numbers out. Reading `derived/fits.json`, units and printing are the command line's ([`pipeline_cli`]).
@@ -41,7 +43,9 @@
 //! muscles keep to them. The part s_e has not been measured.
 
 pub mod answer;
+pub mod design;
 pub mod interval;
+pub mod inverse;
 pub mod law;
 pub mod muscle;
 pub mod sweep;

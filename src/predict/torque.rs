@@ -161,7 +161,7 @@ fn at_angle(
 }
 
 /// Why a muscle cannot have a contraction, if it cannot.
-fn impossible(contraction: f64) -> Option<String> {
+pub(crate) fn impossible(contraction: f64) -> Option<String> {
     let (stretched, pushed) = CONTRACTIONS;
     if contraction < stretched {
         return Some(format!(

@@ -4,7 +4,7 @@
 use std::process::Command;
 
 /// Kinds of ignored tests that `.ci/run` runs, and the one that nobody runs.
-const RUN: [&str; 5] = ["browser", "latex", "long", "outside", "rig"];
+const RUN: [&str; 6] = ["browser", "latex", "long", "octave", "outside", "rig"];
 const NOT_RUN: &str = "not_reached";
 
 /// Names of the tests of this binary.

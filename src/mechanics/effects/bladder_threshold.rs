@@ -2,7 +2,7 @@
 //!
 //! Above the threshold this is a zero error of the pressure sensor; only readings below it tell the two apart.
 
-use super::{Argument, Conditions, Effect, Form, Link, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Link, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
 
 /// P -> max(0, P - P_th).
@@ -43,6 +43,9 @@ impl Effect for BladderThreshold {
     }
     fn title(&self) -> &'static str {
         "threshold pressure of the bladder"
+    }
+    fn subject(&self) -> Subject {
+        Subject::Actuator
     }
     fn forms(&self) -> &'static [Form] {
         FORMS

@@ -1,7 +1,9 @@
 //! A fresh actuator softens over its first cycles (Mullins effect), or wears; one whose length was just set pulls less in its first filling, until
 //! the braid has settled.
 
-use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place, within_tension};
+use super::{
+    Argument, Conditions, Effect, Form, Link, Need, Parameter, Place, Subject, within_tension,
+};
 use pipeline_numerics::real::Real;
 
 /// F (1 - k (1 - exp(-N/N_0))), N cycles done; or F - h in the first filling of a set length.
@@ -50,6 +52,9 @@ impl Effect for Conditioning {
     }
     fn title(&self) -> &'static str {
         "change over cycles"
+    }
+    fn subject(&self) -> Subject {
+        Subject::Actuator
     }
     fn forms(&self) -> &'static [Form] {
         FORMS

@@ -1,6 +1,6 @@
 //! After a step of pressure or length the force goes on changing: bladder and braid creep.
 
-use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
 
 /// F (1 + k ln(1 + t/tau)), t since the last step.
@@ -45,6 +45,9 @@ impl Effect for Creep {
     }
     fn title(&self) -> &'static str {
         "creep after a step"
+    }
+    fn subject(&self) -> Subject {
+        Subject::Actuator
     }
     fn forms(&self) -> &'static [Form] {
         FORMS

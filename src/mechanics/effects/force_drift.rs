@@ -1,6 +1,6 @@
 //! The load cell's zero drifts, within a log or along the campaign.
 
-use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
 
 /// F_meas = F + d t.
@@ -41,6 +41,9 @@ impl Effect for ForceDrift {
     }
     fn title(&self) -> &'static str {
         "drift of the load cell"
+    }
+    fn subject(&self) -> Subject {
+        Subject::Rig
     }
     fn forms(&self) -> &'static [Form] {
         FORMS

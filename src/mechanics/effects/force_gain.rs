@@ -3,7 +3,7 @@
 //! A gain common to all readings is taken up by b1 of the base model; it shows against a model whose coefficients are held. A gain
 //! that differs between sessions shows always, and one that differs between specimens cannot be told from their strengths.
 
-use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
 
 /// F_meas = g F.
@@ -29,6 +29,9 @@ impl Effect for ForceGain {
     }
     fn title(&self) -> &'static str {
         "gain of the load cell"
+    }
+    fn subject(&self) -> Subject {
+        Subject::Rig
     }
     fn forms(&self) -> &'static [Form] {
         FORMS

@@ -1,6 +1,6 @@
 //! The load cell shows something without force.
 
-use super::{Conditions, Effect, Form, Grouping, Link, Need, Parameter, Place};
+use super::{Conditions, Effect, Form, Grouping, Link, Need, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
 
 /// F_meas = F + z; or the zeros that were taken off were no zeros: F_meas = F - a (z_s - median z).
@@ -43,6 +43,9 @@ impl Effect for ForceZeroOffset {
     }
     fn title(&self) -> &'static str {
         "zero of the load cell"
+    }
+    fn subject(&self) -> Subject {
+        Subject::Rig
     }
     fn forms(&self) -> &'static [Form] {
         FORMS

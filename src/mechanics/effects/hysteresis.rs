@@ -7,7 +7,9 @@
 //! Every amplitude is half of the loop, of one that closes half of it at half of the highest pressure, positive where the force is higher while
 //! venting, as friction makes it at a held length.
 
-use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place, within_tension};
+use super::{
+    Argument, Conditions, Effect, Form, Link, Need, Parameter, Place, Subject, within_tension,
+};
 use crate::models::P_620_KPA;
 use pipeline_numerics::real::Real;
 
@@ -94,6 +96,9 @@ impl Effect for Hysteresis {
     }
     fn title(&self) -> &'static str {
         "hysteresis between filling and venting"
+    }
+    fn subject(&self) -> Subject {
+        Subject::Actuator
     }
     fn forms(&self) -> &'static [Form] {
         FORMS

@@ -3,7 +3,7 @@
 //! With d_r in place of d the error is in l_rest: the contraction (l_rest + d_r - l)/(l_rest + d_r) then changes nearly as by a length
 //! that is too short by d_r, so the two belong to one effect.
 
-use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
 
 /// l_m = l_nominal + d.
@@ -29,6 +29,9 @@ impl Effect for LengthOffset {
     }
     fn title(&self) -> &'static str {
         "offset of the length"
+    }
+    fn subject(&self) -> Subject {
+        Subject::Rig
     }
     fn forms(&self) -> &'static [Form] {
         FORMS

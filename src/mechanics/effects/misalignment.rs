@@ -3,7 +3,7 @@
 //! At first order in phi the sensitivity is 0, so the search looks for it near 10 degrees. It is a gain below one: an angle common to all
 //! readings hides in b1, one of a session or specimen is told from a gain by its sign alone.
 
-use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
 
 /// F_meas = F cos(phi).
@@ -29,6 +29,9 @@ impl Effect for Misalignment {
     }
     fn title(&self) -> &'static str {
         "angle between load cell and actuator"
+    }
+    fn subject(&self) -> Subject {
+        Subject::Rig
     }
     fn forms(&self) -> &'static [Form] {
         FORMS

@@ -70,6 +70,14 @@ pub struct Form {
     pub needs: &'static [Need],
 }
 
+impl Form {
+    /// Whether a function of lengths and pressure alone can hold it: it needs nothing of the past, the rate or the surroundings.
+    pub fn is_static(&self) -> bool {
+        let given = |need: &Need| matches!(need, Need::RestLengths | Need::LengthLaw);
+        self.needs.iter().all(given)
+    }
+}
+
 /// On what one value of the amplitude may act: on all readings, or on a part of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grouping {
@@ -79,12 +87,23 @@ pub enum Grouping {
     Parts,
 }
 
+/// Of what an effect is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject {
+    /// Of the actuator: it goes with the muscle to another machine.
+    Actuator,
+    /// Of the rig that measured it: sensors, frame, set-up.
+    Rig,
+}
+
 /// Who an effect is.
 pub trait Effect: Sync {
     /// Name in files; never changes.
     fn id(&self) -> &'static str;
     /// Name for a reader.
     fn title(&self) -> &'static str;
+    /// Of what it is: only an effect of the actuator is a part of a model that leaves the rig.
+    fn subject(&self) -> Subject;
     /// Its equations.
     fn forms(&self) -> &'static [Form];
     /// On what it may act.

@@ -3,7 +3,7 @@
 //! A gain common to all readings is taken up by b1 and c0 of the base model (F* is linear in P* but for the relaxation, and both scale);
 //! a gain that differs between sessions is not.
 
-use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
 
 /// P = g P_meas.
@@ -29,6 +29,9 @@ impl Effect for PressureGain {
     }
     fn title(&self) -> &'static str {
         "gain of the pressure sensor"
+    }
+    fn subject(&self) -> Subject {
+        Subject::Rig
     }
     fn forms(&self) -> &'static [Form] {
         FORMS

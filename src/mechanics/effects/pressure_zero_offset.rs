@@ -1,6 +1,6 @@
 //! The pressure sensor shows something at no pressure.
 
-use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
 
 /// P = P_meas - p.
@@ -27,6 +27,9 @@ impl Effect for PressureZeroOffset {
     }
     fn title(&self) -> &'static str {
         "zero of the pressure sensor"
+    }
+    fn subject(&self) -> Subject {
+        Subject::Rig
     }
     fn forms(&self) -> &'static [Form] {
         FORMS

@@ -1,6 +1,8 @@
 //! The force follows the rate of the pressure: flow through the inlet, viscosity of the bladder.
 
-use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place, within_tension};
+use super::{
+    Argument, Conditions, Effect, Form, Link, Need, Parameter, Place, Subject, within_tension,
+};
 use pipeline_numerics::real::Real;
 
 /// F_meas = F - r dP/dt.
@@ -26,6 +28,9 @@ impl Effect for RateDependence {
     }
     fn title(&self) -> &'static str {
         "dependence on the rate of the pressure"
+    }
+    fn subject(&self) -> Subject {
+        Subject::Actuator
     }
     fn forms(&self) -> &'static [Form] {
         FORMS

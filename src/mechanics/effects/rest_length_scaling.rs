@@ -3,7 +3,7 @@
 //! Both forms have the slope k at the middle resting length: a straight line, and the first terms of an arc tangent for long
 //! actuators, atan(b x) = pi/2 - 1/(b x) (force paper, Eqs. 5 and 6).
 
-use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
 
 /// F_620 grows with l_rest.
@@ -41,6 +41,9 @@ impl Effect for RestLengthScaling {
     }
     fn title(&self) -> &'static str {
         "dependence of the force on the resting length"
+    }
+    fn subject(&self) -> Subject {
+        Subject::Actuator
     }
     fn forms(&self) -> &'static [Form] {
         FORMS

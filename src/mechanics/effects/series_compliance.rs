@@ -1,6 +1,6 @@
 //! The frame, a bracket or a tendon yields, so that the actuator is shorter than the set-up says, the more so the harder it pulls.
 
-use super::{Argument, Conditions, Effect, Form, Link, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Link, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
 
 /// l_m = l_nominal - C F.
@@ -26,6 +26,9 @@ impl Effect for SeriesCompliance {
     }
     fn title(&self) -> &'static str {
         "compliance in series with the actuator"
+    }
+    fn subject(&self) -> Subject {
+        Subject::Rig
     }
     fn forms(&self) -> &'static [Form] {
         FORMS

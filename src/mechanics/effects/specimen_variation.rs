@@ -4,7 +4,7 @@
 //! found where the gains scatter more than is usual for one batch. This file names it; the gains live in
 //! [`super::force`].
 
-use super::{Conditions, Effect, Form, Link, Parameter, Place};
+use super::{Conditions, Effect, Form, Link, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
 
 /// F_620 (1 + u), u a random effect of the specimen.
@@ -30,6 +30,9 @@ impl Effect for SpecimenVariation {
     }
     fn title(&self) -> &'static str {
         "scatter of the specimens' gains"
+    }
+    fn subject(&self) -> Subject {
+        Subject::Actuator
     }
     fn forms(&self) -> &'static [Form] {
         FORMS

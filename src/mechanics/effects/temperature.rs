@@ -1,6 +1,6 @@
 //! The force, or the load cell, depends on temperature.
 
-use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place};
+use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
 
 /// F_meas = F (1 + k (T - T_ref)), with T_ref the campaign's mean.
@@ -45,6 +45,9 @@ impl Effect for Temperature {
     }
     fn title(&self) -> &'static str {
         "temperature"
+    }
+    fn subject(&self) -> Subject {
+        Subject::Actuator
     }
     fn forms(&self) -> &'static [Form] {
         FORMS

@@ -5,6 +5,7 @@
 
 mod covariates;
 mod data;
+pub mod design;
 mod error_by_model;
 mod error_by_specimen;
 mod formatting;

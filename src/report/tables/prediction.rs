@@ -2,6 +2,7 @@
 
 use crate::described::*;
 use pipeline_predict::Answer;
+use pipeline_predict::design::{AtPoint, Design, Surety};
 use pipeline_predict::torque::AtAngle;
 
 /// Predicted force: a sweep or the designer's table, one row an answer.
@@ -56,4 +57,23 @@ fn moment(at: &AtAngle) -> [Cell; 2] {
         Cell::number(at.torque_nm, rounding),
         at.interval_nm.map_or(Cell::Empty, interval),
     ]
+}
+
+/// Muscles of a design at every point of its curve, one row a diameter and point; `at`: name, unit and scale of the abscissa.
+#[rustfmt::skip]
+pub fn design(found: &[Design], (key, unit, scale): (&str, Unit, f64), of_curve: Unit, surety: Surety) -> Table {
+    let rows = found.iter().flat_map(|d| d.points.iter().map(move |p| (d, p)));
+    Described::<(&Design, &AtPoint)>::new("design", "Muscles that meet a curve")
+        .count("diameter_mm", "⌀", Mm, |(d, _)| d.diameter_mm)
+        .number("rest_length_mm", "l_{rest}", Mm, Decimals(1), |(d, _)| 1e3 * d.rest_length_m)
+        .flag("meets", "Meets it", |(d, _)| d.meets)
+        .number(key, "At", unit, Decimals(4), move |(_, p)| scale * p.point.at)
+        .number("needed", "Needed", of_curve, Digits(4), |(_, p)| p.point.needed)
+        .number("length_mm", "\\v{l}", Mm, Decimals(1), |(_, p)| 1e3 * p.length_m)
+        .number("available", "Muscle", of_curve, Digits(4), |(_, p)| p.available)
+        .number("low", "Lower end", of_curve, Digits(4), |(_, p)| p.low)
+        .number("high", "Upper end", of_curve, Digits(4), |(_, p)| p.high)
+        .number("margin", "Margin", of_curve, Digits(4), move |(_, p)| p.margin(surety))
+        .text("warnings", "Outside", |(_, p)| p.warnings.join("; "))
+        .rows(rows)
 }

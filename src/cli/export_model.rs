@@ -1,0 +1,208 @@
+//! `pipeline export model`: a model as source code of other languages.
+
+use crate::args::ResultArgs;
+use crate::print::{line, print_json};
+use crate::{DONE, predict, values};
+use clap::builder::PossibleValuesParser;
+use pipeline_base::error::{Error, Result};
+use pipeline_base::json;
+use pipeline_findings::{CampaignFindings, Findings};
+use pipeline_fit::GroupFit;
+use pipeline_portable::languages::File;
+use pipeline_portable::{LANGUAGES, Model, effects, header, source};
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `export model`.
+#[derive(Debug, clap::Args)]
+#[command(group(clap::ArgGroup::new("source").args(["campaign", "published"]).required(true)))]
+pub struct ModelArgs {
+    /// The fit of this campaign (a pool of them: "pooled-10mm")
+    #[arg(long, value_name = "ID")]
+    pub campaign: Option<String>,
+    /// The published coefficients of a model
+    #[arg(long, value_name = "MODEL", value_parser = PossibleValuesParser::new(source::PUBLISHED))]
+    pub published: Option<String>,
+    /// Nominal diameter, mm [default: that of the campaign, where it has one only]
+    #[arg(long, value_name = "MM")]
+    pub diameter: Option<String>,
+    /// The folder for the files
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// With what the loop found about the actuator, never with what it found about the rig
+    #[arg(long, conflicts_with = "published")]
+    pub effects: bool,
+    /// Which effect it is, where readings could not tell one of the actuator from one of the rig
+    #[arg(long, value_name = "EFFECT", requires = "effects")]
+    pub alias: Vec<String>,
+    /// Replace files of another model that are there already
+    #[arg(long)]
+    pub replace: bool,
+    /// Print the outcome as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Where an earlier run left its results
+    #[command(flatten)]
+    pub results: ResultArgs,
+}
+
+/// Writes the files, and says what the model is.
+pub fn command(args: &ModelArgs) -> Result<u8> {
+    let model = model(args)?;
+    let files: Vec<File> = LANGUAGES.iter().flat_map(|l| (l.files)(&model)).collect();
+    if !args.replace {
+        refuse_others(&files, &args.out)?;
+    }
+    write(&files, &args.out)?;
+    if args.json {
+        let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
+        let said = serde_json::json!({
+            "model": model.title,
+            "diameter_mm": model.diameter_mm,
+            "out": args.out,
+            "files": names,
+            "effects": model.effects,
+        });
+        print_json(&said)?;
+        return Ok(DONE);
+    }
+    for text in header::lines(&model) {
+        line(text);
+    }
+    line("");
+    for language in LANGUAGES {
+        let files = (language.files)(&model);
+        let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
+        line(format!("{:<18} {}", language.name, names.join(", ")));
+    }
+    line(format!("{} files in {}", files.len(), args.out.display()));
+    Ok(DONE)
+}
+
+fn model(args: &ModelArgs) -> Result<Model> {
+    let diameter = args.diameter.as_deref();
+    let diameter = diameter.map(values::diameter_mm).transpose()?;
+    let diameter_mm = diameter.map(|d| d.round() as u32);
+    if let Some(published) = &args.published {
+        let diameter_mm = diameter_mm.ok_or_else(|| {
+            Error::Usage("--published needs --diameter: 10, 20 or 40 mm".to_owned())
+        })?;
+        return source::of_published(published, diameter_mm);
+    }
+    let places = args.results.places()?;
+    let fits = predict::fits(&places.derived)?;
+    let campaign = args.campaign.as_deref().unwrap_or_default();
+    let fit = fit(&fits, campaign, diameter_mm, &places.derived)?;
+    let inputs = inputs(&places.reports);
+    if !args.effects {
+        return source::of_fit(fit, &inputs);
+    }
+    let findings = findings(&places.reports)?;
+    let found = found(&findings, fit)?;
+    effects::of_findings(fit, found, &args.alias, &inputs)
+}
+
+/// The fit of a campaign and diameter.
+fn fit<'a>(
+    fits: &'a [GroupFit],
+    campaign: &str,
+    diameter_mm: Option<u32>,
+    derived: &Path,
+) -> Result<&'a GroupFit> {
+    let of = |f: &&GroupFit| {
+        f.group.campaign == campaign && diameter_mm.is_none_or(|d| d == f.group.diameter_mm)
+    };
+    let all: Vec<&GroupFit> = fits.iter().filter(of).collect();
+    match all[..] {
+        [fit] => Ok(fit),
+        [] => {
+            let there = fits
+                .iter()
+                .map(|f| format!("{} ({} mm)", f.group.campaign, f.group.diameter_mm));
+            let there: Vec<String> = there.collect();
+            Err(Error::Usage(if there.is_empty() {
+                format!(
+                    "there are no fits in {}: `pipeline run` makes them from sessions; --published new takes the published coefficients",
+                    derived.display()
+                )
+            } else {
+                format!(
+                    "{} has no fit of a campaign {campaign}{}; there are {}",
+                    derived.join("fits.json").display(),
+                    diameter_mm.map_or_else(String::new, |d| format!(" and {d} mm")),
+                    there.join(", ")
+                )
+            }))
+        }
+        _ => {
+            let diameters: Vec<String> = all
+                .iter()
+                .map(|f| f.group.diameter_mm.to_string())
+                .collect();
+            Err(Error::Usage(format!(
+                "{campaign} has fits of {} mm: --diameter picks one",
+                diameters.join(" and ")
+            )))
+        }
+    }
+}
+
+/// The digest of the raw files of the last run.
+fn inputs(reports: &Path) -> String {
+    let text = fs::read(reports.join("summary.json")).ok();
+    let summary: Option<Value> = text.and_then(|t| serde_json::from_slice(&t).ok());
+    let digest = summary.and_then(|s| Some(s.get("input")?.as_str()?.to_owned()));
+    digest.unwrap_or_else(|| "not known, for there is no summary.json".to_owned())
+}
+
+fn findings(reports: &Path) -> Result<Findings> {
+    let path = reports.join("findings.json");
+    let text = fs::read(&path).map_err(|e| {
+        Error::Usage(format!(
+            "cannot read {} ({e}): --effects takes what the loop found, which `pipeline run` writes",
+            path.display()
+        ))
+    })?;
+    json::from_slice(&text).map_err(|_| {
+        Error::Usage(format!(
+            "{} cannot be understood: another version wrote it; `pipeline run` writes it again",
+            path.display()
+        ))
+    })
+}
+
+fn found<'a>(findings: &'a Findings, fit: &GroupFit) -> Result<&'a CampaignFindings> {
+    let group = &fit.group;
+    let same = |c: &&CampaignFindings| {
+        c.campaign == group.campaign && c.diameter_mm == group.diameter_mm && c.part.is_none()
+    };
+    findings.campaigns.iter().find(same).ok_or_else(|| {
+        Error::Usage(format!(
+            "the loop has no answer for {} ({} mm) in findings.json: leave --effects out",
+            group.campaign, group.diameter_mm
+        ))
+    })
+}
+
+/// Files of another model, which nobody asked to be replaced.
+fn refuse_others(files: &[File], out: &Path) -> Result<()> {
+    let differs =
+        |(name, text): &&File| fs::read(out.join(name)).is_ok_and(|there| there != text.as_bytes());
+    match files.iter().find(differs) {
+        None => Ok(()),
+        Some((name, _)) => Err(Error::Usage(format!(
+            "{} is there already and holds something else: name another folder, or give --replace",
+            out.join(name).display()
+        ))),
+    }
+}
+
+fn write(files: &[File], out: &Path) -> Result<()> {
+    fs::create_dir_all(out).map_err(Error::io("create the folder", out))?;
+    for (name, text) in files {
+        let path = out.join(name);
+        fs::write(&path, text).map_err(Error::io("write", &path))?;
+    }
+    Ok(())
+}
