@@ -24,6 +24,10 @@ fn the_new_model_is_fitted_with_a_law_of_length_and_published_models_have_no_ans
     // The truth is that of 10 mm, 19.03 1/m, less what an l_0 of 7.5 mm takes.
     let b2: f64 = b2["value"].parse().unwrap();
     assert!((10.0..30.0).contains(&b2), "{b2}");
+    // What the base law fits itself is no effect.
+    let tested = bench.table("tested");
+    assert!(tested.iter().any(|r| r["diameter_mm"] == "15"));
+    assert!(tested.iter().all(|r| r["id"] != "rest_length_scaling"));
     let models = bench.table("model_comparison");
     let answers = models.iter().filter(|r| r["n"] != "0");
     let others: Vec<&String> = answers

@@ -27,7 +27,7 @@ pub const CONTRACTION: &str = "eps_620(l_rest)";
 /// What stands for an actuator whose diameter has no published law of length: a nearly constant F_620.
 const NO_LENGTH_LAW: f64 = 1e4;
 /// Where b2 begins for a diameter of which nothing is published, 1/m: between those of 10 and 20 mm.
-const LIKE_OTHERS: f64 = 17.0;
+pub const LIKE_OTHERS: f64 = 17.0;
 
 /// The published coefficients of a diameter, by symbol.
 fn published(diameter_mm: u32, symbol: &str) -> Option<&'static Coefficient> {
