@@ -49,7 +49,7 @@ pub fn of_findings(
     model.coefficients = found.coefficients.iter().map(of_change).collect();
     model.coefficients.push(source::cap_length(fit));
     model.provenance[0] = format!(
-        "{} readings of {} specimens in the loop; intervals: value -/+ 1.96 standard errors",
+        "{} readings of {} specimens in the loop; intervals: value -/+ 1.96 standard errors, that of b2 from 1/b2; the interval of a reading is that of the fit without effects",
         found.design.readings, found.design.specimens
     );
     model.effects = said;

@@ -71,8 +71,13 @@ fn page(engine: &Engine, done: &Done, campaign: &str) -> Result<String> {
     let known: BTreeSet<&str> = sessions.map(|s| s.campaign.as_str()).collect();
     if !known.contains(campaign) {
         let known = Vec::from_iter(known).join(", ");
+        let pool = if campaign.starts_with("pooled-") {
+            "; a pool has no page of its own: its readings are in those of its campaigns"
+        } else {
+            ""
+        };
         return Err(Error::Usage(format!(
-            "no campaign is called \"{campaign}\"; found {known}"
+            "no campaign is called \"{campaign}\"; found {known}{pool}"
         )));
     }
     let extent = Extent::Campaign(campaign);

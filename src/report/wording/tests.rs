@@ -294,6 +294,10 @@ fn a_free_form_says_whether_one_number_is_enough_and_over_what_range() {
             && differs.ends_with("one number is not enough (p = 0.010)."),
         "{differs}"
     );
+    let free = effect.free_form.as_mut().unwrap();
+    let middle = free.curve.len() / 2;
+    free.curve[middle].amplitude = 1000.0;
+    assert!(said(&effect).unwrap().contains(" over 1000 "));
     effect.free_form = None;
     assert_eq!(said(&effect), None);
 }

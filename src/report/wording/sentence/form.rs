@@ -32,7 +32,8 @@ pub fn form(effect: &EffectFinding) -> Option<String> {
     })
 }
 
-/// `, from 101 kPa at 38 kPa to 309 kPa at 625 kPa, all else fitted again`: the sizes at the ends of the range.
+/// `, from 101 kPa at 38 kPa to 309 kPa at 625 kPa, all else fitted again`: the sizes at the ends of the range, and between them where it is largest
+/// or smallest there: the ends alone would say that nothing is between.
 fn between_ends(effect: &EffectFinding, free: &FreeForm) -> String {
     let ends = free.curve.first().zip(free.curve.last());
     let (Some((first, last)), Some(size)) = (ends, effect.parameters.first()) else {
@@ -42,8 +43,22 @@ fn between_ends(effect: &EffectFinding, free: &FreeForm) -> String {
         let at = with_unit(&rounded(point.at, Rounding::Digits(2)), &free.unit);
         format!("{} at {at}", plain(point.amplitude, &size.unit))
     };
+    let between =
+        beyond(&free.curve).map_or(String::new(), |point| format!(" over {}", end(point)));
     let (first, last) = (end(first), end(last));
-    format!(", from {first} to {last}, all else fitted again")
+    format!(", from {first}{between} to {last}, all else fitted again")
+}
+
+/// The point of a curve that lies furthest beyond the sizes at both ends; none where none does by more than a tenth of the curve's range.
+fn beyond(curve: &[FormPoint]) -> Option<&FormPoint> {
+    let (first, last) = (curve.first()?.amplitude, curve.last()?.amplitude);
+    let outside = |x: f64| (first.min(last) - x).max(x - first.max(last));
+    let sizes = || curve.iter().map(|p| p.amplitude);
+    let range = sizes().fold(f64::MIN, f64::max) - sizes().fold(f64::MAX, f64::min);
+    let furthest = curve
+        .iter()
+        .max_by(|a, b| outside(a.amplitude).total_cmp(&outside(b.amplitude)))?;
+    (outside(furthest.amplitude) > NARROW * range).then_some(furthest)
 }
 
 /// The range of the argument over which the size of an effect was looked at.

@@ -41,10 +41,14 @@ pub(super) fn answer(found: &CampaignFindings) -> String {
     }
 }
 
-/// The same without remarks: names and sizes.
+/// The same in fewer words: names and sizes, with a mark where a size is no such effect's.
 pub(super) fn in_names(found: &CampaignFindings) -> String {
     let weighty = found.effects.iter().filter(|e| !e.negligible);
-    let all: Vec<String> = weighty.map(size_of).collect();
+    let marked = |e: &EffectFinding| match beyond_usual(found, e) {
+        Some(_) => size_of(e) + " (implausibly large)",
+        None => size_of(e),
+    };
+    let all: Vec<String> = weighty.map(marked).collect();
     match found.verdict {
         Verdict::EffectFound => all.join(", "),
         Verdict::None => "no effect detected".to_owned(),
