@@ -3,7 +3,7 @@
 use crate::args::DerivedArgs;
 use crate::columns::{Align, aligned};
 use crate::design_curve::{self, Quantities, Read};
-use crate::predict_leg::{knee, leg};
+use crate::predict_leg::{MountArgs, knee, leg};
 use crate::print::{line, print_json};
 use crate::{DONE, predict, values};
 use pipeline_base::error::{Error, Result};
@@ -42,20 +42,9 @@ pub struct DesignArgs {
     /// Of a torque: the leg (pinned, biomimetic, or a file that describes one)
     #[arg(long, value_name = "NAME|FILE")]
     pub knee: Option<String>,
-    /// The route over the knee [default: the only one]
-    #[arg(long, value_name = "NAME", requires = "knee")]
-    pub route: Option<String>,
-    /// Length of one end fitting
-    #[arg(
-        long,
-        value_name = "LENGTH",
-        default_value = "25.4mm",
-        requires = "knee"
-    )]
-    pub fitting: String,
-    /// Length of the tendon
-    #[arg(long, value_name = "LENGTH", default_value = "0mm", requires = "knee")]
-    pub tendon: String,
+    /// How it is built in
+    #[command(flatten)]
+    pub mount: MountArgs,
     /// Where an earlier run left fits.json
     #[command(flatten)]
     pub cache: DerivedArgs,
@@ -134,9 +123,9 @@ fn leg_of(args: &DesignArgs, quantities: Quantities) -> Result<Option<Knee>> {
 fn joint<'a>(args: &DesignArgs, knee: &'a Knee) -> Result<Joint<'a>> {
     let length = |option, text: &str| values::quantity(option, text, Quantity::Length);
     Ok(Joint {
-        leg: leg(knee, args.route.as_deref())?,
-        fitting_m: length("--fitting", &args.fitting)?,
-        tendon_m: length("--tendon", &args.tendon)?,
+        leg: leg(knee, args.mount.route.as_deref())?,
+        fitting_m: length("--fitting", &args.mount.fitting)?,
+        tendon_m: length("--tendon", &args.mount.tendon)?,
     })
 }
 

@@ -18,12 +18,9 @@ use serde_json::json;
 const PRINTED_DEG: f64 = 10.0;
 const FINE_DEG: f64 = 1.0;
 
-/// Arguments that say where the muscle is built in.
+/// Arguments that say how a muscle is built into a leg.
 #[derive(Debug, clap::Args)]
-pub struct LegArgs {
-    /// Torque about a knee instead of force: pinned, biomimetic, or a file that describes a leg (TOML)
-    #[arg(long, value_name = "NAME|FILE", conflicts_with_all = ["sweep", "table", "state"])]
-    pub knee: Option<String>,
+pub struct MountArgs {
     /// The route over the knee [default: the only one]
     #[arg(long, value_name = "NAME", requires = "knee")]
     pub route: Option<String>,
@@ -38,6 +35,17 @@ pub struct LegArgs {
     /// Length of the tendon
     #[arg(long, value_name = "LENGTH", default_value = "0mm", requires = "knee")]
     pub tendon: String,
+}
+
+/// Arguments that say where the muscle is built in.
+#[derive(Debug, clap::Args)]
+pub struct LegArgs {
+    /// Torque about a knee instead of force: pinned, biomimetic, or a file that describes a leg (TOML)
+    #[arg(long, value_name = "NAME|FILE", conflicts_with_all = ["sweep", "table", "state"])]
+    pub knee: Option<String>,
+    /// How it is built in
+    #[command(flatten)]
+    pub mount: MountArgs,
     /// The human muscle to be met: bifemsh, vasti, vas_int, vas_lat, vas_med [default: by the direction of the pull]
     #[arg(long, value_name = "NAME", requires = "knee")]
     pub human: Option<String>,
@@ -46,12 +54,12 @@ pub struct LegArgs {
 /// Predicts over the range of the knee, and prints or writes what was asked for.
 pub fn command(args: &PredictArgs, name: &str, predictor: &Predictor) -> Result<()> {
     let knee = knee(name)?;
-    let leg = leg(&knee, args.leg.route.as_deref())?;
+    let leg = leg(&knee, args.leg.mount.route.as_deref())?;
     let length = |option, text: &str| values::quantity(option, text, Quantity::Length);
     let built = Built {
         leg,
-        fitting_m: length("--fitting", &args.leg.fitting)?,
-        tendon_m: length("--tendon", &args.leg.tendon)?,
+        fitting_m: length("--fitting", &args.leg.mount.fitting)?,
+        tendon_m: length("--tendon", &args.leg.mount.tendon)?,
     };
     let target = match &args.leg.human {
         Some(name) => Some(target(name)?),

@@ -65,21 +65,15 @@ impl Base {
     pub fn new(diameter_mm: u32, refit: bool, lengths: usize, options: &FitOptions) -> Self {
         let value = |symbol: &str, otherwise: f64| published_or(diameter_mm, symbol, otherwise);
         let constant = value("F_620", 1000.0) / std::f64::consts::FRAC_PI_2;
-        // What is published of 40 mm has a constant F_620; of a diameter of which nothing is published the readings say it.
-        let is_constant = value("F_620", -1.0) > 0.0;
-        let otherwise = if is_constant {
-            1.0 / NO_LENGTH_LAW
-        } else {
-            equations::LIKE_OTHERS
-        };
+        let law = equations::length_law(diameter_mm);
         let list = [
             ("b1", "N", value("b1", constant), (1e-3, 1e5), true),
             (
                 LENGTH_LAW_NAME,
                 "m",
-                1.0 / value("b2", otherwise),
+                law.map_or(NO_LENGTH_LAW, |b2| 1.0 / b2),
                 (NO_LENGTH_LAW, 10.0),
-                lengths > 1 && !is_constant,
+                lengths > 1 && law.is_some(),
             ),
             ("c0", "1", value("c0", 0.4), (0.0, 5.0), true),
             ("c1", "1", value("c1", 5.0), (1e-3, 100.0), true),

@@ -27,7 +27,16 @@ pub const CONTRACTION: &str = "eps_620(l_rest)";
 /// What stands for an actuator whose diameter has no published law of length: a nearly constant F_620.
 const NO_LENGTH_LAW: f64 = 1e4;
 /// Where b2 begins for a diameter of which nothing is published, 1/m: between those of 10 and 20 mm.
-pub const LIKE_OTHERS: f64 = 17.0;
+const LIKE_OTHERS: f64 = 17.0;
+
+/// Where a fit of b2 begins, 1/m; none of a diameter whose F_620 is constant as published (40 mm): of one of which nothing is published the readings
+/// say it.
+pub fn length_law(diameter_mm: u32) -> Option<f64> {
+    let constant = published(diameter_mm, "F_620");
+    constant
+        .is_none()
+        .then(|| start(diameter_mm, "b2", LIKE_OTHERS))
+}
 
 /// The published coefficients of a diameter, by symbol.
 fn published(diameter_mm: u32, symbol: &str) -> Option<&'static Coefficient> {
@@ -334,16 +343,10 @@ fn with_joint<R>(
 ) -> R {
     let offset = cap_length_m(diameter_mm, options);
     let constant = start(diameter_mm, "F_620", 1000.0) / std::f64::consts::FRAC_PI_2;
-    // What is published of 40 mm has a constant F_620; of a diameter of which nothing is published the readings say it.
-    let is_constant = published(diameter_mm, "F_620").is_some();
-    let otherwise = if is_constant {
-        NO_LENGTH_LAW
-    } else {
-        LIKE_OTHERS
-    };
+    let law = length_law(diameter_mm);
     let (b1, b2) = (
         start(diameter_mm, "b1", constant),
-        start(diameter_mm, "b2", otherwise),
+        law.unwrap_or(NO_LENGTH_LAW),
     );
     let [c0, c1, c2] = surface_start(diameter_mm);
     let symbols = surface_symbols(diameter_mm);
@@ -370,7 +373,7 @@ fn with_joint<R>(
         held: &|lengths| {
             [
                 None,
-                (is_constant || lengths < 2).then_some(b2),
+                (law.is_none() || lengths < 2).then_some(b2),
                 None,
                 None,
                 None,

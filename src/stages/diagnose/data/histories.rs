@@ -197,15 +197,12 @@ mod tests {
         ]);
         let rows: Vec<&Row> = rows.iter().collect();
         let data = Data::new(&rows);
-        let of = |f: fn(&super::Conditions) -> f64| -> Vec<f64> {
-            data.conditions.iter().map(f).collect()
-        };
-        let first = of(|c| f64::from(u8::from(c.first_filling)));
-        let yes = [0, 1, 8, 9, 10];
-        for (i, first) in first.iter().enumerate() {
-            assert_eq!(*first == 1.0, yes.contains(&i), "{i}");
-        }
-        let highest = of(|c| c.highest_kpa);
+        let places = 0..data.conditions.len();
+        let first: Vec<usize> = places
+            .filter(|i| data.conditions[*i].first_filling)
+            .collect();
+        assert_eq!(first, [0, 1, 8, 9, 10]);
+        let highest: Vec<f64> = data.conditions.iter().map(|c| c.highest_kpa).collect();
         assert_eq!(highest[..8], [400.0; 8]);
         assert_eq!(highest[8..], [500.0, 500.0, 200.0]);
     }
