@@ -74,13 +74,16 @@ pub fn solved(predictor: &Predictor, wanted: Wanted, solved: &Solved, as_json: b
         ),
     };
     line(format!("{what}: {}", shown(&solved.answer)));
-    if let Some(strongest) = &solved.strongest {
-        let weakest = solved.weakest.as_ref();
-        let weakest = weakest.map_or_else(|| "beyond what was measured".to_owned(), shown);
+    if solved.answer.interval.is_some() {
+        let end = |state: &Option<Answer>, open: &str| {
+            let state = state.as_ref();
+            state.map_or_else(|| open.to_owned(), shown)
+        };
+        let strongest = end(&solved.strongest, "no lower end");
+        let weakest = end(&solved.weakest, "beyond what was measured");
         line(format!(
-            "{:.0}% interval for a muscle that was not measured: {} (a strong one) to {weakest} (a weak one)",
+            "{:.0}% interval for a muscle that was not measured: {strongest} (a strong one) to {weakest} (a weak one)",
             100.0 * CONFIDENCE,
-            shown(strongest)
         ));
     }
     if let Some(why) = no_interval(predictor) {

@@ -29,8 +29,8 @@ pub struct Solved {
     pub force_n: f64,
     /// The state at which the law has it.
     pub answer: Answer,
-    /// The state at which all but the strongest muscles have it, from the upper end of the interval; none beyond the range searched or without an
-    /// interval.
+    /// The state at which all but the strongest muscles have it, from the upper end of the interval; none beyond the range searched, where they
+    /// have it at its least state too, or without an interval.
     pub strongest: Option<Answer>,
     /// The state at which all but the weakest muscles have it.
     pub weakest: Option<Answer>,
@@ -60,7 +60,12 @@ pub fn solve(predictor: &Predictor, wanted: Wanted, force_n: f64) -> Result<Solv
         if end(&answer).is_none() {
             return Ok(None);
         }
-        search.first(force_n, &|a| end(a).unwrap_or(0.0))
+        let of = |a: &Answer| end(a).unwrap_or(0.0);
+        // Where the interval holds the force from the least state on, no state is its end.
+        if of(&search.at(0.0)?) >= force_n {
+            return Ok(None);
+        }
+        search.first(force_n, &of)
     };
     Ok(Solved {
         force_n,

@@ -50,6 +50,22 @@ fn the_pressure_for_a_force_has_that_force() {
     assert!((number("/weakest/interval/low_n") - 120.0).abs() < 1e-6);
 }
 
+/// The interval of a slack muscle reaches above so small a force: no pressure is the lower end of that for it.
+#[test]
+fn a_force_within_the_interval_of_a_slack_muscle_has_no_strongest_one() {
+    let bench = bench("");
+    let options = ["--contraction", "4%", "--pressure-for", "0.01N"];
+    let found = &json(&predict(&bench, &[&options[..], &["--json"]].concat()))["solved"];
+    assert!(found["strongest"].is_null(), "{found}");
+    assert!(found["answer"]["pressure_kpa"].as_f64().unwrap() > 0.0);
+    let said = predict(&bench, &options);
+    assert!(
+        said.out.contains("no lower end (a strong one)"),
+        "{}",
+        said.out
+    );
+}
+
 #[test]
 fn the_length_for_a_force_has_that_force() {
     let bench = bench("");
