@@ -117,6 +117,8 @@ impl Case {
 
 const GAIN: Scale = Scale::Gain;
 const SAME: Scale = Scale::Same;
+/// The library's form of a braid that slides.
+const SLIDING: &str = "sliding, closed at the top";
 
 /// One effect in the library's own form. Left out are those that the base `new` cannot show: `specimen_variation` is scatter, a
 /// `force_gain` of all readings hides in F_620, `rest_length_scaling` is part of the law.
@@ -162,6 +164,8 @@ const OTHER_FORMS_DESIGN: &[Case] = &[
     Case::new("rate_dependence", "square_root", "linear", 2.0)
         .scaled(Scale::Negative)
         .at(Pace::Ramp),
+    Case::new("hysteresis", "sliding", SLIDING, 60.0).positive(),
+    Case::new("conditioning", "first_filling", "first filling", 60.0).positive(),
 ];
 
 /// Forms that differ from the library's and from those designed with, for the published table.
@@ -198,6 +202,10 @@ const OTHER_FORMS_PUBLISHED: &[Case] = &[
         .scaled(Scale::Negative)
         .at(Pace::Ramp)
         .with(&[40.0]),
+    Case::new("hysteresis", "sliding", SLIDING, 60.0)
+        .positive()
+        .with(&[90.0]),
+    Case::new("conditioning", "first_filling", "first filling", 60.0).positive(),
 ];
 
 /// Effects outside the library, to design with.

@@ -182,6 +182,10 @@ mod tests {
         };
         assert_eq!(rig(Part::Nothing), 200);
         assert_eq!(rig(Part::Single), 20 * SINGLE.len() * MULTIPLES.len());
+        assert_eq!(
+            rig(Part::OtherForm),
+            20 * cases::other_forms(Family::Published).len()
+        );
         let rest = [Part::Two, Part::Outside, Part::Rediscovery, Part::Recording];
         assert_eq!(rest.map(rig), [100, 100, 40, 60]);
     }

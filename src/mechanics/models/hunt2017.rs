@@ -56,6 +56,32 @@ pub fn force<R: Real>(c: [R; 7], pressure_kpa: R, eps: R, eps_max: R, s: f64) ->
     start - (pressure(c, start, eps, eps_max, s) - pressure_kpa) / slope
 }
 
+/// The same, not cut off where the actuator would push, and with its slope at no contraction for one that is stretched: for fits, in which lengths
+/// and coefficients move.
+pub fn force_signed<R: Real>(c: [R; 7], pressure_kpa: R, eps: R, eps_max: R) -> R {
+    let eps_in = if eps.value() < 0.0 {
+        R::constant(0.0)
+    } else {
+        eps
+    };
+    let value = c.map(Real::value);
+    let (target, e, e_max) = (pressure_kpa.value(), eps_in.value(), eps_max.value());
+    let mut low = 0.0;
+    let mut step = 100.0;
+    while gap(value, target, low, e, e_max, 0.0).0 > 0.0 && step < 1e6 {
+        low -= step;
+        step *= 2.0;
+    }
+    let root = root_above(low, value, target, e, e_max, 0.0);
+    let (_, slope) = gap(value, 0.0, root, e, e_max, 0.0);
+    let start = R::constant(root);
+    let force = start - (pressure(c, start, eps_in, eps_max, 0.0) - pressure_kpa) / slope;
+    let [_, a, w, q, k, g, _] = c;
+    let tangent = (w * q).tan();
+    let by_strain = a * w * (tangent * tangent + 1.0) / (g * (eps_max - k * force));
+    force - by_strain * (eps - eps_in)
+}
+
 /// P(F) - `target` and dP/dF.
 fn gap(c: [f64; 7], target: f64, force: f64, eps: f64, eps_max: f64, s: f64) -> (f64, f64) {
     let constant = Dual::<1>::constant;
@@ -83,17 +109,23 @@ fn pole(c: [f64; 7], eps: f64, eps_max: f64) -> f64 {
 
 /// The one root in [0, F_pole), or 0.
 fn root(c: [f64; 7], target: f64, eps: f64, eps_max: f64, s: f64) -> f64 {
-    let (at_zero, slope) = gap(c, target, 0.0, eps, eps_max, s);
-    let pole = pole(c, eps, eps_max);
-    if pole <= 0.0 || at_zero >= 0.0 {
+    let (at_zero, _) = gap(c, target, 0.0, eps, eps_max, s);
+    if pole(c, eps, eps_max) <= 0.0 || at_zero >= 0.0 {
         return 0.0;
     }
+    root_above(0.0, c, target, eps, eps_max, s)
+}
+
+/// The one root between a force that is below it and the pole.
+fn root_above(from: f64, c: [f64; 7], target: f64, eps: f64, eps_max: f64, s: f64) -> f64 {
     if eps == 0.0 {
+        let (at_zero, slope) = gap(c, target, 0.0, eps, eps_max, s);
         return -at_zero / slope;
     }
-    let (mut low, mut high, mut force) = (0.0, pole, 0.5 * pole);
-    let mut before_last = pole;
-    let mut last = pole;
+    let pole = pole(c, eps, eps_max);
+    let (mut low, mut high, mut force) = (from, pole, 0.5 * (from + pole));
+    let mut before_last = pole - from;
+    let mut last = pole - from;
     for _ in 0..200 {
         let (gap, slope) = gap(c, target, force, eps, eps_max, s);
         if gap > 0.0 {
@@ -108,7 +140,7 @@ fn root(c: [f64; 7], target: f64, eps: f64, eps_max: f64, s: f64) -> f64 {
         before_last = last;
         last = (next - force).abs();
         force = next;
-        if last <= 1e-14 * pole {
+        if last <= 1e-14 * (pole - from) {
             break;
         }
     }
@@ -178,5 +210,64 @@ impl ForceModel for Hunt2017 {
         let why = Reason::outside(Quantity::Force, force_n, (0.0, FITTED_UP_TO_N), 0.0)
             .or(Reason::above_supply(p));
         Prediction::new(force_n.max(0.0), why)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EPS_MAX: f64 = 0.166;
+
+    fn c() -> [f64; 7] {
+        values(&PUBLISHED_10)
+    }
+
+    #[test]
+    fn where_the_actuator_pulls_the_law_of_fits_is_the_published_one() {
+        for (kpa, eps) in [(620.0, 0.0), (620.0, 0.05), (300.0, 0.03), (450.0, 0.1)] {
+            let pulls = force(c(), kpa, eps, EPS_MAX, 0.0);
+            assert!(pulls > 1.0);
+            let signed = force_signed(c(), kpa, eps, EPS_MAX);
+            assert!((signed - pulls).abs() < 1e-9 * pulls, "{kpa} {eps}");
+        }
+    }
+
+    #[test]
+    fn where_it_would_push_the_law_of_fits_is_the_negative_root() {
+        let signed = force_signed(c(), 100.0, 0.12, EPS_MAX);
+        assert!(signed < -50.0, "{signed}");
+        let back = pressure(c(), signed, 0.12, EPS_MAX, 0.0);
+        assert!((back - 100.0).abs() < 1e-9, "{back}");
+    }
+
+    #[test]
+    fn derivatives_of_the_law_of_fits_are_those_by_differences_on_either_side_of_no_contraction() {
+        const N: usize = 10;
+        for (kpa, eps) in [(300.0, 0.05), (100.0, 0.12), (300.0, -0.004)] {
+            let all: Vec<f64> = c().into_iter().chain([kpa, eps, EPS_MAX]).collect();
+            let at = |x: &[f64]| {
+                let c = std::array::from_fn(|k| x[k]);
+                force_signed(c, x[7], x[8], x[9])
+            };
+            let duals: Vec<Dual<N>> = (0..N).map(|k| Dual::variable(all[k], k)).collect();
+            let coefficients = std::array::from_fn(|k| duals[k]);
+            let exact = force_signed(coefficients, duals[7], duals[8], duals[9]);
+            for k in (0..N).filter(|k| *k != 6) {
+                let step = 1e-6 * all[k].abs();
+                let moved = |by: f64| {
+                    let mut x = all.clone();
+                    x[k] += by;
+                    at(&x)
+                };
+                let slope = (moved(step) - moved(-step)) / (2.0 * step);
+                let allowed = 1e-5 * slope.abs() + 1e-9 / step;
+                assert!(
+                    (exact.gradient[k] - slope).abs() <= allowed,
+                    "{kpa} {eps} {k}: {} {slope}",
+                    exact.gradient[k]
+                );
+            }
+        }
     }
 }

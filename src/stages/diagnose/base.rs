@@ -1,9 +1,12 @@
 //! The base model: what the effects are added to.
 
+use super::settings;
 use pipeline_config::FitOptions;
 use pipeline_fit::equations;
 use pipeline_mechanics::effects::{Actuator, Conditions};
-use pipeline_mechanics::models::{Direction, ForceModel, P_620_KPA, State, new, published};
+use pipeline_mechanics::models::{
+    Coefficient, Direction, ForceModel, P_620_KPA, State, hunt2017, new, published,
+};
 use pipeline_numerics::real::Real;
 
 /// A coefficient of a base model.
@@ -30,6 +33,8 @@ enum Equation {
         /// l_0, m.
         cap_length_m: f64,
     },
+    /// Hunt's, knee paper Eq. 4: p0, A, w, q, k, g.
+    Hunt,
     /// A published model times a scale.
     Published(&'static dyn ForceModel),
 }
@@ -49,6 +54,17 @@ pub const LENGTH_LAW: usize = 1;
 const LENGTH_LAW_NAME: &str = "1/b2";
 /// 1/b2 of a force that does not depend on the resting length, m.
 const NO_LENGTH_LAW: f64 = 1e-4;
+
+/// Bounds of the coefficients of Hunt's law p0, A, w, q, k, g. The largest contraction, eps_max - k F, stays positive up to the 600 N that no 10 mm
+/// actuator reaches; with the published k, of forces up to 107 N, it vanishes at 500 N.
+const HUNT_BOUNDS: [(f64, f64); 6] = [
+    (-1000.0, 1000.0),
+    (1.0, 2000.0),
+    (0.2, 3.0),
+    (-0.5, 1.5),
+    (0.0, 2.4e-4),
+    (0.2, 10.0),
+];
 
 /// The published coefficient, or a neutral value.
 fn published_or(diameter_mm: u32, symbol: &str, otherwise: f64) -> f64 {
@@ -99,9 +115,12 @@ impl Base {
         }
     }
 
-    /// A published model; refitted means one factor on its force.
+    /// A published model; refitted means its coefficients where they are few and smooth, else one factor on its force.
     pub fn published(id: &str, refit: bool) -> Option<Self> {
         let model = published().into_iter().find(|m| m.id() == id)?;
+        if refit && id == hunt2017::Hunt2017.id() {
+            return Some(Self::hunt());
+        }
         Some(Self {
             id: id.to_owned(),
             coefficients: vec![BaseCoefficient {
@@ -116,9 +135,43 @@ impl Base {
         })
     }
 
+    /// Hunt's law refitted.
+    fn hunt() -> Self {
+        let published = hunt2017::PUBLISHED_10.iter().take(HUNT_BOUNDS.len());
+        let one = |(c, bounds): (&Coefficient, (f64, f64))| BaseCoefficient {
+            name: c.symbol.to_owned(),
+            unit: c.unit.to_owned(),
+            start: c.value.clamp(bounds.0, bounds.1),
+            bounds,
+            free: true,
+            reciprocal_of: None,
+        };
+        Self {
+            id: hunt2017::Hunt2017.id().to_owned(),
+            coefficients: published.zip(HUNT_BOUNDS).map(one).collect(),
+            equation: Equation::Hunt,
+        }
+    }
+
+    /// Prior scale of the misfit that all specimens share, share of the force: whether the shape of the law was fitted to such actuators.
+    pub fn common_misfit(&self) -> f64 {
+        let has_shape = !matches!(self.equation, Equation::Published(_));
+        if has_shape && self.coefficients.iter().any(|c| c.free) {
+            settings::COMMON_MISFIT
+        } else {
+            settings::PUBLISHED_MISFIT
+        }
+    }
+
     /// Starting values of all coefficients.
     pub fn starts(&self) -> Vec<f64> {
         self.coefficients.iter().map(|c| c.start).collect()
+    }
+
+    /// The coefficient by which the force depends on the resting length, and its place, of a law that has one.
+    pub fn length_law(&self) -> Option<(usize, &BaseCoefficient)> {
+        let mut all = self.coefficients.iter().enumerate();
+        all.find(|(_, c)| c.reciprocal_of.is_some())
     }
 
     /// The same model without its dependence on the resting length, if it has one that is fitted.
@@ -163,6 +216,13 @@ impl Base {
                 let surface =
                     new::surface_signed([c[2], c[3], c[4]], contraction, pressure / P_620_KPA);
                 (surface, f620)
+            }
+            Equation::Hunt => {
+                let contraction = (rest - length) / rest;
+                let largest = (rest - contracted) / rest;
+                let c = [c[0], c[1], c[2], c[3], c[4], c[5], R::constant(0.0)];
+                let force = hunt2017::force_signed(c, pressure, contraction, largest);
+                (force / USUAL_F620_N, R::constant(USUAL_F620_N))
             }
             Equation::Published(model) => (
                 tangent(model, pressure, length, [rest, contracted], at) / USUAL_F620_N,

@@ -67,17 +67,17 @@ pub mod component {
 
 /// Most terms in one model.
 pub const MOST_TERMS: usize = pipeline_config::MOST_EFFECTS;
-/// Slots of the derivatives: five coefficients, gain, length, zero, resting and contracted length, two for each term and for one that is tried
+/// Slots of the derivatives: coefficients, gain, length, zero, resting and contracted length, two for each term and for one that is tried
 /// beside them.
 const SLOTS: usize = TERMS + 2 * (MOST_TERMS + 1);
-const GAIN: usize = 5;
-const LENGTH: usize = 6;
-const ZERO: usize = 7;
-const REST: usize = 8;
-const CONTRACTED: usize = 9;
-const TERMS: usize = 10;
 /// Most coefficients of a law.
-const COEFFICIENTS: usize = 5;
+const COEFFICIENTS: usize = 6;
+const GAIN: usize = COEFFICIENTS;
+const LENGTH: usize = GAIN + 1;
+const ZERO: usize = GAIN + 2;
+const REST: usize = GAIN + 3;
+const CONTRACTED: usize = GAIN + 4;
+const TERMS: usize = GAIN + 5;
 
 /// Cosines of a session's misfit along the pressure.
 const SESSION_COSINES: usize = 8;
@@ -246,7 +246,7 @@ impl<'a> ForceProblem<'a> {
             specimens,
             sessions,
             campaigns,
-            components: components(data, pooled, nodes.len()),
+            components: components(base, data, pooled, nodes.len()),
             noise: vec![Prior::Free; corner]
                 .into_iter()
                 .chain([in_corner; slack::BANDS])
@@ -705,7 +705,7 @@ impl<'a> ForceProblem<'a> {
 }
 
 /// The components of a campaign or pool.
-fn components(data: &Data, pooled: bool, strokes: usize) -> Vec<Component> {
+fn components(base: &Base, data: &Data, pooled: bool, strokes: usize) -> Vec<Component> {
     let sessions = data.sessions.len();
     let component = |prior, usual, linear, calibrates, misfit| Component {
         scale: Scale {
@@ -736,7 +736,7 @@ fn components(data: &Data, pooled: bool, strokes: usize) -> Vec<Component> {
         scatter(settings::USUAL_ZERO_N, sessions),
         component(Prior::Fixed(1.0), 1.0, true, true, false),
         component(Prior::Fixed(1.0), 1.0, true, true, false),
-        misfit(settings::COMMON_MISFIT),
+        misfit(base.common_misfit()),
         with_groups(misfit(settings::SESSION_MISFIT), sessions),
         pool(settings::USUAL_GAIN),
         pool(settings::USUAL_ZERO_N),

@@ -448,7 +448,7 @@ impl<'a> Seen<'a> {
 
     /// The size that a miss usually has, N: by what was measured, for what is expected where a length is wrong may be far too large.
     fn usual_miss(&self, measured: f64) -> f64 {
-        let misfit = libm::hypot(settings::COMMON_MISFIT, settings::SESSION_MISFIT);
+        let misfit = libm::hypot(self.base.common_misfit(), settings::SESSION_MISFIT);
         libm::hypot(self.noise, misfit * (measured.abs() + self.floor))
     }
 

@@ -1,6 +1,5 @@
 //! What a model says of specimens that took no part: folds, errors in their three forms, predictive intervals, and the budget.
 
-use super::base;
 use super::black_box::{self, Features};
 use super::problem::{ForceProblem, component};
 use super::tally::{Scored, Tally};
@@ -220,11 +219,12 @@ fn without<'a>(
         .iter()
         .fold(setting.clone(), |s, (_, node)| s.without(*node));
     let mut from = fit.cleared(&rest);
-    let law = problem.base.coefficients.get(base::LENGTH_LAW);
-    if let (true, Some(law)) = (is_of_one_length(&rest, problem), law) {
+    if let (true, Some((place, law))) =
+        (is_of_one_length(&rest, problem), problem.base.length_law())
+    {
         // Specimens of one resting length say nothing about another: the published law does.
-        rest.pinned.push(Free::Coefficient(base::LENGTH_LAW));
-        from.coefficients[base::LENGTH_LAW] = law.start;
+        rest.pinned.push(Free::Coefficient(place));
+        from.coefficients[place] = law.start;
     }
     (rest, from)
 }

@@ -85,17 +85,39 @@ pub(super) fn histories(rows: &[&Row], data: &Data, conditions: &mut [Conditions
     first_fillings(rows, data, &logs, conditions);
 }
 
-/// Whether a reading is of the first filling after its length was set in its session: nothing was vented at this length before.
+/// What was done since the length of a session was set.
+#[derive(Clone, Copy)]
+struct SinceSet {
+    length_m: f64,
+    /// Pressure of the last reading.
+    pressure_kpa: f64,
+    vented: bool,
+}
+
+/// Whether a reading is of the first filling after its length was set in its session: nothing was vented at this length before, neither in a
+/// reading nor between two of them.
 fn first_fillings(rows: &[&Row], data: &Data, logs: &[Vec<usize>], conditions: &mut [Conditions]) {
-    let mut settings = vec![(f64::NAN, false); data.sessions.len()];
+    let nothing = SinceSet {
+        length_m: f64::NAN,
+        pressure_kpa: f64::NAN,
+        vented: false,
+    };
+    let mut sessions = vec![nothing; data.sessions.len()];
     for &i in logs.iter().flatten() {
-        let (length, vented) = &mut settings[data.session[i]];
-        let stayed = (rows[i].length_m - *length).abs() <= STEP_M;
-        if !stayed {
-            (*length, *vented) = (rows[i].length_m, false);
-        }
-        *vented |= conditions[i].direction < 0.0;
-        conditions[i].first_filling = !*vented && conditions[i].direction > 0.0;
+        let since = &mut sessions[data.session[i]];
+        let stayed = (rows[i].length_m - since.length_m).abs() <= STEP_M;
+        let pressure_kpa = rows[i].pressure_kpa;
+        let fell = since.pressure_kpa - pressure_kpa > STEP_KPA;
+        *since = SinceSet {
+            length_m: if stayed {
+                since.length_m
+            } else {
+                rows[i].length_m
+            },
+            pressure_kpa,
+            vented: stayed && (since.vented || fell) || conditions[i].direction < 0.0,
+        };
+        conditions[i].first_filling = !since.vented && conditions[i].direction > 0.0;
     }
 }
 
@@ -160,6 +182,19 @@ mod tests {
     use pipeline_base::session::Phase;
     use pipeline_simulate::rig_like;
 
+    #[test]
+    fn a_pressure_that_fell_between_two_readings_ends_the_first_filling() {
+        let up = &[200.0, 400.0, 600.0][..];
+        let mut rows = session(&[("run1", 0.19, up), ("run2", 0.19, up), ("run3", 0.18, up)]);
+        rows.iter_mut()
+            .for_each(|r| r.phase = Some(Phase::Pressurizing));
+        let rows: Vec<&Row> = rows.iter().collect();
+        let data = Data::new(&rows);
+        let first = data.conditions.iter().map(|c| c.first_filling);
+        let expected = [true, true, true, false, false, false, true, true, true];
+        assert_eq!(first.collect::<Vec<bool>>(), expected);
+    }
+
     /// A session of logs with these pressures, each at a length; rising ones are filled, falling ones vented.
     fn session(logs: &[(&str, f64, &[f64])]) -> Vec<Row> {
         let some = rig_like::campaign(1, &rig_like::Settings::default()).rows;
@@ -201,7 +236,7 @@ mod tests {
         let first: Vec<usize> = places
             .filter(|i| data.conditions[*i].first_filling)
             .collect();
-        assert_eq!(first, [0, 1, 8, 9, 10]);
+        assert_eq!(first, [0, 1, 8, 9]);
         let highest: Vec<f64> = data.conditions.iter().map(|c| c.highest_kpa).collect();
         assert_eq!(highest[..8], [400.0; 8]);
         assert_eq!(highest[8..], [500.0, 500.0, 200.0]);
