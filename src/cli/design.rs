@@ -19,6 +19,9 @@ use serde_json::json;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
+/// Exit code where no muscle meets the curve.
+const UNMET: u8 = 1;
+
 /// Arguments of `design`.
 #[derive(Debug, clap::Args)]
 pub struct DesignArgs {
@@ -90,10 +93,14 @@ pub fn command(args: &DesignArgs) -> Result<u8> {
             "shortest": found.iter().position(|d| d.meets),
             "designs": found,
         }))?;
-        return Ok(DONE);
+    } else {
+        print(args, &read, &found);
     }
-    print(args, &read, &found);
-    Ok(DONE)
+    Ok(if found.iter().any(|d| d.meets) {
+        DONE
+    } else {
+        UNMET
+    })
 }
 
 fn surety(args: &DesignArgs) -> Surety {

@@ -3,8 +3,8 @@
 use crate::args::PlaceArgs;
 use crate::print::{line, print_json};
 use crate::{DONE, options, progress};
-use pipeline_base::error::Result;
-use pipeline_run::explore::explore;
+use pipeline_base::error::{Error, Result};
+use pipeline_run::explore::{self, explore};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -16,6 +16,9 @@ pub struct ExploreArgs {
     /// Where the page goes
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
+    /// Write over a file that is no such page
+    #[arg(long)]
+    pub force: bool,
     /// Where things are
     #[command(flatten)]
     pub places: PlaceArgs,
@@ -24,6 +27,13 @@ pub struct ExploreArgs {
 /// Writes the page and says where it is.
 pub fn command(args: &ExploreArgs) -> Result<u8> {
     let json = args.places.json;
+    let in_the_way = !args.force && args.out.exists() && !explore::is_page(&args.out);
+    if in_the_way {
+        return Err(Error::Usage(format!(
+            "{} exists and is no page of `pipeline explore`; give another --out, or --force to write over it",
+            args.out.display()
+        )));
+    }
     let options = options(&args.places.places()?, args.places.jobs, None, true)?;
     let progress = progress::Shown::new(json);
     explore(&options, &args.campaign, &args.out, &progress)?;

@@ -2,14 +2,15 @@
 
 use crate::args::DerivedArgs;
 use crate::predict_leg::{self, LegArgs};
-use crate::{DONE, predict_print, values};
+use crate::{DONE, predict_print, summary, values};
 use pipeline_base::error::{Error, Result};
 use pipeline_base::units::Quantity;
+use pipeline_compare::NEW;
 use pipeline_fit::GroupFit;
 use pipeline_predict::inverse::{self, Wanted};
 use pipeline_predict::law::choose;
 use pipeline_predict::sweep::{self, Around, Axis, Steps};
-use pipeline_predict::{Contraction, FreeLength, Muscle, Predictor};
+use pipeline_predict::{Contraction, FreeLength, Law, Muscle, Predictor};
 use pipeline_report::figures::{Named, files, prediction as drawing};
 use pipeline_report::render::Renderer;
 use pipeline_report::render::csv::Csv;
@@ -126,14 +127,28 @@ pub struct PredictArgs {
 /// Predicts, and prints or writes what was asked for.
 pub fn command(args: &PredictArgs) -> Result<u8> {
     let muscle = muscle(args)?;
-    let fits = fits(&args.cache.places()?.derived)?;
-    let choice = choose(
+    let places = args.cache.places()?;
+    let fits = fits(&places.derived)?;
+    let mut choice = choose(
         &fits,
         &args.model,
         args.campaign.as_deref(),
         muscle.diameter_mm,
     )?;
-    let predictor = Predictor::new(choice, muscle)?;
+    if let Law::Fitted(fit, _) = choice.law {
+        let advice = summary::better_published(&places.reports, &fit.group);
+        choice.why = [choice.why, advice.unwrap_or_default()]
+            .into_iter()
+            .filter(|text| !text.is_empty())
+            .collect::<Vec<String>>()
+            .join("; ");
+    }
+    let mut predictor = Predictor::new(choice, muscle)?;
+    if let Ok(fitted) = choose(&fits, NEW, None, muscle.diameter_mm)
+        && let Law::Fitted(fit, _) = fitted.law
+    {
+        predictor = predictor.with_specimens_of(fit);
+    }
     if let Some(knee) = &args.leg.knee {
         predict_leg::command(args, knee, &predictor)?;
         return Ok(DONE);

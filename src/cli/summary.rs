@@ -9,6 +9,7 @@ use pipeline_base::diagnostics::nearest;
 use pipeline_base::error::{Error, Result};
 use pipeline_compare::NEW;
 use pipeline_findings::{CampaignFindings, Findings};
+use pipeline_fit::Group;
 use pipeline_report::wording::name::model_name;
 use pipeline_report::wording::number::error;
 use pipeline_run as run;
@@ -21,6 +22,9 @@ use std::path::{Path, PathBuf};
 const SHOWN: usize = 20;
 /// So many have all their lines; of more each has one or two, until they are asked for.
 const IN_FULL: usize = 2;
+
+/// The new model with its published coefficients.
+const PUBLISHED: &str = "new_published";
 
 /// How much is said.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -204,6 +208,32 @@ impl Answers {
     }
 }
 
+/// That the published coefficients do better than those fitted to a group, where the last run says so: for whoever takes the fit. None where no
+/// run left a summary.
+pub(super) fn better_published(reports: &Path, group: &Group) -> Option<String> {
+    let summary: Summary = read(&reports.join("summary.json")).ok()?;
+    let is = |m: &&GroupModels| {
+        (m.campaign.as_str(), m.diameter_mm) == (group.campaign.as_str(), group.diameter_mm)
+    };
+    let models = summary.models.iter().find(is)?;
+    let (fitted, published) = models.both_laws()?;
+    (published < fitted).then(|| {
+        format!(
+            "on unseen specimens the published coefficients have an RMSE of {}, these {} N: --model {PUBLISHED} takes them",
+            error(published, "N"),
+            error(fitted, "N")
+        )
+    })
+}
+
+impl GroupModels {
+    /// Errors of the new model, N: with fitted and with published coefficients.
+    fn both_laws(&self) -> Option<(f64, f64)> {
+        let rmse = |id: &str| self.rmse_n.iter().find(|m| m.model == id).map(|m| m.rmse);
+        rmse(NEW).zip(rmse(PUBLISHED))
+    }
+}
+
 fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
     let bytes = std::fs::read(path).map_err(|e| {
         Error::Usage(format!(
@@ -227,8 +257,14 @@ fn models_text(models: &GroupModels) -> String {
     };
     let all: Vec<String> = models.rmse_n.iter().map(one).collect();
     let of = models.of.map_or_else(String::new, |of| format!(" of {of}"));
+    let better = match models.both_laws() {
+        Some((fitted, published)) if published < fitted => {
+            "; there the published coefficients do better than the fitted ones"
+        }
+        _ => "",
+    };
     format!(
-        "laws alone, least squares, RMSE on unseen specimens: {} N (on the {}{of} readings that all of them answer)",
+        "laws alone, least squares, RMSE on unseen specimens: {} N (on the {}{of} readings that all of them answer){better}",
         all.join(", "),
         models.readings
     )

@@ -32,8 +32,13 @@ pub fn of_findings(
     let (shortest, longest) = fit.ranges.rest_length_m;
     law.middle_length_m = 0.5 * (shortest + longest);
     known(named, found)?;
+    let negligible = found.effects.iter().filter(|e| e.negligible).count();
+    let of_which = match negligible {
+        0 => String::new(),
+        n => format!(" ({n} of them smaller than the smallest effect of interest)"),
+    };
     let mut said = vec![format!(
-        "Effects: the coefficients are those of the loop's mixed model with all {} effects that it accepted; of these the function has",
+        "Effects: the coefficients are those of the loop's mixed model with all {} effects that it accepted{of_which}; of these the function has",
         found.effects.len()
     )];
     for e in &found.effects {

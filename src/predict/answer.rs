@@ -105,25 +105,35 @@ impl<'a> Predictor<'a> {
     ///
     /// # Errors
     /// A published model needs an eps_620 that is not given, or the muscle is shorter than its end caps.
-    pub fn new(choice: Choice<'a>, mut muscle: Muscle) -> Result<Self> {
-        let free = match (&choice.law, muscle.contraction_620) {
-            (_, Some(_)) => FreeContraction::Given,
-            (Law::Fitted(fit, _), None) => {
-                let (mean, standard_deviation) = interval::free_contraction(fit);
-                muscle.contraction_620 = Some(mean);
-                FreeContraction::MeanOfSpecimens {
-                    specimens: fit.specimens.len(),
-                    standard_deviation,
-                }
-            }
-            (Law::Published(_), None) => FreeContraction::Unknown,
+    pub fn new(choice: Choice<'a>, muscle: Muscle) -> Result<Self> {
+        let free = match muscle.contraction_620 {
+            Some(_) => FreeContraction::Given,
+            None => FreeContraction::Unknown,
         };
-        let predictor = Self {
+        let rest_length_m = muscle.rest_length_m;
+        let law = choice.law;
+        let mut predictor = Self {
             choice,
             muscle,
             free,
         };
-        predictor.with_rest_length(muscle.rest_length_m)
+        if let Law::Fitted(fit, _) = law {
+            predictor = predictor.with_specimens_of(fit);
+        }
+        predictor.with_rest_length(rest_length_m)
+    }
+
+    /// The same with the mean eps_620 of a fit's specimens, where nobody gave one: a published model knows none.
+    pub fn with_specimens_of(mut self, fit: &GroupFit) -> Self {
+        if self.free == FreeContraction::Unknown {
+            let (mean, standard_deviation) = interval::free_contraction(fit);
+            self.muscle.contraction_620 = Some(mean);
+            self.free = FreeContraction::MeanOfSpecimens {
+                specimens: fit.specimens.len(),
+                standard_deviation,
+            };
+        }
+        self
     }
 
     /// The same with another resting length, m, and the same eps_620.

@@ -10,7 +10,7 @@ use pipeline_compare::{COMMON, NEW};
 use serde::Serialize;
 
 /// The models of the first page: the new one as fitted and as published, and those with which it is ranked.
-const SHOWN: [&str; 4] = [NEW, "new_published", "hunt2017", "festo_tool"];
+pub(crate) const SHOWN: [&str; 4] = [NEW, "new_published", "hunt2017", "festo_tool"];
 
 /// One group of rows on the first page.
 #[derive(Serialize)]

@@ -2,11 +2,12 @@
 
 use crate::input::{GroupInput, ReportInput};
 use crate::left_out::LeftOut;
+use crate::opening::SHOWN;
 use crate::wording::sentence::sentences;
 use pipeline_base::error::{Error, Result};
 use pipeline_base::reject::Extent;
 use pipeline_base::row;
-use pipeline_compare::{COMMON, GroupComparison, NEW, RANKED};
+use pipeline_compare::{COMMON, GroupComparison, NEW};
 use pipeline_findings::CampaignFindings;
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -73,7 +74,7 @@ fn verdict_json(found: &CampaignFindings) -> serde_json::Value {
     })
 }
 
-/// The ranked models on the readings that all of them answer, of one group in `summary.json`; none where no model stands beside the new one.
+/// The models of the first page on the readings that all of them answer, of one group in `summary.json`; none where no model stands beside the new one.
 fn models_json(group: &GroupInput) -> Option<serde_json::Value> {
     let GroupComparison {
         group, comparisons, ..
@@ -83,8 +84,8 @@ fn models_json(group: &GroupInput) -> Option<serde_json::Value> {
         all.find(|c| c.model == model && c.split == split)
     };
     let new = of(NEW, COMMON)?;
-    let ranked = RANKED.iter().filter_map(|model| of(model, COMMON));
-    let errors: Vec<_> = ranked
+    let shown = SHOWN.iter().filter_map(|model| of(model, COMMON));
+    let errors: Vec<_> = shown
         .filter_map(|c| Some(json!({ "model": c.model, "rmse": c.rmse? })))
         .collect();
     (errors.len() > 1).then(|| {

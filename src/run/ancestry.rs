@@ -220,10 +220,17 @@ impl Ancestry {
             });
         }
         if found.is_empty() {
-            let last = |unit: &Unit| {
-                unit.name == artifact || format!("{} {}", unit.stage_name(), unit.name) == artifact
+            // The units of a campaign have its diameter behind its name.
+            let is_of_campaign = |unit: &Unit| {
+                let rest = unit.name.strip_prefix(artifact);
+                rest.is_some_and(|rest| rest.starts_with(' ') && rest.ends_with(" mm"))
             };
-            let mut named = (0..self.units.len()).filter(|k| last(&self.units[*k]));
+            let is_named = |unit: &Unit| {
+                unit.name == artifact
+                    || format!("{} {}", unit.stage_name(), unit.name) == artifact
+                    || is_of_campaign(unit)
+            };
+            let mut named = (0..self.units.len()).filter(|k| is_named(&self.units[*k]));
             found.extend(named.next_back().map(|k| (k, None)));
         }
         match found.len() {

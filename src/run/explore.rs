@@ -17,6 +17,11 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::Path;
 
+/// Whether a file is a page that this program wrote.
+pub fn is_page(file: &Path) -> bool {
+    std::fs::read_to_string(file).is_ok_and(|text| text.contains(explorer::MARK))
+}
+
 /// Writes the page of a campaign.
 ///
 /// # Errors

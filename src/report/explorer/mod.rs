@@ -22,6 +22,9 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use trace::{Log, Trace};
 
+/// What tells such a page from other files.
+pub const MARK: &str = "<meta name=\"generator\" content=\"pipeline explorer\">";
+
 /// Name of the file below `reports/`.
 pub const FILE: &str = "explorer.html";
 

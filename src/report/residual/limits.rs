@@ -157,7 +157,7 @@ fn set_points(found: &CampaignFindings) -> Option<[String; 2]> {
     });
     if good.is_empty() && !together.is_some_and(|(_, total)| worthy(total)) {
         let nothing = format!(
-            "No further set point on these {} is worth {}",
+            "No further set point on these {} would lower the error by {}",
             name::nouns(found).units,
             error_with_unit(least_worth(found), unit)
         );
@@ -181,9 +181,9 @@ fn set_points(found: &CampaignFindings) -> Option<[String; 2]> {
     let least = error_with_unit(least_worth(found), unit);
     let plural = if points.len() == 1 { "" } else { "s" };
     let others = if good.is_empty() {
-        format!("; none of them alone is worth {least}")
+        format!("; none of them alone by {least}")
     } else {
-        format!("; no other alone is worth {least}")
+        format!("; no other alone by {least}")
     };
     Some([
         format!(
@@ -231,7 +231,7 @@ mod tests {
         best.at = [("set_points".to_owned(), 5.0)].into();
         assert_eq!(
             said(vec![best, set_point(0.0, 0.014), set_point(0.25, 0.006)]),
-            "No further set point on these specimens is worth 0.05 N"
+            "No further set point on these specimens would lower the error by 0.05 N"
         );
     }
 
@@ -239,7 +239,7 @@ mod tests {
     fn what_set_points_are_worth_is_said_once_for_each_that_is_worth_something() {
         assert_eq!(
             said(vec![set_point(0.0, 0.34), set_point(0.25, 0.01)]),
-            "Further set point on these specimens: ε* = 0.00 (0.34 N); no other alone is worth 0.05 N"
+            "Further set point on these specimens: ε* = 0.00 (0.34 N); no other alone by 0.05 N"
         );
     }
 }

@@ -33,7 +33,7 @@ fn the_answer_of_the_issue() {
             "What the effects leave is not all chance: the error depends on humidity (p = 0.0020), for which the library has no effect \
              (12% of its variance).",
             "Of the 13.4 N expected on an unseen specimen, 12.0 come from set lengths (0.90 mm), 4.1 from specimen gain (4.2%), 3.0 from \
-             estimation, 1.4 from all else and 2.6 from noise (added in quadrature); knowing set lengths to 0.2 mm is worth 6.0 N; three readings of each session of a \
+             estimation, 1.4 from all else and 2.6 from noise (added in quadrature); knowing set lengths to 0.2 mm would lower the error by 6.0 N; three readings of each session of a \
              new specimen bring the error to 5.1 N.",
             "Recording error: session s05 (set length, \u{2212}10.0 mm; set aside here only).",
         ]
@@ -214,7 +214,7 @@ fn a_joint_of_which_little_was_computed_has_nothing_said_about_the_rest() {
     assert_eq!(worth_words(&half), None);
     for (worth, begins) in [
         (0.049, "hardly"),
-        (0.051, "are worth 0.1 in log-likelihood"),
+        (0.051, "are expected to differ by 0.1 in log-likelihood"),
     ] {
         let known = NextMeasurement {
             worth: Some(worth),

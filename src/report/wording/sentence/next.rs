@@ -7,7 +7,7 @@ use crate::wording::number::{count, error_with_unit, percent, rounded, with_unit
 use pipeline_findings::{CampaignFindings, NextKind, NextMeasurement};
 
 /// A measurement that lowers the expected error by less than this share of it is not worth a sentence; the table has it.
-const WORTH_SAYING: f64 = 0.02;
+const WORTH_SAYING: f64 = 0.05;
 
 /// The readings of each set-up of which the answer speaks; beside it the table has the others.
 const READINGS_GIVEN: &str = "3";
@@ -83,21 +83,18 @@ pub fn measurement(next: &NextMeasurement, nouns: &Nouns) -> String {
     }
 }
 
-/// What it is worth, as the end of a sentence: `is worth 6.0 N`; none where that was not computed.
+/// What it is worth, as the end of a sentence: `would lower the error by 6.0 N`; none where that was not computed.
 pub fn worth_words(next: &NextMeasurement) -> Option<String> {
     let worth = next.worth?;
-    let several = match next.kind {
-        NextKind::Specimens => next.at.get("specimens") != Some(&1.0),
-        NextKind::SetPoints | NextKind::Separate => true,
-        NextKind::Precision => false,
-    };
-    let verb = if several { "are worth" } else { "is worth" };
     Some(match next.kind {
         NextKind::Separate => match rounded(worth, Rounding::Decimals(1)).as_str() {
             "0.0" => "hardly tell them apart, and no other set point does better".to_owned(),
-            worth => format!("{verb} {worth} in log-likelihood"),
+            worth => format!("are expected to differ by {worth} in log-likelihood"),
         },
-        _ => format!("{verb} {}", error_with_unit(worth, &next.unit)),
+        _ => format!(
+            "would lower the error by {}",
+            error_with_unit(worth, &next.unit)
+        ),
     })
 }
 
