@@ -50,6 +50,8 @@ struct Campaign {
     readings: usize,
     beyond: usize,
     excluded: Vec<(String, String)>,
+    /// Whether doubtful tests are fitted where a joint has no others.
+    doubtful_alone: bool,
     fits: Vec<Fit>,
     joints: Vec<Joint>,
     by_hand: bool,
@@ -146,6 +148,7 @@ fn campaign(c: &CampaignTorque, figures: &[Option<Drawn>]) -> Campaign {
         readings: points().count(),
         beyond: points().filter(|p| p.beyond.is_some()).count(),
         excluded: said(Test::left_out_because),
+        doubtful_alone: c.diagnoses.iter().any(|j| j.findings.design.doubtful_only),
         fits: c.fits.iter().filter_map(|f| fit(c, f)).collect(),
         joints: joints(c, figures),
         by_hand: c.diagnoses.iter().any(|j| !j.by_hand.is_empty()),

@@ -13,8 +13,6 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::{Cartesian2d, DrawingArea, PathElement, Polygon};
 use std::collections::BTreeSet;
 
-/// Opacity of bands.
-pub const BAND_OPACITY: f64 = 0.25;
 /// Opacity of shaded windows.
 pub const WINDOW_OPACITY: f64 = 0.3;
 /// Half the width of the caps of error bars, in millimetres.
@@ -59,7 +57,12 @@ impl Chart {
         let Window { x, y } = self.window;
         match layer {
             Layer::Series(series) => self.series(series),
-            Layer::Band { points, ink, .. } => self.band(points, *ink),
+            Layer::Band {
+                points,
+                ink,
+                opacity,
+                ..
+            } => self.band(points, *ink, *opacity),
             Layer::Windows { spans, ink, .. } => {
                 spans.iter().try_for_each(|s| self.shade(*s, *ink))
             }
@@ -156,7 +159,7 @@ impl Chart {
         })
     }
 
-    fn band(&self, points: &[(f64, f64, f64)], ink: Ink) -> Result<()> {
+    fn band(&self, points: &[(f64, f64, f64)], ink: Ink, opacity: f64) -> Result<()> {
         let visible = self.window.band(points);
         let there = visible.iter().map(|(x, low, _)| (*x, *low));
         let back = visible.iter().rev().map(|(x, _, high)| (*x, *high));
@@ -164,7 +167,7 @@ impl Chart {
         if outline.is_empty() {
             return Ok(());
         }
-        let element = Polygon::new(outline, ink.tint(BAND_OPACITY));
+        let element = Polygon::new(outline, ink.tint(opacity));
         self.area.draw(&element).map_err(Error::internal)
     }
 

@@ -83,6 +83,8 @@ pub enum Layer {
         points: Vec<(f64, f64, f64)>,
         /// Colour.
         ink: Ink,
+        /// Opacity of the area, 0 to 1.
+        opacity: f64,
     },
     /// Ranges of `x` shaded over the full height, such as plateaus of a time series.
     Windows {
@@ -127,13 +129,29 @@ pub enum Layer {
     },
 }
 
+/// Opacity of a band.
+const BAND_OPACITY: f64 = 0.25;
+/// Opacity of a part of a bar: colours stay apart, black numbers stay legible.
+const PART_OPACITY: f64 = 0.6;
+
 impl Layer {
-    /// A band.
+    /// A band, through which what lies under it shows.
     pub fn band(name: &str, points: Vec<(f64, f64, f64)>, ink: Ink) -> Layer {
         Layer::Band {
             name: name.into(),
             points,
             ink,
+            opacity: BAND_OPACITY,
+        }
+    }
+
+    /// An area that is told from others by its colour: a part of a bar.
+    pub fn part(name: &str, points: Vec<(f64, f64, f64)>, ink: Ink) -> Layer {
+        Layer::Band {
+            name: name.into(),
+            points,
+            ink,
+            opacity: PART_OPACITY,
         }
     }
 

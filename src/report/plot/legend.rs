@@ -1,6 +1,6 @@
 //! Legends: a sample of each named layer and its name, as a block inside or beside a panel or as rows above it.
 
-use super::chart::{BAND_OPACITY, WINDOW_OPACITY, identity_stroke};
+use super::chart::{WINDOW_OPACITY, identity_stroke};
 use super::label::{Anchor, Label, Level, Side};
 use super::layer::Layer;
 use super::pencil::Pencil;
@@ -264,7 +264,9 @@ fn sample(layer: &Layer) -> Option<(&str, Sample)> {
             let mark = series.mark.map(Mark::in_legend);
             (&series.name, Sample::Line(series.line, mark))
         }
-        Layer::Band { name, ink, .. } => (name, Sample::Patch(*ink, BAND_OPACITY)),
+        Layer::Band {
+            name, ink, opacity, ..
+        } => (name, Sample::Patch(*ink, *opacity)),
         Layer::Windows { name, ink, .. } => (name, Sample::Patch(*ink, WINDOW_OPACITY)),
         Layer::Steps { name, stroke, .. } | Layer::Level { name, stroke, .. } => {
             (name, Sample::Line(Some(*stroke), None))

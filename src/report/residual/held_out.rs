@@ -6,6 +6,7 @@ use crate::wording::number::{
     NONE, error, error_or_none, error_with_unit, gain, percent_or_none, rounded, size,
     unit as unit_name,
 };
+use crate::wording::sentence::black_box_beats;
 use pipeline_findings::{Alternative, CampaignFindings, CoefficientChange, Parameter, UnitErrors};
 
 /// Log-likelihoods that differ by less tell nothing apart.
@@ -63,8 +64,13 @@ pub(super) fn is_predictive(found: &CampaignFindings) -> bool {
 /// What a black box reaches, in a sentence; empty where there is none.
 pub(super) fn black_box(found: &CampaignFindings) -> String {
     let reaches = |e: f64| {
+        let beats = if black_box_beats(found) {
+            ", less than the model with what was found: part of the residual is systematic and has no name yet"
+        } else {
+            ""
+        };
         format!(
-            "A smooth black box on the residual of the base model reaches {} on the same held-out readings.",
+            "A smooth black box on the residual of the base model reaches {} on the same held-out readings{beats}.",
             error_with_unit(e, &found.unit)
         )
     };

@@ -44,10 +44,10 @@ const SOURCES: [(&[&str], &str, Ink); 7] = [
         Ink::Green,
     ),
     (&["estimation"], "estimation", Ink::Vermilion),
-    (&["noise"], "noise", Ink::Black),
+    (&["noise"], "noise", Ink::Grey),
 ];
 /// Name and colour of all others.
-const OTHERS: (&str, Ink) = ("other", Ink::Grey);
+const OTHERS: (&str, Ink) = ("other", Ink::Black);
 
 /// The figure of all campaigns; none where no campaign has a budget.
 pub fn figure(all: &[&CampaignFindings]) -> Option<Named> {
@@ -116,7 +116,7 @@ fn segment(
     let ends = [(from, row - HALF, row + HALF), (to, row - HALF, row + HALF)];
     let edge = vec![(to, row - HALF), (to, row + HALF)];
     let mut layers = vec![
-        Layer::band(name, ends.to_vec(), ink),
+        Layer::part(name, ends.to_vec(), ink),
         Series::line("", edge, Stroke::hair(Ink::White, Dash::Solid)).into(),
     ];
     if to - from >= NARROW {

@@ -164,11 +164,11 @@ fn free_form(effect: &EffectFinding) -> Option<Panel> {
             equals_probability(free.p)
         ))
         .legend(Legend::None)
-        .with(Layer::Band {
-            name: String::new(),
-            points: curve.clone().map(|c| (c.at, c.low, c.high)).collect(),
-            ink: Ink::Vermilion,
-        })
+        .with(Layer::band(
+            "",
+            curve.clone().map(|c| (c.at, c.low, c.high)).collect(),
+            Ink::Vermilion,
+        ))
         .with(Layer::Level {
             name: String::new(),
             at: plain,

@@ -101,6 +101,24 @@ fn larger_on_some(found: &CampaignFindings) -> String {
     )
 }
 
+/// Whether a smooth black box on the residual does better on unseen units than the model with what was found.
+pub fn black_box_beats(found: &CampaignFindings) -> bool {
+    let own = found.after.rmse_heldout.or(found.before.rmse_heldout);
+    let both = own.zip(found.black_box_rmse_heldout);
+    both.is_some_and(|(own, black_box)| WORSE * black_box < own)
+}
+
+/// What a black box reaches, where it does better.
+fn beside_black_box(found: &CampaignFindings) -> String {
+    match found.black_box_rmse_heldout {
+        Some(error) if black_box_beats(found) => format!(
+            "; a smooth black box on the residual reaches {}",
+            error_with_unit(error, &found.unit)
+        ),
+        _ => String::new(),
+    }
+}
+
 /// That the effects do harm where the gain and the lengths of the unseen unit are known, if they do.
 fn with_own_values(found: &CampaignFindings) -> String {
     let before = found.before.rmse_heldout_calibrated;
@@ -163,7 +181,7 @@ pub(super) fn errors_in_short(found: &CampaignFindings) -> Option<String> {
     let density = density_change(found).map_or(Change::Alike, |(.., change)| change);
     let worse = density == Change::Worse;
     let on_some = larger_on_some(found);
-    Some(match change {
+    let sizes = match change {
         Change::Better if worse => {
             format!(
                 "the mixed model's error on {on} goes from {from} to {to}{on_some}, but its stated uncertainty gets worse"
@@ -186,7 +204,8 @@ pub(super) fn errors_in_short(found: &CampaignFindings) -> Option<String> {
             )
         }
         Change::Worse => format!("the mixed model's error on {on} rises from {from} to {to}"),
-    })
+    };
+    Some(sizes + &with_own_values(found) + &beside_black_box(found))
 }
 
 /// `error on unseen specimens 18.7 → 15.8 N (larger on 1 of the 5 specimens), its stated uncertainty gets worse`.
