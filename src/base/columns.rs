@@ -96,6 +96,11 @@ pub fn predicted(by: &str) -> String {
 /// How the columns of predictions begin.
 const PREDICTED: &str = "predicted_";
 
+/// Whether a column holds what somebody expects of a reading.
+pub fn is_prediction(column: &str) -> bool {
+    column.starts_with(PREDICTED)
+}
+
 /// Every quantity that has a meaning of its own.
 pub const KNOWN: &[KnownColumn] = &[
     known("time", TIME, Some(Quantity::Time)),

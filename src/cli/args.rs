@@ -2,6 +2,7 @@
 
 use crate::bundle::BundleArgs;
 use crate::check::CheckArgs;
+use crate::check_session::CheckSessionArgs;
 use crate::design::DesignArgs;
 use crate::explain::ExplainArgs;
 use crate::explore::ExploreArgs;
@@ -77,6 +78,11 @@ pub enum Command {
     /// Look at a log, plot it, and write a first session.toml for it, to be corrected
     #[command(after_help = new_session_help())]
     NewSession(NewSessionArgs),
+    /// Check a session while the actuator is still on the rig: logs, zero, strength and length against others, recording errors
+    #[command(
+        after_help = "Examples:\n  pipeline check-session raw/test8\n  pipeline check-session raw/test8 --plot /tmp/test8\n  pipeline check-session raw/test9 --watch\n\nIt reads the session's logs as a run would and writes nothing. What an earlier run found of other sessions is the yardstick, where there was one. Exit codes: 0 nothing stands out; 1 something to look at; 2 something that cannot be used, or usage."
+    )]
+    CheckSession(CheckSessionArgs),
     /// Say where a table, figure, report or single number comes from: stages, options, files, digests
     #[command(
         after_help = "Examples:\n  pipeline explain reports/tables/coefficients.csv\n  pipeline explain coefficients.csv:2:value\n  pipeline explain force.pdf --json\n\nA number is FILE:LINE:COLUMN, the line as an editor counts it; what its row says of campaign and session narrows the answer."

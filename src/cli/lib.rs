@@ -10,6 +10,7 @@ mod args;
 mod bundle;
 mod cell;
 mod check;
+mod check_session;
 mod columns;
 mod design;
 mod design_curve;
@@ -30,6 +31,7 @@ mod print;
 mod progress;
 mod summary;
 mod values;
+mod watch;
 
 use args::{Args, Command, PlaceArgs, RunArgs, SimulateArgs};
 use clap::Parser;
@@ -68,6 +70,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Simulate(simulate) => simulate_command(simulate),
         Command::NewSession(args) => new_session::command(args),
         Command::Explain(args) => explain::command(args),
+        Command::CheckSession(args) => check_session::command(args),
         Command::Explore(args) => explore::command(args),
         Command::Graph(args) => graph::command(args),
         Command::Gc(args) => gc::command(args),

@@ -137,3 +137,34 @@ fn intervals(bench: &Bench) {
         }
     }
 }
+
+/// The measurers' known troubles: a corrupt run, zero logs at the limit of the converter, and zero logs of an actuator that was pulled already.
+#[test]
+#[ignore = "needs the real rig sessions"]
+fn sessions_by_themselves_show_what_is_known_to_be_wrong_with_them() {
+    let rig = rig();
+    let bench = Bench::empty();
+    run(&bench, &rig);
+    let said = bench.run(&["check-session", rig.to_str().unwrap(), "--json"]);
+    assert_eq!(said.code, 2, "the corrupt run cannot be used");
+    let all: serde_json::Value = serde_json::from_str(&said.out).unwrap();
+    let all = all.as_array().unwrap();
+    assert_eq!(all.len(), 51);
+    let is_out = |c: &serde_json::Value| c["state"] != "fine";
+    let out = |session: &str, check: &str| {
+        let of = all.iter().find(|i| i["session"] == session).unwrap();
+        let mut checks = of["checks"].as_array().unwrap().iter();
+        checks.any(|c| c["check"] == check && is_out(c))
+    };
+    assert!(out("iso20-2022-01-l397-c46", "left_out"));
+    for clipped in ["iso10-2022-11-l182-c25", "iso20-2022-01-l397-c00"] {
+        assert!(out(clipped, "zero"), "{clipped}");
+    }
+    for pulled in ["l182-c00", "l233-c00", "l382-c00"] {
+        let session = format!("iso10-2022-11-{pulled}");
+        assert!(out(&session, "zero_of_others"), "{session}");
+    }
+    // Nothing is called a recording error where the measurers know of none.
+    let mistakes = all.iter().flat_map(|i| i["checks"].as_array().unwrap());
+    assert_eq!(mistakes.filter(|c| c["check"] == "mistake").count(), 0);
+}

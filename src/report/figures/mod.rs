@@ -10,6 +10,7 @@ mod error_by_model;
 mod error_by_specimen;
 mod formatting;
 pub mod found;
+pub mod inspection;
 mod isobars;
 pub mod knee;
 mod laws;

@@ -19,8 +19,10 @@ const TOO_SHORT: &str = "a steady stretch too short to be used";
 const TOO_FEW: &str = "too few samples";
 /// Why a plateau or a row of points is left out that the converter cannot show.
 pub const CLIPPED: &str = "force at the limit of the converter";
-const PRESSURE_DRIFTS: &str = "pressure still drifts";
-const FORCE_DRIFTS: &str = "force still drifts";
+/// Why a plateau is left out whose pressure had not settled.
+pub const PRESSURE_DRIFTS: &str = "pressure still drifts";
+/// Why a plateau is left out whose force had not settled.
+pub const FORCE_DRIFTS: &str = "force still drifts";
 const BETWEEN: &str = "outside the steady windows";
 /// Force may always drift by this much within a window, N.
 const FORCE_DRIFT_N: f64 = 2.0;

@@ -1,0 +1,301 @@
+//! `pipeline check-session`: a session while the actuator is still on the rig.
+
+use crate::args::ResultArgs;
+use crate::columns::{Align, aligned};
+use crate::print::{line, print_json};
+use crate::{DONE, predict, watch};
+use pipeline_base::columns::is_prediction;
+use pipeline_base::error::{Error, Result};
+use pipeline_base::frame::Frame;
+use pipeline_base::names::file_name;
+use pipeline_base::row::{self, Row};
+use pipeline_config::Config;
+use pipeline_findings::Findings;
+use pipeline_inspect::population::Known;
+use pipeline_inspect::{Check, Inspection, NotCompared, Seen, State};
+use pipeline_report::figures::inspection as drawing;
+use pipeline_report::wording::name;
+use pipeline_report::wording::number::{percent, with_unit};
+use pipeline_report::wording::sentence::recorded_size;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `check-session`.
+#[derive(Debug, clap::Args)]
+pub struct CheckSessionArgs {
+    /// The folder of the session, or one above several
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Check each log of the session as it comes, until Ctrl-C
+    #[arg(long, conflicts_with = "json")]
+    pub watch: bool,
+    /// With --watch: end after so many logs
+    #[arg(long, value_name = "N", requires = "watch")]
+    pub logs: Option<usize>,
+    /// Draw the readings beside what is expected of them into this folder, one file a session or log
+    #[arg(long, value_name = "DIR")]
+    pub plot: Option<PathBuf>,
+    /// Where an earlier run left its results
+    #[command(flatten)]
+    pub results: ResultArgs,
+    /// Print everything as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Exit codes: something to look at; something that cannot be used.
+const LOOK: u8 = 1;
+const BAD: u8 = 2;
+
+/// Checks, and prints one line a check.
+pub fn command(args: &CheckSessionArgs) -> Result<u8> {
+    let places = args.results.places()?;
+    let known = known(&places.derived, &places.reports, &places.config)?;
+    if args.watch {
+        return watch::command(args, &places.config, &known);
+    }
+    let all = pipeline_inspect::sessions(&args.folder, &places.config, &known);
+    if all.is_empty() {
+        return Err(Error::Usage(format!(
+            "there is no session.toml in {} or below it; `pipeline new-session LOG --out {}` begins one",
+            args.folder.display(),
+            args.folder.display()
+        )));
+    }
+    for found in &all {
+        draw(args, &found.session, found)?;
+    }
+    if args.json {
+        print_json(&serde_json::to_value(&all).map_err(Error::internal)?)?;
+    } else {
+        all.iter().for_each(print);
+        if all.len() > 1 {
+            print_count(&all);
+        }
+    }
+    let worst = all.iter().map(Inspection::state).max();
+    Ok(exit_code(worst.unwrap_or(State::Fine)))
+}
+
+/// The exit code of a state.
+pub(super) fn exit_code(state: State) -> u8 {
+    match state {
+        State::Fine => DONE,
+        State::Look => LOOK,
+        State::Bad => BAD,
+    }
+}
+
+/// What the last run knows; nothing where there was none.
+fn known(derived: &Path, reports: &Path, config: &Config) -> Result<Known> {
+    let read = |path: PathBuf| match std::fs::read(&path) {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(e) => Err(Error::io("read", &path)(e)),
+    };
+    let rows = read(derived.join("rows.parquet"))?;
+    let rows = rows.map(|bytes| rows_of(&bytes)).transpose()?;
+    let findings = read(reports.join("findings.json"))?;
+    let findings =
+        findings.and_then(|bytes| pipeline_base::json::from_slice::<Findings>(&bytes).ok());
+    Ok(Known {
+        rows: rows.unwrap_or_default(),
+        findings,
+        fit: config.fit.clone(),
+    })
+}
+
+/// The rows of `rows.parquet`, without what models say of them.
+fn rows_of(bytes: &[u8]) -> Result<Vec<Row>> {
+    let mut frame = Frame::from_parquet(bytes)?;
+    frame.columns.retain(|(name, _)| !is_prediction(name));
+    row::from_frame(&frame)
+}
+
+/// Draws the readings, where that was asked for and there are any.
+pub(super) fn draw(args: &CheckSessionArgs, name: &str, found: &Inspection) -> Result<()> {
+    let Some(folder) = &args.plot else {
+        return Ok(());
+    };
+    let points = found.expected.iter();
+    let points: Vec<drawing::Point> = points
+        .map(|e| [e.pressure_kpa, e.force_n, e.law_n, e.own_n])
+        .collect();
+    let Some(figure) = drawing::figure(name, &points) else {
+        return Ok(());
+    };
+    std::fs::create_dir_all(folder).map_err(Error::io("create", folder))?;
+    predict::draw(&folder.join(format!("{}.svg", file_name(name))), figure)
+}
+
+/// One session: what stands out, and how many checks are fine.
+fn print(found: &Inspection) {
+    line(format!("{}: {}", found.session, word(found.state())));
+    let shown: Vec<&Check> = found.checks.iter().filter(|c| is_shown(c)).collect();
+    let rows: Vec<Vec<String>> = shown
+        .iter()
+        .map(|c| {
+            vec![
+                format!("  {}", word(c.state)),
+                c.log.clone().unwrap_or_default(),
+                said(&c.seen),
+            ]
+        })
+        .collect();
+    for text in aligned(&rows, &[Align::Left; 3]) {
+        line(text.trim_end());
+    }
+    let fine = found.checks.len() - shown.len();
+    if fine > 0 {
+        line(format!("  ok    {fine} more checks of its logs"));
+    }
+    if let Some(against) = &found.against {
+        line(format!("  held against {against}"));
+    }
+}
+
+/// What stands out, and what is said of the session as a whole.
+fn is_shown(check: &Check) -> bool {
+    check.state != State::Fine || check.log.is_none()
+}
+
+/// One log in a line: its state, the readings, and what stands out.
+pub(super) fn in_a_line(log: &str, found: &Inspection) -> String {
+    let out = found.checks.iter().filter(|c| c.state != State::Fine);
+    let out: Vec<String> = out.map(|c| said(&c.seen)).collect();
+    let out = if out.is_empty() {
+        let whole = found.checks.iter().filter(|c| c.log.is_none());
+        let own = whole.filter(|c| matches!(c.seen, Seen::Gain { .. } | Seen::SetLength { .. }));
+        own.map(|c| said(&c.seen)).collect()
+    } else {
+        out
+    };
+    format!(
+        "{:<4}  {log}: {} readings; {}",
+        word(found.state()),
+        found.expected.len(),
+        out.join("; ")
+    )
+}
+
+fn print_count(all: &[Inspection]) {
+    let count = |state: State| all.iter().filter(|i| i.state() == state).count();
+    line(format!(
+        "\n{} sessions: {} ok, {} to look at, {} that cannot be used as they are",
+        all.len(),
+        count(State::Fine),
+        count(State::Look),
+        count(State::Bad)
+    ));
+}
+
+fn word(state: State) -> &'static str {
+    match state {
+        State::Fine => "ok",
+        State::Look => "look",
+        State::Bad => "BAD",
+    }
+}
+
+/// A check in words.
+fn said(seen: &Seen) -> String {
+    let newtons = |x: f64| with_unit(&format!("{x:.1}"), "N").replace('\u{a0}', " ");
+    let deviations = |value: f64, sd: f64| format!("{:.1} standard deviations", value / sd);
+    match seen {
+        Seen::Description { message } => message.clone(),
+        Seen::LeftOut { reason } => format!("the log is left out: {reason}"),
+        Seen::Rows {
+            rows,
+            left_out,
+            reason,
+        } => {
+            let why = reason
+                .as_ref()
+                .map_or_else(String::new, |r| format!(", most: {r}"));
+            format!("{left_out} of {rows} rows are no measurements{why}")
+        }
+        Seen::Clipping { share } => format!(
+            "{} of the samples of the force are at the limit of the converter",
+            percent(*share)
+        ),
+        Seen::Clock {
+            step_s, gaps: 0, ..
+        } => format!("a sample every {:.3} ms, none missing", 1e3 * step_s),
+        Seen::Clock {
+            step_s,
+            gaps,
+            longest_s,
+        } => format!(
+            "samples are missing in {gaps} places, the longest of {longest_s:.2} s (usually every {:.1} ms)",
+            1e3 * step_s
+        ),
+        Seen::Plateaus { steady, unsettled } => format!(
+            "{steady} settled plateaus, {unsettled} in which pressure or force still drifts"
+        ),
+        Seen::Zero {
+            source,
+            applied_n,
+            clipped,
+            slack_n,
+        } => zero(source, *applied_n, *clipped, *slack_n),
+        Seen::ZeroOfOthers {
+            applied_n,
+            usual_n,
+            deviations,
+            sessions,
+        } => format!(
+            "a zero of {}; the median of {sessions} other sessions is {} ({deviations:.1} standard deviations)",
+            newtons(*applied_n),
+            newtons(*usual_n)
+        ),
+        Seen::Gain { value, sd } => format!(
+            "strength {:+.1}% against the law of others: {}",
+            100.0 * value,
+            deviations(*value, *sd)
+        ),
+        Seen::SetLength { value_mm, sd_mm } => format!(
+            "length {value_mm:+.2} mm against the one noted: {}",
+            deviations(*value_mm, *sd_mm)
+        ),
+        Seen::Misfit { rms_n, usual_n } => format!(
+            "{} left beside these (root mean square); {} is usual",
+            newtons(*rms_n),
+            newtons(*usual_n)
+        ),
+        Seen::Mistake { error } => {
+            let size = recorded_size(error).map_or_else(String::new, |s| format!(" ({s})"));
+            format!(
+                "looks like a recording error: {}{}",
+                name::recording_error(error.kind, error.quantity.as_deref()),
+                size.replace('\u{a0}', " ")
+            )
+        }
+        Seen::NotCompared { why } => match why {
+            NotCompared::NoReadings => "no reading to hold against other actuators".to_owned(),
+            NotCompared::Torque => "torques are not held against other actuators".to_owned(),
+            NotCompared::NoLaw => {
+                "no law is known of this diameter: not held against other actuators".to_owned()
+            }
+        },
+    }
+}
+
+fn zero(source: &str, applied_n: f64, clipped: Option<f64>, slack_n: Option<f64>) -> String {
+    let from = match source {
+        "zero-log" => "from the zero log",
+        "slack" => "from the slack actuator",
+        "clipped-zero-log" => "the limit of a clipped zero log",
+        _ => "none: no zero log, and the actuator is never slack",
+    };
+    let clipped = clipped
+        .filter(|share| *share > 0.0)
+        .map_or_else(String::new, |share| {
+            format!(
+                "; {} of the zero log is at the limit of the converter",
+                percent(share)
+            )
+        });
+    let slack = slack_n.map_or_else(String::new, |n| {
+        format!("; the slack actuator shows {n:.1} N")
+    });
+    format!("zero of the force {applied_n:.1} N, {from}{clipped}{slack}")
+}

@@ -1,0 +1,265 @@
+#![warn(missing_docs)]
+// What is found are values; the command line makes lines of them.
+#![deny(clippy::print_stderr, clippy::print_stdout, clippy::dbg_macro)]
+//! One session by itself: whether its logs are whole, its readings settled, its zero right, and whether they suit what other actuators of the
+//! diameter did.
+//!
+//! The stages ingest, clean and normalize are the same functions that a run calls, so that what is called steady here is steady there. Nothing is
+//! written and no cache is read: it takes seconds, while the actuator is still on the rig.
+//!
+//! | module | asks |
+//! |---|---|
+//! | [`logs`] | of each log: can it be read, rows left out, samples at the converter's limit, samples that are missing, plateaus that never settled |
+//! | [`zero`] | the zero of the force: whether it contradicts the slack actuator, and whether it is like those of other sessions |
+//! | [`population`] | the readings against a law and the scatter of other actuators: gain, set length, what is left; recording errors |
+
+pub mod logs;
+pub mod population;
+pub mod zero;
+
+use pipeline_base::diagnostics::{Diagnostic, Severity};
+use pipeline_base::row::Row;
+use pipeline_base::session::{LogSpec, Session};
+use pipeline_config::Config;
+use pipeline_findings::RecordingError;
+use pipeline_formats::discover::{Located, discover};
+use pipeline_formats::log_file;
+use pipeline_ingest::LogBytes;
+use population::Known;
+use serde::Serialize;
+use std::path::Path;
+
+/// How a check came out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum State {
+    /// Nothing stands out.
+    Fine,
+    /// Somebody should look before the actuator is off the rig.
+    Look,
+    /// It cannot be used as it is.
+    Bad,
+}
+
+/// One check: of what, of which log, and how it came out.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Check {
+    /// The log; none of the session as a whole.
+    pub log: Option<String>,
+    /// How it came out.
+    pub state: State,
+    /// What was found.
+    #[serde(flatten)]
+    pub seen: Seen,
+}
+
+/// What a check found. Shares are of 1, forces in N, lengths in mm, times in s.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "check", rename_all = "snake_case")]
+pub enum Seen {
+    /// `session.toml` or a log that cannot be read, or says what cannot be.
+    Description {
+        /// The message.
+        message: String,
+    },
+    /// A log that was left out whole.
+    LeftOut {
+        /// Why.
+        reason: String,
+    },
+    /// Rows that are no measurements.
+    Rows {
+        /// All rows of the log.
+        rows: usize,
+        /// Those left out.
+        left_out: u64,
+        /// Why most of them were.
+        reason: Option<String>,
+    },
+    /// Samples of the force at the converter's limit.
+    Clipping {
+        /// Their share.
+        share: f64,
+    },
+    /// The clock of a time series.
+    Clock {
+        /// Usual time from sample to sample.
+        step_s: f64,
+        /// Places where samples are missing.
+        gaps: usize,
+        /// The longest of them.
+        longest_s: f64,
+    },
+    /// Steady plateaus.
+    Plateaus {
+        /// Those that became readings.
+        steady: usize,
+        /// Those in which pressure or force still drifted.
+        unsettled: usize,
+    },
+    /// The zero of the force.
+    Zero {
+        /// Where it comes from, as tables name it.
+        source: &'static str,
+        /// What was taken off.
+        applied_n: f64,
+        /// Share of the zero log at the converter's limit.
+        clipped: Option<f64>,
+        /// What the slack actuator shows.
+        slack_n: Option<f64>,
+    },
+    /// The zero of the force beside those of other sessions of the campaign.
+    ZeroOfOthers {
+        /// What was taken off here.
+        applied_n: f64,
+        /// Their median.
+        usual_n: f64,
+        /// How far it is off, in their standard deviations.
+        deviations: f64,
+        /// How many there are.
+        sessions: usize,
+    },
+    /// The strength of the actuator beside that of others.
+    Gain {
+        /// Relative.
+        value: f64,
+        /// Standard deviation of those of others.
+        sd: f64,
+    },
+    /// The length at which the readings were taken, less the one noted.
+    SetLength {
+        /// mm.
+        value_mm: f64,
+        /// Standard deviation of those of other sessions, mm.
+        sd_mm: f64,
+    },
+    /// What is left beside gain and set length.
+    Misfit {
+        /// Root mean square, N.
+        rms_n: f64,
+        /// What is usual, N.
+        usual_n: f64,
+    },
+    /// The readings look as if something were noted wrongly.
+    Mistake {
+        /// What.
+        error: RecordingError,
+    },
+    /// The readings were held against nothing.
+    NotCompared {
+        /// Why.
+        why: NotCompared,
+    },
+}
+
+/// Why readings were held against nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NotCompared {
+    /// There are none.
+    NoReadings,
+    /// They are torques.
+    Torque,
+    /// No law is known of the diameter.
+    NoLaw,
+}
+
+/// What was found of a session.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Inspection {
+    /// Id of the session; its folder where it has none.
+    pub session: String,
+    /// The checks, in the order in which they were made.
+    pub checks: Vec<Check>,
+    /// Against what the readings were held; none where they were not.
+    pub against: Option<String>,
+    /// The readings with what the law expects of them.
+    #[serde(skip)]
+    pub expected: Vec<population::Expected>,
+}
+
+impl Inspection {
+    /// The worst of its checks.
+    pub fn state(&self) -> State {
+        let states = self.checks.iter().map(|c| c.state);
+        states.max().unwrap_or(State::Fine)
+    }
+}
+
+/// The sessions in a folder or below it. `known`: what a run knows of others.
+pub fn sessions(folder: &Path, config: &Config, known: &Known) -> Vec<Inspection> {
+    let found = discover(&[folder.to_path_buf()]);
+    let unusable = found.unusable.iter().map(|u| Inspection {
+        session: u.relative.clone(),
+        checks: u.diagnostics.iter().map(described).collect(),
+        against: None,
+        expected: Vec::new(),
+    });
+    let usable = found.sessions.iter().map(|s| session(s, config, known));
+    unusable.chain(usable).collect()
+}
+
+/// One session with all its logs.
+pub fn session(located: &Located, config: &Config, known: &Known) -> Inspection {
+    inspect(located, &located.session, config, known)
+}
+
+/// One log of a session, described as the others of it are where `session.toml` does not name it, with the zero log that it names.
+pub fn log(located: &Located, file: &str, config: &Config, known: &Known) -> Inspection {
+    let mut session = located.session.clone();
+    let own = session.logs.iter().find(|l| l.file == file).cloned();
+    let own = own.unwrap_or(LogSpec {
+        file: file.to_owned(),
+        part: None,
+        is_zero: false,
+        run: None,
+    });
+    session.logs.retain(|l| l.is_zero && l.file != own.file);
+    session.logs.push(own);
+    inspect(located, &session, config, known)
+}
+
+fn inspect(located: &Located, session: &Session, config: &Config, known: &Known) -> Inspection {
+    let files: Vec<LogBytes> = session
+        .logs
+        .iter()
+        .map(|log| {
+            let shown = format!("{}/{}", located.relative, log.name());
+            log_file::load(&located.directory.join(&log.file), &shown)
+        })
+        .collect();
+    let ingested = pipeline_ingest::ingest(session, &located.relative, files);
+    let cleaned = pipeline_clean::clean(session, &ingested.logs, &config.clean);
+    let (rows, _) = pipeline_normalize::normalize(session, &cleaned.readings);
+    let mut checks: Vec<Check> = Vec::new();
+    let errors = ingested.header.diagnostics.iter();
+    checks.extend(errors.map(described));
+    checks.extend(logs::checks(session, &ingested.logs, &cleaned));
+    checks.extend(zero::checks(session, &cleaned, known));
+    let compared = population::compared(session, &rows, known);
+    checks.extend(compared.checks);
+    Inspection {
+        session: session.id.clone(),
+        checks,
+        against: compared.against,
+        expected: compared.expected,
+    }
+}
+
+fn described(diagnostic: &Diagnostic) -> Check {
+    Check {
+        log: None,
+        state: match diagnostic.severity {
+            Severity::Error => State::Bad,
+            _ => State::Look,
+        },
+        seen: Seen::Description {
+            message: diagnostic.to_string(),
+        },
+    }
+}
+
+/// The rows of sessions that are not this one.
+pub(crate) fn others<'r>(rows: &'r [Row], session: &Session) -> impl Iterator<Item = &'r Row> {
+    rows.iter().filter(|r| r.session != session.id)
+}

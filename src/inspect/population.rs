@@ -1,0 +1,378 @@
+//! The readings of a session against a law and the scatter of other actuators.
+//!
+//! F_i = (1 + u) F(P_i, l_i + d) + z: gain u of the actuator, set length d and zero z of the session, each normal about 0 with the standard deviation
+//! that the residual search found among others ([`CampaignFindings::scatter`]), and a miss with the error that this search had on specimens that
+//! it did not know, their own gain and lengths known. The estimates are the mode; far out means many of those standard deviations.
+//!
+//! Recording errors are looked for by the residual search's own function ([`recording::recording_errors`]), among the readings of the other
+//! sessions and beside the effects that it found.
+
+use crate::{Check, NotCompared, Seen, State, others};
+use pipeline_base::row::Row;
+use pipeline_base::session::{Kind, Session};
+use pipeline_config::FitOptions;
+use pipeline_diagnose::base::Base;
+use pipeline_diagnose::data::Data;
+use pipeline_diagnose::library::What;
+use pipeline_diagnose::recording::{self, Law};
+use pipeline_diagnose::settings;
+use pipeline_findings::{ActsOn, CampaignFindings, EffectFinding, Findings, RecordingError};
+use pipeline_fit::equations::cap_length_m;
+use pipeline_fit::{is_fitted, is_usable};
+use pipeline_mechanics::effects;
+use pipeline_mechanics::models::new;
+use pipeline_mechanics::models::{ForceModel, P_620_KPA};
+use pipeline_numerics::cholesky::Cholesky;
+use pipeline_numerics::matrix::Matrix;
+use std::collections::BTreeSet;
+
+/// What a run knows of other sessions.
+#[derive(Debug, Default)]
+pub struct Known {
+    /// Their readings.
+    pub rows: Vec<Row>,
+    /// What the residual search found.
+    pub findings: Option<Findings>,
+    /// Options of the fits.
+    pub fit: FitOptions,
+}
+
+/// A reading with what is expected of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expected {
+    /// Log.
+    pub log: String,
+    /// Gauge pressure, kPa.
+    pub pressure_kpa: f64,
+    /// Measured, N.
+    pub force_n: f64,
+    /// By the law of the others, N.
+    pub law_n: f64,
+    /// With the session's own gain, set length and zero, N.
+    pub own_n: f64,
+}
+
+/// What comes of the comparison.
+pub(crate) struct Compared {
+    pub checks: Vec<Check>,
+    pub against: Option<String>,
+    pub expected: Vec<Expected>,
+}
+
+/// Standard deviations from which somebody should look.
+const FAR: f64 = 3.0;
+/// What is left, in usual ones, from which somebody should look, and from which the session is of no use.
+const LEFT: (f64, f64) = (2.0, 5.0);
+/// Scatter where no run says any: see [`settings`].
+const USUAL_LEFT: f64 = 0.03;
+/// Steps to the mode.
+const STEPS: usize = 20;
+/// Fewest other sessions among which recording errors are looked for.
+const FEWEST_SESSIONS: usize = 3;
+
+/// The law of others with their scatter.
+struct Population {
+    name: String,
+    /// b1, b2, c0, c1, c2.
+    coefficients: [f64; 5],
+    cap_length_m: f64,
+    gain_sd: f64,
+    length_sd_mm: f64,
+    zero_sd_n: f64,
+    left_n: f64,
+}
+
+/// Holds the readings against what is known.
+pub(crate) fn compared(session: &Session, rows: &[Row], known: &Known) -> Compared {
+    let not = |why| Compared {
+        checks: vec![Check {
+            log: None,
+            state: State::Fine,
+            seen: Seen::NotCompared { why },
+        }],
+        against: None,
+        expected: Vec::new(),
+    };
+    if session.kind == Kind::KneeTorque {
+        return not(NotCompared::Torque);
+    }
+    let rows: Vec<&Row> = rows.iter().filter(|r| is_readable(r)).collect();
+    let largest = rows.iter().map(|r| r.force_n).fold(0.0, f64::max);
+    let Some(first) = rows.first() else {
+        return not(NotCompared::NoReadings);
+    };
+    let diameter_mm = first.diameter_mm.round() as u32;
+    let mistakes = mistakes(session, &rows, diameter_mm, known);
+    let Some(population) = population(session, diameter_mm, largest, known) else {
+        return not(NotCompared::NoLaw);
+    };
+    let own = population.mode(&rows);
+    let expected: Vec<Expected> = rows
+        .iter()
+        .map(|r| Expected {
+            log: r.log.clone(),
+            pressure_kpa: r.pressure_kpa,
+            force_n: r.force_n,
+            law_n: population.force(r, [0.0; 3]),
+            own_n: population.force(r, own),
+        })
+        .collect();
+    let squares = expected.iter().map(|e| (e.force_n - e.own_n).powi(2));
+    let rms_n = (squares.sum::<f64>() / expected.len() as f64).sqrt();
+    let state = |value: f64, sd: f64| {
+        if value.abs() > FAR * sd {
+            State::Look
+        } else {
+            State::Fine
+        }
+    };
+    let left = rms_n / population.left_n;
+    let mut checks = vec![
+        Check {
+            log: None,
+            state: state(own[0], population.gain_sd),
+            seen: Seen::Gain {
+                value: own[0],
+                sd: population.gain_sd,
+            },
+        },
+        Check {
+            log: None,
+            state: state(own[1], population.length_sd_mm),
+            seen: Seen::SetLength {
+                value_mm: own[1],
+                sd_mm: population.length_sd_mm,
+            },
+        },
+        Check {
+            log: None,
+            state: match left {
+                l if l > LEFT.1 => State::Bad,
+                l if l > LEFT.0 => State::Look,
+                _ => State::Fine,
+            },
+            seen: Seen::Misfit {
+                rms_n,
+                usual_n: population.left_n,
+            },
+        },
+    ];
+    checks.extend(mistakes.into_iter().map(|error| Check {
+        log: None,
+        state: State::Bad,
+        seen: Seen::Mistake { error },
+    }));
+    Compared {
+        checks,
+        against: Some(population.name),
+        expected,
+    }
+}
+
+/// A session may be looked at that its owner has left out of fits.
+fn is_readable(row: &Row) -> bool {
+    let included = Row {
+        excluded: false,
+        ..row.clone()
+    };
+    is_usable(&included) && row.length_m.is_finite()
+}
+
+/// The law and scatter of others of the diameter: of the session's campaign, else of the pool, else of the campaign with most specimens; else the
+/// published law with usual scatter.
+fn population(
+    session: &Session,
+    diameter_mm: u32,
+    largest_n: f64,
+    known: &Known,
+) -> Option<Population> {
+    let cap = cap_length_m(diameter_mm, &known.fit);
+    let of_diameter = known.findings.iter().flat_map(|f| &f.campaigns);
+    let found = of_diameter
+        .filter(|c| c.diameter_mm == diameter_mm && c.part.is_none() && c.unit == "N")
+        .filter_map(|c| Some((c, Population::of(c, cap)?)))
+        .max_by_key(|(c, _)| (c.campaign == session.campaign, c.design.specimens));
+    if let Some((_, population)) = found {
+        return Some(population);
+    }
+    let published = new::NewPublished.coefficients(diameter_mm);
+    let value = |symbol: &str| {
+        let mut all = published.iter();
+        all.find(|c| c.symbol == symbol).map(|c| c.value)
+    };
+    Some(Population {
+        name: "the published law, with usual scatter".to_owned(),
+        coefficients: [
+            value("b1")?,
+            value("b2")?,
+            value("c0")?,
+            value("c1")?,
+            value("c2")?,
+        ],
+        cap_length_m: cap,
+        gain_sd: settings::USUAL_GAIN,
+        length_sd_mm: settings::USUAL_SET_LENGTH_MM,
+        zero_sd_n: settings::USUAL_ZERO_N,
+        left_n: USUAL_LEFT * largest_n,
+    })
+}
+
+impl Population {
+    /// What the search says of a campaign; none where it has no law of this kind, or held nothing out.
+    fn of(found: &CampaignFindings, cap_length_m: f64) -> Option<Self> {
+        let coefficient = |name: &str| {
+            let mut all = found.coefficients.iter();
+            all.find(|c| c.name == name).map(|c| c.before)
+        };
+        let sd = |id: &str| {
+            let mut all = found.scatter.iter();
+            all.find(|s| s.id == id).map(|s| s.sd_predictive)
+        };
+        Some(Self {
+            name: format!("the null model of {}", found.campaign),
+            coefficients: [
+                coefficient("b1")?,
+                1.0 / coefficient("1/b2")?,
+                coefficient("c0")?,
+                coefficient("c1")?,
+                coefficient("c2")?,
+            ],
+            cap_length_m,
+            gain_sd: sd("specimen_variation")?,
+            length_sd_mm: sd("length_offset")?,
+            zero_sd_n: sd("force_zero_offset")?,
+            left_n: found.before.rmse_heldout_calibrated?,
+        })
+    }
+
+    /// The force with a gain, a set length (mm longer than noted) and a zero.
+    fn force(&self, row: &Row, [gain, longer_mm, zero]: [f64; 3]) -> f64 {
+        let [b1, b2, c0, c1, c2] = self.coefficients;
+        let stroke = row.rest_length_m - row.contracted_length_m;
+        let contraction_rel = (row.rest_length_m - row.length_m - 1e-3 * longer_mm) / stroke;
+        let f620 = new::f620(b1, b2, self.cap_length_m, row.rest_length_m);
+        let pressure_rel = row.pressure_kpa / P_620_KPA;
+        (1.0 + gain) * new::force([c0, c1, c2], f620, contraction_rel, pressure_rel) + zero
+    }
+
+    /// Gain, set length and zero at the mode, by Gauss-Newton steps that are halved until the penalised sum of squares falls.
+    fn mode(&self, rows: &[&Row]) -> [f64; 3] {
+        const SMALL: [f64; 3] = [1e-4, 1e-2, 1e-2];
+        let sds = [self.gain_sd, self.length_sd_mm, self.zero_sd_n].map(|sd| sd.max(1e-6));
+        let value = |x: [f64; 3]| {
+            let misses = rows
+                .iter()
+                .map(|r| (r.force_n - self.force(r, x)) / self.left_n);
+            let own = x.iter().zip(sds).map(|(x, sd)| (x / sd) * (x / sd));
+            misses.map(|m| m * m).sum::<f64>() + own.sum::<f64>()
+        };
+        let mut x = [0.0; 3];
+        let mut here = value(x);
+        for _ in 0..STEPS {
+            let mut normal = Matrix::zeros(3, 3);
+            let mut right = [0.0; 3];
+            for row in rows {
+                let at = self.force(row, x);
+                let slope: [f64; 3] = std::array::from_fn(|k| {
+                    let mut y = x;
+                    y[k] += SMALL[k];
+                    (self.force(row, y) - at) / SMALL[k] / self.left_n
+                });
+                let miss = (row.force_n - at) / self.left_n;
+                for k in 0..3 {
+                    right[k] += slope[k] * miss;
+                    for l in 0..3 {
+                        normal.column_mut(l)[k] += slope[k] * slope[l];
+                    }
+                }
+            }
+            for k in 0..3 {
+                normal.column_mut(k)[k] += 1.0 / (sds[k] * sds[k]);
+                right[k] -= x[k] / (sds[k] * sds[k]);
+            }
+            let step = Cholesky::new(&normal).solve(&right);
+            let mut length = 1.0;
+            let next = loop {
+                let y: [f64; 3] = std::array::from_fn(|k| x[k] + length * step[k]);
+                if value(y) < here || length < 1e-3 {
+                    break y;
+                }
+                length *= 0.5;
+            };
+            let there = value(next);
+            if here - there < 1e-6 {
+                break;
+            }
+            (x, here) = (next, there);
+        }
+        x
+    }
+}
+
+/// What of the session looks mistaken among the others of its campaign, or where these are few of its diameter.
+fn mistakes(
+    session: &Session,
+    own: &[&Row],
+    diameter_mm: u32,
+    known: &Known,
+) -> Vec<RecordingError> {
+    let simulated = session.is_simulated();
+    let of_diameter = |r: &&Row| {
+        let same = r.diameter_mm.round() as u32 == diameter_mm && r.simulated == simulated;
+        same && is_usable(r) && is_fitted(r)
+    };
+    let all: Vec<&Row> = others(&known.rows, session).filter(of_diameter).collect();
+    let of_campaign = all.iter().filter(|r| r.campaign == session.campaign);
+    let of_campaign: Vec<&Row> = of_campaign.copied().collect();
+    let sessions = |rows: &[&Row]| {
+        let ids: BTreeSet<&str> = rows.iter().map(|r| r.session.as_str()).collect();
+        ids.len()
+    };
+    let mut rows = if sessions(&of_campaign) >= FEWEST_SESSIONS {
+        of_campaign
+    } else {
+        all
+    };
+    if sessions(&rows) < FEWEST_SESSIONS {
+        return Vec::new();
+    }
+    rows.extend(own);
+    let lengths: BTreeSet<u64> = rows.iter().map(|r| r.rest_length_m.to_bits()).collect();
+    let base = Base::new(diameter_mm, true, lengths.len(), &known.fit);
+    let found = known.findings.iter().flat_map(|f| &f.campaigns);
+    let found = found.filter(|c| c.diameter_mm == diameter_mm && c.unit == "N");
+    let found = found.max_by_key(|c| (c.campaign == session.campaign, c.design.specimens));
+    let effects = found.iter().flat_map(|c| &c.effects);
+    let law = effects
+        .filter_map(effect)
+        .fold(Law::new(&base), |law, (what, values)| {
+            law.with(what, &values)
+        });
+    let data = Data::new(&rows).beside(&base);
+    let mut errors = recording::recording_errors(diameter_mm, &law, &data, settings::LEVEL);
+    let specimen = own.first().map_or("", |r| r.specimen.as_str());
+    errors.retain(|e| {
+        e.group == session.id || e.group == specimen || e.group.ends_with(&format!(" {specimen}"))
+    });
+    errors
+}
+
+/// An effect on all readings as a term, with its amplitude and shape.
+fn effect(found: &EffectFinding) -> Option<(What, Vec<f64>)> {
+    if found.acts_on != ActsOn::All {
+        return None;
+    }
+    let effect = effects::index(&found.id)?;
+    let forms = effects::all()[effect].forms();
+    let form = forms.iter().position(|f| f.name == found.form)?;
+    let absent = forms[form].amplitude.absent;
+    let mut values = found.parameters.iter().map(|p| p.value);
+    let amplitude = values.next()? - absent;
+    let shape = forms[form].shape.and(values.next());
+    let what = What::Effect {
+        effect,
+        form,
+        shape: shape.unwrap_or(f64::NAN),
+    };
+    Some((what, [amplitude].into_iter().chain(shape).collect()))
+}

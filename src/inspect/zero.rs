@@ -1,0 +1,77 @@
+//! The zero of the force.
+
+use crate::population::Known;
+use crate::{Check, Seen, State, others};
+use pipeline_base::session::{Sampling, Session};
+use pipeline_clean::Cleaned;
+use pipeline_clean::zero::ZeroSource;
+use pipeline_numerics::statistics::median;
+use std::collections::BTreeMap;
+
+/// Share of a zero log at the converter's limit from which somebody should look.
+const CLIPPED: f64 = 0.01;
+/// Fewest sessions that say what is usual.
+const FEWEST: usize = 3;
+/// A zero that is so many standard deviations off the others is worth a look.
+const FAR: f64 = 4.0;
+/// Zeros scatter by this much at least, N: what a load cell does from day to day.
+const LEAST_SD_N: f64 = 1.0;
+/// Standard deviation of normal numbers over the median of their sizes.
+const SD_OF_MEDIAN_SIZE: f64 = 1.482_602_218_505_602;
+
+/// The zero against the slack actuator, and against other sessions.
+pub fn checks(session: &Session, cleaned: &Cleaned, known: &Known) -> Vec<Check> {
+    let Some(zero) = &cleaned.header.zero else {
+        return Vec::new();
+    };
+    let series = session.sampling == Sampling::Timeseries;
+    let nothing = series && zero.source == ZeroSource::None;
+    let clipped = zero.zero_log_clipped.is_some_and(|share| share > CLIPPED);
+    let look = zero.contradicted || clipped || nothing;
+    let mut all = vec![Check {
+        log: None,
+        state: if look { State::Look } else { State::Fine },
+        seen: Seen::Zero {
+            source: zero.source.name(),
+            applied_n: zero.applied_n,
+            clipped: zero.zero_log_clipped,
+            slack_n: zero.slack_n,
+        },
+    }];
+    if zero.source != ZeroSource::None {
+        all.extend(beside_others(session, zero.applied_n, known));
+    }
+    all
+}
+
+/// The zero beside those of the other sessions of the campaign; none where these are too few.
+fn beside_others(session: &Session, applied_n: f64, known: &Known) -> Option<Check> {
+    let mut zeros = BTreeMap::new();
+    for row in others(&known.rows, session).filter(|r| r.campaign == session.campaign) {
+        if row.zero_force_n.is_finite() {
+            zeros.insert(&row.session, row.zero_force_n);
+        }
+    }
+    let zeros: Vec<f64> = zeros.into_values().collect();
+    if zeros.len() < FEWEST {
+        return None;
+    }
+    let usual_n = median(&zeros);
+    let sizes: Vec<f64> = zeros.iter().map(|z| (z - usual_n).abs()).collect();
+    let sd = (SD_OF_MEDIAN_SIZE * median(&sizes)).max(LEAST_SD_N);
+    let deviations = (applied_n - usual_n) / sd;
+    Some(Check {
+        log: None,
+        state: if deviations.abs() > FAR {
+            State::Look
+        } else {
+            State::Fine
+        },
+        seen: Seen::ZeroOfOthers {
+            applied_n,
+            usual_n,
+            deviations,
+            sessions: zeros.len(),
+        },
+    })
+}

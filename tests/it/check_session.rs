@@ -1,0 +1,153 @@
+//! `check-session`: what it says of sound sessions, and of those that are not.
+
+use crate::support::Bench;
+use serde_json::Value;
+use std::path::Path;
+use std::time::Duration;
+
+/// A copy of a session of the small campaign in a folder of its own, beside the raw directory, with some text of its description replaced.
+fn copied(bench: &Bench, replaced: &[(&str, &str)]) -> String {
+    let from = bench.raw().join("small/b/c50");
+    let to = bench.root().join("new");
+    std::fs::create_dir_all(&to).unwrap();
+    for entry in std::fs::read_dir(&from).unwrap() {
+        let path = entry.unwrap().path();
+        std::fs::copy(&path, to.join(path.file_name().unwrap())).unwrap();
+    }
+    let description = to.join("session.toml");
+    let mut text = std::fs::read_to_string(&description).unwrap();
+    for (old, new) in [("small-b-c50", "new")].iter().chain(replaced) {
+        assert!(text.contains(old), "{old} is not in\n{text}");
+        text = text.replace(old, new);
+    }
+    std::fs::write(&description, text).unwrap();
+    "new".to_owned()
+}
+
+fn checks<'v>(said: &'v Value, name: &str) -> Vec<&'v Value> {
+    let all = said[0]["checks"].as_array().unwrap();
+    all.iter().filter(|c| c["check"] == name).collect()
+}
+
+fn inspected(bench: &Bench, folder: &str) -> (i32, Value) {
+    let said = bench.run(&["check-session", folder, "--json"]);
+    let value = serde_json::from_str(&said.out);
+    (
+        said.code,
+        value.unwrap_or_else(|e| panic!("{e}: {}{}", said.out, said.err)),
+    )
+}
+
+/// The length that is set in the middle session of the campaign, as its description has it.
+fn set_length(bench: &Bench) -> (String, f64) {
+    let text = std::fs::read_to_string(bench.raw().join("small/b/c50/session.toml")).unwrap();
+    let line = text.lines().find(|l| l.starts_with("length_mm")).unwrap();
+    let value = line.split('=').nth(1).unwrap().trim().parse().unwrap();
+    (line.to_owned(), value)
+}
+
+#[test]
+fn a_sound_session_is_fine_and_nothing_is_written() {
+    let bench = Bench::small_done();
+    let before = bench.results();
+    let folder = copied(&bench, &[]);
+    let said = bench.run(&["check-session", &folder, "--plot", "plots"]);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    assert!(
+        said.out.contains("new: ok") && said.out.contains("strength"),
+        "{}",
+        said.out
+    );
+    assert!(bench.root().join("plots/new.svg").is_file());
+    assert!(bench.results() == before);
+}
+
+#[test]
+fn a_wrong_length_is_told_with_its_size() {
+    let bench = Bench::small_done();
+    let (line, length) = set_length(&bench);
+    let folder = copied(
+        &bench,
+        &[(&line, &format!("length_mm = {}", length + 10.0))],
+    );
+    let (code, found) = inspected(&bench, &folder);
+    assert_eq!(code, 2, "{found}");
+    let own = checks(&found, "set_length")[0];
+    assert_eq!(own["state"], "look");
+    let deviations = own["value_mm"].as_f64().unwrap() / own["sd_mm"].as_f64().unwrap();
+    assert!(deviations < -3.0, "{own}");
+    let mistake = checks(&found, "mistake")[0];
+    assert_eq!(mistake["error"]["quantity"], "length", "{mistake}");
+    let size = mistake["error"]["value"].as_f64().unwrap();
+    assert!((size + 10.0).abs() < 2.0, "{mistake}");
+}
+
+#[test]
+fn without_a_run_the_published_law_is_the_yardstick() {
+    let bench = Bench::small();
+    let folder = copied(&bench, &[]);
+    let (code, found) = inspected(&bench, &folder);
+    assert_eq!(code, 0, "{found}");
+    assert!(found[0]["against"].as_str().unwrap().contains("published"));
+}
+
+#[test]
+fn samples_that_are_missing_are_counted() {
+    let bench = Bench::small();
+    let folder = copied(&bench, &[]);
+    let log = bench.root().join("new/test8.csv");
+    let text = std::fs::read_to_string(&log).unwrap();
+    let kept = text.lines().enumerate();
+    let kept: Vec<&str> = kept
+        .filter(|(k, _)| !(1000..1020).contains(k) && !(2000..2050).contains(k))
+        .map(|(_, line)| line)
+        .collect();
+    std::fs::write(&log, kept.join("\n") + "\n").unwrap();
+    let (code, found) = inspected(&bench, &folder);
+    assert_eq!(code, 1, "{found}");
+    let clocks = checks(&found, "clock");
+    let of_log = clocks.iter().find(|c| c["log"] == "test8.csv").unwrap();
+    assert_eq!(of_log["gaps"], 2, "{of_log}");
+}
+
+#[test]
+fn a_folder_without_a_session_is_a_mistake_that_says_what_to_do() {
+    let bench = Bench::small();
+    std::fs::create_dir(bench.root().join("nothing")).unwrap();
+    let said = bench.run(&["check-session", "nothing"]);
+    assert_eq!(said.code, 2);
+    said.warns_of(&["no session.toml in nothing", "pipeline new-session"]);
+}
+
+#[test]
+fn a_log_is_checked_when_it_has_come() {
+    let bench = Bench::small();
+    let folder = copied(&bench, &[]);
+    let log = bench.root().join("new/test8.csv");
+    let offset = bench.root().join("new/offset.csv");
+    let [bytes, zero] = [&log, &offset].map(|f| std::fs::read(f).unwrap());
+    for file in [&log, &offset] {
+        std::fs::remove_file(file).unwrap();
+    }
+    let comes = std::thread::spawn(move || {
+        std::thread::sleep(Duration::from_millis(500));
+        std::fs::write(&offset, zero).unwrap();
+        append_slowly(&log, &bytes);
+    });
+    let said = bench.run(&["check-session", &folder, "--watch", "--logs", "2"]);
+    comes.join().unwrap();
+    let of_log = said.out.lines().find(|l| l.contains("test8.csv")).unwrap();
+    assert!(of_log.starts_with("ok "), "{}", said.out);
+    assert!(of_log.contains(" readings"), "{}", said.out);
+}
+
+/// Writes as a program does that records: a log that is looked at before its end would lack readings.
+fn append_slowly(log: &Path, bytes: &[u8]) {
+    use std::io::Write;
+    let mut file = std::fs::File::create(log).unwrap();
+    for part in bytes.chunks(bytes.len() / 4 + 1) {
+        file.write_all(part).unwrap();
+        file.flush().unwrap();
+        std::thread::sleep(Duration::from_millis(600));
+    }
+}
