@@ -4,6 +4,7 @@ use crate::bundle::BundleArgs;
 use crate::check::CheckArgs;
 use crate::check_session::CheckSessionArgs;
 use crate::design::DesignArgs;
+use crate::diff::DiffArgs;
 use crate::explain::ExplainArgs;
 use crate::explore::ExploreArgs;
 use crate::export::ExportArgs;
@@ -78,6 +79,11 @@ pub enum Command {
     /// Look at a log, plot it, and write a first session.toml for it, to be corrected
     #[command(after_help = new_session_help())]
     NewSession(NewSessionArgs),
+    /// Compare two campaigns, runs or versions: coefficients, errors, findings, and whether the forces are alike
+    #[command(
+        after_help = "Examples:\n  pipeline diff iso10-2022-11 iso10-2023-04\n  pipeline diff ../before . --markdown > diff.md\n  pipeline diff ../other-lab:iso10 iso10-2022-11 --margin 5%\n\nA folder is a project with the results of a run; without a campaign every one that both have is compared. Exit codes: 0 the forces are equivalent at the margin; 1 they differ, or neither is shown; 2 usage."
+    )]
+    Diff(DiffArgs),
     /// Check a session while the actuator is still on the rig: logs, zero, strength and length against others, recording errors
     #[command(
         after_help = "Examples:\n  pipeline check-session raw/test8\n  pipeline check-session raw/test8 --plot /tmp/test8\n  pipeline check-session raw/test9 --watch\n\nIt reads the session's logs as a run would and writes nothing. What an earlier run found of other sessions is the yardstick, where there was one. Exit codes: 0 nothing stands out; 1 something to look at; 2 something that cannot be used, or usage."

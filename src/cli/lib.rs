@@ -14,6 +14,7 @@ mod check_session;
 mod columns;
 mod design;
 mod design_curve;
+mod diff;
 mod explain;
 mod explore;
 mod export;
@@ -70,6 +71,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Simulate(simulate) => simulate_command(simulate),
         Command::NewSession(args) => new_session::command(args),
         Command::Explain(args) => explain::command(args),
+        Command::Diff(args) => diff::command(args),
         Command::CheckSession(args) => check_session::command(args),
         Command::Explore(args) => explore::command(args),
         Command::Graph(args) => graph::command(args),

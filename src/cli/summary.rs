@@ -59,9 +59,9 @@ struct Session {
 
 /// The models of one campaign and diameter, on the readings that all of them answer.
 #[derive(Deserialize)]
-struct GroupModels {
-    campaign: String,
-    diameter_mm: u32,
+pub(super) struct GroupModels {
+    pub campaign: String,
+    pub diameter_mm: u32,
     readings: usize,
     of: Option<usize>,
     rmse_n: Vec<ModelError>,
@@ -226,11 +226,26 @@ pub(super) fn better_published(reports: &Path, group: &Group) -> Option<String> 
     })
 }
 
+/// The models of every group of the last run; none where no run left a summary.
+pub(super) fn models_of_run(reports: &Path) -> Vec<GroupModels> {
+    let summary: Result<Summary> = read(&reports.join("summary.json"));
+    summary.map_or_else(|_| Vec::new(), |s| s.models)
+}
+
 impl GroupModels {
+    /// The models.
+    pub(super) fn ids(&self) -> impl Iterator<Item = &str> {
+        self.rmse_n.iter().map(|m| m.model.as_str())
+    }
+
+    /// The error of one of them, N.
+    pub(super) fn rmse(&self, id: &str) -> Option<f64> {
+        self.rmse_n.iter().find(|m| m.model == id).map(|m| m.rmse)
+    }
+
     /// Errors of the new model, N: with fitted and with published coefficients.
     fn both_laws(&self) -> Option<(f64, f64)> {
-        let rmse = |id: &str| self.rmse_n.iter().find(|m| m.model == id).map(|m| m.rmse);
-        rmse(NEW).zip(rmse(PUBLISHED))
+        self.rmse(NEW).zip(self.rmse(PUBLISHED))
     }
 }
 

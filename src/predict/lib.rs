@@ -10,6 +10,7 @@
 //! | [`sweep`] | answers along one quantity, and the designer's table |
 //! | [`inverse`] | the pressure or length for a force |
 //! | [`design`] | the shortest muscle that meets a curve of force or torque |
+//! | [`difference`] | whether two fits say the same force, at a stated margin |
 //! | [`torque`] | the torque over the range of a knee, beside a human muscle |
 //!
 //! Pure: fits in, numbers out. Reading `derived/fits.json`, units and printing are the command line's ([`pipeline_cli`]).
@@ -44,6 +45,7 @@
 
 pub mod answer;
 pub mod design;
+pub mod difference;
 pub mod interval;
 pub mod inverse;
 pub mod law;

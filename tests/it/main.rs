@@ -13,6 +13,7 @@ mod crates;
 mod declared;
 mod design;
 mod diameters;
+mod diff;
 mod documents;
 mod explorer;
 mod findings_schema;

@@ -1,0 +1,493 @@
+//! `pipeline diff`: two campaigns, two runs or two versions side by side.
+
+use crate::args::ResultArgs;
+use crate::columns::{Align, aligned};
+use crate::print::{line, print_json};
+use crate::summary::{GroupModels, models_of_run};
+use crate::{DONE, predict};
+use pipeline_base::error::{Error, Result};
+use pipeline_config::Config;
+use pipeline_findings::{CampaignFindings, EffectFinding, Findings};
+use pipeline_fit::GroupFit;
+use pipeline_fit::engine::CoefficientFit;
+use pipeline_fit::equations::JOINT;
+use pipeline_predict::difference::{Difference, Outcome, Point, difference};
+use pipeline_predict::muscle::mm;
+use pipeline_report::number::Rounding;
+use pipeline_report::wording::name;
+use pipeline_report::wording::number::{amounts, percent, rounded};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// Arguments of `diff`.
+#[derive(Debug, clap::Args)]
+pub struct DiffArgs {
+    /// A campaign of this project, the folder of another project, or FOLDER:CAMPAIGN
+    #[arg(value_name = "A")]
+    pub first: String,
+    /// What it is compared with, of the same kinds
+    #[arg(value_name = "B")]
+    pub second: String,
+    /// Forces that differ by less, as a share of that at resting length and 620 kPa, are alike; Festo states 10% for actuators of one kind
+    #[arg(long, value_name = "SHARE", default_value = "10%")]
+    pub margin: String,
+    /// Only this diameter, mm
+    #[arg(long, value_name = "MM")]
+    pub diameter: Option<u32>,
+    /// Print tables in Markdown, for a pull request
+    #[arg(long, conflicts_with = "json")]
+    pub markdown: bool,
+    /// Print everything as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Where results of this project are
+    #[command(flatten)]
+    pub results: ResultArgs,
+}
+
+/// Exit code where forces differ, or where it is not shown that they do not.
+const NOT_ALIKE: u8 = 1;
+
+/// What a run left.
+struct Run {
+    /// As it was named.
+    name: String,
+    fits: Vec<GroupFit>,
+    findings: Vec<CampaignFindings>,
+    models: Vec<GroupModels>,
+    /// The campaign that is meant; all where none was named.
+    campaign: Option<String>,
+}
+
+/// One side of a comparison.
+struct Side<'r> {
+    name: String,
+    fit: &'r GroupFit,
+    found: Option<&'r CampaignFindings>,
+    models: Option<&'r GroupModels>,
+}
+
+/// A part of the comparison: a heading, and lines of which the first has the names of the columns.
+struct Section {
+    title: &'static str,
+    rows: Vec<Vec<String>>,
+}
+
+/// Compares, and prints.
+pub fn command(args: &DiffArgs) -> Result<u8> {
+    let margin = crate::values::fraction("--margin", &args.margin)?;
+    let runs = [run(args, &args.first)?, run(args, &args.second)?];
+    let pairs = pairs(args, &runs)?;
+    let mut all_alike = true;
+    let mut values = Vec::new();
+    for [first, second] in &pairs {
+        let force = difference(first.fit, second.fit, margin);
+        all_alike &= force
+            .as_ref()
+            .is_some_and(|d| d.outcome == Outcome::Equivalent);
+        if args.json {
+            values.push(as_json(first, second, force.as_ref()));
+        } else {
+            print(args, [first, second], force.as_ref(), margin);
+        }
+    }
+    if args.json {
+        print_json(&Value::Array(values))?;
+    }
+    Ok(if all_alike { DONE } else { NOT_ALIKE })
+}
+
+/// What a run left, by its name on the command line.
+fn run(args: &DiffArgs, named: &str) -> Result<Run> {
+    let (folder, campaign) = parted(named);
+    let (derived, reports) = match &folder {
+        None => {
+            let places = args.results.places()?;
+            (places.derived, places.reports)
+        }
+        Some(folder) => places_of(folder)?,
+    };
+    let fits = predict::fits(&derived)?;
+    if fits.is_empty() {
+        return Err(Error::Usage(format!(
+            "there are no fits in {}: `pipeline run` makes them from sessions",
+            derived.display()
+        )));
+    }
+    let file = reports.join("findings.json");
+    let findings = std::fs::read(&file).map_err(Error::io("read", &file))?;
+    let findings: Findings = pipeline_base::json::from_slice(&findings).map_err(|_| {
+        Error::Usage(format!(
+            "{} is not as this version writes it; `pipeline run` writes it again",
+            file.display()
+        ))
+    })?;
+    Ok(Run {
+        name: named.to_owned(),
+        fits,
+        findings: findings.campaigns,
+        models: models_of_run(&reports),
+        campaign,
+    })
+}
+
+/// The folder and the campaign of a name: a folder that is there, one with a campaign behind a colon, or a campaign.
+fn parted(named: &str) -> (Option<PathBuf>, Option<String>) {
+    let whole = PathBuf::from(named);
+    if whole.is_dir() {
+        return (Some(whole), None);
+    }
+    match named.rsplit_once(':') {
+        Some((folder, campaign)) if Path::new(folder).is_dir() => {
+            (Some(folder.into()), Some(campaign.to_owned()))
+        }
+        _ => (None, Some(named.to_owned())),
+    }
+}
+
+/// Where a project keeps its results.
+fn places_of(folder: &Path) -> Result<(PathBuf, PathBuf)> {
+    let file = folder.join("pipeline.toml");
+    let config = Config::load(file.is_file().then_some(file.as_path()))?;
+    let below = |path: &Path| {
+        if path.is_absolute() || path.starts_with(folder) {
+            path.to_owned()
+        } else {
+            folder.join(path)
+        }
+    };
+    Ok((below(&config.paths.derived), below(&config.paths.reports)))
+}
+
+/// What is compared with what: fits of one diameter, of the campaigns that were named, or of those that both runs have.
+fn pairs<'r>(args: &DiffArgs, [first, second]: &'r [Run; 2]) -> Result<Vec<[Side<'r>; 2]>> {
+    let of = |run: &'r Run| -> Result<Vec<Side<'r>>> {
+        let is = |f: &&GroupFit| {
+            let campaign = run.campaign.as_ref();
+            let diameter = args.diameter.is_none_or(|d| d == f.group.diameter_mm);
+            campaign.is_none_or(|c| *c == f.group.campaign) && diameter
+        };
+        let sides: Vec<Side> = run
+            .fits
+            .iter()
+            .filter(is)
+            .map(|f| Side::of(run, f))
+            .collect();
+        if sides.is_empty() {
+            let known: Vec<&str> = run.fits.iter().map(|f| f.group.campaign.as_str()).collect();
+            return Err(Error::Usage(format!(
+                "{} is no campaign with a fit of the force{}; there are {}",
+                run.name,
+                args.diameter
+                    .map_or_else(String::new, |d| format!(" for {d} mm")),
+                known.join(", ")
+            )));
+        }
+        Ok(sides)
+    };
+    let others = of(second)?;
+    let named = first.campaign.is_some() || second.campaign.is_some();
+    let mut pairs = Vec::new();
+    for side in of(first)? {
+        let own = &side.fit.group;
+        let alike = |o: &&Side| {
+            let other = &o.fit.group;
+            own.diameter_mm == other.diameter_mm && (named || own.campaign == other.campaign)
+        };
+        if let Some(other) = others.iter().find(alike) {
+            pairs.push([side, other.clone()]);
+        }
+    }
+    if pairs.is_empty() {
+        return Err(Error::Usage(format!(
+            "{} and {} have no fit of one diameter{} in common",
+            first.name,
+            second.name,
+            if named { "" } else { " and campaign" }
+        )));
+    }
+    Ok(pairs)
+}
+
+impl Clone for Side<'_> {
+    fn clone(&self) -> Self {
+        Self {
+            name: self.name.clone(),
+            ..*self
+        }
+    }
+}
+
+impl<'r> Side<'r> {
+    fn of(run: &'r Run, fit: &'r GroupFit) -> Self {
+        let group = &fit.group;
+        let is = |campaign: &str, diameter: u32| {
+            campaign == group.campaign && diameter == group.diameter_mm
+        };
+        let mut findings = run.findings.iter();
+        let mut models = run.models.iter();
+        let name = match run.campaign {
+            Some(_) => run.name.clone(),
+            None => format!("{}:{}", run.name, group.campaign),
+        };
+        Self {
+            name,
+            fit,
+            found: findings.find(|f| f.part.is_none() && is(&f.campaign, f.diameter_mm)),
+            models: models.find(|m| is(&m.campaign, m.diameter_mm)),
+        }
+    }
+
+    fn coefficients(&self) -> &[CoefficientFit] {
+        let joint = self.fit.equation(JOINT);
+        joint.map_or(&[], |e| e.coefficients.as_slice())
+    }
+}
+
+const NOTHING: &str = "-";
+
+fn digits(value: f64) -> String {
+    rounded(value, Rounding::Digits(4))
+}
+
+fn or_nothing(value: Option<f64>) -> String {
+    value.map_or_else(|| NOTHING.to_owned(), digits)
+}
+
+fn with_interval(c: &CoefficientFit) -> String {
+    match c.ci_low.zip(c.ci_high) {
+        Some((low, high)) => format!("{} [{}, {}]", digits(c.value), digits(low), digits(high)),
+        None => digits(c.value),
+    }
+}
+
+/// The parts of a comparison that are tables.
+fn sections([first, second]: [&Side; 2]) -> Vec<Section> {
+    let heads = |what: &str, more: &[&str]| -> Vec<String> {
+        let names = [what, &first.name, &second.name];
+        names.iter().chain(more).map(|s| (*s).to_owned()).collect()
+    };
+    let of_fits = |name: &str, of: &dyn Fn(&GroupFit) -> usize| {
+        vec![
+            name.to_owned(),
+            of(first.fit).to_string(),
+            of(second.fit).to_string(),
+        ]
+    };
+    let measured = vec![
+        heads("", &[]),
+        of_fits("specimens", &|f| f.specimens.len()),
+        of_fits("sessions", &|f| {
+            f.specimens.iter().map(|s| s.sessions).sum()
+        }),
+        of_fits("readings fitted", &|f| f.rows),
+    ];
+    let mut coefficients = vec![heads("", &["unit", "difference"])];
+    for a in first.coefficients() {
+        let other = second.coefficients().iter().find(|b| b.symbol == a.symbol);
+        coefficients.push(vec![
+            a.symbol.clone(),
+            other.map_or_else(|| NOTHING.to_owned(), |_| with_interval(a)),
+            other.map_or_else(|| NOTHING.to_owned(), with_interval),
+            a.unit.clone(),
+            or_nothing(other.map(|b| b.value - a.value)),
+        ]);
+    }
+    vec![
+        Section {
+            title: "Measured",
+            rows: measured,
+        },
+        Section {
+            title: "Coefficients, fitted jointly (95% intervals)",
+            rows: coefficients,
+        },
+        Section {
+            title: "Errors (RMSE on unseen specimens, N)",
+            rows: errors(first, second, heads("", &["difference"])),
+        },
+        Section {
+            title: "Residual search",
+            rows: found(first, second, heads("", &[])),
+        },
+    ]
+}
+
+fn errors(first: &Side, second: &Side, head: Vec<String>) -> Vec<Vec<String>> {
+    let mut rows = vec![head];
+    let mut push = |name: String, a: Option<f64>, b: Option<f64>| {
+        if a.is_some() || b.is_some() {
+            let change = a.zip(b).map(|(a, b)| b - a);
+            rows.push(vec![name, or_nothing(a), or_nothing(b), or_nothing(change)]);
+        }
+    };
+    let models = [first, second].into_iter().filter_map(|s| s.models);
+    let mut ids: Vec<&str> = models.flat_map(GroupModels::ids).collect();
+    ids.sort_unstable();
+    ids.dedup();
+    for id in ids {
+        let of = |side: &Side| side.models.and_then(|m| m.rmse(id));
+        let title = name::model_name(id, id);
+        push(format!("{title}, law alone"), of(first), of(second));
+    }
+    type Of = fn(&CampaignFindings) -> Option<f64>;
+    let of_search: [(&str, Of); 4] = [
+        ("mixed model without effects", |f| f.before.rmse_heldout),
+        ("mixed model with effects", |f| f.after.rmse_heldout),
+        ("the same, own gain and lengths known", |f| {
+            f.after.rmse_heldout_calibrated
+        }),
+        ("log density a reading", |f| f.after.log_density_heldout),
+    ];
+    for (title, of) in of_search {
+        let of = |side: &Side| side.found.and_then(of);
+        push(title.to_owned(), of(first), of(second));
+    }
+    rows
+}
+
+/// The effects that the search of a side found.
+fn effects<'r>(side: &Side<'r>) -> Vec<&'r EffectFinding> {
+    side.found
+        .map_or(Vec::new(), |f| f.effects.iter().collect())
+}
+
+/// Verdicts, and the effects of either.
+fn found(first: &Side, second: &Side, head: Vec<String>) -> Vec<Vec<String>> {
+    let verdict = |side: &Side| {
+        let found = side.found;
+        found.map_or(NOTHING.to_owned(), |f| name::verdict(f.verdict).to_owned())
+    };
+    let mut rows = vec![
+        head,
+        vec!["verdict".to_owned(), verdict(first), verdict(second)],
+    ];
+    let (own, others) = (effects(first), effects(second));
+    let size = |e: Option<&&EffectFinding>| {
+        e.map_or_else(
+            || NOTHING.to_owned(),
+            |e| {
+                let amounts = amounts(&e.parameters).unwrap_or_default();
+                let form = if e.negligible { ", negligible" } else { "" };
+                format!("{amounts} ({}{form})", e.form)
+            },
+        )
+    };
+    let mut ids: Vec<&str> = own.iter().chain(&others).map(|e| e.id.as_str()).collect();
+    ids.sort_unstable();
+    ids.dedup();
+    for id in ids {
+        let of = |all: &[&EffectFinding]| size(all.iter().find(|e| e.id == id));
+        rows.push(vec![name::effect(id), of(&own), of(&others)]);
+    }
+    let columns = |side: &Side| {
+        let found = side.found.iter().flat_map(|f| &f.unexplained);
+        let all: Vec<&str> = found.map(|u| u.column.as_str()).collect();
+        if all.is_empty() {
+            NOTHING.to_owned()
+        } else {
+            all.join(", ")
+        }
+    };
+    let (a, b) = (columns(first), columns(second));
+    if a != NOTHING || b != NOTHING {
+        rows.push(vec!["dependence without a name on".to_owned(), a, b]);
+    }
+    rows
+}
+
+fn print(args: &DiffArgs, sides: [&Side; 2], force: Option<&Difference>, margin: f64) {
+    let [first, second] = sides;
+    let mark = if args.markdown { "## " } else { "" };
+    line(format!(
+        "{mark}{} against {}, {} mm\n",
+        second.name, first.name, first.fit.group.diameter_mm
+    ));
+    line(conclusion(force, margin));
+    for section in sections(sides) {
+        let plain = section.rows.iter().map(|r| {
+            let cells = r.iter();
+            cells
+                .map(|c| c.replace('\u{a0}', " ").replace('\u{2060}', ""))
+                .collect()
+        });
+        let rows: Vec<Vec<String>> = plain.collect();
+        if args.markdown {
+            line(format!("\n### {}\n", section.title));
+            markdown(&rows).into_iter().for_each(line);
+        } else {
+            line(format!("\n{}", section.title));
+            let width = rows.first().map_or(0, Vec::len);
+            let mut columns = vec![Align::Right; width];
+            columns[0] = Align::Left;
+            for text in aligned(&rows, &columns) {
+                line(format!("  {text}"));
+            }
+        }
+    }
+    line("");
+}
+
+/// A table of Markdown; the first row is its head.
+fn markdown(rows: &[Vec<String>]) -> Vec<String> {
+    let of = |cells: &[String]| {
+        let cells: Vec<String> = cells.iter().map(|c| c.replace('|', "\\|")).collect();
+        format!("| {} |", cells.join(" | "))
+    };
+    let mut lines: Vec<String> = rows.iter().map(|r| of(r)).collect();
+    let width = rows.first().map_or(0, Vec::len);
+    lines.insert(
+        1,
+        format!("|---|{}", "---:|".repeat(width.saturating_sub(1))),
+    );
+    lines
+}
+
+/// Whether the forces are alike, in a sentence or two.
+fn conclusion(force: Option<&Difference>, margin: f64) -> String {
+    let margin_text = percent(margin);
+    let Some(d) = force else {
+        return "The forces are not compared: no state was measured in both.".to_owned();
+    };
+    let Point {
+        rest_length_m,
+        contraction_rel,
+        pressure_kpa,
+        first_n,
+        second_n,
+        share,
+        ..
+    } = d.largest;
+    let place = format!(
+        "The largest difference of the fitted forces is {:+.1}% of the force at resting length and 620 kPa, at {}, relative contraction {contraction_rel:.2} and \
+         {pressure_kpa:.0} kPa ({first_n:.1} and {second_n:.1} N); root mean square {}.",
+        100.0 * share,
+        mm(rest_length_m),
+        percent(d.rms_share)
+    );
+    let reach = d.furthest.interval.map_or_else(String::new, |(low, high)| {
+        format!(
+            " 90% intervals reach {:+.1}%.",
+            100.0 * if low.abs() > high.abs() { low } else { high }
+        )
+    });
+    let verdict = match d.outcome {
+        Outcome::Equivalent => format!("Equivalent at a margin of {margin_text}."),
+        Outcome::Different => format!("Different by more than the margin of {margin_text}."),
+        Outcome::Undecided => {
+            format!("Neither equivalent nor different is shown at a margin of {margin_text}.")
+        }
+    };
+    format!("{verdict} {place}{reach}")
+}
+
+fn as_json(first: &Side, second: &Side, force: Option<&Difference>) -> Value {
+    let tables: Vec<Value> = sections([first, second])
+        .into_iter()
+        .map(|s| json!({ "title": s.title, "rows": s.rows }))
+        .collect();
+    json!({
+        "first": first.name, "second": second.name, "diameter_mm": first.fit.group.diameter_mm,
+        "force": force, "tables": tables,
+    })
+}
