@@ -419,6 +419,27 @@ fn draws_of_its_own_decide_what_is_in_doubt() {
     }
 }
 
+/// The data have so little between groups that the intercept's standard deviation is 0 by the full likelihood (3.5/4 < 1) and 0.2 by the restricted
+/// one (3.5/3 = 1 + 4 x 0.2^2). A draw with 5 along each of the three functions between groups has v = 1 + 4 s^2 = 75/4 in its null and 50/4 beside a
+/// direction along one of them: a likelihood ratio of 4 ln(75/50) = 1.622, not of 5^2.
+#[test]
+fn what_a_draw_has_between_groups_is_scatter_in_its_null_too() {
+    let little = (3.5_f64 / 3.0).sqrt();
+    let between = |size: f64| along(&[(4, size), (8, size), (12, size)]);
+    let mut problem = line(
+        &[(4, little), (8, little), (12, little)],
+        &[form(0, &[(4, 1.0)])],
+    );
+    problem.components[0].scale.prior = Prior::Free;
+    let setting = Setting::new(&problem);
+    let null = null(&setting);
+    assert!(null.variances.components[0] < 0.05);
+    let restricted = null.restricted(&setting).components[0];
+    close(restricted, (3.5_f64 / 3.0 - 1.0).sqrt() / 2.0, 1e-3);
+    let draws = Screen::new(&setting, &null).draws(1, &normal(move |_| between(5.0)));
+    close(draws[0], deviate(4.0 * 1.5_f64.ln(), 1), 1e-3);
+}
+
 /// A first term along w1; a second along w1 + w2, of which 12 is left beside the first. 99 draws from the null, of which `wild` have 1000 along
 /// w1 and all 4 along w2: the second has 4^2/2 = 8 in those that are not wild, and beside the first 4^2 = 16 in all.
 fn with_wild_draws(by: By, wild: usize) -> Vec<usize> {

@@ -318,12 +318,14 @@ impl<'a> Screen<'a> {
     }
 
     fn maximum_of_draw(&self, normal: &mut dyn FnMut() -> f64) -> f64 {
-        let variances = self
+        let drawn_from = self
             .restricted
             .get_or_init(|| self.null.restricted(self.setting));
-        let y = draw(self.null, variances, normal);
+        let y = draw(self.null, drawn_from, normal);
         let gram = self.null.design.with_response_of(&self.null.gram, &[], &y);
-        let (variances, value) = self.value(&gram, &self.null.variances);
+        // From where they were drawn: a component that the full likelihood of the data has at nothing is not found again in a few steps, and
+        // every direction would gain what it takes of it.
+        let (variances, value) = self.value(&gram, drawn_from);
         let factor = Factor::new(&self.null.design.tree, &gram, &variances);
         let whitened = self.whitened_twice(&factor.estimates(), &y, &variances);
         let shown = self.shown_in(&whitened);

@@ -982,10 +982,10 @@ impl ForceProblem<'_> {
         let mut all = vec![small];
         if change > 0.0 && change.is_finite() {
             for share in shares {
-                let large = (share * rms(base) / change).min(0.5 * high);
+                let large = (share * rms(base) / change).min(0.8 * high);
                 all.push(large);
                 if low < 0.0 {
-                    all.push((-large).max(0.5 * low));
+                    all.push((-large).max(0.8 * low));
                 }
             }
         }
