@@ -86,7 +86,7 @@ pub(super) fn exit_code(state: State) -> u8 {
 }
 
 /// What the last run knows; nothing where there was none.
-fn known(derived: &Path, reports: &Path, config: &Config) -> Result<Known> {
+pub(super) fn known(derived: &Path, reports: &Path, config: &Config) -> Result<Known> {
     let read = |path: PathBuf| match std::fs::read(&path) {
         Ok(bytes) => Ok(Some(bytes)),
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(None),

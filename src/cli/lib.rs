@@ -26,6 +26,7 @@ mod manual;
 mod new_session;
 mod places;
 mod predict;
+mod predict_calibrate;
 mod predict_leg;
 mod predict_print;
 mod print;

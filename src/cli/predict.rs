@@ -2,7 +2,7 @@
 
 use crate::args::DerivedArgs;
 use crate::predict_leg::{self, LegArgs};
-use crate::{DONE, predict_print, summary, values};
+use crate::{DONE, predict_calibrate, predict_print, summary, values};
 use pipeline_base::error::{Error, Result};
 use pipeline_base::units::Quantity;
 use pipeline_compare::NEW;
@@ -37,11 +37,17 @@ pub enum Swept {
 #[command(group(clap::ArgGroup::new("state").args(["contraction", "length", "relative_contraction"])))]
 pub struct PredictArgs {
     /// Nominal diameter, mm: 10, 20 or 40, or one that the last run has fitted
-    #[arg(long, value_name = "MM", allow_hyphen_values = true)]
-    pub diameter: String,
+    #[arg(long, value_name = "MM", allow_hyphen_values = true, required_unless_present_any = ["specimen", "calibrate"])]
+    pub diameter: Option<String>,
     /// Resting length, clamp to clamp, without pressure
-    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
-    pub rest_length: String,
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, required_unless_present_any = ["specimen", "calibrate"])]
+    pub rest_length: Option<String>,
+    /// A specimen of the last run: its lengths, and what its readings say of its strength
+    #[arg(long, value_name = "ID", conflicts_with_all = ["diameter", "rest_length", "contracted_length", "contraction_620", "knee"])]
+    pub specimen: Option<String>,
+    /// The folder of a session of a few readings of the muscle, which need not be in the raw directory; may be given several times
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["diameter", "rest_length", "contracted_length", "contraction_620", "knee"])]
+    pub calibrate: Vec<PathBuf>,
     /// Free length at 620 kPa
     #[arg(
         long,
@@ -126,8 +132,12 @@ pub struct PredictArgs {
 
 /// Predicts, and prints or writes what was asked for.
 pub fn command(args: &PredictArgs) -> Result<u8> {
-    let muscle = muscle(args)?;
     let places = args.cache.places()?;
+    let read = predict_calibrate::read(args, &places)?;
+    let muscle = match &read {
+        Some(read) => read.muscle()?,
+        None => muscle(args)?,
+    };
     let fits = fits(&places.derived)?;
     let mut choice = choose(
         &fits,
@@ -135,7 +145,7 @@ pub fn command(args: &PredictArgs) -> Result<u8> {
         args.campaign.as_deref(),
         muscle.diameter_mm,
     )?;
-    if let Law::Fitted(fit, _) = choice.law {
+    if let (Law::Fitted(fit, _), None) = (choice.law, &read) {
         let advice = summary::better_published(&places.reports, &fit.group);
         choice.why = [choice.why, advice.unwrap_or_default()]
             .into_iter()
@@ -148,6 +158,9 @@ pub fn command(args: &PredictArgs) -> Result<u8> {
         && let Law::Fitted(fit, _) = fitted.law
     {
         predictor = predictor.with_specimens_of(fit);
+    }
+    if let Some(read) = &read {
+        predictor.calibration = Some(read.calibration(&predictor.choice)?);
     }
     if let Some(knee) = &args.leg.knee {
         predict_leg::command(args, knee, &predictor)?;
@@ -213,6 +226,12 @@ fn sweep_command(
     axis: Axis,
     around: Around,
 ) -> Result<()> {
+    if axis == Axis::RestLength && predictor.calibration.is_some() {
+        return Err(Error::Usage(
+            "readings of a muscle say nothing of one of another length: leave out --specimen and --calibrate with --sweep rest-length"
+                .to_owned(),
+        ));
+    }
     if axis == Axis::RestLength && matches!(around.contraction, Some(Contraction::Length(_))) {
         return Err(Error::Usage(
             "a length is another contraction at every resting length: give --contraction or --relative-contraction with --sweep rest-length"
@@ -248,8 +267,13 @@ fn muscle(args: &PredictArgs) -> Result<Muscle> {
         (None, Some(text)) => FreeLength::Contraction(values::fraction("--contraction-620", text)?),
         (None, None) => FreeLength::Unknown,
     };
-    let rest_length = length("--rest-length", &args.rest_length)?;
-    Muscle::new(values::diameter_mm(&args.diameter)?, rest_length, free)
+    let given = |option, text: &Option<String>| {
+        let asked = || missing(&format!("{option}, or --specimen or --calibrate"));
+        text.clone().ok_or_else(asked)
+    };
+    let rest_length = length("--rest-length", &given("--rest-length", &args.rest_length)?)?;
+    let diameter = given("--diameter", &args.diameter)?;
+    Muscle::new(values::diameter_mm(&diameter)?, rest_length, free)
 }
 
 fn around(args: &PredictArgs) -> Result<Around> {

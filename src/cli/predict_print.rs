@@ -1,6 +1,7 @@
 //! What `predict` prints.
 
 use crate::columns::{Align, aligned};
+use crate::predict_calibrate;
 use crate::print::{line, print_json};
 use pipeline_base::error::Result;
 use pipeline_mechanics::models::festo_tool::TOLERANCE;
@@ -19,7 +20,9 @@ const RIGHT: Align = Align::Right;
 /// The answer at one state.
 pub fn single(predictor: &Predictor, answer: &Answer, as_json: bool) -> Result<()> {
     if as_json {
-        return print_json(&with_head(predictor, "answer", json!(answer)));
+        let mut value = with_head(predictor, "answer", json!(answer));
+        value["calibration"] = predict_calibrate::as_json(predictor, Some(answer));
+        return print_json(&value);
     }
     head(predictor);
     let relative = answer
@@ -32,7 +35,8 @@ pub fn single(predictor: &Predictor, answer: &Answer, as_json: bool) -> Result<(
         100.0 * answer.contraction
     ));
     line("");
-    line(format!("force    {}", force(answer)));
+    line(format!("force    {}", force(predictor, answer)));
+    predict_calibrate::tail(predictor, answer);
     if let Some(why) = no_interval(predictor) {
         line(format!("         {why}"));
     }
@@ -82,8 +86,9 @@ pub fn solved(predictor: &Predictor, wanted: Wanted, solved: &Solved, as_json: b
         let strongest = end(&solved.strongest, "no lower end");
         let weakest = end(&solved.weakest, "beyond what was measured");
         line(format!(
-            "{:.0}% interval for a muscle that was not measured: {strongest} (a strong one) to {weakest} (a weak one)",
+            "{:.0}% interval {}: {strongest} (a strong one) to {weakest} (a weak one)",
             100.0 * CONFIDENCE,
+            of_which(predictor)
         ));
     }
     if let Some(why) = no_interval(predictor) {
@@ -202,6 +207,9 @@ pub fn head(predictor: &Predictor) {
         muscle.diameter_mm,
         mm(muscle.rest_length_m)
     ));
+    if let Some(calibration) = &predictor.calibration {
+        predict_calibrate::head(calibration);
+    }
     let law = predictor.choice.law;
     match law {
         Law::Fitted(fit, joint) => {
@@ -231,16 +239,25 @@ pub fn head(predictor: &Predictor) {
     }
 }
 
-fn force(answer: &Answer) -> String {
+fn force(predictor: &Predictor, answer: &Answer) -> String {
+    let of = of_which(predictor);
     match (answer.force_n, &answer.interval) {
         (None, _) => "none: the model gives nothing here".to_owned(),
         (Some(force), None) => format!("{force:.1} N"),
         (Some(force), Some(i)) => format!(
-            "{force:.1} N, {:.0}% interval {:.1} to {:.1} N for a muscle that was not measured",
+            "{force:.1} N, {:.0}% interval {:.1} to {:.1} N {of}",
             100.0 * CONFIDENCE,
             i.low_n,
             i.high_n
         ),
+    }
+}
+
+/// Of which muscle the interval is.
+fn of_which(predictor: &Predictor) -> &'static str {
+    match predictor.calibration {
+        Some(_) => "for this one",
+        None => "for a muscle that was not measured",
     }
 }
 

@@ -20,11 +20,12 @@ pub mod zero;
 use pipeline_base::diagnostics::{Diagnostic, Severity};
 use pipeline_base::row::Row;
 use pipeline_base::session::{LogSpec, Session};
+use pipeline_clean::Cleaned;
 use pipeline_config::Config;
 use pipeline_findings::RecordingError;
 use pipeline_formats::discover::{Located, discover};
 use pipeline_formats::log_file;
-use pipeline_ingest::LogBytes;
+use pipeline_ingest::{Ingested, LogBytes};
 use population::Known;
 use serde::Serialize;
 use std::path::Path;
@@ -219,7 +220,23 @@ pub fn log(located: &Located, file: &str, config: &Config, known: &Known) -> Ins
     inspect(located, &session, config, known)
 }
 
-fn inspect(located: &Located, session: &Session, config: &Config, known: &Known) -> Inspection {
+/// The readings of the sessions in a folder or below it, as a run would have them, and the folders that cannot be read.
+pub fn readings(folder: &Path, config: &Config) -> (Vec<Row>, Vec<Diagnostic>) {
+    let found = discover(&[folder.to_path_buf()]);
+    let of = |located: &Located| normalized(located, &located.session, config).rows;
+    let rows = found.sessions.iter().flat_map(of).collect();
+    let unusable = found.unusable.into_iter();
+    (rows, unusable.flat_map(|u| u.diagnostics).collect())
+}
+
+/// A session after the stages that it goes through by itself.
+struct Normalized {
+    ingested: Ingested,
+    cleaned: Cleaned,
+    rows: Vec<Row>,
+}
+
+fn normalized(located: &Located, session: &Session, config: &Config) -> Normalized {
     let files: Vec<LogBytes> = session
         .logs
         .iter()
@@ -231,6 +248,19 @@ fn inspect(located: &Located, session: &Session, config: &Config, known: &Known)
     let ingested = pipeline_ingest::ingest(session, &located.relative, files);
     let cleaned = pipeline_clean::clean(session, &ingested.logs, &config.clean);
     let (rows, _) = pipeline_normalize::normalize(session, &cleaned.readings);
+    Normalized {
+        ingested,
+        cleaned,
+        rows,
+    }
+}
+
+fn inspect(located: &Located, session: &Session, config: &Config, known: &Known) -> Inspection {
+    let Normalized {
+        ingested,
+        cleaned,
+        rows,
+    } = normalized(located, session, config);
     let mut checks: Vec<Check> = Vec::new();
     let errors = ingested.header.diagnostics.iter();
     checks.extend(errors.map(described));

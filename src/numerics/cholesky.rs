@@ -3,6 +3,7 @@
 use super::matrix::Matrix;
 
 /// A factor L, A = L L', that passes over directions that the ones before them already span.
+#[derive(Clone, Debug)]
 pub struct Cholesky {
     lower: Matrix,
 }

@@ -1,5 +1,6 @@
 //! The answer at one state.
 
+use crate::calibration::{At, Calibration};
 use crate::interval::{self, Interval};
 use crate::law::{Choice, Law};
 use crate::muscle::{Contraction, Muscle, check_state, mm};
@@ -74,6 +75,9 @@ pub struct Answer {
     pub force_n: Option<f64>,
     /// Its interval; none where there are too few specimens, or none.
     pub interval: Option<Interval>,
+    /// Force and interval before the readings of the muscle were known; none where none are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncalibrated: Option<(f64, Interval)>,
     /// Every quantity beside its measured range; empty for a published model.
     pub measured: Vec<Measured>,
     /// What a user has to know: quantities outside of what was measured or is allowed.
@@ -98,6 +102,8 @@ pub struct Predictor<'a> {
     pub muscle: Muscle,
     /// Where its eps_620 comes from.
     pub free: FreeContraction,
+    /// What readings of it say.
+    pub calibration: Option<Calibration<'a>>,
 }
 
 impl<'a> Predictor<'a> {
@@ -116,6 +122,7 @@ impl<'a> Predictor<'a> {
             choice,
             muscle,
             free,
+            calibration: None,
         };
         if let Law::Fitted(fit, _) = law {
             predictor = predictor.with_specimens_of(fit);
@@ -174,6 +181,7 @@ impl<'a> Predictor<'a> {
             contraction_rel: contraction.relative(rest, muscle.contraction_620),
             force_n: None,
             interval: None,
+            uncalibrated: None,
             measured: Vec::new(),
             warnings: Vec::new(),
             others: others(&state, self.choice.law.id()),
@@ -222,6 +230,19 @@ impl<'a> Predictor<'a> {
         };
         answer.force_n = Some(force(&joint.values(), eps_620));
         answer.interval = interval::interval(fit, joint, eps_620, assumed, &force);
+        if let Some(calibration) = &self.calibration {
+            let at = At {
+                rest_length_m: rest,
+                stroke_m: rest * eps_620,
+                length_m: answer.length_m,
+                pressure_kpa: answer.pressure_kpa,
+            };
+            let of_free = answer.interval.map_or(0.0, |i| i.contraction_620_n);
+            answer.uncalibrated = answer.force_n.zip(answer.interval);
+            let (force_n, interval) = calibration.interval(&at, of_free);
+            answer.force_n = Some(force_n);
+            answer.interval = Some(interval);
+        }
         answer.measured = measured(fit, answer, matches!(self.free, FreeContraction::Given));
         let slack = |contraction_rel: f64, pressure_kpa: f64| {
             let c = joint.values();

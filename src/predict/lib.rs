@@ -7,6 +7,7 @@
 //! | [`law`] | which fit, or which published model, answers |
 //! | [`interval`] | the interval |
 //! | [`answer`] | the answer at one state: force, interval, what lies outside of what was measured, every other model |
+//! | [`calibration`] | a muscle of which some readings are known |
 //! | [`sweep`] | answers along one quantity, and the designer's table |
 //! | [`inverse`] | the pressure or length for a force |
 //! | [`design`] | the shortest muscle that meets a curve of force or torque |
@@ -44,6 +45,7 @@
 //! muscles keep to them. The part s_e has not been measured.
 
 pub mod answer;
+pub mod calibration;
 pub mod design;
 pub mod difference;
 pub mod interval;

@@ -4,6 +4,7 @@ mod bad_input;
 mod broken;
 mod bundle;
 mod cache;
+mod calibrate;
 mod check_session;
 mod closed_loop;
 mod commands;

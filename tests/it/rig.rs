@@ -1,7 +1,16 @@
 //! The real rig sessions (`support::rig`): run by `.ci/run` where they are.
 
 use crate::support::{Bench, Said, rig};
+use pipeline::base::columns::is_prediction;
+use pipeline::base::frame::Frame;
+use pipeline::base::row;
+use pipeline::findings::Findings;
+use pipeline::numerics::distributions::student_t_quantile;
+use pipeline::predict::calibration::{At, Calibration, Reading, Sizes};
+use pipeline::stages::fit::equations::JOINT;
+use pipeline::stages::fit::{GroupFit, is_fitted};
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 fn run(bench: &Bench, rig: &std::path::Path) -> Said {
     let said = bench.run(&["run", "--raw", rig.to_str().unwrap()]);
@@ -23,6 +32,17 @@ fn all_campaigns_go_through_and_the_corrupt_run_is_left_out() {
     phases(&plateaus);
     errors(&bench);
     intervals(&bench);
+    for campaign in ["iso10-2022-11", "pooled-10mm"] {
+        let table = calibrated(bench.root(), campaign);
+        println!("{campaign}: {table:.2?}");
+        for pair in table.windows(2) {
+            assert!(
+                pair[1].0 < pair[0].0,
+                "each reading lowers the error: {table:?}"
+            );
+        }
+        assert!(table.iter().all(|(_, inside)| *inside > 0.8), "{table:?}");
+    }
     assert!(
         run(&bench, &rig).out.contains("nothing to do"),
         "a second run does nothing"
@@ -167,4 +187,92 @@ fn sessions_by_themselves_show_what_is_known_to_be_wrong_with_them() {
     // Nothing is called a recording error where the measurers know of none.
     let mistakes = all.iter().flat_map(|i| i["checks"].as_array().unwrap());
     assert_eq!(mistakes.filter(|c| c["check"] == "mistake").count(), 0);
+}
+
+/// Every actuator by the law of the others and a few readings a session of its own: root mean square error on its further readings, and the share
+/// of these inside their 95% interval, for 0, 1, 2, 3 and 5 readings a session.
+fn calibrated(root: &Path, campaign: &str) -> Vec<(f64, f64)> {
+    let read = |file: &str| std::fs::read(root.join(file)).unwrap();
+    let fits: Vec<GroupFit> = serde_json::from_slice(&read("derived/fits.json")).unwrap();
+    let fit = fits.iter().find(|f| f.group.campaign == campaign).unwrap();
+    let findings: Findings = serde_json::from_slice(&read("reports/findings.json")).unwrap();
+    let found = findings.campaigns.iter().find(|c| c.campaign == campaign);
+    let found = found.unwrap();
+    let sd = |id: &str| {
+        let own = found.scatter.iter().find(|s| s.id == id);
+        own.unwrap().sd_predictive
+    };
+    let sizes = Sizes {
+        length_mm: sd("length_offset"),
+        zero_n: sd("force_zero_offset"),
+        left_n: found.before.rmse_heldout_calibrated.unwrap(),
+        noise_n: found.noise.unwrap(),
+    };
+    let mut frame = Frame::from_parquet(&read("derived/rows.parquet")).unwrap();
+    frame.columns.retain(|(name, _)| !is_prediction(name));
+    let rows = row::from_frame(&frame).unwrap();
+    let joint = fit.equation(JOINT).unwrap();
+    let freedom = fit.scatter.as_ref().unwrap().freedom;
+    let t = student_t_quantile(0.975, freedom as f64);
+    let mut table = Vec::new();
+    for count in [0, 1, 2, 3, 5] {
+        let (mut squares, mut inside, mut all) = (0.0, 0, 0);
+        for fold in &joint.folds {
+            let own = rows
+                .iter()
+                .filter(|r| is_fitted(r) && r.length_m.is_finite());
+            let mut sessions: BTreeMap<&str, Vec<Reading>> = BTreeMap::new();
+            for r in own.filter(|r| r.specimen == fold.left_out) {
+                sessions.entry(&r.session).or_default().push(Reading {
+                    session: r.session.clone(),
+                    at: At {
+                        rest_length_m: r.rest_length_m,
+                        stroke_m: r.rest_length_m - r.contracted_length_m,
+                        length_m: r.length_m,
+                        pressure_kpa: r.pressure_kpa,
+                    },
+                    force_n: r.force_n,
+                });
+            }
+            let is_given =
+                |k: usize, n: usize| (0..count).any(|j| (2 * j + 1) * n / (2 * count) == k);
+            let (mut given, mut asked) = (Vec::new(), Vec::new());
+            for readings in sessions.values() {
+                for (k, reading) in readings.iter().enumerate() {
+                    let n = readings.len();
+                    if n > 5 && is_given(k, n) {
+                        &mut given
+                    } else {
+                        &mut asked
+                    }
+                    .push(reading.clone());
+                }
+            }
+            let specimen = Some(fold.left_out.as_str());
+            // Without a reading: one that says nothing.
+            let nothing = Sizes {
+                noise_n: 1e9,
+                ..sizes
+            };
+            let none = asked[..1].to_vec();
+            let (used, given) = if given.is_empty() {
+                (nothing, &none)
+            } else {
+                (sizes, &given)
+            };
+            let calibration = Calibration::new(fit, joint, specimen, used, given).unwrap();
+            for reading in &asked {
+                let (mean, sd) = calibration.reading(&reading.session, &reading.at);
+                let error = reading.force_n - mean;
+                squares += error * error;
+                inside += usize::from(error.abs() <= t * sd);
+                all += 1;
+            }
+        }
+        table.push((
+            (squares / all as f64).sqrt(),
+            f64::from(inside as u32) / all as f64,
+        ));
+    }
+    table
 }

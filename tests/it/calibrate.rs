@@ -1,0 +1,216 @@
+//! `predict --calibrate` and `--specimen`: what readings of a muscle say of it.
+
+use crate::support::{Bench, FAST, Said};
+use pipeline::models::new;
+use pipeline::predict::calibration::{At, Calibration, Reading, Sizes};
+use pipeline::simulate;
+use pipeline::stages::fit::GroupFit;
+use pipeline::stages::fit::equations::JOINT;
+use serde_json::Value;
+use std::path::Path;
+
+const FORCE_STATE: [&str; 4] = ["--contraction", "4%", "--pressure", "500kPa"];
+
+fn simulated(campaign: &str, b1: f64, specimens: &[u32], contractions: &str, to: &Path) {
+    let specimens = specimens.iter().map(|length| {
+        format!("[[specimen]]\nid = \"{campaign}-{length}\"\nrest_length_mm = {length}\ncontraction_max = 0.165\n")
+    });
+    let text = format!(
+        "schema = \"bpa-truth/1\"\ncampaign = \"{campaign}\"\nseed = 21\ndate = \"2026-01\"\ndiameter_mm = 10\n\
+         coefficients = {{ b1 = {b1}, b2 = 19.03, l_0 = 0.0075, c0 = 0.5682, c1 = 4.254, c2 = 0.5597 }}\n\
+         contractions = {contractions}\nruns = [1]\nsampling = \"points\"\npressures_kpa = [200, 400, 620]\n\
+         directions = \"up-down\"\ndwell_s = [2]\n{}\
+         [[effect]]\nid = \"specimen_variation\"\nform = \"normal\"\nsd = 0.05\n",
+        specimens.collect::<String>()
+    );
+    let truth = simulate::read_truth(campaign, &text).unwrap_or_else(|d| panic!("{d:?}"));
+    simulate::write(&simulate::simulate(&truth), to, None, false).unwrap();
+}
+
+/// A run on actuators whose strengths scatter by 5%, and beside the raw directory one session of one that is of a law 12% stronger.
+fn bench() -> Bench {
+    let bench = Bench::quick();
+    std::fs::remove_dir_all(bench.raw().join("small")).unwrap();
+    let lengths = [83, 112, 182, 257, 300, 382, 455];
+    simulated(
+        "others",
+        303.5,
+        &lengths,
+        "[0, 0.25, 0.5, 0.75]",
+        &bench.raw().join("others"),
+    );
+    simulated("own", 340.0, &[233], "[0.25]", &bench.root().join("own"));
+    bench.age();
+    let said = bench.run(&["run", "--config", FAST]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    bench
+}
+
+fn json(said: &Said) -> Value {
+    assert_eq!(said.code, 0, "{}", said.err);
+    serde_json::from_str(&said.out).unwrap()
+}
+
+fn number(value: &Value, at: &str) -> f64 {
+    let found = value.pointer(at).and_then(Value::as_f64);
+    found.unwrap_or_else(|| panic!("{at} in {value}"))
+}
+
+#[test]
+fn a_few_readings_of_a_muscle_move_and_narrow_its_force() {
+    let bench = bench();
+    let predict =
+        |own: &[&str]| json(&bench.run(&[&["predict"], own, &FORCE_STATE, &["--json"]].concat()));
+    let known = predict(&["--calibrate", "own"]);
+    let described = predict(&[
+        "--diameter",
+        "10",
+        "--rest-length",
+        "233mm",
+        "--contraction-620",
+        "16.5%",
+    ]);
+    // Before the readings it is any muscle.
+    // Its contracted length stands in the session to a tenth of a millimetre.
+    let before = number(&known, "/answer/uncalibrated/0");
+    assert!((before - number(&described, "/answer/force_n")).abs() < 0.5);
+    let width = |v: &Value, at: &str| {
+        number(v, &format!("{at}/high_n")) - number(v, &format!("{at}/low_n"))
+    };
+    assert!(
+        width(&known, "/answer/interval") < 0.6 * width(&described, "/answer/interval"),
+        "{known}"
+    );
+    // The readings are as strong as they are: nearer to them than to the mean, and not beyond them.
+    let ratio = number(&known, "/answer/force_n") / number(&described, "/answer/force_n");
+    let gain = number(&known, "/calibration/gain/value");
+    assert!(ratio > 1.03 && gain > 0.03, "{known}");
+    assert!(number(&known, "/calibration/gain/sd") < number(&known, "/calibration/gain/sd_before"));
+    assert!(number(&known, "/calibration/percentile") > 60.0);
+    assert_eq!(known["calibration"]["sessions"], 1);
+    let next = |end: &str| number(&known, &format!("/calibration/next/{end}"));
+    assert!(next("sd_after_n") < next("sd_before_n"), "{known}");
+    // The same session twice says hardly more than once.
+    let twice = predict(&["--calibrate", "own", "--calibrate", "own"]);
+    assert_eq!(twice["calibration"]["sessions"], 1);
+}
+
+#[test]
+fn a_specimen_of_the_run_is_predicted_by_the_law_of_the_others_and_its_own_readings() {
+    let bench = bench();
+    let said = bench.run(&[&["predict", "--specimen", "others-182"], &FORCE_STATE[..]].concat());
+    assert_eq!(said.code, 0, "{}", said.err);
+    for part in [
+        "readings",
+        "percentile",
+        "for this one",
+        "before",
+        "next",
+        "not carried over",
+    ] {
+        assert!(said.out.contains(part), "{part} is not in\n{}", said.out);
+    }
+    for (options, parts) in [
+        (&["--specimen", "nobody"][..], &["nobody", "others-182"][..]),
+        (&["--calibrate", "raw/others"], &["more than one muscle"]),
+        (
+            &["--calibrate", "reports"],
+            &["there is no session", "check-session"],
+        ),
+        (
+            &["--specimen", "others-182", "--model", "hunt2017"],
+            &["leave out --model"],
+        ),
+        (
+            &["--specimen", "others-182", "--diameter", "10"],
+            &["cannot be used with"],
+        ),
+        (&["--diameter", "10"], &["--rest-length"]),
+    ] {
+        let said = bench.run(&[&["predict"], options, &FORCE_STATE].concat());
+        assert_eq!(said.code, 2, "{options:?}: {}", said.out);
+        said.warns_of(parts);
+    }
+    let swept = [
+        "predict",
+        "--specimen",
+        "others-182",
+        "--contraction",
+        "4%",
+        "--pressure",
+        "500kPa",
+        "--sweep",
+        "rest-length",
+    ];
+    let said = bench.run(&swept);
+    assert_eq!(said.code, 2);
+    said.warns_of(&["another length"]);
+}
+
+/// Where the law is known exactly, one reading y gives the gain tau^2 f (y - f)/(tau^2 f^2 + s_l^2 f'^2 + s_z^2 + left^2), f' by the set length and
+/// left^2 the noise and what is left together, and the set length likewise.
+#[test]
+fn one_reading_is_shared_out_by_the_variances() {
+    let bench = Bench::quick_done();
+    let fits = std::fs::read(bench.root().join("derived/fits.json")).unwrap();
+    let fits: Vec<GroupFit> = serde_json::from_slice(&fits).unwrap();
+    let fit = &fits[0];
+    let mut joint = fit.equation(JOINT).unwrap().clone();
+    let values = joint.values();
+    for fold in &mut joint.folds {
+        fold.coefficients.clone_from(&values);
+    }
+    let sizes = Sizes {
+        length_mm: 0.9,
+        zero_n: 1.5,
+        left_n: 5.0,
+        noise_n: 2.0,
+    };
+    let state = |length_m: f64| At {
+        rest_length_m: 0.2,
+        stroke_m: 0.033,
+        length_m,
+        pressure_kpa: 500.0,
+    };
+    let law = |longer_mm: f64| {
+        let f620 = new::f620(values[0], values[1], fit.cap_length_m, 0.2);
+        let relative = (0.2 - 0.19 - 1e-3 * longer_mm) / 0.033;
+        new::force(
+            [values[2], values[3], values[4]],
+            f620,
+            relative,
+            500.0 / 620.0,
+        )
+    };
+    let (f, slope) = (law(0.0), (law(0.01) - law(-0.01)) / 0.02);
+    let tau = fit.scatter.as_ref().unwrap().between;
+    let reading = Reading {
+        session: "s".to_owned(),
+        at: state(0.19),
+        force_n: f + 3.0,
+    };
+    let known = Calibration::new(fit, &joint, None, sizes, &[reading]).unwrap();
+    let total = tau * tau * f * f + 0.81 * slope * slope + 2.25 + 25.0;
+    let close =
+        |a: f64, b: f64| assert!((a - b).abs() < 2e-3 * b.abs().max(1e-3), "{a} against {b}");
+    close(known.gain().value, tau * tau * f * 3.0 / total);
+    close(
+        known.gain().sd,
+        tau * (1.0 - tau * tau * f * f / total).sqrt(),
+    );
+    let length = &known.set_lengths()[0];
+    // Slopes are taken anew where the length is then, a little off.
+    assert!(
+        (length.value - 0.81 * slope * 3.0 / total).abs() < 0.02,
+        "{length:?}"
+    );
+    // A reading of the same session and state comes back nearer to the reading than the force at the exact length.
+    let (again, _) = known.reading("s", &state(0.19));
+    let (exact, sd) = known.force(&state(0.19));
+    assert!(
+        f < exact && exact < again && again < f + 3.0,
+        "{f} {exact} {again}"
+    );
+    close(exact, f * (1.0 + known.gain().value));
+    close(sd, ((known.gain().sd * f).powi(2) + 21.0).sqrt());
+}
