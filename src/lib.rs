@@ -45,19 +45,20 @@
 //! | [`predict`] | the force of a muscle that somebody describes, with its interval; its torque in a described leg | |
 //! | [`portable`] | a model of the force as C, Python, MATLAB, MuJoCo and a table, with the points that hold them to it | a language: one file, one line in `portable/languages/mod.rs` |
 //! | [`inspect`] | one session by itself, against what a run knows of others | a check: one file, one line in `inspect/lib.rs` |
+//! | [`plan`] | what a campaign that has not been measured yet could show | |
 //! | [`draft`] | a first `session.toml` for a log, guessed from its columns | |
 //! | [`golden`] | fresh tables against blessed ones | a table: one entry in `tests/golden/golden.toml` |
 //! | [`run`] | the list of stages as declarations ([`run::rule`]), and what walks it through the cache ([`run::walk`]): one whole run at a time on a directory, or many jobs ([`run::jobs`]); where an artifact comes from ([`run::ancestry`]) | |
 //! | [`bundle`] | a run as an RO-Crate for a repository | |
 //! | [`export`] | the jobs of a run as a workflow of another engine | an engine: one file, one line in `export/lib.rs` |
 //! | [`config`] | `pipeline.toml` | |
-//! | [`cli`] | arguments, and all printing: init, run, status, summary, explain, graph, check, predict, explore, simulate, new-session, gc, export, bundle, completions, man | |
+//! | [`cli`] | arguments, and all printing: init, run, status, summary, explain, graph, check, predict, design, plan, diff, check-session, explore, simulate, new-session, gc, export, bundle, completions, man | |
 //!
 //! # Invariants
 //! - **Directions**: every folder with a `Cargo.toml` is a crate, and what it does not name there it cannot use. Each line has all that one crate
 //!   names, and names only crates of lines below it; `tests/it/crates.rs` holds every `Cargo.toml` to this list:
 //!   ```text
-//!   cli       -> bundle, export, run, report, inspect, portable, predict, draft, compare, fit, config, formats, simulate, cache, golden, mechanics, base, findings
+//!   cli       -> bundle, export, run, report, inspect, plan, portable, predict, draft, compare, fit, config, formats, simulate, cache, golden, mechanics, base, findings
 //!   bundle    -> run, config, formats, base
 //!   export    -> run, formats, base
 //!   run       -> report, torque, clean, compare, diagnose, fit, ingest, config, formats, cache, normalize, base, findings
@@ -66,6 +67,7 @@
 //!   portable  -> fit, mechanics, base, findings, numerics
 //!   predict   -> compare, fit, mechanics, base, numerics
 //!   inspect   -> clean, diagnose, fit, ingest, config, formats, normalize, mechanics, base, findings, numerics
+//!   plan      -> diagnose, fit, config, mechanics, base, findings
 //!   torque    -> diagnose, config, inference, mechanics, base, findings, numerics
 //!   clean     -> ingest, config, base, numerics
 //!   compare   -> fit, config, mechanics, base, numerics
@@ -126,6 +128,7 @@ pub use pipeline_inference as inference;
 pub use pipeline_inspect as inspect;
 pub use pipeline_mechanics::{effects, knee, models};
 pub use pipeline_numerics as numerics;
+pub use pipeline_plan as plan;
 pub use pipeline_portable as portable;
 pub use pipeline_predict as predict;
 pub use pipeline_report as report;

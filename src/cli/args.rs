@@ -13,6 +13,7 @@ use crate::graph::GraphArgs;
 use crate::init::InitArgs;
 use crate::manual::{CompletionsArgs, ManArgs};
 use crate::new_session::NewSessionArgs;
+use crate::plan::PlanArgs;
 use crate::predict::PredictArgs;
 use clap::{ArgAction, Parser, Subcommand};
 use pipeline_simulate::effects::EFFECTS;
@@ -79,6 +80,11 @@ pub enum Command {
     /// Look at a log, plot it, and write a first session.toml for it, to be corrected
     #[command(after_help = new_session_help())]
     NewSession(NewSessionArgs),
+    /// Look ahead at a campaign that has not been measured: what it could show, the error to expect, what would lower it
+    #[command(
+        after_help = "Examples:\n  pipeline plan --example > plan.toml\n  pipeline plan plan.toml\n  pipeline plan plan.toml --csv limits.csv --json > plan.json\n\nThe planned campaign is drawn three times with the scatter that is expected and without any effect, and the residual search is made of each draw, and of those of designs with one thing more: half a minute to a few, by the number of readings."
+    )]
+    Plan(PlanArgs),
     /// Compare two campaigns, runs or versions: coefficients, errors, findings, and whether the forces are alike
     #[command(
         after_help = "Examples:\n  pipeline diff iso10-2022-11 iso10-2023-04\n  pipeline diff ../before . --markdown > diff.md\n  pipeline diff ../other-lab:iso10 iso10-2022-11 --margin 5%\n\nA folder is a project with the results of a run; without a campaign every one that both have is compared. Exit codes: 0 the forces are equivalent at the margin; 1 they differ, or neither is shown; 2 usage."

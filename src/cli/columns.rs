@@ -12,8 +12,15 @@ pub enum Align {
 /// Blanks between columns.
 const GAP: &str = "  ";
 
+/// A text without the marks that keep a page from breaking it: a terminal shows some of them as boxes.
+pub fn plain(text: &str) -> String {
+    text.replace('\u{a0}', " ").replace('\u{2060}', "")
+}
+
 /// The rows as lines; every row has as many cells as there are columns.
 pub fn aligned(rows: &[Vec<String>], columns: &[Align]) -> Vec<String> {
+    let of = |row: &Vec<String>| row.iter().map(|cell| plain(cell)).collect();
+    let rows: Vec<Vec<String>> = rows.iter().map(of).collect();
     let width = |k: usize| rows.iter().map(|r| r[k].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..columns.len()).map(width).collect();
     let cell = |((text, align), width): ((&String, &Align), &usize)| match align {

@@ -1,7 +1,7 @@
 //! `pipeline diff`: two campaigns, two runs or two versions side by side.
 
 use crate::args::ResultArgs;
-use crate::columns::{Align, aligned};
+use crate::columns::{Align, aligned, plain};
 use crate::print::{line, print_json};
 use crate::summary::{GroupModels, models_of_run};
 use crate::{DONE, predict};
@@ -76,6 +76,12 @@ struct Section {
 /// Compares, and prints.
 pub fn command(args: &DiffArgs) -> Result<u8> {
     let margin = crate::values::fraction("--margin", &args.margin)?;
+    if !(margin > 0.0 && margin < 1.0) {
+        return Err(Error::Usage(format!(
+            "--margin {}: a share above 0 and below 1; write 10% or 0.1",
+            args.margin
+        )));
+    }
     let runs = [run(args, &args.first)?, run(args, &args.second)?];
     let pairs = pairs(args, &runs)?;
     let mut all_alike = true;
@@ -94,7 +100,31 @@ pub fn command(args: &DiffArgs) -> Result<u8> {
     if args.json {
         print_json(&Value::Array(values))?;
     }
+    let lost = unmatched(&runs);
+    all_alike &= lost.is_empty();
+    for text in lost {
+        eprintln!("warning: {text}");
+    }
     Ok(if all_alike { DONE } else { NOT_ALIKE })
+}
+
+/// Campaigns of two whole projects that only one of them has.
+fn unmatched([first, second]: &[Run; 2]) -> Vec<String> {
+    if first.campaign.is_some() || second.campaign.is_some() {
+        return Vec::new();
+    }
+    let only = |own: &Run, other: &Run| -> Vec<String> {
+        let has = |f: &GroupFit| other.fits.iter().any(|o| o.group == f.group);
+        let lost = own.fits.iter().filter(|f| !has(f));
+        lost.map(|f| {
+            format!(
+                "only in {}: {}, {} mm",
+                own.name, f.group.campaign, f.group.diameter_mm
+            )
+        })
+        .collect()
+    };
+    [only(first, second), only(second, first)].concat()
 }
 
 /// What a run left, by its name on the command line.
@@ -186,13 +216,13 @@ fn pairs<'r>(args: &DiffArgs, [first, second]: &'r [Run; 2]) -> Result<Vec<[Side
         Ok(sides)
     };
     let others = of(second)?;
-    let named = first.campaign.is_some() || second.campaign.is_some();
+    let by_name = first.campaign.is_some() && second.campaign.is_some();
     let mut pairs = Vec::new();
     for side in of(first)? {
         let own = &side.fit.group;
         let alike = |o: &&Side| {
             let other = &o.fit.group;
-            own.diameter_mm == other.diameter_mm && (named || own.campaign == other.campaign)
+            own.diameter_mm == other.diameter_mm && (by_name || own.campaign == other.campaign)
         };
         if let Some(other) = others.iter().find(alike) {
             pairs.push([side, other.clone()]);
@@ -203,7 +233,7 @@ fn pairs<'r>(args: &DiffArgs, [first, second]: &'r [Run; 2]) -> Result<Vec<[Side
             "{} and {} have no fit of one diameter{} in common",
             first.name,
             second.name,
-            if named { "" } else { " and campaign" }
+            if by_name { "" } else { " and campaign" }
         )));
     }
     Ok(pairs)
@@ -405,22 +435,15 @@ fn print(args: &DiffArgs, sides: [&Side; 2], force: Option<&Difference>, margin:
     ));
     line(conclusion(force, margin));
     for section in sections(sides) {
-        let plain = section.rows.iter().map(|r| {
-            let cells = r.iter();
-            cells
-                .map(|c| c.replace('\u{a0}', " ").replace('\u{2060}', ""))
-                .collect()
-        });
-        let rows: Vec<Vec<String>> = plain.collect();
         if args.markdown {
             line(format!("\n### {}\n", section.title));
-            markdown(&rows).into_iter().for_each(line);
+            markdown(&section.rows).into_iter().for_each(line);
         } else {
             line(format!("\n{}", section.title));
-            let width = rows.first().map_or(0, Vec::len);
+            let width = section.rows.first().map_or(0, Vec::len);
             let mut columns = vec![Align::Right; width];
             columns[0] = Align::Left;
-            for text in aligned(&rows, &columns) {
+            for text in aligned(&section.rows, &columns) {
                 line(format!("  {text}"));
             }
         }
@@ -431,7 +454,7 @@ fn print(args: &DiffArgs, sides: [&Side; 2], force: Option<&Difference>, margin:
 /// A table of Markdown; the first row is its head.
 fn markdown(rows: &[Vec<String>]) -> Vec<String> {
     let of = |cells: &[String]| {
-        let cells: Vec<String> = cells.iter().map(|c| c.replace('|', "\\|")).collect();
+        let cells: Vec<String> = cells.iter().map(|c| plain(c).replace('|', "\\|")).collect();
         format!("| {} |", cells.join(" | "))
     };
     let mut lines: Vec<String> = rows.iter().map(|r| of(r)).collect();

@@ -25,6 +25,7 @@ mod init;
 mod manual;
 mod new_session;
 mod places;
+mod plan;
 mod predict;
 mod predict_calibrate;
 mod predict_leg;
@@ -73,6 +74,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::NewSession(args) => new_session::command(args),
         Command::Explain(args) => explain::command(args),
         Command::Diff(args) => diff::command(args),
+        Command::Plan(args) => plan::command(args),
         Command::CheckSession(args) => check_session::command(args),
         Command::Explore(args) => explore::command(args),
         Command::Graph(args) => graph::command(args),

@@ -160,7 +160,9 @@ pub fn command(args: &PredictArgs) -> Result<u8> {
         predictor = predictor.with_specimens_of(fit);
     }
     if let Some(read) = &read {
-        predictor.calibration = Some(read.calibration(&predictor.choice)?);
+        predictor.doubts.clone_from(&read.doubts);
+        let asked_for = args.model != NEW;
+        predictor.calibration = Some(read.calibration(&predictor.choice, asked_for)?);
     }
     if let Some(knee) = &args.leg.knee {
         predict_leg::command(args, knee, &predictor)?;
@@ -169,6 +171,7 @@ pub fn command(args: &PredictArgs) -> Result<u8> {
     let around = around(args)?;
     if let Some(wanted) = wanted(args, around)? {
         let (wanted, force_n) = wanted;
+        no_file(args, "one answer")?;
         let solved = inverse::solve(&predictor, wanted, force_n)?;
         predict_print::solved(&predictor, wanted, &solved, args.json)?;
         return Ok(DONE);
@@ -204,12 +207,7 @@ fn wanted(args: &PredictArgs, around: Around) -> Result<Option<(Wanted, f64)>> {
 }
 
 fn single(args: &PredictArgs, predictor: &Predictor, around: Around) -> Result<()> {
-    if let Some(file) = args.csv.as_ref().or(args.plot.as_ref()) {
-        return Err(Error::Usage(format!(
-            "one state gives neither a table nor a curve for {}: add --sweep or --table",
-            file.display()
-        )));
-    }
+    no_file(args, "one state")?;
     let contraction = around.contraction.ok_or_else(|| {
         missing("a contraction: give --contraction, --length or --relative-contraction, or --sweep contraction")
     })?;
@@ -218,6 +216,17 @@ fn single(args: &PredictArgs, predictor: &Predictor, around: Around) -> Result<(
         .ok_or_else(|| missing("a pressure: give --pressure, or --sweep pressure"))?;
     let answer = predictor.at(contraction, pressure)?;
     predict_print::single(predictor, &answer, args.json)
+}
+
+/// One answer fills no file.
+fn no_file(args: &PredictArgs, what: &str) -> Result<()> {
+    let file = args.csv.as_ref().or(args.plot.as_ref());
+    file.map_or(Ok(()), |file| {
+        Err(Error::Usage(format!(
+            "{what} gives neither a table nor a curve for {}: add --sweep or --table",
+            file.display()
+        )))
+    })
 }
 
 fn sweep_command(

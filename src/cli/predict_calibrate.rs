@@ -3,20 +3,24 @@
 use crate::check_session;
 use crate::places::Places;
 use crate::predict::PredictArgs;
-use crate::print::line;
+use crate::print::{counted, line};
 use pipeline_base::error::{Error, Result};
 use pipeline_base::row::Row;
+use pipeline_base::session::Kind;
 use pipeline_findings::{CampaignFindings, Findings};
 use pipeline_fit::{GroupFit, is_usable};
+use pipeline_inspect::State;
 use pipeline_predict::calibration::{At, Calibration, Next, Reading, Sizes};
 use pipeline_predict::{Answer, Choice, FreeLength, Law, Muscle, Predictor};
-use pipeline_report::wording::number::percent;
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 
 /// Readings of a muscle, and what the last run knows of others.
 pub struct Read {
     rows: Vec<Row>,
     findings: Option<Findings>,
+    /// What stands in the way of believing them.
+    pub doubts: Vec<String>,
 }
 
 /// The readings that the arguments name; none where they name none.
@@ -26,6 +30,7 @@ pub fn read(args: &PredictArgs, places: &Places) -> Result<Option<Read>> {
     }
     let known = check_session::known(&places.derived, &places.reports, &places.config)?;
     let mut rows = Vec::new();
+    let mut doubts = Vec::new();
     if let Some(id) = &args.specimen {
         let own = known.rows.iter().filter(|r| r.specimen == *id);
         rows.extend(own.cloned());
@@ -45,8 +50,17 @@ pub fn read(args: &PredictArgs, places: &Places) -> Result<Option<Read>> {
     }
     for folder in &args.calibrate {
         let (own, unusable) = pipeline_inspect::readings(folder, &places.config);
-        if let Some(diagnostic) = unusable.first() {
-            return Err(Error::Usage(format!("--calibrate: {diagnostic}")));
+        if !unusable.is_empty() {
+            return Err(Error::Config(unusable));
+        }
+        for found in pipeline_inspect::sessions(folder, &places.config, &known) {
+            if found.state() == State::Bad {
+                doubts.push(format!(
+                    "{}: a check of it is BAD, and the answer rests on it: `pipeline check-session {}` says why",
+                    found.session,
+                    folder.display()
+                ));
+            }
         }
         if own.is_empty() {
             return Err(Error::Usage(format!(
@@ -56,11 +70,19 @@ pub fn read(args: &PredictArgs, places: &Places) -> Result<Option<Read>> {
         }
         rows.extend(own);
     }
+    let mut seen = BTreeSet::new();
+    rows.retain(|r| seen.insert((r.session.clone(), r.log.clone(), r.first_row)));
+    let whole = rows.clone();
     rows.retain(|r| is_usable(r) && r.length_m.is_finite());
     let Some(first) = rows.first() else {
-        return Err(Error::Usage(
-            "none of the readings can be used: `pipeline check-session` says why".to_owned(),
-        ));
+        let is_torque = whole.iter().all(|r| r.kind == Kind::KneeTorque);
+        return Err(Error::Usage(if is_torque {
+            "these are torques about a joint: a calibration needs isometric forces".to_owned()
+        } else if whole.iter().all(|r| r.excluded) {
+            "their owner has left these sessions out (`exclude` in session.toml)".to_owned()
+        } else {
+            "none of the readings can be used: `pipeline check-session` says why".to_owned()
+        }));
     };
     let other = rows
         .iter()
@@ -77,6 +99,7 @@ pub fn read(args: &PredictArgs, places: &Places) -> Result<Option<Read>> {
         )));
     }
     Ok(Some(Read {
+        doubts,
         rows,
         findings: known.findings,
     }))
@@ -93,9 +116,19 @@ impl Read {
         Muscle::new(row.diameter_mm, row.rest_length_m, free)
     }
 
-    /// The law of a choice, conditioned on the readings.
-    pub fn calibration<'a>(&self, choice: &Choice<'a>) -> Result<Calibration<'a>> {
+    /// The law of a choice, conditioned on the readings; `was_asked_for` where the choice is not the program's.
+    pub fn calibration<'a>(
+        &self,
+        choice: &Choice<'a>,
+        was_asked_for: bool,
+    ) -> Result<Calibration<'a>> {
         let Law::Fitted(fit, joint) = choice.law else {
+            if !was_asked_for {
+                return Err(Error::Usage(
+                    "there is no fit of this diameter: `pipeline run` makes it from sessions of other muscles"
+                        .to_owned(),
+                ));
+            }
             return Err(Error::Usage(
                 "--specimen and --calibrate need the fitted law: of published models nobody knows how muscles scatter about them; leave out --model"
                     .to_owned(),
@@ -105,8 +138,9 @@ impl Read {
         let specimen = self.rows[0].specimen.as_str();
         Calibration::new(fit, joint, Some(specimen), self.sizes(fit), &readings).ok_or_else(|| {
             Error::Usage(format!(
-                "the fit of {} has too few specimens to say how others scatter, and so what a reading of one tells",
-                fit.group.campaign
+                "the fit of {} has {} specimens, too few to say how others scatter, and so what a reading of one tells: it takes three, more where the law of length is fitted",
+                fit.group.campaign,
+                fit.specimens.len()
             ))
         })
     }
@@ -173,7 +207,8 @@ fn next(predictor: &Predictor, answer: &Answer) -> Option<Next> {
             pressure_kpa,
         })
     };
-    let all: Vec<At> = steps(fit.ranges.contraction_rel, STEPS.0)
+    let (low, high) = fit.ranges.contraction_rel;
+    let all: Vec<At> = steps((low.max(0.0), high), STEPS.0)
         .flat_map(pressures)
         .collect();
     let wanted = At {
@@ -188,25 +223,31 @@ fn next(predictor: &Predictor, answer: &Answer) -> Option<Next> {
 /// Prints what the readings say of the muscle.
 pub fn head(calibration: &Calibration) {
     let (readings, sessions) = calibration.count();
-    let plural = |n: usize| if n == 1 { "" } else { "s" };
-    let gain = calibration.gain();
     line(format!(
-        "readings {readings} of it in {sessions} session{}: strength {:+.1} ± {:.1}% of the mean of others, which scatter by {}: percentile {:.0}",
-        plural(sessions),
-        100.0 * gain.value,
-        100.0 * gain.sd,
-        percent(gain.sd_before),
-        calibration.percentile()
+        "readings {readings} of it in {}, beside the law of {} others",
+        counted(sessions, "session", "sessions"),
+        calibration.others()
+    ));
+    let strength = calibration.strength();
+    line(format!(
+        "         strength {:+.1} ± {:.1}% of that law (± {:.1}% without the readings): percentile {:.0}",
+        100.0 * strength.value,
+        100.0 * strength.sd,
+        100.0 * strength.sd_before,
+        Calibration::percentile(&strength)
     ));
     for length in calibration.set_lengths() {
         line(format!(
-            "         {}: set {:+.1} ± {:.1} mm from the length noted; not carried over",
+            "         {}: {:+.1} ± {:.1} mm longer than noted",
             length.session.unwrap_or_default(),
             length.value,
             length.sd
         ));
     }
 }
+
+/// A further reading that narrows the answer by less than this share is not worth a line.
+const WORTH_SAYING: f64 = 0.02;
 
 /// Prints what the answer was before, and what would narrow it.
 pub fn tail(predictor: &Predictor, answer: &Answer) {
@@ -216,9 +257,10 @@ pub fn tail(predictor: &Predictor, answer: &Answer) {
             interval.low_n, interval.high_n
         ));
     }
-    if let Some(next) = next(predictor, answer) {
+    let worth = |n: &Next| n.sd_after_n < (1.0 - WORTH_SAYING) * n.sd_before_n;
+    if let Some(next) = next(predictor, answer).filter(worth) {
         line(format!(
-            "next     a reading at a contraction of {:.1}% and {:.0} kPa narrows it most: standard deviation {:.1} to {:.1} N",
+            "next     a session with a reading at a contraction of {:.1}% and {:.0} kPa narrows it most: standard deviation {:.1} to {:.1} N",
             100.0 * next.contraction,
             next.pressure_kpa,
             next.sd_before_n,
@@ -233,11 +275,14 @@ pub fn as_json(predictor: &Predictor, answer: Option<&Answer>) -> Value {
         return Value::Null;
     };
     let (readings, sessions) = calibration.count();
+    let strength = calibration.strength();
     json!({
+        "others": calibration.others(),
         "readings": readings,
+        "doubts": predictor.doubts,
         "sessions": sessions,
-        "gain": calibration.gain(),
-        "percentile": calibration.percentile(),
+        "strength": strength,
+        "percentile": Calibration::percentile(&strength),
         "set_lengths": calibration.set_lengths(),
         "next": answer.and_then(|a| next(predictor, a)),
     })

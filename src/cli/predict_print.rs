@@ -209,6 +209,7 @@ pub fn head(predictor: &Predictor) {
     ));
     if let Some(calibration) = &predictor.calibration {
         predict_calibrate::head(calibration);
+        warnings(&predictor.doubts);
     }
     let law = predictor.choice.law;
     match law {
@@ -344,8 +345,9 @@ fn footnotes(predictor: &Predictor, answers: &[Answer], with_intervals: bool) {
         Some(why) => line(why),
         None if !with_intervals => line("the intervals are in --json and --csv FILE"),
         None => line(format!(
-            "from, to: {:.0}% interval for a muscle that was not measured",
-            100.0 * CONFIDENCE
+            "from, to: {:.0}% interval {}",
+            100.0 * CONFIDENCE,
+            of_which(predictor)
         )),
     }
     let starred: Vec<&Answer> = answers.iter().filter(|a| a.is_outside()).collect();

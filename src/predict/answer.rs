@@ -104,6 +104,8 @@ pub struct Predictor<'a> {
     pub free: FreeContraction,
     /// What readings of it say.
     pub calibration: Option<Calibration<'a>>,
+    /// What stands in the way of believing those readings.
+    pub doubts: Vec<String>,
 }
 
 impl<'a> Predictor<'a> {
@@ -123,6 +125,7 @@ impl<'a> Predictor<'a> {
             muscle,
             free,
             calibration: None,
+            doubts: Vec::new(),
         };
         if let Law::Fitted(fit, _) = law {
             predictor = predictor.with_specimens_of(fit);
@@ -238,8 +241,8 @@ impl<'a> Predictor<'a> {
                 pressure_kpa: answer.pressure_kpa,
             };
             let of_free = answer.interval.map_or(0.0, |i| i.contraction_620_n);
-            answer.uncalibrated = answer.force_n.zip(answer.interval);
-            let (force_n, interval) = calibration.interval(&at, of_free);
+            let [(force_n, interval), before] = calibration.intervals(&at, of_free);
+            answer.uncalibrated = Some(before);
             answer.force_n = Some(force_n);
             answer.interval = Some(interval);
         }

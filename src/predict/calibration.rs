@@ -1,16 +1,21 @@
 //! A muscle of which some readings are known: what they say of its strength, of the lengths that were set, and of its force at other states.
 //!
 //! ```text
-//! F_i = f(x_i; theta) (1 + u) + d_s df/dl + z_s + m_s(P_i) + e_i
+//! F_i = f(x_i; theta, l + D + d_s) (1 + u) + z_s + m_s(P_i) + e_i
 //! ```
-//! with the joint law f (Eq. 9), the gain u of the muscle, set length d_s (mm longer than noted) and zero z_s of each session, what neither
-//! explains m_s, alike along the pressure within a session (a Gaussian process over [`ALIKE_KPA`]), and the noise e. All are normal about 0: the
-//! coefficients theta as the jackknife over specimens has them, u with the scatter of the specimens' gains, d_s, z_s, m_s and e with the sizes
-//! that the residual search found ([`Sizes`]). The readings condition them: shrinkage is the posterior mean, so that one reading says little where
-//! specimens are alike. Set lengths enter by their slope where the posterior has them ([`STEPS`] times).
+//! with the joint law f (Eq. 9), the strength u of the muscle, D by how much its lengths are other than noted in all of its sessions and d_s in one
+//! (mm longer), the zero z_s of each session, what none of these explains m_s, alike along the pressure within a session (a Gaussian process over
+//! [`ALIKE_KPA`]), and the noise e. All are normal about 0: u with the scatter of the specimens' gains and the uncertainty of the law at this length
+//! (jackknife over the specimens, at resting length and 620 kPa), the others with the sizes that the residual search found ([`Sizes`]); of the
+//! variance of set lengths [`OF_MUSCLE`] is the muscle's. The readings condition them: shrinkage is the posterior mean, so that one reading says
+//! little where specimens are alike. Lengths enter by their slope where the posterior has them ([`STEPS`] times); the force is the law itself at the
+//! posterior mean.
 //!
-//! A force is asked for at an exact length and without zero error, in a session of its own: d, z and m of the sessions that were read belong to
-//! the rig and to those sessions. Only u and theta are carried over.
+//! The coefficients stay: told by one muscle they take its set lengths for a law of another shape, and its other sessions are missed by more than
+//! without any reading (200 N on the laboratory's rig).
+//!
+//! A force is asked for in a session of its own: d, z and m of the sessions that were read belong to the rig and to those sessions, and what they
+//! scatter is part of the interval. u and D are carried over.
 
 use crate::interval::{CONFIDENCE, Interval};
 use pipeline_fit::GroupFit;
@@ -27,6 +32,9 @@ const ALIKE_KPA: f64 = 150.0;
 const STEPS: usize = 3;
 /// Most readings of one session that are used, evenly spaced: neighbours of a log say the same.
 const MOST_READINGS: usize = 40;
+/// Share of the variance of set lengths that all sessions of a muscle have in common: its own lengths are noted once. On the laboratory's rig, each
+/// session in turn from the three others of its actuator: see `docs/predict.md`.
+const OF_MUSCLE: f64 = 0.5;
 /// Least share of what is left that is alike within a session.
 const LEAST_ALIKE: f64 = 0.5;
 
@@ -97,21 +105,25 @@ pub struct Estimate {
 #[derive(Clone, Debug)]
 pub struct Calibration<'a> {
     fit: &'a GroupFit,
-    /// Coefficients, and the deviations of each fold scaled to standard normal numbers.
+    /// Coefficients; standard deviation of the muscle's strength about the law with them.
     coefficients: Vec<f64>,
-    deviations: Vec<Vec<f64>>,
     gain: f64,
     sizes: Sizes,
     freedom: f64,
     readings: Vec<Reading>,
     sessions: Vec<String>,
-    /// Set lengths about which slopes are taken, mm.
+    /// Lengths about which slopes are taken, mm longer than noted: of every session, and of a session of its own.
     about: Vec<f64>,
+    about_new: f64,
+    /// Posterior mean of the gain.
+    gain_here: f64,
     factor: Cholesky,
     /// C^-1 (y - f).
     weights: Vec<f64>,
     /// Readings that were given.
     given: usize,
+    /// Whether the muscle is one of the fit.
+    is_of_fit: bool,
 }
 
 /// What a further reading would be worth.
@@ -132,7 +144,6 @@ struct Row {
     session: Option<usize>,
     pressure_kpa: f64,
     force: f64,
-    by_theta: Vec<f64>,
     by_length: f64,
 }
 
@@ -150,12 +161,6 @@ impl<'a> Calibration<'a> {
         let own = specimen.and_then(|id| joint.folds.iter().find(|f| f.left_out == id));
         let all = joint.values();
         let coefficients = own.map_or_else(|| all.clone(), |fold| fold.coefficients.clone());
-        let g = joint.folds.len() as f64;
-        let scale = ((g - 1.0) / g).sqrt();
-        let deviations = joint.folds.iter().map(|fold| {
-            let pairs = fold.coefficients.iter().zip(&all);
-            pairs.map(|(a, b)| scale * (a - b)).collect()
-        });
         let used = thinned(readings);
         let mut sessions: Vec<String> = used.iter().map(|r| r.session.clone()).collect();
         sessions.sort();
@@ -166,24 +171,46 @@ impl<'a> Calibration<'a> {
         let mut calibration = Self {
             fit,
             coefficients,
-            deviations: deviations.collect(),
-            gain: scatter.between,
+            gain: 0.0,
             sizes,
             freedom: scatter.freedom as f64,
             given: readings.len(),
+            is_of_fit: own.is_some(),
             about: vec![0.0; sessions.len()],
+            about_new: 0.0,
+            gain_here: 0.0,
             sessions,
             readings: used,
             factor: Cholesky::new(&Matrix::zeros(0, 0)),
             weights: Vec::new(),
         };
+        let law = calibration.uncertainty(joint);
+        calibration.gain = (scatter.between * scatter.between + law * law).sqrt();
         for _ in 0..STEPS {
             calibration.condition();
-            let lengths = calibration.set_lengths();
-            calibration.about = lengths.iter().map(|l| l.value).collect();
+            let lengths: Vec<f64> = calibration.set_lengths().iter().map(|l| l.value).collect();
+            calibration.about_new = calibration.own_length();
+            calibration.about = lengths;
         }
         calibration.condition();
+        calibration.gain_here = calibration.strength().value;
         Some(calibration)
+    }
+
+    /// Standard deviation of the law itself at this length, at resting length and 620 kPa, relative: jackknife over the specimens.
+    fn uncertainty(&self, joint: &EquationFit) -> f64 {
+        let rest_length_m = self
+            .readings
+            .first()
+            .map_or(f64::NAN, |r| r.at.rest_length_m);
+        let f620 = |c: &[f64]| new::f620(c[0], c[1], self.fit.cap_length_m, rest_length_m);
+        let whole = f620(&joint.values());
+        let g = joint.folds.len() as f64;
+        let off = joint
+            .folds
+            .iter()
+            .map(|fold| f620(&fold.coefficients) / whole - 1.0);
+        ((g - 1.0) / g * off.map(|x| x * x).sum::<f64>()).sqrt()
     }
 
     /// Conditions on the readings, slopes taken about the set lengths.
@@ -229,23 +256,13 @@ impl<'a> Calibration<'a> {
 
     fn row(&self, at: &At, session: Option<usize>) -> Row {
         const MM: f64 = 0.01;
-        let about = session.map_or(0.0, |s| self.about[s]);
+        let about = session.map_or(self.about_new, |s| self.about[s]);
         let force = self.force_with(&self.coefficients, at, about);
-        let by_theta = self.deviations.iter().map(|deviation| {
-            let moved: Vec<f64> = self
-                .coefficients
-                .iter()
-                .zip(deviation)
-                .map(|(c, d)| c + d)
-                .collect();
-            self.force_with(&moved, at, about) - force
-        });
         let ends = [about + MM, about - MM].map(|x| self.force_with(&self.coefficients, at, x));
         Row {
             session,
             pressure_kpa: at.pressure_kpa,
             force,
-            by_theta: by_theta.collect(),
             by_length: (ends[0] - ends[1]) / (2.0 * MM),
         }
     }
@@ -256,20 +273,29 @@ impl<'a> Calibration<'a> {
         (left - self.sizes.noise_n * self.sizes.noise_n).max(LEAST_ALIKE * left)
     }
 
+    /// Variances of set lengths: of all sessions of the muscle together, and of one, mm^2.
+    fn length_variances(&self) -> (f64, f64) {
+        let all = self.sizes.length_mm * self.sizes.length_mm;
+        (OF_MUSCLE * all, (1.0 - OF_MUSCLE) * all)
+    }
+
     /// Covariance of two forces before any reading, noise apart.
     fn covariance(&self, a: &Row, b: &Row) -> f64 {
-        let shared = dot(&a.by_theta, &b.by_theta) + self.gain * self.gain * a.force * b.force;
+        let (of_muscle, _) = self.length_variances();
+        let shared =
+            self.gain * self.gain * a.force * b.force + of_muscle * a.by_length * b.by_length;
         if a.session.is_none() || a.session != b.session {
             return shared;
         }
-        let Sizes {
-            length_mm, zero_n, ..
-        } = self.sizes;
         let apart = (a.pressure_kpa - b.pressure_kpa) / ALIKE_KPA;
-        shared
-            + length_mm * length_mm * a.by_length * b.by_length
-            + zero_n * zero_n
-            + self.alike() * libm::exp(-0.5 * apart * apart)
+        shared + self.of_session(a, b, libm::exp(-0.5 * apart * apart))
+    }
+
+    /// What two readings of one session have in common beyond the muscle.
+    fn of_session(&self, a: &Row, b: &Row, alike: f64) -> f64 {
+        let (_, of_session) = self.length_variances();
+        let zero = self.sizes.zero_n * self.sizes.zero_n;
+        of_session * a.by_length * b.by_length + zero + alike * self.alike()
     }
 
     /// Mean and standard deviation of a number given the readings, from its covariance with each of them and its own variance.
@@ -283,8 +309,8 @@ impl<'a> Calibration<'a> {
         (0..self.readings.len()).map(|i| self.row_of(i))
     }
 
-    /// The gain of the muscle over the mean of others, relative.
-    pub fn gain(&self) -> Estimate {
+    /// By how much the muscle is stronger than the law of the others, relative.
+    pub fn strength(&self) -> Estimate {
         let variance = self.gain * self.gain;
         let covariance: Vec<f64> = self.rows().map(|r| variance * r.force).collect();
         let (value, sd) = self.posterior(&covariance, variance);
@@ -296,23 +322,28 @@ impl<'a> Calibration<'a> {
         }
     }
 
-    /// Percentile of the muscle among others, by its gain.
-    pub fn percentile(&self) -> f64 {
-        100.0 * normal_cdf(self.gain().value / self.gain)
+    /// Percentile of a strength among those of others.
+    pub fn percentile(strength: &Estimate) -> f64 {
+        100.0 * normal_cdf(strength.value / strength.sd_before)
+    }
+
+    /// The length of the muscle less the one noted, mm, as a session of its own has it.
+    fn own_length(&self) -> f64 {
+        let (of_muscle, _) = self.length_variances();
+        let covariance: Vec<f64> = self.rows().map(|r| of_muscle * r.by_length).collect();
+        dot(&covariance, &self.weights)
     }
 
     /// The set length of each session less the one noted, mm.
     pub fn set_lengths(&self) -> Vec<Estimate> {
-        let variance = self.sizes.length_mm * self.sizes.length_mm;
+        let (of_muscle, of_session) = self.length_variances();
         let of = |(s, session): (usize, &String)| {
-            let covariance: Vec<f64> = self
-                .rows()
-                .map(|r| match r.session {
-                    Some(own) if own == s => variance * r.by_length,
-                    _ => 0.0,
-                })
-                .collect();
-            let (value, sd) = self.posterior(&covariance, variance);
+            let of_reading = |r: Row| match r.session {
+                Some(own) if own == s => (of_muscle + of_session) * r.by_length,
+                _ => of_muscle * r.by_length,
+            };
+            let covariance: Vec<f64> = self.rows().map(of_reading).collect();
+            let (value, sd) = self.posterior(&covariance, of_muscle + of_session);
             Estimate {
                 session: Some(session.clone()),
                 value,
@@ -323,21 +354,36 @@ impl<'a> Calibration<'a> {
         self.sessions.iter().enumerate().map(of).collect()
     }
 
+    /// Number of specimens on which the law rests.
+    pub fn others(&self) -> usize {
+        let all = self.fit.specimens.len();
+        all - usize::from(self.is_of_fit)
+    }
+
     /// Number of readings that were given, and of their sessions.
     pub fn count(&self) -> (usize, usize) {
         (self.given, self.sessions.len())
     }
 
-    /// Mean and standard deviation of the force at a state, N: at an exact length in a session of its own, without noise.
+    /// Mean and standard deviation of the force at a state, N: in a session of its own, without noise.
     pub fn force(&self, at: &At) -> (f64, f64) {
         let row = self.row(at, None);
         let covariance: Vec<f64> = self.rows().map(|r| self.covariance(&r, &row)).collect();
-        let own = self.covariance(&row, &row);
-        let (change, sd) = self.posterior(&covariance, own);
-        (
-            (row.force + change).max(0.0),
-            (sd * sd + self.alike()).sqrt(),
-        )
+        let (_, sd) = self.posterior(&covariance, self.covariance(&row, &row));
+        let law = self.force_with(&self.coefficients, at, self.about_new);
+        let of_session = self.of_session(&row, &row, 1.0);
+        ((1.0 + self.gain_here) * law, (sd * sd + of_session).sqrt())
+    }
+
+    /// The same before any reading.
+    pub fn force_before(&self, at: &At) -> (f64, f64) {
+        let row = Self {
+            about_new: 0.0,
+            ..self.clone()
+        }
+        .row(at, None);
+        let variance = self.covariance(&row, &row) + self.of_session(&row, &row, 1.0);
+        (row.force, variance.sqrt())
     }
 
     /// Mean and standard deviation of a further reading in one of the sessions, N, noise included.
@@ -346,7 +392,7 @@ impl<'a> Calibration<'a> {
         let row = self.row(at, place);
         let covariance: Vec<f64> = self.rows().map(|r| self.covariance(&r, &row)).collect();
         let (change, sd) = self.posterior(&covariance, self.covariance(&row, &row));
-        let about = place.map_or(0.0, |s| self.about[s]);
+        let about = place.map_or(self.about_new, |s| self.about[s]);
         let noise = self.sizes.noise_n;
         (
             (row.force - about * row.by_length + change).max(0.0),
@@ -354,25 +400,23 @@ impl<'a> Calibration<'a> {
         )
     }
 
-    /// The interval of the force at a state; `contraction_620_n` is the part of an eps_620 that was not given.
-    pub fn interval(&self, at: &At, contraction_620_n: f64) -> (f64, Interval) {
-        let (mean, sd) = self.force(at);
-        let alike = self.alike();
-        let known = (sd * sd - alike).max(0.0).sqrt();
+    /// The interval of the force at a state, and the one before any reading; `contraction_620_n` is the part of an eps_620 that was not given.
+    pub fn intervals(&self, at: &At, contraction_620_n: f64) -> [(f64, Interval); 2] {
         let t = student_t_quantile(0.5 + 0.5 * CONFIDENCE, self.freedom);
-        let half = t * (sd * sd + contraction_620_n * contraction_620_n).sqrt();
-        (
-            mean,
-            Interval {
+        let left = self.alike();
+        [self.force(at), self.force_before(at)].map(|(mean, sd)| {
+            let half = t * (sd * sd + contraction_620_n * contraction_620_n).sqrt();
+            let interval = Interval {
                 low_n: (mean - half).max(0.0),
                 high_n: mean + half,
                 fit_n: 0.0,
-                specimens_n: known,
-                readings_n: alike.sqrt(),
+                specimens_n: (sd * sd - left).max(0.0).sqrt(),
+                readings_n: left.sqrt(),
                 contraction_620_n,
                 freedom: self.freedom as usize,
-            },
-        )
+            };
+            (mean, interval)
+        })
     }
 
     /// Of the readings that could be made next, each in a session of its own, the one that narrows the force at a state most.
@@ -383,26 +427,19 @@ impl<'a> Calibration<'a> {
         let to_wanted = of(&row);
         let solved = self.factor.solve(&to_wanted);
         let before = self.covariance(&row, &row) - dot(&to_wanted, &solved);
-        let Sizes {
-            length_mm,
-            zero_n,
-            noise_n,
-            ..
-        } = self.sizes;
+        let noise_n = self.sizes.noise_n;
         let falls = candidates.iter().map(|at| {
             let r = self.row(at, None);
             let to_known = of(&r);
             let solved_own = self.factor.solve(&to_known);
             let own = self.covariance(&r, &r) - dot(&to_known, &solved_own)
-                + length_mm * length_mm * r.by_length * r.by_length
-                + zero_n * zero_n
-                + self.alike()
+                + self.of_session(&r, &r, 1.0)
                 + noise_n * noise_n;
             let cross = self.covariance(&row, &r) - dot(&to_known, &solved);
             (at, cross * cross / own)
         });
         let (at, fall) = falls.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let alike = self.alike();
+        let alike = self.of_session(&row, &row, 1.0);
         Some(Next {
             contraction: 1.0 - at.length_m / at.rest_length_m,
             pressure_kpa: at.pressure_kpa,

@@ -98,4 +98,7 @@ fn a_run_is_equivalent_to_itself_and_what_is_not_there_is_named() {
         bench.run(&["diff", "small", "small", "--margin", "x"]).code,
         2
     );
+    let wide = bench.run(&["diff", "small", "small", "--margin", "50"]);
+    assert_eq!(wide.code, 2);
+    wide.warns_of(&["write 10%"]);
 }

@@ -36,6 +36,7 @@ mod models;
 mod new_session;
 mod numerics;
 mod pages;
+mod plan;
 mod portable;
 mod predict;
 mod predict_coverage;

@@ -319,15 +319,22 @@ pub const NOT_RECORDED: &str = "a quantity that it needs was not recorded";
 
 /// Why a campaign cannot show an effect.
 pub fn why_not(found: &CampaignFindings, none: &NotMeasurable) -> String {
+    match (none.reason, &none.by) {
+        (WhyNot::Absorbed, None) if found.coefficients.is_empty() => {
+            "absorbed by what was found and by what is each unit's own".to_owned()
+        }
+        _ => why_not_of_law(none),
+    }
+}
+
+/// The same where the coefficients of a law are fitted.
+pub fn why_not_of_law(none: &NotMeasurable) -> String {
     let by = none.by.as_deref();
     match (none.reason, by) {
         (WhyNot::Absorbed, Some(by)) if effects::index(by).is_some() => {
             format!("absorbed by {}", effect(by))
         }
         (WhyNot::Absorbed, Some(by)) => format!("absorbed by {by}"),
-        (WhyNot::Absorbed, None) if found.coefficients.is_empty() => {
-            "absorbed by what was found and by what is each unit's own".to_owned()
-        }
         (WhyNot::Absorbed, None) => "absorbed by the fitted coefficients".to_owned(),
         (WhyNot::NoColumn, Some(by)) => format!("{} was not recorded", column(by)),
         (WhyNot::NoColumn, None) => NOT_RECORDED.to_owned(),

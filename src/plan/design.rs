@@ -1,0 +1,229 @@
+//! The campaign as it is planned.
+
+use pipeline_base::diagnostics::Diagnostic;
+use pipeline_base::toml_reader::{Entry, Reader, Section, parse};
+use pipeline_mechanics::models::ForceModel;
+use pipeline_mechanics::models::new;
+use serde::Serialize;
+
+/// Schema of a plan.
+pub const SCHEMA: &str = "bpa-plan/1";
+
+/// A plan to begin with.
+pub const EXAMPLE: &str = r#"# A campaign that has not been measured yet, for `pipeline plan`.
+schema = "bpa-plan/1"
+diameter_mm = 10
+rest_lengths_mm = [112, 182, 257, 382, 455]   # one actuator each
+contraction_620 = 0.165                       # of the free actuator at 620 kPa
+contractions = [0, 0.25, 0.5, 0.75]           # lengths set, as shares of that; each is a session
+pressures_kpa = [50, 100, 150, 200, 250, 300, 350, 400, 450, 500, 550, 620]
+venting = true                                # read on the way down as well
+runs = 2                                      # logs a session
+scatter_of = ""                               # a campaign of the last run whose scatter is expected; else [scatter]
+
+[scatter]             # standard deviations; what is left out is as here
+gain = 0.04           # strength of actuators
+length_mm = 0.8       # lengths that are set
+zero_n = 1.0          # zero of the force of a session
+common_misfit = 0.02  # what the law is wrong by everywhere, share of the force
+session_misfit = 0.01 # what a session differs by, along the pressure
+noise_n = 2.0         # readings
+"#;
+
+/// Expected scatter: standard deviations.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Scatter {
+    /// Strength of specimens, relative.
+    pub gain: f64,
+    /// Set lengths, mm.
+    pub length_mm: f64,
+    /// Zero of the force of a session, N.
+    pub zero_n: f64,
+    /// Misfit that all share, share of the force.
+    pub common_misfit: f64,
+    /// Misfit of a session along the pressure, share of the force.
+    pub session_misfit: f64,
+    /// Noise of a reading, N.
+    pub noise_n: f64,
+}
+
+impl Default for Scatter {
+    /// What the laboratory's 10 mm campaigns have, rounded.
+    fn default() -> Self {
+        Self {
+            gain: 0.04,
+            length_mm: 0.8,
+            zero_n: 1.0,
+            common_misfit: 0.02,
+            session_misfit: 0.01,
+            noise_n: 2.0,
+        }
+    }
+}
+
+/// A planned campaign.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Plan {
+    /// Nominal diameter, mm: one with published coefficients.
+    pub diameter_mm: u32,
+    /// Resting lengths, mm: one specimen each.
+    pub rest_lengths_mm: Vec<f64>,
+    /// eps_620.
+    pub contraction_620: f64,
+    /// Relative contractions: each is a session of every specimen.
+    pub contractions: Vec<f64>,
+    /// Set points of a log, kPa.
+    pub pressures_kpa: Vec<f64>,
+    /// Whether they are read on the way down too.
+    pub venting: bool,
+    /// Logs of a session.
+    pub runs: usize,
+    /// A campaign whose scatter is expected.
+    pub scatter_of: Option<String>,
+    /// Expected scatter.
+    pub scatter: Scatter,
+    /// Standard deviation of set lengths that will be declared, mm.
+    pub declared_length_mm: Option<f64>,
+}
+
+impl Plan {
+    /// Readings of the campaign.
+    pub fn readings(&self) -> usize {
+        let log = self.pressures_kpa.len() * if self.venting { 2 } else { 1 };
+        self.rest_lengths_mm.len() * self.contractions.len() * self.runs * log
+    }
+}
+
+/// b1, b2, c0, c1, c2 as published; none for a diameter of which nothing is.
+pub(crate) fn published(diameter_mm: u32) -> Option<[f64; 5]> {
+    let all = new::NewPublished.coefficients(diameter_mm);
+    let value = |symbol: &str| all.iter().find(|c| c.symbol == symbol).map(|c| c.value);
+    Some([
+        value("b1")?,
+        value("b2")?,
+        value("c0")?,
+        value("c1")?,
+        value("c2")?,
+    ])
+}
+
+/// Reads and checks the text of a plan; messages call it `file`.
+///
+/// # Errors
+/// Every mistake of the file, in the order of its lines.
+pub fn read(file: &str, text: &str) -> Result<Plan, Vec<Diagnostic>> {
+    let table = parse(file, text).map_err(|d| vec![d])?;
+    let reader = Reader::new(file, text);
+    let root = reader.root(&table);
+    let plan = plan(&root);
+    root.close();
+    let mistakes = reader.finish();
+    match plan {
+        Some(plan) if mistakes.is_empty() => Ok(plan),
+        _ => Err(mistakes),
+    }
+}
+
+/// A number from `low` to `high`.
+fn within(entry: &Entry, (low, high): (f64, f64), unit: &str) -> Option<f64> {
+    let number = entry.number()?;
+    if (low..=high).contains(&number) {
+        return Some(number);
+    }
+    let expected = format!("a number from {low} to {high} {unit}");
+    entry.reject(expected.trim_end(), "check the unit");
+    None
+}
+
+/// A list of at least `fewest` numbers, all different, in rising order.
+fn numbers(
+    root: &Section,
+    key: &'static str,
+    fewest: usize,
+    range: (f64, f64),
+    unit: &str,
+) -> Option<Vec<f64>> {
+    let expected = format!("a list of {fewest} or more numbers in {unit}");
+    let entry = root.require(key, &expected, "`pipeline plan --example` prints one")?;
+    let list = entry.list()?;
+    let mut values = list
+        .iter()
+        .map(|e| within(e, range, unit))
+        .collect::<Option<Vec<f64>>>()?;
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    if values.len() < fewest {
+        entry.reject(&expected, "fewer say nothing about others");
+        return None;
+    }
+    Some(values)
+}
+
+fn plan(root: &Section) -> Option<Plan> {
+    if let Some(entry) = root.require("schema", SCHEMA, "write schema = \"bpa-plan/1\"") {
+        entry.choice(&[(SCHEMA, ())]);
+    }
+    let diameter = root.require("diameter_mm", "10, 20 or 40", "of these a law is published");
+    let diameter_mm = diameter.and_then(|entry| {
+        let whole = entry.integer().and_then(|d| u32::try_from(d).ok());
+        let known = whole.filter(|d| published(*d).is_some());
+        if known.is_none() {
+            entry.reject("10, 20 or 40", "of these a law is published");
+        }
+        known
+    });
+    let rest = numbers(root, "rest_lengths_mm", 2, (20.0, 2000.0), "mm");
+    let contraction_620 = root
+        .require(
+            "contraction_620",
+            "a number from 0.05 to 0.4",
+            "such as 0.165",
+        )
+        .and_then(|e| within(&e, (0.05, 0.4), ""));
+    let contractions = numbers(root, "contractions", 1, (0.0, 1.1), "eps/eps_620");
+    let pressures = numbers(root, "pressures_kpa", 2, (0.0, 1000.0), "kPa");
+    let venting = root.get("venting").map_or(Some(true), |e| e.boolean());
+    let runs = root.get("runs").map_or(Some(1), |entry| {
+        let runs = entry.integer().and_then(|n| usize::try_from(n).ok());
+        let runs = runs.filter(|n| (1..=20).contains(n));
+        if runs.is_none() {
+            entry.reject("a whole number from 1 to 20", "logs of a session");
+        }
+        runs
+    });
+    let scatter_of = root.get("scatter_of").and_then(|e| e.string());
+    let table = root.get("scatter").and_then(|e| e.table());
+    let scatter = table.map_or_else(Scatter::default, |t| scatter(&t));
+    Some(Plan {
+        diameter_mm: diameter_mm?,
+        rest_lengths_mm: rest?,
+        contraction_620: contraction_620?,
+        contractions: contractions?,
+        pressures_kpa: pressures?,
+        venting: venting?,
+        runs: runs?,
+        scatter_of: scatter_of.filter(|c| !c.is_empty()),
+        scatter,
+        declared_length_mm: None,
+    })
+}
+
+fn scatter(table: &Section) -> Scatter {
+    let mut scatter = Scatter::default();
+    let all: [(&'static str, &mut f64, f64, &str); 6] = [
+        ("gain", &mut scatter.gain, 1.0, ""),
+        ("length_mm", &mut scatter.length_mm, 50.0, "mm"),
+        ("zero_n", &mut scatter.zero_n, 200.0, "N"),
+        ("common_misfit", &mut scatter.common_misfit, 0.5, ""),
+        ("session_misfit", &mut scatter.session_misfit, 0.5, ""),
+        ("noise_n", &mut scatter.noise_n, 200.0, "N"),
+    ];
+    for (key, value, most, unit) in all {
+        let entry = table.get(key);
+        if let Some(given) = entry.and_then(|e| within(&e, (0.0, most), unit)) {
+            *value = given;
+        }
+    }
+    table.close();
+    scatter
+}
