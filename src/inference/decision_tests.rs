@@ -437,7 +437,7 @@ fn what_a_draw_has_between_groups_is_scatter_in_its_null_too() {
     let restricted = null.restricted(&setting).components[0];
     close(restricted, (3.5_f64 / 3.0 - 1.0).sqrt() / 2.0, 1e-3);
     let draws = Screen::new(&setting, &null).draws(1, &normal(move |_| between(5.0)));
-    close(draws[0], deviate(4.0 * 1.5_f64.ln(), 1), 1e-3);
+    close(draws[0], deviate(4.0 * libm::log(1.5), 1), 1e-3);
 }
 
 /// A first term along w1; a second along w1 + w2, of which 12 is left beside the first. 99 draws from the null, of which `wild` have 1000 along

@@ -24,6 +24,7 @@ use pipeline_mechanics::models::new;
 use pipeline_mechanics::models::{ForceModel, P_620_KPA};
 use pipeline_numerics::cholesky::Cholesky;
 use pipeline_numerics::matrix::Matrix;
+use pipeline_numerics::statistics::sum_of_squares;
 use std::collections::BTreeSet;
 
 /// What a run knows of other sessions.
@@ -117,8 +118,8 @@ pub(crate) fn compared(session: &Session, rows: &[Row], known: &Known) -> Compar
             own_n: population.force(r, own),
         })
         .collect();
-    let squares = expected.iter().map(|e| (e.force_n - e.own_n).powi(2));
-    let rms_n = (squares.sum::<f64>() / expected.len() as f64).sqrt();
+    let left: Vec<f64> = expected.iter().map(|e| e.force_n - e.own_n).collect();
+    let rms_n = (sum_of_squares(&left) / expected.len() as f64).sqrt();
     let state = |value: f64, sd: f64| {
         if value.abs() > FAR * sd {
             State::Look

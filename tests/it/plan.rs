@@ -140,8 +140,8 @@ mod long {
             .par_iter()
             .map(|seed| {
                 let found = search(*seed, |_, _| {}, 0.0);
-                let squares = found.after.rmse_heldout.unwrap().powi(2);
-                (found.effects.len() + found.unexplained.len(), squares)
+                let error = found.after.rmse_heldout.unwrap();
+                (found.effects.len() + found.unexplained.len(), error * error)
             })
             .collect();
         let answered = plain.iter().filter(|(n, _)| *n > 0).count();
