@@ -138,7 +138,7 @@ impl Read {
         let specimen = self.rows[0].specimen.as_str();
         Calibration::new(fit, joint, Some(specimen), self.sizes(fit), &readings).ok_or_else(|| {
             Error::Usage(format!(
-                "the fit of {} has {} specimens, too few to say how others scatter, and so what a reading of one tells: it takes three, more where the law of length is fitted",
+                "the fit of {} has {} specimens, too few to say how others scatter, and so what a reading of one tells: it takes more than the law of length has coefficients, three where both are fitted",
                 fit.group.campaign,
                 fit.specimens.len()
             ))

@@ -1,5 +1,4 @@
 #![warn(missing_docs)]
-// What is found are values; the command line makes lines of them.
 #![deny(clippy::print_stderr, clippy::print_stdout, clippy::dbg_macro)]
 //! One session by itself: whether its logs are whole, its readings settled, its zero right, and whether they suit what other actuators of the
 //! diameter did.

@@ -70,7 +70,7 @@ pub fn rows(plan: &Plan, seed: u64) -> Vec<Row> {
         let f620 = new::f620(b1, b2, cap, rest);
         let strength = 1.0 + sizes.gain * Stream::new(seed, &["gain", &specimen]).normal();
         for contraction in &plan.contractions {
-            let session = format!("{specimen}-c{:02.0}", 100.0 * contraction);
+            let session = format!("{specimen}-c{:02}", 100.0 * contraction);
             let mut stream = Stream::new(seed, &["session", &session]);
             let longer_mm = sizes.length_mm * stream.normal();
             let zero = sizes.zero_n * stream.normal();

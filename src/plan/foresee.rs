@@ -4,6 +4,7 @@ use crate::design::Plan;
 use crate::draw::{CAMPAIGN, rows};
 use pipeline_config::{DiagnoseOptions, FitOptions};
 use pipeline_diagnose::diagnose;
+use pipeline_diagnose::settings::CALIPER_MM;
 use pipeline_findings::{Alias, CampaignFindings, NextMeasurement, NotMeasurable, Verdict};
 use pipeline_fit::Group;
 use rayon::prelude::*;
@@ -12,8 +13,6 @@ use std::collections::BTreeMap;
 
 /// Draws of every design.
 pub const DRAWS: u64 = 3;
-/// Precision of a caliper on the crossmember, mm.
-const CALIPER_MM: f64 = 0.2;
 
 /// The smallest size of an effect that shows in 80 of 100 campaigns.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -26,7 +26,8 @@ use pipeline_numerics::distributions::{normal_cdf, student_t_quantile};
 use pipeline_numerics::matrix::{Matrix, dot};
 use serde::Serialize;
 
-/// Pressure over which what is left of a session is alike, kPa: that of the residual search's misfit of a session.
+/// Pressure over which what is left of a session is alike, kPa: longer than that of the residual search's misfit of a session (100), because the law
+/// is without effects here. Another value was not tried.
 const ALIKE_KPA: f64 = 150.0;
 /// Times that the slopes by set lengths are taken anew.
 const STEPS: usize = 3;
@@ -242,7 +243,9 @@ impl<'a> Calibration<'a> {
         self.row(&reading.at, session)
     }
 
-    fn force_with(&self, coefficients: &[f64], at: &At, longer_mm: f64) -> f64 {
+    /// The law of the others at a length so many mm longer than noted, N.
+    fn law(&self, at: &At, longer_mm: f64) -> f64 {
+        let coefficients = &self.coefficients;
         let contraction_rel = (at.rest_length_m - at.length_m - 1e-3 * longer_mm) / at.stroke_m;
         let f620 = new::f620(
             coefficients[0],
@@ -255,10 +258,15 @@ impl<'a> Calibration<'a> {
     }
 
     fn row(&self, at: &At, session: Option<usize>) -> Row {
-        const MM: f64 = 0.01;
         let about = session.map_or(self.about_new, |s| self.about[s]);
-        let force = self.force_with(&self.coefficients, at, about);
-        let ends = [about + MM, about - MM].map(|x| self.force_with(&self.coefficients, at, x));
+        self.row_about(at, session, about)
+    }
+
+    /// The slope is taken about this length, mm longer than noted.
+    fn row_about(&self, at: &At, session: Option<usize>, about: f64) -> Row {
+        const MM: f64 = 0.01;
+        let force = self.law(at, about);
+        let ends = [about + MM, about - MM].map(|x| self.law(at, x));
         Row {
             session,
             pressure_kpa: at.pressure_kpa,
@@ -370,18 +378,14 @@ impl<'a> Calibration<'a> {
         let row = self.row(at, None);
         let covariance: Vec<f64> = self.rows().map(|r| self.covariance(&r, &row)).collect();
         let (_, sd) = self.posterior(&covariance, self.covariance(&row, &row));
-        let law = self.force_with(&self.coefficients, at, self.about_new);
+        let law = self.law(at, self.about_new);
         let of_session = self.of_session(&row, &row, 1.0);
         ((1.0 + self.gain_here) * law, (sd * sd + of_session).sqrt())
     }
 
     /// The same before any reading.
     pub fn force_before(&self, at: &At) -> (f64, f64) {
-        let row = Self {
-            about_new: 0.0,
-            ..self.clone()
-        }
-        .row(at, None);
+        let row = self.row_about(at, None, 0.0);
         let variance = self.covariance(&row, &row) + self.of_session(&row, &row, 1.0);
         (row.force, variance.sqrt())
     }
@@ -409,6 +413,7 @@ impl<'a> Calibration<'a> {
             let interval = Interval {
                 low_n: (mean - half).max(0.0),
                 high_n: mean + half,
+                // What is not known of the law is part of the muscle's strength here.
                 fit_n: 0.0,
                 specimens_n: (sd * sd - left).max(0.0).sqrt(),
                 readings_n: left.sqrt(),
