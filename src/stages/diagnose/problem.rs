@@ -461,16 +461,11 @@ impl<'a> ForceProblem<'a> {
             form: 0,
             parameters: [value, R::constant(0.0)],
         };
-        let mut list = [applied(self.operators.length, length); MOST_TERMS + 3];
-        let mut count = 1;
-        for (t, values) in terms {
-            if let Some(a) = self.library[*t].applied(*values) {
-                list[count] = a;
-                count += 1;
-            }
-        }
-        list[count] = applied(self.operators.zero, zero);
-        let list = &list[..=count];
+        let mut list = Vec::with_capacity(terms.len() + 2);
+        list.push(applied(self.operators.length, length));
+        let effects = terms.iter();
+        list.extend(effects.filter_map(|(t, values)| self.library[*t].applied(*values)));
+        list.push(applied(self.operators.zero, zero));
         let law = Sided {
             base: self.base,
             side: self.side[i],
@@ -483,7 +478,7 @@ impl<'a> ForceProblem<'a> {
         let known = coefficients.len();
         parameters[..known].copy_from_slice(coefficients);
         parameters[known + 1] = contracted;
-        let mut force = effects::force(&law, &parameters[..known + 2], gain, list, at);
+        let mut force = effects::force(&law, &parameters[..known + 2], gain, &list, at);
         for (t, values) in terms {
             if let What::Column(column) = self.library[*t].what {
                 force = column.apply(force, *values, at, (self.data, i));
@@ -548,15 +543,11 @@ impl<'a> ForceProblem<'a> {
     }
 
     fn value(&self, point: &Point, i: usize, at: &Conditions) -> f64 {
-        let mut terms = [(0, [0.0; 2]); MOST_TERMS + 1];
-        let mut count = 0;
-        for (t, values, _) in self.acting(point, i) {
-            terms[count] = (t, values);
-            count += 1;
-        }
+        let acting = self.acting(point, i);
+        let terms: Vec<_> = acting.map(|(t, values, _)| (t, values)).collect();
         let [gain, length, zero] = self.random(point, i);
         let random = [gain, length, zero, 0.0, 0.0];
-        self.force(i, at, &point.coefficients, random, &terms[..count])
+        self.force(i, at, &point.coefficients, random, &terms)
     }
 
     /// The scale of the misfit of reading `i`, N: at the largest force it is that force, whatever the floor.
@@ -584,8 +575,7 @@ impl<'a> ForceProblem<'a> {
             Dual::variable(0.0, REST),
             Dual::variable(0.0, CONTRACTED),
         ];
-        let mut terms = [(0, [Dual::<N>::constant(0.0); 2]); MOST_TERMS + 1];
-        let mut count = 0;
+        let mut terms = Vec::with_capacity(point.terms.len());
         for (k, (t, [amplitude, shape], _)) in self.acting(point, i).enumerate() {
             let slot = TERMS + 2 * k;
             let second = if self.library[t].has_shape() || self.library[t].id().is_none() {
@@ -593,10 +583,9 @@ impl<'a> ForceProblem<'a> {
             } else {
                 Dual::constant(shape)
             };
-            terms[count] = (t, [Dual::variable(amplitude, slot), second]);
-            count += 1;
+            terms.push((t, [Dual::variable(amplitude, slot), second]));
         }
-        let force = self.force(i, at, &coefficients[..known], random, &terms[..count]);
+        let force = self.force(i, at, &coefficients[..known], random, &terms);
         let row = self.random_row(i, &force, gain, point);
         (force.value, force.gradient, row)
     }
@@ -826,6 +815,8 @@ impl Problem for ForceProblem<'_> {
             0 => self.rows::<TERMS>(point, readings),
             1 => self.rows::<{ TERMS + 2 }>(point, readings),
             2 => self.rows::<{ TERMS + 4 }>(point, readings),
+            3 => self.rows::<{ TERMS + 6 }>(point, readings),
+            4 => self.rows::<{ TERMS + 8 }>(point, readings),
             _ => self.rows::<SLOTS>(point, readings),
         }
     }
@@ -836,6 +827,8 @@ impl Problem for ForceProblem<'_> {
             0 => self.linearised::<TERMS>(point),
             1 => self.linearised::<{ TERMS + 2 }>(point),
             2 => self.linearised::<{ TERMS + 4 }>(point),
+            3 => self.linearised::<{ TERMS + 6 }>(point),
+            4 => self.linearised::<{ TERMS + 8 }>(point),
             _ => self.linearised::<SLOTS>(point),
         }
     }
