@@ -34,9 +34,7 @@ pub struct BundleArgs {
 pub fn command(args: &BundleArgs) -> Result<u8> {
     let places = args.places.places()?;
     let out = &args.out;
-    for raw in &places.raw {
-        run::check_outside(raw, out, "--out")?;
-    }
+    places.check_outside_raw(Some(out), "--out")?;
     if out.exists() && !args.replace {
         return Err(Error::Usage(format!(
             "{} is there already; --replace writes it anew, --out FILE names another",

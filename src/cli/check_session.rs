@@ -10,13 +10,15 @@ use pipeline_base::frame::Frame;
 use pipeline_base::names::file_name;
 use pipeline_base::row::{self, Row};
 use pipeline_config::Config;
-use pipeline_findings::Findings;
+use pipeline_findings::{ErrorKind, Findings};
+use pipeline_inspect::otherwise::Otherwise;
 use pipeline_inspect::population::Known;
-use pipeline_inspect::{Check, Inspection, NotCompared, Seen, State};
+use pipeline_inspect::{Check, Inspection, NotCompared, Own, Seen, State};
 use pipeline_report::figures::inspection as drawing;
 use pipeline_report::wording::name;
 use pipeline_report::wording::number::{percent, with_unit};
 use pipeline_report::wording::sentence::recorded_size;
+use pipeline_run::check_outside;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `check-session`.
@@ -49,7 +51,23 @@ const BAD: u8 = 2;
 /// Checks, and prints one line a check.
 pub fn command(args: &CheckSessionArgs) -> Result<u8> {
     let places = args.results.places()?;
+    places.check_outside_raw(args.plot.as_deref(), "--plot")?;
+    if let Some(plot) = &args.plot {
+        check_outside(&args.folder, plot, "--plot")?;
+    }
     let known = known(&places.derived, &places.reports, &places.config)?;
+    let named = args
+        .results
+        .cache
+        .derived
+        .as_ref()
+        .or(args.results.reports.as_ref());
+    if let (Some(named), true) = (named, known.is_empty()) {
+        return Err(Error::Usage(format!(
+            "there is no result of a run in {}; leave out --derived and --reports for the published law as yardstick",
+            named.display()
+        )));
+    }
     if args.watch {
         return watch::command(args, &places.config, &known);
     }
@@ -269,6 +287,25 @@ fn said(seen: &Seen) -> String {
                 size.replace('\u{a0}', " ")
             )
         }
+        Seen::NotTold { quantity } => format!(
+            "the readings do not tell {}",
+            match quantity {
+                Own::Strength => "the strength of the actuator",
+                Own::SetLength => "whether the set length is the one noted",
+            }
+        ),
+        Seen::Columns {
+            otherwise,
+            readings,
+            rms_n,
+            usual_n,
+        } => format!(
+            "{}: {readings} readings then suit others, {} left; {} is usual",
+            described(otherwise),
+            newtons(*rms_n),
+            newtons(*usual_n)
+        ),
+        Seen::Excluded { why } => format!("left out of every fit by its description: {why}"),
         Seen::NotCompared { why } => match why {
             NotCompared::NoReadings => "no reading to hold against other actuators".to_owned(),
             NotCompared::Torque => "torques are not held against other actuators".to_owned(),
@@ -276,6 +313,20 @@ fn said(seen: &Seen) -> String {
                 "no law is known of this diameter: not held against other actuators".to_owned()
             }
         },
+    }
+}
+
+/// Another description of the columns, as a message.
+fn described(otherwise: &Otherwise) -> String {
+    let column = otherwise.column.map_or_else(String::new, name::column);
+    match (otherwise.kind, &otherwise.units) {
+        (ErrorKind::SwappedColumns, _) => {
+            "force and pressure look exchanged in [columns]".to_owned()
+        }
+        (_, Some((noted, looks))) => {
+            format!("the unit of the {column} looks like {looks}, not {noted}")
+        }
+        _ => format!("the sign of the {column} looks wrong (gain in [columns])"),
     }
 }
 

@@ -64,6 +64,9 @@ pub struct DesignArgs {
 
 /// Finds the muscles, and prints or writes what was asked for.
 pub fn command(args: &DesignArgs) -> Result<u8> {
+    let places = args.cache.places()?;
+    places.check_outside_raw(args.csv.as_deref(), "--csv")?;
+    places.check_outside_raw(args.plot.as_deref(), "--plot")?;
     let read = design_curve::read(&args.curve)?;
     let leg = leg_of(args, read.quantities)?;
     let joint = leg.as_ref().map(|l| joint(args, l)).transpose()?;

@@ -49,6 +49,8 @@ pub struct ModelArgs {
 
 /// Writes the files, and says what the model is.
 pub fn command(args: &ModelArgs) -> Result<u8> {
+    let places = args.results.places()?;
+    places.check_outside_raw(Some(&args.out), "--out")?;
     let model = model(args)?;
     let files: Vec<File> = LANGUAGES.iter().flat_map(|l| (l.files)(&model)).collect();
     if !args.replace {

@@ -15,6 +15,7 @@ mod columns;
 mod design;
 mod design_curve;
 mod diff;
+mod diff_tables;
 mod explain;
 mod explore;
 mod export;

@@ -3,7 +3,8 @@
 use crate::args::{DerivedArgs, PlaceArgs, ResultArgs};
 use pipeline_base::error::Result;
 use pipeline_config::Config;
-use std::path::PathBuf;
+use pipeline_run::check_outside;
+use std::path::{Path, PathBuf};
 
 /// The places of a command, and the options.
 pub(super) struct Places {
@@ -17,6 +18,18 @@ pub(super) struct Places {
     pub golden: PathBuf,
     /// All options.
     pub config: Config,
+}
+
+impl Places {
+    /// Nothing below a raw directory is ever written.
+    ///
+    /// # Errors
+    /// `output`, which `option` named, is in one.
+    pub(super) fn check_outside_raw(&self, output: Option<&Path>, option: &str) -> Result<()> {
+        let Some(output) = output else { return Ok(()) };
+        let mut raw = self.raw.iter();
+        raw.try_for_each(|raw| check_outside(raw, output, option))
+    }
 }
 
 impl DerivedArgs {

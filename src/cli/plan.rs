@@ -42,6 +42,8 @@ pub fn command(args: &PlanArgs) -> Result<u8> {
         line(design::EXAMPLE.trim_end());
         return Ok(DONE);
     };
+    let places = args.results.places()?;
+    places.check_outside_raw(args.csv.as_deref(), "--csv")?;
     let file = path.display().to_string();
     let text = std::fs::read_to_string(path)
         .map_err(|e| Error::Usage(format!("cannot read the plan {file}: {e}")))?;

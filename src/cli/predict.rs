@@ -133,6 +133,8 @@ pub struct PredictArgs {
 /// Predicts, and prints or writes what was asked for.
 pub fn command(args: &PredictArgs) -> Result<u8> {
     let places = args.cache.places()?;
+    places.check_outside_raw(args.csv.as_deref(), "--csv")?;
+    places.check_outside_raw(args.plot.as_deref(), "--plot")?;
     let read = predict_calibrate::read(args, &places)?;
     let muscle = match &read {
         Some(read) => read.muscle()?,

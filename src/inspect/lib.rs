@@ -11,11 +11,14 @@
 //! | [`logs`] | of each log: can it be read, rows left out, samples at the converter's limit, samples that are missing, plateaus that never settled |
 //! | [`zero`] | the zero of the force: whether it contradicts the slack actuator, and whether it is like those of other sessions |
 //! | [`population`] | the readings against a law and the scatter of other actuators: gain, set length, what is left; recording errors |
+//! | [`otherwise`] | where they do not suit: whether they would with exchanged columns, another unit or sign |
 
 pub mod logs;
+pub mod otherwise;
 pub mod population;
 pub mod zero;
 
+use otherwise::Otherwise;
 use pipeline_base::diagnostics::{Diagnostic, Severity};
 use pipeline_base::row::Row;
 use pipeline_base::session::{LogSpec, Session};
@@ -25,7 +28,7 @@ use pipeline_findings::RecordingError;
 use pipeline_formats::discover::{Located, discover};
 use pipeline_formats::log_file;
 use pipeline_ingest::{Ingested, LogBytes};
-use population::Known;
+use population::{Known, Suit};
 use serde::Serialize;
 use std::path::Path;
 
@@ -140,6 +143,27 @@ pub enum Seen {
         /// What is usual, N.
         usual_n: f64,
     },
+    /// Strength or set length: the readings hardly tell it.
+    NotTold {
+        /// Which.
+        quantity: Own,
+    },
+    /// The readings do not suit others, and would if the columns of the logs were described otherwise.
+    Columns {
+        /// How.
+        otherwise: Otherwise,
+        /// Readings that there are then.
+        readings: usize,
+        /// What is then left beside gain, set length and zero, root mean square, N.
+        rms_n: f64,
+        /// What is usual, N.
+        usual_n: f64,
+    },
+    /// The session is kept out of fits.
+    Excluded {
+        /// Why, as `session.toml` has it.
+        why: String,
+    },
     /// The readings look as if something were noted wrongly.
     Mistake {
         /// What.
@@ -150,6 +174,16 @@ pub enum Seen {
         /// Why.
         why: NotCompared,
     },
+}
+
+/// What is a session's own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Own {
+    /// The strength of the actuator.
+    Strength,
+    /// The set length.
+    SetLength,
 }
 
 /// Why readings were held against nothing.
@@ -222,7 +256,10 @@ pub fn log(located: &Located, file: &str, config: &Config, known: &Known) -> Ins
 /// The readings of the sessions in a folder or below it, as a run would have them, and the folders that cannot be read.
 pub fn readings(folder: &Path, config: &Config) -> (Vec<Row>, Vec<Diagnostic>) {
     let found = discover(&[folder.to_path_buf()]);
-    let of = |located: &Located| normalized(located, &located.session, config).rows;
+    let of = |located: &Located| {
+        let session = &located.session;
+        normalized(located, session, files(located, session), config).rows
+    };
     let rows = found.sessions.iter().flat_map(of).collect();
     let unusable = found.unusable.into_iter();
     (rows, unusable.flat_map(|u| u.diagnostics).collect())
@@ -235,15 +272,21 @@ struct Normalized {
     rows: Vec<Row>,
 }
 
-fn normalized(located: &Located, session: &Session, config: &Config) -> Normalized {
-    let files: Vec<LogBytes> = session
-        .logs
-        .iter()
-        .map(|log| {
-            let shown = format!("{}/{}", located.relative, log.name());
-            log_file::load(&located.directory.join(&log.file), &shown)
-        })
-        .collect();
+fn files(located: &Located, session: &Session) -> Vec<LogBytes> {
+    let logs = session.logs.iter();
+    logs.map(|log| {
+        let shown = format!("{}/{}", located.relative, log.name());
+        log_file::load(&located.directory.join(&log.file), &shown)
+    })
+    .collect()
+}
+
+fn normalized(
+    located: &Located,
+    session: &Session,
+    files: Vec<LogBytes>,
+    config: &Config,
+) -> Normalized {
     let ingested = pipeline_ingest::ingest(session, &located.relative, files);
     let cleaned = pipeline_clean::clean(session, &ingested.logs, &config.clean);
     let (rows, _) = pipeline_normalize::normalize(session, &cleaned.readings);
@@ -255,17 +298,32 @@ fn normalized(located: &Located, session: &Session, config: &Config) -> Normaliz
 }
 
 fn inspect(located: &Located, session: &Session, config: &Config, known: &Known) -> Inspection {
+    let files = files(located, session);
     let Normalized {
         ingested,
         cleaned,
         rows,
-    } = normalized(located, session, config);
+    } = normalized(located, session, files.clone(), config);
     let mut checks: Vec<Check> = Vec::new();
+    checks.extend(session.exclude.iter().map(|why| Check {
+        log: None,
+        state: State::Look,
+        seen: Seen::Excluded { why: why.clone() },
+    }));
     let errors = ingested.header.diagnostics.iter();
     checks.extend(errors.map(described));
     checks.extend(logs::checks(session, &ingested.logs, &cleaned));
     checks.extend(zero::checks(session, &cleaned, known));
-    let compared = population::compared(session, &rows, known);
+    let mut compared = population::compared(session, &rows, known);
+    if let Some(suit) = compared.suit.filter(is_doubtful) {
+        let columns = otherwise::check((located, session), &files, &suit, config, known);
+        if columns.is_some() {
+            // What the same readings look like as they are is no second mistake.
+            let is_mistake = |c: &Check| matches!(c.seen, Seen::Mistake { .. });
+            compared.checks.retain(|c| !is_mistake(c));
+        }
+        checks.extend(columns);
+    }
     checks.extend(compared.checks);
     Inspection {
         session: session.id.clone(),
@@ -273,6 +331,11 @@ fn inspect(located: &Located, session: &Session, config: &Config, known: &Known)
         against: compared.against,
         expected: compared.expected,
     }
+}
+
+/// Whether the columns may be meant otherwise: the readings are unusual, or tell no strength at all.
+fn is_doubtful(suit: &Suit) -> bool {
+    suit.is_unusual() || !suit.tells_strength()
 }
 
 fn described(diagnostic: &Diagnostic) -> Check {

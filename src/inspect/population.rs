@@ -7,7 +7,7 @@
 //! Recording errors are looked for by the residual search's own function ([`recording::recording_errors`]), among the readings of the other
 //! sessions and beside the effects that it found.
 
-use crate::{Check, NotCompared, Seen, State, others};
+use crate::{Check, NotCompared, Own, Seen, State, others};
 use pipeline_base::row::Row;
 use pipeline_base::session::{Kind, Session};
 use pipeline_config::FitOptions;
@@ -38,6 +38,13 @@ pub struct Known {
     pub fit: FitOptions,
 }
 
+impl Known {
+    /// Whether there was no run.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty() && self.findings.is_none()
+    }
+}
+
 /// A reading with what is expected of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expected {
@@ -58,12 +65,53 @@ pub(crate) struct Compared {
     pub checks: Vec<Check>,
     pub against: Option<String>,
     pub expected: Vec<Expected>,
+    /// How the readings suit others; none of torques, and of diameters that no law is known of.
+    pub suit: Option<Suit>,
+}
+
+/// How readings suit a law of others.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Suit {
+    pub readings: usize,
+    /// Strength of the actuator and set length, in standard deviations of others.
+    pub deviations: [f64; 2],
+    /// What the readings leave open of both, as a share of these standard deviations.
+    pub open: [f64; 2],
+    /// Standard error of the strength (1 is that of the law) by the readings alone.
+    pub strength_se: f64,
+    /// What is left beside both and the zero, root mean square, N.
+    pub rms_n: f64,
+    /// What is usual, N.
+    pub usual_n: f64,
+}
+
+impl Suit {
+    /// Whether there are none, or something of them is far out.
+    pub fn is_unusual(&self) -> bool {
+        let is_far = self.deviations.iter().any(|d| d.abs() > FAR);
+        self.readings == 0 || is_far || self.rms_n > LEFT.0 * self.usual_n
+    }
+
+    /// Whether they tell the strength of the actuator well enough to tell a unit or a sign by it.
+    pub fn tells_strength(&self) -> bool {
+        self.strength_se < TELLS_A_UNIT
+    }
+
+    /// How far out they are, as one number to compare descriptions by.
+    pub fn off(&self) -> f64 {
+        let left = self.rms_n / self.usual_n;
+        self.deviations.iter().map(|d| d * d).sum::<f64>() + left * left
+    }
 }
 
 /// Standard deviations from which somebody should look.
 const FAR: f64 = 3.0;
 /// What is left, in usual ones, from which somebody should look, and from which the session is of no use.
 const LEFT: (f64, f64) = (2.0, 5.0);
+/// Share of the standard deviation among others that readings may leave open of what they tell.
+const TOLD: f64 = 0.5;
+/// Standard error of a strength by which a unit or sign can be told: units of force differ by factors of 4 and more.
+const TELLS_A_UNIT: f64 = 0.2;
 /// Scatter where no run says any: see [`settings`].
 const USUAL_LEFT: f64 = 0.03;
 /// Steps to the mode.
@@ -85,7 +133,7 @@ struct Population {
 
 /// Holds the readings against what is known.
 pub(crate) fn compared(session: &Session, rows: &[Row], known: &Known) -> Compared {
-    let not = |why| Compared {
+    let not = |why, suit| Compared {
         checks: vec![Check {
             log: None,
             state: State::Fine,
@@ -93,21 +141,19 @@ pub(crate) fn compared(session: &Session, rows: &[Row], known: &Known) -> Compar
         }],
         against: None,
         expected: Vec::new(),
+        suit,
     };
     if session.kind == Kind::KneeTorque {
-        return not(NotCompared::Torque);
+        return not(NotCompared::Torque, None);
     }
     let rows: Vec<&Row> = rows.iter().filter(|r| is_readable(r)).collect();
-    let largest = rows.iter().map(|r| r.force_n).fold(0.0, f64::max);
-    let Some(first) = rows.first() else {
-        return not(NotCompared::NoReadings);
+    if rows.is_empty() {
+        return not(NotCompared::NoReadings, Some(Suit::default()));
+    }
+    let Some(population) = population(session, &rows, known) else {
+        return not(NotCompared::NoLaw, None);
     };
-    let diameter_mm = first.diameter_mm.round() as u32;
-    let mistakes = mistakes(session, &rows, diameter_mm, known);
-    let Some(population) = population(session, diameter_mm, largest, known) else {
-        return not(NotCompared::NoLaw);
-    };
-    let own = population.mode(&rows);
+    let (own, suit) = population.suit(&rows);
     let expected: Vec<Expected> = rows
         .iter()
         .map(|r| Expected {
@@ -118,46 +164,47 @@ pub(crate) fn compared(session: &Session, rows: &[Row], known: &Known) -> Compar
             own_n: population.force(r, own),
         })
         .collect();
-    let left: Vec<f64> = expected.iter().map(|e| e.force_n - e.own_n).collect();
-    let rms_n = (sum_of_squares(&left) / expected.len() as f64).sqrt();
-    let state = |value: f64, sd: f64| {
-        if value.abs() > FAR * sd {
+    let state = |deviations: f64| {
+        if deviations.abs() > FAR {
             State::Look
         } else {
             State::Fine
         }
     };
-    let left = rms_n / population.left_n;
-    let mut checks = vec![
-        Check {
+    let strength = Seen::Gain {
+        value: own[0],
+        sd: population.gain_sd,
+    };
+    let length = Seen::SetLength {
+        value_mm: own[1],
+        sd_mm: population.length_sd_mm,
+    };
+    let seen = [(strength, Own::Strength), (length, Own::SetLength)];
+    let of_session = seen.into_iter().enumerate();
+    let mut checks: Vec<Check> = of_session
+        .map(|(k, (seen, quantity))| Check {
             log: None,
-            state: state(own[0], population.gain_sd),
-            seen: Seen::Gain {
-                value: own[0],
-                sd: population.gain_sd,
+            state: state(suit.deviations[k]),
+            seen: if suit.open[k] < TOLD || suit.deviations[k].abs() > FAR {
+                seen
+            } else {
+                Seen::NotTold { quantity }
             },
+        })
+        .collect();
+    checks.push(Check {
+        log: None,
+        state: match suit.rms_n / suit.usual_n {
+            l if l > LEFT.1 => State::Bad,
+            l if l > LEFT.0 => State::Look,
+            _ => State::Fine,
         },
-        Check {
-            log: None,
-            state: state(own[1], population.length_sd_mm),
-            seen: Seen::SetLength {
-                value_mm: own[1],
-                sd_mm: population.length_sd_mm,
-            },
+        seen: Seen::Misfit {
+            rms_n: suit.rms_n,
+            usual_n: suit.usual_n,
         },
-        Check {
-            log: None,
-            state: match left {
-                l if l > LEFT.1 => State::Bad,
-                l if l > LEFT.0 => State::Look,
-                _ => State::Fine,
-            },
-            seen: Seen::Misfit {
-                rms_n,
-                usual_n: population.left_n,
-            },
-        },
-    ];
+    });
+    let mistakes = mistakes(session, &rows, known);
     checks.extend(mistakes.into_iter().map(|error| Check {
         log: None,
         state: State::Bad,
@@ -167,7 +214,15 @@ pub(crate) fn compared(session: &Session, rows: &[Row], known: &Known) -> Compar
         checks,
         against: Some(population.name),
         expected,
+        suit: Some(suit),
     }
+}
+
+/// How the readings of a session suit others; none where there are none, or no law.
+pub(crate) fn suit(session: &Session, rows: &[Row], known: &Known) -> Option<Suit> {
+    let rows: Vec<&Row> = rows.iter().filter(|r| is_readable(r)).collect();
+    let population = population(session, &rows, known)?;
+    Some(population.suit(&rows).1)
 }
 
 /// A session may be looked at that its owner has left out of fits.
@@ -179,14 +234,15 @@ fn is_readable(row: &Row) -> bool {
     is_usable(&included) && row.length_m.is_finite()
 }
 
+fn diameter_mm(row: &Row) -> u32 {
+    row.diameter_mm.round() as u32
+}
+
 /// The law and scatter of others of the diameter: of the session's campaign, else of the pool, else of the campaign with most specimens; else the
 /// published law with usual scatter.
-fn population(
-    session: &Session,
-    diameter_mm: u32,
-    largest_n: f64,
-    known: &Known,
-) -> Option<Population> {
+fn population(session: &Session, rows: &[&Row], known: &Known) -> Option<Population> {
+    let diameter_mm = diameter_mm(rows.first()?);
+    let largest_n = rows.iter().map(|r| r.force_n).fold(0.0, f64::max);
     let cap = cap_length_m(diameter_mm, &known.fit);
     let of_diameter = known.findings.iter().flat_map(|f| &f.campaigns);
     let found = of_diameter
@@ -256,10 +312,58 @@ impl Population {
         (1.0 + gain) * new::force([c0, c1, c2], f620, contraction_rel, pressure_rel) + zero
     }
 
-    /// Gain, set length and zero at the mode, by Gauss-Newton steps that are halved until the penalised sum of squares falls.
-    fn mode(&self, rows: &[&Row]) -> [f64; 3] {
+    /// Gain, set length and zero at the mode, and how the readings suit.
+    fn suit(&self, rows: &[&Row]) -> ([f64; 3], Suit) {
+        let (own, open) = self.mode(rows);
+        let left = rows.iter().map(|r| r.force_n - self.force(r, own));
+        let left: Vec<f64> = left.collect();
+        let suit = Suit {
+            readings: rows.len(),
+            deviations: [own[0] / self.gain_sd, own[1] / self.length_sd_mm],
+            open: [open[0], open[1]],
+            strength_se: self.sds()[0] / (1.0 / (open[0] * open[0]) - 1.0).max(0.0).sqrt(),
+            rms_n: (sum_of_squares(&left) / left.len() as f64).sqrt(),
+            usual_n: self.left_n,
+        };
+        (own, suit)
+    }
+
+    /// The standard deviations of gain, set length and zero.
+    fn sds(&self) -> [f64; 3] {
+        [self.gain_sd, self.length_sd_mm, self.zero_sd_n].map(|sd| sd.max(1e-6))
+    }
+
+    /// The normal matrix with the prior, and the right side, at a gain, set length and zero.
+    fn normal(&self, rows: &[&Row], x: [f64; 3]) -> (Matrix, [f64; 3]) {
         const SMALL: [f64; 3] = [1e-4, 1e-2, 1e-2];
-        let sds = [self.gain_sd, self.length_sd_mm, self.zero_sd_n].map(|sd| sd.max(1e-6));
+        let mut normal = Matrix::zeros(3, 3);
+        let mut right = [0.0; 3];
+        for row in rows {
+            let at = self.force(row, x);
+            let slope: [f64; 3] = std::array::from_fn(|k| {
+                let mut y = x;
+                y[k] += SMALL[k];
+                (self.force(row, y) - at) / SMALL[k] / self.left_n
+            });
+            let miss = (row.force_n - at) / self.left_n;
+            for k in 0..3 {
+                right[k] += slope[k] * miss;
+                for l in 0..3 {
+                    normal.column_mut(l)[k] += slope[k] * slope[l];
+                }
+            }
+        }
+        for (k, sd) in self.sds().into_iter().enumerate() {
+            normal.column_mut(k)[k] += 1.0 / (sd * sd);
+            right[k] -= x[k] / (sd * sd);
+        }
+        (normal, right)
+    }
+
+    /// Gain, set length and zero at the mode, by Gauss-Newton steps that are halved until the penalised sum of squares falls; and the standard
+    /// deviation of each given the readings, as a share of that among others.
+    fn mode(&self, rows: &[&Row]) -> ([f64; 3], [f64; 3]) {
+        let sds = self.sds();
         let value = |x: [f64; 3]| {
             let misses = rows
                 .iter()
@@ -270,27 +374,7 @@ impl Population {
         let mut x = [0.0; 3];
         let mut here = value(x);
         for _ in 0..STEPS {
-            let mut normal = Matrix::zeros(3, 3);
-            let mut right = [0.0; 3];
-            for row in rows {
-                let at = self.force(row, x);
-                let slope: [f64; 3] = std::array::from_fn(|k| {
-                    let mut y = x;
-                    y[k] += SMALL[k];
-                    (self.force(row, y) - at) / SMALL[k] / self.left_n
-                });
-                let miss = (row.force_n - at) / self.left_n;
-                for k in 0..3 {
-                    right[k] += slope[k] * miss;
-                    for l in 0..3 {
-                        normal.column_mut(l)[k] += slope[k] * slope[l];
-                    }
-                }
-            }
-            for k in 0..3 {
-                normal.column_mut(k)[k] += 1.0 / (sds[k] * sds[k]);
-                right[k] -= x[k] / (sds[k] * sds[k]);
-            }
+            let (normal, right) = self.normal(rows, x);
             let step = Cholesky::new(&normal).solve(&right);
             let mut length = 1.0;
             let next = loop {
@@ -306,17 +390,22 @@ impl Population {
             }
             (x, here) = (next, there);
         }
-        x
+        let factor = Cholesky::new(&self.normal(rows, x).0);
+        let open = std::array::from_fn(|k| {
+            let mut unit = [0.0; 3];
+            unit[k] = 1.0;
+            factor.solve(&unit)[k].max(0.0).sqrt() / sds[k]
+        });
+        (x, open)
     }
 }
 
 /// What of the session looks mistaken among the others of its campaign, or where these are few of its diameter.
-fn mistakes(
-    session: &Session,
-    own: &[&Row],
-    diameter_mm: u32,
-    known: &Known,
-) -> Vec<RecordingError> {
+fn mistakes(session: &Session, own: &[&Row], known: &Known) -> Vec<RecordingError> {
+    let Some(first) = own.first() else {
+        return Vec::new();
+    };
+    let diameter_mm = diameter_mm(first);
     let simulated = session.is_simulated();
     let of_diameter = |r: &&Row| {
         let same = r.diameter_mm.round() as u32 == diameter_mm && r.simulated == simulated;
@@ -351,9 +440,9 @@ fn mistakes(
         });
     let data = Data::new(&rows).beside(&base);
     let mut errors = recording::recording_errors(diameter_mm, &law, &data, settings::LEVEL);
-    let specimen = own.first().map_or("", |r| r.specimen.as_str());
+    let specimen = &first.specimen;
     errors.retain(|e| {
-        e.group == session.id || e.group == specimen || e.group.ends_with(&format!(" {specimen}"))
+        e.group == session.id || e.group == *specimen || e.group.ends_with(&format!(" {specimen}"))
     });
     errors
 }

@@ -1,8 +1,9 @@
 //! Whether two fits of the new model say the same force: an equivalence test at a stated margin.
 //!
 //! The difference of the predicted forces is taken on a grid over the lengths, contractions and pressures that both fits have seen, as a share of
-//! the force at resting length and 620 kPa (the mean of the two). Its standard error is that of the jackknife over specimens (Tukey 1958): of both fits
-//! independently, or fold by fold where both are of the same specimens, which then differ in what was done to them.
+//! the force at resting length and 620 kPa (the mean of the two). Its standard error is that of the jackknife over specimens (Tukey 1958): a specimen
+//! of one fit moves the difference by what it does to that fit, one of both (the same id and lengths) by what it does to the second less what it
+//! does to the first.
 //!
 //! *Equivalent*: at every point the 90% interval lies within the margin (two one-sided tests at 5%, Schuirmann, J. Pharmacokinet. Biopharm. 15 (1987) 657;
 //! over all points an intersection-union test, which needs no correction). *Different*: at some point the interval, widened for the number of points
@@ -61,8 +62,8 @@ pub struct Difference {
     pub outcome: Outcome,
     /// The margin, a share.
     pub margin: f64,
-    /// Whether both are fits to the same specimens.
-    pub paired: bool,
+    /// Specimens that both are fits to.
+    pub shared: usize,
     /// Degrees of freedom of Student's t; none where there is no test.
     pub freedom: Option<usize>,
     /// Root mean square of the shares.
@@ -105,11 +106,8 @@ pub fn difference(first: &GroupFit, second: &GroupFit, margin: f64) -> Option<Di
         common(|f| f.ranges.contraction_rel)?,
         common(|f| f.ranges.pressure_kpa)?,
     ];
-    let left_out = |joint: &EquationFit| -> Vec<String> {
-        joint.folds.iter().map(|f| f.left_out.clone()).collect()
-    };
     let folds = joints.map(|j| j.folds.len());
-    let paired = folds[0] > 1 && left_out(joints[0]) == left_out(joints[1]);
+    let both = shared([0, 1].map(|k| specimens(fits[k], joints[k])));
     let freedom = (folds[0].min(folds[1]) > 1).then(|| folds[0].min(folds[1]) - 1);
     let mut points = Vec::new();
     for rest in steps(ranges[0], POINTS[0]) {
@@ -124,7 +122,7 @@ pub fn difference(first: &GroupFit, second: &GroupFit, margin: f64) -> Option<Di
                         .collect::<Vec<f64>>()
                 });
                 let share = (forces[1] - forces[0]) / size;
-                let standard_error = freedom.map(|_| jackknife(&without, paired) / size);
+                let standard_error = freedom.map(|_| jackknife(&without, &both) / size);
                 let interval = freedom.zip(standard_error).map(|(df, error)| {
                     let half = student_t_quantile(1.0 - LEVEL, df as f64) * error;
                     (share - half, share + half)
@@ -142,25 +140,44 @@ pub fn difference(first: &GroupFit, second: &GroupFit, margin: f64) -> Option<Di
             }
         }
     }
-    judged(points, margin, paired, freedom)
+    judged(points, margin, both.len(), freedom)
 }
 
-/// Standard error of a difference from what each is without each specimen, less what it is with all.
-fn jackknife(without: &[Vec<f64>; 2], paired: bool) -> f64 {
-    let factor = |g: usize| (g as f64 - 1.0) / g as f64;
-    if paired {
-        let both = without[0].iter().zip(&without[1]);
-        let differences: Vec<f64> = both.map(|(a, b)| b - a).collect();
-        return (factor(differences.len()) * sum_of_squares(&differences)).sqrt();
-    }
-    let variance = |w: &Vec<f64>| factor(w.len()) * sum_of_squares(w);
-    (variance(&without[0]) + variance(&without[1])).sqrt()
+/// The specimens that are left out in turn, with their resting length and contraction at 620 kPa: ids alone may be those of other actuators elsewhere.
+fn specimens<'f>(fit: &'f GroupFit, joint: &'f EquationFit) -> Vec<(&'f str, Option<[u64; 2]>)> {
+    let known = |id: &str| {
+        let found = fit.specimens.iter().find(|s| s.id == id)?;
+        Some([found.rest_length_m, found.contraction_620].map(f64::to_bits))
+    };
+    let folds = joint.folds.iter().map(|f| f.left_out.as_str());
+    folds.map(|id| (id, known(id))).collect()
+}
+
+/// The places of what is in both lists.
+fn shared<T: PartialEq>([first, second]: [Vec<T>; 2]) -> Vec<[usize; 2]> {
+    let place = |of: &T| second.iter().position(|o| o == of);
+    let places = first.iter().enumerate();
+    places.filter_map(|(k, of)| Some([k, place(of)?])).collect()
+}
+
+/// Standard error of a difference from what each is without each specimen, less what it is with all; `shared` are the places of the specimens of
+/// both.
+fn jackknife(without: &[Vec<f64>; 2], shared: &[[usize; 2]]) -> f64 {
+    // What each specimen moves, so that the squares add up to the variance.
+    let [first, second] = without.each_ref().map(|w| {
+        let count = w.len() as f64;
+        let factor = ((count - 1.0) / count).sqrt();
+        w.iter().map(|x| factor * x).collect::<Vec<f64>>()
+    });
+    let apart = sum_of_squares(&first) + sum_of_squares(&second);
+    let together = shared.iter().map(|[a, b]| first[*a] * second[*b]);
+    (apart - 2.0 * together.sum::<f64>()).max(0.0).sqrt()
 }
 
 fn judged(
     points: Vec<Point>,
     margin: f64,
-    paired: bool,
+    shared: usize,
     freedom: Option<usize>,
 ) -> Option<Difference> {
     let reach = |p: &Point| {
@@ -192,7 +209,7 @@ fn judged(
     Some(Difference {
         outcome,
         margin,
-        paired,
+        shared,
         freedom,
         rms_share: (sum_of_squares(&shares) / shares.len() as f64).sqrt(),
         largest,
@@ -230,7 +247,7 @@ mod tests {
 
     fn outcome(points: &[(f64, f64)]) -> Outcome {
         let points = points.iter().map(|(s, e)| point(*s, *e, 8)).collect();
-        judged(points, 0.1, false, Some(8)).unwrap().outcome
+        judged(points, 0.1, 0, Some(8)).unwrap().outcome
     }
 
     /// t(0.95; 8) = 1.8595, t(1 - 0.025/2; 8) = 2.7515.
@@ -243,10 +260,21 @@ mod tests {
     }
 
     #[test]
-    fn the_jackknife_of_two_fits_adds_variances_and_of_one_set_of_specimens_takes_differences() {
+    fn the_jackknife_adds_what_is_apart_and_takes_differences_of_what_is_shared() {
         let without = [vec![1.0, -1.0, 2.0], vec![1.0, -1.0, 2.0]];
-        assert_eq!(jackknife(&without, true), 0.0);
+        let all = [[0, 0], [1, 1], [2, 2]];
+        assert_eq!(jackknife(&without, &all), 0.0);
         let one = 2.0 / 3.0 * 6.0_f64;
-        assert!((jackknife(&without, false) - (2.0 * one).sqrt()).abs() < 1e-12);
+        assert!((jackknife(&without, &[]) - (2.0 * one).sqrt()).abs() < 1e-12);
+        // One of both: the others add, of it the difference counts, which is nothing.
+        let others = 2.0 / 3.0 * 2.0 * (1.0 + 1.0_f64);
+        assert!((jackknife(&without, &[[2, 2]]) - others.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn specimens_are_the_same_where_all_that_is_known_of_them_is() {
+        let first = vec![("a", 182), ("b", 233), ("c", 300)];
+        let second = vec![("c", 300), ("a", 182), ("b", 234)];
+        assert_eq!(shared([first, second]), [[0, 1], [2, 0]]);
     }
 }

@@ -91,6 +91,105 @@ fn without_a_run_the_published_law_is_the_yardstick() {
     assert!(found[0]["against"].as_str().unwrap().contains("published"));
 }
 
+/// What is named where the columns are described with a mistake: its kind, column and unit.
+fn named_of_columns(replaced: &[(&str, &str)]) -> [Value; 3] {
+    let bench = Bench::small_done();
+    let folder = copied(&bench, replaced);
+    let (code, found) = inspected(&bench, &folder);
+    assert_eq!(code, 2, "{found}");
+    let columns = checks(&found, "columns");
+    assert_eq!(columns.len(), 1, "{found}");
+    assert!(checks(&found, "mistake").is_empty(), "{found}");
+    let otherwise = &columns[0]["otherwise"];
+    [
+        otherwise["kind"].clone(),
+        otherwise["column"].clone(),
+        otherwise["units"].clone(),
+    ]
+}
+
+#[test]
+fn exchanged_columns_are_named_though_no_reading_is_left() {
+    let exchanged = [
+        ("force = { index = 0", "force = { index = 1"),
+        ("pressure = { index = 1", "pressure = { index = 0"),
+    ];
+    let [kind, column, _] = named_of_columns(&exchanged);
+    assert_eq!((kind, column), ("swapped_columns".into(), Value::Null));
+}
+
+#[test]
+fn a_wrong_sign_is_named_though_the_forces_look_clipped() {
+    let [kind, column, _] = named_of_columns(&[("unit = \"N\"", "unit = \"N\", gain = -1")]);
+    assert_eq!((kind, column), ("sign".into(), "force_n".into()));
+}
+
+#[test]
+fn wrong_units_are_named_with_the_right_ones() {
+    for (column, right, wrong) in [
+        ("pressure_kpa", "kPa", "psi"),
+        ("pressure_kpa", "kPa", "bar"),
+        ("force_n", "N", "lbf"),
+        ("force_n", "N", "kgf"),
+    ] {
+        let replaced = [format!("unit = \"{right}\""), format!("unit = \"{wrong}\"")];
+        let [kind, of, units] = named_of_columns(&[(&replaced[0], &replaced[1])]);
+        assert_eq!((kind, of), ("unit".into(), column.into()), "{wrong}");
+        assert_eq!(units, serde_json::json!([wrong, right]));
+    }
+}
+
+#[test]
+fn readings_of_a_slack_actuator_tell_nothing_and_it_is_said() {
+    let bench = Bench::small_done();
+    let (line, length) = set_length(&bench);
+    // So short that the actuator would be slack at any pressure: what its forces then are is no strength.
+    let folder = copied(
+        &bench,
+        &[(&line, &format!("length_mm = {}", length - 40.0))],
+    );
+    let (code, found) = inspected(&bench, &folder);
+    assert_eq!(code, 2, "{found}");
+    let untold = checks(&found, "not_told");
+    assert!(
+        untold.iter().any(|c| c["quantity"] == "strength"),
+        "{found}"
+    );
+}
+
+#[test]
+fn a_session_that_its_owner_left_out_is_said_to_be() {
+    let bench = Bench::small_done();
+    let folder = copied(
+        &bench,
+        &[("campaign =", "exclude = \"bolt slipped\"\ncampaign =")],
+    );
+    let (code, found) = inspected(&bench, &folder);
+    assert_eq!(code, 1, "{found}");
+    assert_eq!(checks(&found, "excluded")[0]["why"], "bolt slipped");
+}
+
+#[test]
+fn results_that_are_not_where_they_were_said_to_be_are_no_silent_default() {
+    let bench = Bench::small();
+    let folder = copied(&bench, &[]);
+    let said = bench.run(&["check-session", &folder, "--derived", "elsewhere"]);
+    assert_eq!(said.code, 2, "{}", said.out);
+    said.warns_of(&["no result of a run in elsewhere"]);
+}
+
+#[test]
+fn no_plot_is_written_beside_the_logs() {
+    let bench = Bench::small();
+    let folder = copied(&bench, &[]);
+    let raw = bench.raw().join("plots").display().to_string();
+    for plot in [folder.as_str(), &raw] {
+        let said = bench.run(&["check-session", &folder, "--plot", plot]);
+        assert_eq!(said.code, 2, "{plot}: {}", said.out);
+        said.warns_of(&["nothing is written"]);
+    }
+}
+
 #[test]
 fn samples_that_are_missing_are_counted() {
     let bench = Bench::small();

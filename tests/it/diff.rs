@@ -56,7 +56,7 @@ fn campaigns_of_one_law_are_equivalent_and_a_stronger_one_is_not() {
     );
     let share = |d: &Value| d["largest"]["share"].as_f64().unwrap();
     assert!(share(&alike).abs() < 0.05, "{alike}");
-    assert_eq!(alike["paired"], false);
+    assert_eq!(alike["shared"], 0);
 
     let (code, stronger) = of("one", "stronger");
     assert_eq!(

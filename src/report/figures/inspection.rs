@@ -32,10 +32,13 @@ pub fn figure(session: &str, points: &[Point]) -> Option<Named> {
         .with(Layer::zero())
         .with(Series::marks("", left(2), by_law))
         .with(Series::marks("", left(3), by_own));
-    let title = format!("Session {}", verbatim(session));
+    let title = format!("Session {session}");
     (!points.is_empty()).then(|| Named {
         name: "inspection".to_owned(),
-        caption: format!("{title} beside the law of other actuators."),
+        caption: format!(
+            "Session {} beside the law of other actuators.",
+            verbatim(session)
+        ),
         figure: Figure::new(&title, DOUBLE_MM, HEIGHT_MM)
             .grid(2)
             .with(forces)
