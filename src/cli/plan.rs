@@ -101,15 +101,11 @@ fn scatter_of(args: &PlanArgs, campaign: &str, diameter_mm: u32) -> Result<Scatt
 }
 
 fn scatter(found: &CampaignFindings) -> Option<Scatter> {
-    let sd = |id: &str| {
-        let own = found.scatter.iter().find(|s| s.id == id);
-        own.map(|s| s.sd_predictive)
-    };
     let misfit = found.misfit.as_ref()?;
     Some(Scatter {
-        gain: sd("specimen_variation")?,
-        length_mm: sd("length_offset")?,
-        zero_n: sd("force_zero_offset")?,
+        gain: found.scatter_sd("specimen_variation")?,
+        length_mm: found.scatter_sd("length_offset")?,
+        zero_n: found.scatter_sd("force_zero_offset")?,
         common_misfit: misfit.common,
         session_misfit: misfit.session,
         noise_n: found.noise?,

@@ -155,13 +155,9 @@ impl Read {
         };
         let found = self.findings.iter().flat_map(|f| &f.campaigns);
         let found = found.filter(of_group).find_map(|c| {
-            let sd = |id: &str| {
-                let own = c.scatter.iter().find(|s| s.id == id);
-                own.map(|s| s.sd_predictive)
-            };
             Some(Sizes {
-                length_mm: sd("length_offset")?,
-                zero_n: sd("force_zero_offset")?,
+                length_mm: c.scatter_sd("length_offset")?,
+                zero_n: c.scatter_sd("force_zero_offset")?,
                 left_n: c.before.rmse_heldout_calibrated?,
                 noise_n: c.noise?,
             })

@@ -91,6 +91,14 @@ pub struct CampaignFindings {
     pub alternatives: Vec<Alternative>,
 }
 
+impl CampaignFindings {
+    /// The standard deviation that predictions take of what varies from group to group, by its id, in its unit.
+    pub fn scatter_sd(&self, id: &str) -> Option<f64> {
+        let found = self.scatter.iter().find(|s| s.id == id);
+        found.map(|s| s.sd_predictive)
+    }
+}
+
 /// How much was searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Design {

@@ -20,8 +20,8 @@ use pipeline_findings::{ActsOn, CampaignFindings, EffectFinding, Findings, Recor
 use pipeline_fit::equations::cap_length_m;
 use pipeline_fit::{is_fitted, is_usable};
 use pipeline_mechanics::effects;
+use pipeline_mechanics::models::P_620_KPA;
 use pipeline_mechanics::models::new;
-use pipeline_mechanics::models::{ForceModel, P_620_KPA};
 use pipeline_numerics::cholesky::Cholesky;
 use pipeline_numerics::matrix::Matrix;
 use pipeline_numerics::statistics::sum_of_squares;
@@ -252,20 +252,9 @@ fn population(session: &Session, rows: &[&Row], known: &Known) -> Option<Populat
     if let Some((_, population)) = found {
         return Some(population);
     }
-    let published = new::NewPublished.coefficients(diameter_mm);
-    let value = |symbol: &str| {
-        let mut all = published.iter();
-        all.find(|c| c.symbol == symbol).map(|c| c.value)
-    };
     Some(Population {
         name: "the published law, with usual scatter".to_owned(),
-        coefficients: [
-            value("b1")?,
-            value("b2")?,
-            value("c0")?,
-            value("c1")?,
-            value("c2")?,
-        ],
+        coefficients: new::published(diameter_mm, new::SYMBOLS)?,
         cap_length_m: cap,
         gain_sd: settings::USUAL_GAIN,
         length_sd_mm: settings::USUAL_SET_LENGTH_MM,
@@ -281,10 +270,6 @@ impl Population {
             let mut all = found.coefficients.iter();
             all.find(|c| c.name == name).map(|c| c.before)
         };
-        let sd = |id: &str| {
-            let mut all = found.scatter.iter();
-            all.find(|s| s.id == id).map(|s| s.sd_predictive)
-        };
         Some(Self {
             name: format!("the null model of {}", found.campaign),
             coefficients: [
@@ -295,9 +280,9 @@ impl Population {
                 coefficient("c2")?,
             ],
             cap_length_m,
-            gain_sd: sd("specimen_variation")?,
-            length_sd_mm: sd("length_offset")?,
-            zero_sd_n: sd("force_zero_offset")?,
+            gain_sd: found.scatter_sd("specimen_variation")?,
+            length_sd_mm: found.scatter_sd("length_offset")?,
+            zero_sd_n: found.scatter_sd("force_zero_offset")?,
             left_n: found.before.rmse_heldout_calibrated?,
         })
     }

@@ -2,7 +2,6 @@
 
 use pipeline_base::diagnostics::Diagnostic;
 use pipeline_base::toml_reader::{Entry, Reader, Section, parse};
-use pipeline_mechanics::models::ForceModel;
 use pipeline_mechanics::models::new;
 use serde::Serialize;
 
@@ -94,19 +93,6 @@ impl Plan {
     }
 }
 
-/// b1, b2, c0, c1, c2 as published; none for a diameter of which nothing is.
-pub(crate) fn published(diameter_mm: u32) -> Option<[f64; 5]> {
-    let all = new::NewPublished.coefficients(diameter_mm);
-    let value = |symbol: &str| all.iter().find(|c| c.symbol == symbol).map(|c| c.value);
-    Some([
-        value("b1")?,
-        value("b2")?,
-        value("c0")?,
-        value("c1")?,
-        value("c2")?,
-    ])
-}
-
 /// Reads and checks the text of a plan; messages call it `file`.
 ///
 /// # Errors
@@ -166,7 +152,7 @@ fn plan(root: &Section) -> Option<Plan> {
     let diameter = root.require("diameter_mm", "10, 20 or 40", "of these a law is published");
     let diameter_mm = diameter.and_then(|entry| {
         let whole = entry.integer().and_then(|d| u32::try_from(d).ok());
-        let known = whole.filter(|d| published(*d).is_some());
+        let known = whole.filter(|d| new::published(*d, new::SYMBOLS).is_some());
         if known.is_none() {
             entry.reject("10, 20 or 40", "of these a law is published");
         }

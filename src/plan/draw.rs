@@ -3,7 +3,7 @@
 //! F = (1 + u) F(P, l + d) (1 + m_c(eps*, P) + m_s(P)) + z + e: the published law, strength u of the specimen, set length d and zero z of the
 //! session, misfits as sums of waves with random phases, noise e. A slack actuator gives 0 and noise.
 
-use crate::design::{Plan, published};
+use crate::design::Plan;
 use pipeline_base::random::Stream;
 use pipeline_base::row::Row;
 use pipeline_base::session::{Kind, Phase};
@@ -58,7 +58,8 @@ impl Waves {
 /// # Panics
 /// Nothing is published of the diameter: [`crate::design::read`] refuses that.
 pub fn rows(plan: &Plan, seed: u64) -> Vec<Row> {
-    let [b1, b2, c0, c1, c2] = published(plan.diameter_mm).expect("a diameter with a law");
+    let [b1, b2, c0, c1, c2] =
+        new::published(plan.diameter_mm, new::SYMBOLS).expect("a diameter with a law");
     let cap = cap_length_m(plan.diameter_mm, &FitOptions::default());
     let sizes = &plan.scatter;
     let mut rows = Vec::with_capacity(plan.readings());

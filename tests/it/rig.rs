@@ -11,9 +11,9 @@ use pipeline::stages::fit::engine::Fold;
 use pipeline::stages::fit::equations::JOINT;
 use pipeline::stages::fit::{GroupFit, is_fitted};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-fn run(bench: &Bench, rig: &std::path::Path) -> Said {
+fn run(bench: &Bench, rig: &Path) -> Said {
     let said = bench.run(&["run", "--raw", rig.to_str().unwrap()]);
     assert_eq!(said.code, 0, "{}", said.err);
     said
@@ -190,7 +190,116 @@ fn sessions_by_themselves_show_what_is_known_to_be_wrong_with_them() {
     }
     // Nothing is called a recording error where the measurers know of none.
     let mistakes = all.iter().flat_map(|i| i["checks"].as_array().unwrap());
-    assert_eq!(mistakes.filter(|c| c["check"] == "mistake").count(), 0);
+    let is_mistake = |c: &&serde_json::Value| c["check"] == "mistake" || c["check"] == "columns";
+    assert_eq!(mistakes.filter(is_mistake).count(), 0);
+    described_wrongly(&bench, &rig);
+}
+
+/// Every session of a campaign with one mistake in the description of its columns. Prints a row for each.
+fn described_wrongly(bench: &Bench, rig: &Path) {
+    let mistakes = [
+        (
+            "sign of the force",
+            "force",
+            "unit = \"N\"",
+            "unit = \"N\", gain = -1",
+            13,
+        ),
+        (
+            "psi for kPa",
+            "pressure",
+            "unit = \"kPa\"",
+            "unit = \"psi\"",
+            16,
+        ),
+        (
+            "bar for kPa",
+            "pressure",
+            "unit = \"kPa\"",
+            "unit = \"bar\"",
+            16,
+        ),
+        ("lbf for N", "force", "unit = \"N\"", "unit = \"lbf\"", 16),
+        (
+            "kPa of a log in psi",
+            "pressure",
+            "unit = \"kPa\"",
+            "unit = \"kPa\", gain = 0.14504",
+            16,
+        ),
+        (
+            "N of a log in lbf",
+            "force",
+            "unit = \"N\"",
+            "unit = \"N\", gain = 0.22481",
+            8,
+        ),
+    ];
+    println!("| mistake | named | something else | fine |\n|---|---|---|---|");
+    for (name, column, right, wrong, least) in mistakes {
+        let states: Vec<(bool, bool)> = sessions_of(&rig.join("isometric-10mm-2022-11"))
+            .iter()
+            .map(|folder| copied_with(bench, folder, column, (right, wrong)))
+            .map(|copy| {
+                let said = bench.run(&["check-session", copy.to_str().unwrap(), "--json"]);
+                let all: serde_json::Value = serde_json::from_str(&said.out).unwrap();
+                let checks = all[0]["checks"].as_array().unwrap();
+                let named = checks.iter().find(|c| c["check"] == "columns");
+                let is_right = named.is_some_and(|c| {
+                    let of = c["otherwise"]["column"].as_str();
+                    of.is_some_and(|of| of.starts_with(column))
+                });
+                (is_right, said.code == 0)
+            })
+            .collect();
+        let named = states.iter().filter(|s| s.0).count();
+        let fine = states.iter().filter(|s| s.1).count();
+        println!(
+            "| {name} | {named} | {} | {fine} |",
+            states.len() - named - fine
+        );
+        assert_eq!(states.len(), 16);
+        assert!(
+            named >= least && fine <= 1,
+            "{name}: {named} named, {fine} fine"
+        );
+    }
+}
+
+/// The folders of the sessions below a folder.
+fn sessions_of(folder: &Path) -> Vec<PathBuf> {
+    let all = walkdir::WalkDir::new(folder)
+        .sort_by_file_name()
+        .into_iter();
+    let files = all.map(|entry| entry.unwrap().into_path());
+    let described = files.filter(|f| f.ends_with("session.toml"));
+    described.map(|f| f.parent().unwrap().to_owned()).collect()
+}
+
+/// A copy of a session with a replacement in the line of a column.
+fn copied_with(bench: &Bench, folder: &Path, column: &str, (old, new): (&str, &str)) -> PathBuf {
+    let to = bench.root().join("described");
+    if to.exists() {
+        std::fs::remove_dir_all(&to).unwrap();
+    }
+    std::fs::create_dir(&to).unwrap();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        std::fs::copy(&path, to.join(path.file_name().unwrap())).unwrap();
+    }
+    let description = to.join("session.toml");
+    let text = std::fs::read_to_string(&description).unwrap();
+    let lines = text.lines().map(|line| {
+        if line.starts_with(column) {
+            assert!(line.contains(old), "{line}");
+            line.replace(old, new)
+        } else {
+            line.to_owned()
+        }
+    });
+    let lines: Vec<String> = lines.collect();
+    std::fs::write(&description, lines.join("\n") + "\n").unwrap();
+    to
 }
 
 /// A fit, how sessions scatter about it, and the readings of each of its actuators, session by session.
@@ -210,13 +319,9 @@ fn measured(root: &Path, campaign: &str) -> Measured {
     let findings: Findings = serde_json::from_slice(&read("reports/findings.json")).unwrap();
     let found = findings.campaigns.iter().find(|c| c.campaign == campaign);
     let found = found.unwrap();
-    let sd = |id: &str| {
-        let own = found.scatter.iter().find(|s| s.id == id);
-        own.unwrap().sd_predictive
-    };
     let sizes = Sizes {
-        length_mm: sd("length_offset"),
-        zero_n: sd("force_zero_offset"),
+        length_mm: found.scatter_sd("length_offset").unwrap(),
+        zero_n: found.scatter_sd("force_zero_offset").unwrap(),
         left_n: found.before.rmse_heldout_calibrated.unwrap(),
         noise_n: found.noise.unwrap(),
     };

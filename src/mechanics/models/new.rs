@@ -87,6 +87,17 @@ const LENGTH_SLACK_M: f64 = 0.0005;
 /// The force model of the force paper, with its published coefficients.
 pub struct NewPublished;
 
+/// The symbols of the law with a dependence on the resting length, in the order of [`f620`] and [`force`].
+pub const SYMBOLS: [&str; 5] = ["b1", "b2", "c0", "c1", "c2"];
+
+/// The published coefficients of these symbols; none where one of them is not published for the diameter.
+pub fn published<const N: usize>(diameter_mm: u32, symbols: [&str; N]) -> Option<[f64; N]> {
+    let list = NewPublished.coefficients(diameter_mm);
+    let of = |symbol: &str| list.iter().find(|c| c.symbol == symbol).map(|c| c.value);
+    let found: Vec<f64> = symbols.iter().filter_map(|s| of(s)).collect();
+    found.try_into().ok()
+}
+
 impl ForceModel for NewPublished {
     fn id(&self) -> &'static str {
         "new_published"

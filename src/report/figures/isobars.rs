@@ -1,7 +1,7 @@
 //! Relative force against relative contraction along isobars, with the readings near them and the Festo tool (force paper, Fig. 4).
 
 use crate::figures::formatting::{millimetres, number};
-use crate::figures::laws::{festo, places, published};
+use crate::figures::laws::{festo, places};
 use crate::figures::looks::of_isobar;
 use crate::figures::readings::{isobars, near};
 use crate::input::GroupInput;
@@ -32,7 +32,7 @@ pub fn figure(group: &GroupInput, config: &Config) -> Option<(String, Figure)> {
         .grid(2)
         .shared_legend()
         .with(fitted.title("Fitted here"));
-    if let Some([b1, b2, c0, c1, c2]) = published(diameter, ["b1", "b2", "c0", "c1", "c2"]) {
+    if let Some([b1, b2, c0, c1, c2]) = new::published(diameter, new::SYMBOLS) {
         let panel = sheet.panel([c0, c1, c2], |l| new::f620(b1, b2, offset, l));
         figure = figure.with(panel.title("Published coefficients"));
     }

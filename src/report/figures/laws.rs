@@ -3,18 +3,8 @@
 use crate::figures::formatting::symbol;
 use crate::wording::name::coefficient_state;
 use pipeline_fit::engine::{CoefficientState, EquationFit};
-use pipeline_mechanics::models::{
-    Direction, ForceModel, Prediction, State, festo_tool::FestoTool, new,
-};
+use pipeline_mechanics::models::{Direction, ForceModel, Prediction, State, festo_tool::FestoTool};
 use pipeline_numerics::jackknife;
-
-/// The published coefficients of these names, for a diameter that has them all.
-pub fn published<const N: usize>(diameter_mm: u32, symbols: [&str; N]) -> Option<[f64; N]> {
-    let list = new::NewPublished.coefficients(diameter_mm);
-    let of = |symbol: &str| list.iter().find(|c| c.symbol == symbol).map(|c| c.value);
-    let found: Vec<f64> = symbols.iter().filter_map(|s| of(s)).collect();
-    found.try_into().ok()
-}
 
 /// The state of an actuator that is held at a contraction (fraction) and gauge pressure in kPa; lengths in m.
 pub fn state(

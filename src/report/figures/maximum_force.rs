@@ -1,7 +1,7 @@
 //! Maximum force at 620 kPa against resting length: measured, fitted with its band, published, Festo (force paper, Fig. 2).
 
 use crate::figures::formatting::listed;
-use crate::figures::laws::{self, Band, festo, misleading, places, published};
+use crate::figures::laws::{self, Band, festo, misleading, places};
 use crate::input::GroupInput;
 use crate::plot::{Axis, Dash, Figure, Ink, Layer, Mark, Panel, SINGLE_MM, Series, Shape, Stroke};
 use pipeline_config::Config;
@@ -118,7 +118,7 @@ impl<'a> Plot<'a> {
                 Series::line(law.name, curve, Stroke::new(Ink::Blue, law.dash))
             })
             .collect();
-        if let Some(b) = published(self.diameter_mm, ["b1", "b2"]) {
+        if let Some(b) = new::published(self.diameter_mm, ["b1", "b2"]) {
             let stroke = Stroke::new(Ink::Vermilion, Dash::DashDot);
             lines.push(Series::line("published", self.curve(&b), stroke));
         }
@@ -164,7 +164,7 @@ impl<'a> Plot<'a> {
 
     fn caption(&self) -> String {
         let mut shown: Vec<String> = self.sound().map(|l| l.words.to_owned()).collect();
-        if published(self.diameter_mm, ["b1", "b2"]).is_some() {
+        if new::published(self.diameter_mm, ["b1", "b2"]).is_some() {
             shown.push("the published law".to_owned());
         }
         if festo(self.diameter_mm, 0.0, P_620_KPA).is_finite() {

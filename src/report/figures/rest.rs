@@ -1,7 +1,7 @@
 //! Force at resting length along isobars, and eps_620, against resting length (force paper, Fig. 3).
 
 use crate::figures::formatting::number;
-use crate::figures::laws::{self, misleading, places, published};
+use crate::figures::laws::{self, misleading, places};
 use crate::figures::looks::of_isobar;
 use crate::figures::readings::{first_isobars, near};
 use crate::input::GroupInput;
@@ -62,14 +62,14 @@ impl<'a> Isoclines<'a> {
             return None;
         }
         let fit = group.fit.equation(FORCE_AT_REST);
-        let offset = published(diameter, ["l_0 (Eq. 7)"]).map(|[l_0]| l_0);
+        let offset = new::published(diameter, ["l_0 (Eq. 7)"]).map(|[l_0]| l_0);
         Some(Self {
             group,
             at_rest,
             pressures,
             fit: fit.filter(|f| misleading(f).is_none()),
             why_not: fit.and_then(misleading),
-            published: published(diameter, ["a1", "a2"]),
+            published: new::published(diameter, ["a1", "a2"]),
             offset: offset.unwrap_or_else(|| cap_length_m(diameter, &config.fit)),
         })
     }

@@ -68,12 +68,7 @@ const HUNT_BOUNDS: [(f64, f64); 6] = [
 
 /// The published coefficient, or a neutral value.
 fn published_or(diameter_mm: u32, symbol: &str, otherwise: f64) -> f64 {
-    let model = &new::NewPublished;
-    model
-        .coefficients(diameter_mm)
-        .iter()
-        .find(|c| c.symbol == symbol)
-        .map_or(otherwise, |c| c.value)
+    new::published(diameter_mm, [symbol]).map_or(otherwise, |[value]| value)
 }
 
 impl Base {
