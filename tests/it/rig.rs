@@ -195,7 +195,8 @@ fn sessions_by_themselves_show_what_is_known_to_be_wrong_with_them() {
     described_wrongly(&bench, &rig);
 }
 
-/// Every session of a campaign with one mistake in the description of its columns. Prints a row for each.
+/// Every session of a campaign with one mistake in the description of its columns; one of them, at three quarters of the contraction of the
+/// shortest actuator, has hardly any force. Prints a row for each mistake.
 fn described_wrongly(bench: &Bench, rig: &Path) {
     let mistakes = [
         (
@@ -210,22 +211,22 @@ fn described_wrongly(bench: &Bench, rig: &Path) {
             "pressure",
             "unit = \"kPa\"",
             "unit = \"psi\"",
-            16,
+            15,
         ),
         (
             "bar for kPa",
             "pressure",
             "unit = \"kPa\"",
             "unit = \"bar\"",
-            16,
+            15,
         ),
-        ("lbf for N", "force", "unit = \"N\"", "unit = \"lbf\"", 16),
+        ("lbf for N", "force", "unit = \"N\"", "unit = \"lbf\"", 15),
         (
             "kPa of a log in psi",
             "pressure",
             "unit = \"kPa\"",
             "unit = \"kPa\", gain = 0.14504",
-            16,
+            15,
         ),
         (
             "N of a log in lbf",
