@@ -53,6 +53,16 @@ class Findings:
         return self.raw["not_assessed"]
 
     @property
+    def sizes(self) -> pd.DataFrame:
+        """The numbers of the effects found, a row each: value with interval and unit, and how probable the effect is by chance."""
+        kept = ("id", "acts_on", "p_familywise", "found_in_folds", "negligible")
+        rows = []
+        for effect in self.raw["effects"]:
+            about = {name: effect[name] for name in kept}
+            rows += [{**about, **number, "parameter": number["name"]} for number in effect["parameters"]]
+        return pd.DataFrame(rows, columns=[*kept, "parameter", "value", "ci_low", "ci_high", "unit"])
+
+    @property
     def errors(self) -> pd.DataFrame:
         """Errors before and after the effects, a row each, in `raw["unit"]`."""
         return pd.json_normalize([self.raw["before"], self.raw["after"]]).set_axis(["before", "after"])
