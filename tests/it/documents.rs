@@ -67,4 +67,17 @@ mod outside {
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{said}");
     }
+
+    #[test]
+    #[ignore = "needs Python with venv, and pandas and pyarrow from PyPI"]
+    fn the_python_bridge_says_what_the_program_says() {
+        let python = outside_program("PYTHON", "python3", &["-c", "import venv, tomllib"]);
+        let output = Command::new(python)
+            .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scripts/python_bridge.py"))
+            .arg(env!("CARGO_BIN_EXE_pipeline"))
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{said}");
+    }
 }
