@@ -153,7 +153,8 @@ class Project:
     ) -> pd.DataFrame:
         """The force of every state of a frame, with its index: `force_n` and `inside`, by arrays.
 
-        `intervals=True` adds `low_n` and `high_n` (NaN where there is none), by one call of the program a row: 500 rows at most.
+        `intervals=True` adds `low_n` and `high_n` (NaN where there is none, and outside of the box), by one call of the program a row: 500 rows
+        at most.
         """
         at = states(frame, columns)
         own = diameter_mm is None and "diameter_mm" in frame
@@ -175,6 +176,8 @@ class Project:
                 said = self.predict_state(campaign=campaign, diameter_mm=diameter, **state)["answer"]["interval"] or {}
                 ends.append((said.get("low_n", float("nan")), said.get("high_n", float("nan"))))
             answer[["low_n", "high_n"]] = pd.DataFrame(ends, index=at.index, columns=["low_n", "high_n"], dtype=float)
+            # There the exported force is bounded, and the program's interval is about another one.
+            answer.loc[~answer["inside"], ["low_n", "high_n"]] = float("nan")
         return answer
 
     def check_session(self, folder: str | os.PathLike[str]) -> dict[str, Any]:

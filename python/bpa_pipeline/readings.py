@@ -16,7 +16,7 @@ LENGTHS = ("rest_length", "contracted_length", "length")
 PHASES = ("pressurizing", "depressurizing")
 # Columns of derived/rows.parquet that a run makes itself.
 MADE_BY_A_RUN = {
-    "campaign", "kind", "role", "log", "excluded", "simulated", "row", "last_row", "n_samples", "sd_force_n", "zero_force_n",
+    "campaign", "kind", "role", "log", "simulated", "row", "last_row", "n_samples", "sd_force_n", "zero_force_n",
     "zero_pressure_kpa", "rest_length_sd_m", "contracted_length_sd_m", "length_sd_m", "muscle_length_sd_m", "moment_arm_sd_m",
     "contraction", "contraction_rel", "pressure_rel",
 }  # fmt: skip
@@ -122,6 +122,11 @@ def tidy(frame: pd.DataFrame, columns: Mapping[str, str] | None, diameter_mm: in
     needed = [name for name in rows if name not in ("time_s", "temperature_c")]
     usable = np.isfinite(rows[needed]).all(axis=1) & frame["specimen"].notna()
     messages = []
+    if "excluded" in frame:
+        excluded = frame["excluded"].fillna(0).astype(bool)
+        usable &= ~excluded
+        if excluded.any():
+            messages.append(f"{int(excluded.sum())} of {len(rows)} rows left out: excluded")
     for name in needed:
         lacking = int((~np.isfinite(rows[name])).sum())
         if lacking:
@@ -150,7 +155,7 @@ def tidy(frame: pd.DataFrame, columns: Mapping[str, str] | None, diameter_mm: in
     if "run" in frame:
         rows["run"] = frame["run"]
 
-    known = TAKEN | {f"{quantity}_{unit}" for quantity in LENGTHS for unit in ("m", "mm")}
+    known = TAKEN | {"excluded"} | {f"{quantity}_{unit}" for quantity in LENGTHS for unit in ("m", "mm")}
     made = [name for name in frame if name in MADE_BY_A_RUN or re.fullmatch(r"predicted_.*_n", name)]
     if made:
         messages.append(f"columns that a run makes itself were not taken over: {', '.join(made)}")

@@ -108,6 +108,19 @@ impl Quantity {
         self.units().find(|u| u.symbol == symbol)
     }
 
+    /// The unit in which people usually type it.
+    pub fn usual(self) -> &'static str {
+        match self {
+            Self::Force => "N",
+            Self::Pressure => "kPa",
+            Self::Length => "mm",
+            Self::Angle => "deg",
+            Self::Time => "s",
+            Self::Torque => "N.m",
+            Self::Temperature => "C",
+        }
+    }
+
     /// The units of this quantity as a list for a message: "N, kN, lbf, kgf".
     pub fn list_of_units(self) -> String {
         let symbols: Vec<&str> = self.units().map(|u| u.symbol).collect();

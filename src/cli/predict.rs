@@ -1,6 +1,6 @@
 //! `pipeline predict`.
 
-use crate::args::DerivedArgs;
+use crate::args::ResultArgs;
 use crate::predict_leg::{self, LegArgs};
 use crate::{DONE, predict_calibrate, predict_print, summary, values};
 use pipeline_base::error::{Error, Result};
@@ -77,9 +77,9 @@ pub struct PredictArgs {
     /// The fit of which campaign [default: the pooled one of this diameter, else the one with most specimens]
     #[arg(long, value_name = "ID")]
     pub campaign: Option<String>,
-    /// Where an earlier run left fits.json
+    /// Where an earlier run left fits.json, and for --calibrate findings.json
     #[command(flatten)]
-    pub cache: DerivedArgs,
+    pub results: ResultArgs,
     /// The pressure for this force, at a contraction or length
     #[arg(long, value_name = "FORCE", conflicts_with_all = ["pressure", "sweep", "table", "knee", "length_for"])]
     pub pressure_for: Option<String>,
@@ -132,7 +132,7 @@ pub struct PredictArgs {
 
 /// Predicts, and prints or writes what was asked for.
 pub fn command(args: &PredictArgs) -> Result<u8> {
-    let places = args.cache.places()?;
+    let places = args.results.places()?;
     places.check_outside_raw(args.csv.as_deref(), "--csv")?;
     places.check_outside_raw(args.plot.as_deref(), "--plot")?;
     let read = predict_calibrate::read(args, &places)?;
@@ -248,6 +248,16 @@ fn sweep_command(
             "a length is another contraction at every resting length: give --contraction or --relative-contraction with --sweep rest-length"
                 .to_owned(),
         ));
+    }
+    let given = match axis {
+        Axis::Pressure => around.pressure_kpa.map(|_| "--pressure"),
+        Axis::Contraction => around.contraction.map(|_| "a contraction"),
+        Axis::RestLength => None,
+    };
+    if let Some(given) = given {
+        return Err(Error::Usage(format!(
+            "{given} is what the sweep varies: leave it out (--from and --to set the range)"
+        )));
     }
     let steps = steps(args, axis, &predictor)?;
     let answers = sweep::sweep(&predictor, axis, &steps.values()?, around)?;

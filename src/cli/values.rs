@@ -11,11 +11,11 @@ use pipeline_base::units::Quantity;
 pub fn quantity(option: &str, text: &str, quantity: Quantity) -> Result<f64> {
     let (number, symbol) = split(option, text)?;
     let units = quantity.list_of_units();
-    let first = quantity.units().next().map_or("", |u| u.symbol);
     if symbol.is_empty() {
         return usage(format!(
-            "{option} {text} has no unit: write one of {units} behind it, as in {option} {}{first}",
-            text.trim()
+            "{option} {text} has no unit: write one of {units} behind it, as in {option} {}{}",
+            text.trim(),
+            quantity.usual()
         ));
     }
     match quantity.unit(symbol) {

@@ -117,6 +117,7 @@ def inside(program):
     print(f"{len(many)} states: {time.monotonic() - begun:.2f} s")
     beyond = readings.head(2).assign(pressure_kpa=[300.0, 900.0])
     assert list(fit.predict(beyond).inside) == [True, False]
+    assert list(fit.predict(beyond, intervals=True).low_n.isna()) == [False, True]
     in_mm = pulling[["pressure_kpa"]].assign(**{name.replace("_m", "_mm"): pulling[name] * 1000 for name in lengths})
     assert np.allclose(fit.predict(in_mm).force_n, forces.force_n[pulling.index], rtol=1e-9)
     of_paper = bridge.predict(pulling, diameter_mm=10, program=program)
@@ -186,6 +187,12 @@ def inside(program):
     assert any("2 of 848 rows left out: pressure_kpa" in m for m in again.messages), again.messages
     assert [str(w.message) for w in warned if issubclass(w.category, bridge.PipelineWarning)] == again.messages
     assert again.coefficients.equals(fit.coefficients)
+    wild = pd.concat([readings.assign(excluded=0), readings.head(4).assign(force_n=1e4, excluded=1)])
+    with warnings.catch_warnings(record=True):
+        warnings.simplefilter("always")
+        kept_out = bridge.fit(wild, campaign="frame", project="kept", program=program)
+    assert any("4 of 847 rows left out: excluded" in m for m in kept_out.messages), kept_out.messages
+    assert kept_out.coefficients.equals(fit.coefficients)
 
     # One specimen has coefficients, and no interval for a muscle that was not measured.
     alone = readings[readings.specimen == "sim10-l257"]

@@ -2,6 +2,7 @@
 
 use crate::figures::Named;
 use crate::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Legend, Panel, Series, Stroke, look};
+use crate::wording::name::model_name;
 use pipeline_predict::muscle::mm;
 use pipeline_predict::sweep::{Axis as Along, TABLE_KPA};
 use pipeline_predict::{Answer, Predictor};
@@ -31,11 +32,17 @@ pub fn sweep(predictor: &Predictor, along: Along, answers: &[Answer]) -> Named {
             .map(|a| (x(a), a.others[n].force_n.unwrap_or(f64::NAN)));
         let points: Vec<(f64, f64)> = points.collect();
         if points.iter().any(|p| p.1.is_finite()) {
-            let name = other.model.replace('_', "\\_");
-            panel = panel.with(Series::line(&name, points, Stroke::hair(ink, dash)));
+            let name = model_name(other.model, other.model);
+            panel = panel.with(Series::line(name, points, Stroke::hair(ink, dash)));
         }
     }
-    let name = predictor.choice.law.id().replace('_', "\\_");
+    let name = match &predictor.calibration {
+        Some(_) => "this muscle, by its readings".to_owned(),
+        None => {
+            let id = predictor.choice.law.id();
+            model_name(id, id).to_owned()
+        }
+    };
     let names = [name.clone(), format!("{name}, extrapolated")];
     panel = with_curve(panel, names, answers, &x, Ink::Blue, "95% interval");
     let pressure = first.first().map_or(0.0, |a| a.pressure_kpa);
@@ -142,6 +149,10 @@ fn named(predictor: &Predictor, name: &str, held: &str, panel: Panel) -> Named {
         .contraction_620
         .map_or_else(String::new, |e| format!(", ε_{{620}} {:.1}%", 100.0 * e));
     let (diameter, law) = (muscle.diameter_mm, predictor.choice.law.title());
+    let law = match &predictor.calibration {
+        Some(_) => format!("{law}, and readings of it"),
+        None => law,
+    };
     let title = format!("Predicted force of a {diameter} mm muscle, {law}");
     let heading = format!("{diameter} mm, {held}{free}; {}", law.replace('_', "\\_"));
     Named {
