@@ -293,6 +293,18 @@ fn senseless_input_exits_with_2_and_says_what_to_do() {
 }
 
 #[test]
+fn what_a_sweep_varies_is_not_given_and_a_length_is_asked_for_in_mm() {
+    let bench = Bench::small_done();
+    let sweep = ["--contraction", "2%", "--sweep", "pressure"];
+    let said = predict(&bench, &[&sweep[..], &["--pressure", "3bar"]].concat());
+    assert_eq!(said.code, 2, "{}", said.out);
+    said.warns_of(&["--pressure is what the sweep varies"]);
+    let said = bench.run(&["predict", "--diameter", "10", "--rest-length", "221"]);
+    assert_eq!(said.code, 2, "{}", said.out);
+    said.warns_of(&["as in --rest-length 221mm"]);
+}
+
+#[test]
 fn sweeps_and_the_table_are_printed_written_and_drawn() {
     let bench = Bench::small_done();
     let said = predict(
@@ -315,6 +327,11 @@ fn sweeps_and_the_table_are_printed_written_and_drawn() {
         ],
     );
     assert_eq!(said.code, 0, "{}", said.err);
+    let drawn = std::fs::read_to_string(bench.root().join("s.svg")).unwrap();
+    assert!(
+        !drawn.contains("hunt2017"),
+        "names of models, not their ids"
+    );
     let rows = read_table(&bench.root().join("s.csv"));
     let number = |row: usize, name: &str| rows[row][name].parse::<f64>().unwrap();
     assert_eq!(rows.len(), 6);
