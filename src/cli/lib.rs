@@ -27,6 +27,7 @@ mod manual;
 mod new_session;
 mod places;
 mod plan;
+mod plan_print;
 mod predict;
 mod predict_calibrate;
 mod predict_leg;

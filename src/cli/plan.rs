@@ -1,18 +1,15 @@
 //! `pipeline plan`: a campaign that has not been measured yet.
 
 use crate::args::ResultArgs;
-use crate::columns::{Align, aligned};
 use crate::print::{line, print_json};
-use crate::{DONE, check_session};
+use crate::{DONE, check_session, plan_print, predict};
 use indicatif::{ProgressBar, ProgressStyle};
 use pipeline_base::error::{Error, Result};
-use pipeline_findings::{CampaignFindings, NextKind};
+use pipeline_findings::CampaignFindings;
 use pipeline_plan::design::{self, Plan, Scatter};
-use pipeline_plan::foresee::{Foreseen, Limit, More, Worth, foresee};
-use pipeline_report::number::Rounding;
-use pipeline_report::wording::name;
-use pipeline_report::wording::number::{percent, rounded, with_unit};
-use pipeline_report::wording::sentence::conditions;
+use pipeline_plan::foresee::{Foreseen, Limit, More, foresee};
+use pipeline_report::figures::Named;
+use pipeline_report::figures::campaign_plan::{self, Expected};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -28,6 +25,9 @@ pub struct PlanArgs {
     /// Write the detection limits as CSV
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
+    /// Draw the errors to expect and the set points (.svg, .pdf or .png)
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
     /// Print everything as JSON
     #[arg(long)]
     pub json: bool,
@@ -44,6 +44,7 @@ pub fn command(args: &PlanArgs) -> Result<u8> {
     };
     let places = args.results.places()?;
     places.check_outside_raw(args.csv.as_deref(), "--csv")?;
+    places.check_outside_raw(args.plot.as_deref(), "--plot")?;
     let file = path.display().to_string();
     let text = std::fs::read_to_string(path)
         .map_err(|e| Error::Usage(format!("cannot read the plan {file}: {e}")))?;
@@ -71,10 +72,13 @@ pub fn command(args: &PlanArgs) -> Result<u8> {
         let text = csv_of(&foreseen.limits);
         std::fs::write(csv, text).map_err(Error::io("write", csv))?;
     }
+    if let Some(file) = &args.plot {
+        predict::draw(file, drawing(&plan, &foreseen))?;
+    }
     if args.json {
         print_json(&json!({ "plan": plan, "foreseen": foreseen }))?;
     } else {
-        print(&plan, &foreseen);
+        plan_print::print(&plan, &foreseen);
     }
     Ok(DONE)
 }
@@ -112,14 +116,6 @@ fn scatter(found: &CampaignFindings) -> Option<Scatter> {
     })
 }
 
-fn newtons(value: f64) -> String {
-    format!("{} N", rounded(value, Rounding::Digits(2)))
-}
-
-fn size(limit: &Limit) -> String {
-    with_unit(&rounded(limit.smallest, Rounding::Digits(2)), &limit.unit)
-}
-
 fn csv_of(limits: &[Limit]) -> String {
     let lines = limits
         .iter()
@@ -129,124 +125,41 @@ fn csv_of(limits: &[Limit]) -> String {
         .collect()
 }
 
-fn print(plan: &Plan, foreseen: &Foreseen) {
-    let s = &plan.scatter;
-    line(format!(
-        "plan      {} readings in {} sessions of {} actuators, {} mm",
+/// One thing more, as short as an axis wants it.
+fn short(more: More) -> String {
+    match more {
+        More::Specimen(mm) => format!("+ actuator of {mm} mm"),
+        More::LengthsKnown(mm) => format!("+ lengths to {mm} mm"),
+        More::Contraction(c) => format!("+ sessions at {c:.2}"),
+        More::Run => "+ log a session".to_owned(),
+    }
+}
+
+/// The errors to expect and the set points, as a figure.
+fn drawing(plan: &Plan, foreseen: &Foreseen) -> Named {
+    let as_planned = foreseen.expected_rmse_n.map(|error_n| Expected {
+        what: "as planned".to_owned(),
+        error_n,
+        spread_n: None,
+    });
+    let more = foreseen.worth.iter().map(|w| Expected {
+        what: short(w.more),
+        error_n: w.expected_rmse_n,
+        spread_n: Some(w.spread_n),
+    });
+    let expected: Vec<Expected> = as_planned.into_iter().chain(more).collect();
+    let pressures = || plan.pressures_kpa.iter().copied();
+    let planned = plan.contractions.iter().copied();
+    let planned = planned.flat_map(|c| pressures().map(move |p| (c, p)));
+    let best = plan_print::best_points(foreseen).filter_map(|n| {
+        let of = |key: &str| n.at.get(key).copied();
+        of("contraction_rel").zip(of("pressure_kpa"))
+    });
+    let title = format!(
+        "Plan of {} readings of {} actuators, {} mm",
         plan.readings(),
-        plan.rest_lengths_mm.len() * plan.contractions.len(),
         plan.rest_lengths_mm.len(),
         plan.diameter_mm
-    ));
-    line(format!(
-        "scatter   {}strength {}, set lengths {:.2} mm, zero {}, misfit of the law {} and of a session {}, noise {}",
-        plan.scatter_of
-            .as_ref()
-            .map_or_else(String::new, |c| format!("as in {c}: ")),
-        percent(s.gain),
-        s.length_mm,
-        newtons(s.zero_n),
-        percent(s.common_misfit),
-        percent(s.session_misfit),
-        newtons(s.noise_n)
-    ));
-    let (draws, answered) = foreseen.draws;
-    line(format!(
-        "draws     {draws}, without any effect; something was found in {answered}"
-    ));
-    line("");
-    if let Some(error) = foreseen.expected_rmse_n {
-        line(format!(
-            "error     {} expected on an unseen actuator{}",
-            newtons(error),
-            foreseen
-                .calibrated_rmse_n
-                .map_or_else(String::new, |e| format!(
-                    ", {} with its own strength and lengths known",
-                    newtons(e)
-                ))
-        ));
-        let parts = foreseen.budget.iter().take(5);
-        let parts: Vec<String> = parts
-            .map(|(source, n)| format!("{} {}", name::source(source), newtons(*n)))
-            .collect();
-        line(format!("          of that {}", parts.join(", ")));
-    }
-    line("");
-    line("one thing more, and the error that is expected then");
-    let rows: Vec<Vec<String>> = foreseen.worth.iter().map(worth_row).collect();
-    for text in aligned(&rows, &[Align::Left, Align::Right, Align::Left]) {
-        line(format!("  {text}"));
-    }
-    set_points(foreseen);
-    line("");
-    line("smallest sizes that show in 80 of 100 such campaigns");
-    let rows: Vec<Vec<String>> = foreseen
-        .limits
-        .iter()
-        .map(|l| vec![name::effect(&l.id), l.form.clone(), size(l)])
-        .collect();
-    for text in aligned(&rows, &[Align::Left, Align::Left, Align::Right]) {
-        line(format!("  {text}"));
-    }
-    if !foreseen.not_measurable.is_empty() {
-        line("");
-        line("what this design cannot show");
-        let of = |n: &pipeline_findings::NotMeasurable| {
-            let form = n
-                .form
-                .as_ref()
-                .map_or_else(String::new, |f| format!(", {f}"));
-            vec![
-                format!("{}{form}", name::effect(&n.id)),
-                name::why_not_of_law(n),
-            ]
-        };
-        let rows: Vec<Vec<String>> = foreseen.not_measurable.iter().map(of).collect();
-        for text in aligned(&rows, &[Align::Left, Align::Left]) {
-            line(format!("  {text}"));
-        }
-    }
-    if !foreseen.aliases.is_empty() {
-        line("");
-        line("what looks alike in this design");
-        for alias in &foreseen.aliases {
-            let [a, b] = &alias.ids;
-            line(format!(
-                "  {} and {} (cosine {:.3})",
-                name::effect(a),
-                name::effect(b),
-                alias.cosine
-            ));
-        }
-    }
-}
-
-/// The set points that the search of a draw would read next.
-fn set_points(foreseen: &Foreseen) {
-    let points: Vec<String> = foreseen
-        .next
-        .iter()
-        .filter(|n| n.kind == NextKind::SetPoints && !n.at.contains_key("set_points"))
-        .map(|n| format!("  {}", conditions(n)))
-        .collect();
-    if !points.is_empty() {
-        line("");
-        line("best further set points");
-        points.into_iter().for_each(line);
-    }
-}
-
-fn worth_row(worth: &Worth) -> Vec<String> {
-    let what = match worth.more {
-        More::Specimen(mm) => format!("an actuator of {mm} mm"),
-        More::LengthsKnown(mm) => format!("set lengths known to {mm} mm"),
-        More::Contraction(c) => format!("sessions at a relative contraction of {c:.2}"),
-        More::Run => "one more log a session".to_owned(),
-    };
-    vec![
-        what,
-        newtons(worth.expected_rmse_n),
-        format!("{:+.1} ± {:.1} N", -worth.less_n, worth.spread_n),
-    ]
+    );
+    campaign_plan::figure(&title, &expected, planned.collect(), best.collect())
 }

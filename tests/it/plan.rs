@@ -26,7 +26,10 @@ fn the_example_is_a_plan() {
 #[test]
 fn a_small_campaign_is_foreseen_with_what_would_lower_its_error() {
     let bench = Bench::empty();
-    let said = planned(&bench, SMALL, &["--json", "--csv", "limits.csv"]);
+    let files = ["--csv", "limits.csv", "--plot", "plan.svg"];
+    let said = planned(&bench, SMALL, &[&["--json"], &files[..]].concat());
+    let drawn = std::fs::read_to_string(bench.root().join("plan.svg")).unwrap();
+    assert!(drawn.contains("Plan of"), "{}", &drawn[..300]);
     assert_eq!(said.code, 0, "{}", said.err);
     let value: Value = serde_json::from_str(&said.out).unwrap();
     let foreseen = &value["foreseen"];

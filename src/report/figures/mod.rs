@@ -3,6 +3,7 @@
 //!
 //! A figure that cannot be built is left out and named ([`LeftOut`]); it takes no other with it.
 
+pub mod campaign_plan;
 mod covariates;
 mod data;
 pub mod design;
