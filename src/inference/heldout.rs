@@ -15,6 +15,8 @@ use std::sync::Arc;
 const MOST_STEPS: usize = 12;
 /// Shortest part of a step that is tried.
 const SHORTEST: f64 = 1.0 / 256.0;
+/// Standard deviations by which starts are off, besides those from nothing.
+const AWAY: [f64; 2] = [-2.0, 2.0];
 /// A step by which the penalised sum of squares falls by less is the last.
 const SETTLED: f64 = 1e-3;
 
@@ -302,7 +304,7 @@ impl<'a> Unseen<'a> {
             variances: &calibrating,
             ..asked
         };
-        // From nothing, and from where the misfit led: from nothing lengths that are far off may end anywhere.
+        // From where the misfit led as well.
         let mut led = self.mode(&asked).0.point;
         let tree = self.setting.problem.tree();
         let components = (0..tree.len()).flat_map(|n| tree.components_of(n));
@@ -311,10 +313,45 @@ impl<'a> Unseen<'a> {
                 *b = 0.0;
             }
         }
-        let ends = [&self.model.point, &led].map(|from| self.descend(from, &alone).0);
-        let best = ends.into_iter().min_by(|a, b| a.value.total_cmp(&b.value));
-        let left = best.map(|best| best.left).unwrap_or_default();
+        let away = self.away_from_nothing(&alone);
+        let left = self.lowest(&[&away[..], &[led]].concat(), &alone).left;
         places.into_iter().zip(left).collect()
+    }
+
+    /// Nothing, and starts in which all values of one component that is not linear are off by so many of its standard deviations, the same way: from
+    /// nothing alone, lengths that are far off may end anywhere.
+    fn away_from_nothing(&self, asked: &Asked) -> Vec<Point> {
+        let problem = self.setting.problem;
+        let (tree, components) = (problem.tree(), problem.components());
+        let paths = asked.places.iter().map(|i| problem.node()[*i]);
+        let nodes: BTreeSet<usize> = paths.flat_map(|n| tree.path(n)).filter(|n| *n > 0).collect();
+        let sd = |c: usize| asked.variances.components[c];
+        let open = (0..components.len()).filter(|c| !components[*c].linear && sd(*c) > 0.0);
+        let away = open.flat_map(|c| AWAY.map(|sds| (c, sds * sd(c))));
+        let start = |(component, value): (usize, f64)| {
+            let mut point = self.model.point.clone();
+            for node in &nodes {
+                if let Some((first, columns)) = tree.columns_of(*node, component) {
+                    point.random[first..first + columns].fill(value);
+                }
+            }
+            point
+        };
+        std::iter::once(self.model.point.clone())
+            .chain(away.map(start))
+            .collect()
+    }
+
+    /// Where the descents from some starts, of which there is one at least, end lowest.
+    fn lowest(&self, starts: &[Point], asked: &Asked) -> Stand {
+        let mut best = self.descend(&starts[0], asked).0;
+        for start in &starts[1..] {
+            let end = self.descend(start, asked).0;
+            if end.value < best.value {
+                best = end;
+            }
+        }
+        best
     }
 
     /// The same variances with nothing but what calibrates.
