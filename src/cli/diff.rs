@@ -142,7 +142,7 @@ fn run(args: &DiffArgs, named: &str) -> Result<Run> {
     let findings = std::fs::read(&file).map_err(Error::io("read", &file))?;
     let findings: Findings = pipeline_base::json::from_slice(&findings).map_err(|_| {
         Error::Usage(format!(
-            "{} is not as this version writes it; `pipeline run` writes it again",
+            "{} is not in the format of this version; `pipeline run` rewrites it",
             file.display()
         ))
     })?;

@@ -90,7 +90,7 @@ fn status_names_what_has_to_be_put_back_beside_what_is_to_be_computed() {
     touch(&session, "campaign", "date = \"2026-02\"\ncampaign");
     let said = bench.run(&["status"]);
     assert!(
-        said.out.contains("0 files would be put back"),
+        said.out.contains("0 files would be restored"),
         "{}",
         said.out
     );
@@ -113,7 +113,7 @@ fn status_names_what_has_to_be_put_back_beside_what_is_to_be_computed() {
         assert!(said.out.contains(lost), "{lost}: {}", said.out);
     }
     assert!(
-        said.out.contains("3 files would be put back"),
+        said.out.contains("3 files would be restored"),
         "{}",
         said.out
     );
