@@ -13,13 +13,13 @@ use std::path::PathBuf;
 /// Arguments of `bundle`.
 #[derive(Debug, clap::Args)]
 pub struct BundleArgs {
-    /// The zip to write
+    /// The zip file to write
     #[arg(long, short, value_name = "FILE", default_value = "bundle.zip")]
     pub out: PathBuf,
-    /// Put the raw files into it; without, they are named with their digests
+    /// Include the raw files; otherwise they are listed with their digests
     #[arg(long)]
     pub with_raw: bool,
-    /// Replace a file that is there already
+    /// Replace an existing file
     #[arg(long)]
     pub replace: bool,
     /// Where things are

@@ -24,16 +24,16 @@ use std::path::{Path, PathBuf};
 /// Arguments of `check-session`.
 #[derive(Debug, clap::Args)]
 pub struct CheckSessionArgs {
-    /// The folder of the session, or one above several
+    /// The session folder, or a folder above several
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// Check each log of the session as it comes, until Ctrl-C
+    /// Check each log of the session as it arrives, until Ctrl-C
     #[arg(long, conflicts_with = "json")]
     pub watch: bool,
-    /// With --watch: end after so many logs
+    /// With --watch: stop after this many logs
     #[arg(long, value_name = "N", requires = "watch")]
     pub logs: Option<usize>,
-    /// Draw the readings beside what is expected of them into this folder, one file a session or log
+    /// Plot the readings with their expected values into this folder, one file per session or log
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
     /// Where an earlier run left its results

@@ -36,13 +36,13 @@ pub struct DesignArgs {
     /// This diameter only, mm [default: every one that was measured]
     #[arg(long, value_name = "MM")]
     pub diameter: Option<String>,
-    /// The fit of which campaign [default: as for `predict`]
+    /// Campaign whose fit is used [default: as for `predict`]
     #[arg(long, value_name = "ID")]
     pub campaign: Option<String>,
-    /// Meet the curve with the law, as half of the muscles do, and not with the lower end of the interval
+    /// Meet the curve with the law itself, as half of the muscles do, instead of the lower end of the interval
     #[arg(long)]
     pub nominal: bool,
-    /// Of a torque: the leg (pinned, biomimetic, or a file that describes one)
+    /// For a torque curve: the leg (pinned, biomimetic, or a file that describes one)
     #[arg(long, value_name = "NAME|FILE")]
     pub knee: Option<String>,
     /// How it is built in

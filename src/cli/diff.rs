@@ -25,10 +25,10 @@ pub struct DiffArgs {
     /// A campaign of this project, the folder of another project, or FOLDER:CAMPAIGN
     #[arg(value_name = "A")]
     pub first: String,
-    /// What it is compared with, of the same kinds
+    /// What to compare it with, in the same form
     #[arg(value_name = "B")]
     pub second: String,
-    /// Forces that differ by less, as a share of that at resting length and 620 kPa, are alike; Festo states 10% for actuators of one kind
+    /// Margin of equivalence, as a share of the force at resting length and 620 kPa; Festo states 10% for actuators of one type
     #[arg(long, value_name = "SHARE", default_value = "10%")]
     pub margin: String,
     /// Only this diameter, mm

@@ -29,7 +29,7 @@ pub struct ExplainArgs {
     /// List every session and every raw file
     #[arg(long, short)]
     pub verbose: bool,
-    /// Print as JSON, everything
+    /// Print everything as JSON
     #[arg(long)]
     pub json: bool,
 }

@@ -13,10 +13,10 @@ use std::path::PathBuf;
 pub struct ExploreArgs {
     /// The campaign, as `session.toml` names it
     pub campaign: String,
-    /// Where the page goes
+    /// File to write the page to
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
-    /// Write over a file that is no such page
+    /// Overwrite a file that is not such a page
     #[arg(long)]
     pub force: bool,
     /// Where things are

@@ -24,7 +24,7 @@ pub struct ExportArgs {
 /// What there is to export: an engine of [`ENGINES`] each, and the model.
 #[derive(Debug, clap::Subcommand)]
 pub enum What {
-    /// Print the work of a run as a Snakemake workflow, whose jobs share a cache
+    /// Print a run as a Snakemake workflow whose jobs share a cache
     #[command(
         after_help = "Example:\n  pipeline export snakemake > Snakefile\n  snakemake --cores 8\n\nEvery job is `pipeline run --only STAGE:UNIT`, which fills the cache below derived/; an ordinary `pipeline run` at the end writes the reports. All machines have to see raw/ and derived/ under the same paths. --jobs is the number of threads of one job (0: one)."
     )]

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `init`.
 #[derive(Debug, clap::Args)]
 pub struct InitArgs {
-    /// The folder of the project; made where it is not there
+    /// The project folder; created if it does not exist
     #[arg(default_value = ".")]
     pub folder: PathBuf,
 }

@@ -19,7 +19,7 @@ pub struct PlanArgs {
     /// The plan
     #[arg(value_name = "PLAN.toml", required_unless_present = "example")]
     pub plan: Option<PathBuf>,
-    /// Print a plan to begin with
+    /// Print a plan to start from
     #[arg(long)]
     pub example: bool,
     /// Write the detection limits as CSV

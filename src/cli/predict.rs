@@ -42,10 +42,10 @@ pub struct PredictArgs {
     /// Resting length, clamp to clamp, without pressure
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, required_unless_present_any = ["specimen", "calibrate"])]
     pub rest_length: Option<String>,
-    /// A specimen of the last run: its lengths, and what its readings say of its strength
+    /// A specimen of the last run: its lengths, and its gain as estimated from its readings
     #[arg(long, value_name = "ID", conflicts_with_all = ["diameter", "rest_length", "contracted_length", "contraction_620", "knee"])]
     pub specimen: Option<String>,
-    /// The folder of a session of a few readings of the muscle, which need not be in the raw directory; may be given several times
+    /// Folder of a session with a few readings of the muscle, which need not be in the raw directory; may be given several times
     #[arg(long, value_name = "DIR", conflicts_with_all = ["diameter", "rest_length", "contracted_length", "contraction_620", "knee"])]
     pub calibrate: Vec<PathBuf>,
     /// Free length at 620 kPa
@@ -65,7 +65,7 @@ pub struct PredictArgs {
     /// Contraction, as a fraction of the resting length
     #[arg(long, value_name = "FRACTION", allow_hyphen_values = true)]
     pub contraction: Option<String>,
-    /// Present length, instead of a contraction
+    /// Current length, instead of a contraction
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub length: Option<String>,
     /// Contraction as a fraction of that at 620 kPa, instead of a contraction
@@ -74,7 +74,7 @@ pub struct PredictArgs {
     /// "new" (fitted by an earlier run) or the id of a published model
     #[arg(long, value_name = "ID", default_value = "new")]
     pub model: String,
-    /// The fit of which campaign [default: the pooled one of this diameter, else the one with most specimens]
+    /// Campaign whose fit is used [default: the pooled one of this diameter, else the one with most specimens]
     #[arg(long, value_name = "ID")]
     pub campaign: Option<String>,
     /// Where an earlier run left fits.json, and for --calibrate findings.json

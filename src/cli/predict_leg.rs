@@ -46,7 +46,7 @@ pub struct LegArgs {
     /// How it is built in
     #[command(flatten)]
     pub mount: MountArgs,
-    /// The human muscle to be met: bifemsh, vasti, vas_int, vas_lat, vas_med [default: by the direction of the pull]
+    /// The human muscle to match: bifemsh, vasti, vas_int, vas_lat, vas_med [default: by the direction of the pull]
     #[arg(long, value_name = "NAME", requires = "knee")]
     pub human: Option<String>,
 }

@@ -67,7 +67,7 @@ fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, Stri
     facts.extend(most.map(|most| {
         (
             "implausibly large",
-            format!("typical parts: at most {most}"),
+            format!("such parts measure at most {most}"),
         )
     }));
     let mut misfit = found.misfit.iter();

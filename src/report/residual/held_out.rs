@@ -65,7 +65,7 @@ pub(super) fn is_predictive(found: &CampaignFindings) -> bool {
 pub(super) fn black_box(found: &CampaignFindings) -> String {
     let reaches = |e: f64| {
         let beats = if black_box_beats(found) {
-            ", less than the model with the effects found: part of the residual is systematic and not yet identified"
+            ", less than the final model: part of the residual is systematic and not yet identified"
         } else {
             ""
         };
