@@ -37,7 +37,7 @@ pub fn command(args: &BundleArgs) -> Result<u8> {
     places.check_outside_raw(Some(out), "--out")?;
     if out.exists() && !args.replace {
         return Err(Error::Usage(format!(
-            "{} is there already; --replace writes it anew, --out FILE names another",
+            "{} already exists; --replace overwrites it, --out FILE names another",
             out.display()
         )));
     }
@@ -46,7 +46,7 @@ pub fn command(args: &BundleArgs) -> Result<u8> {
     let waiting = outcome.work.len() + outcome.written.len();
     if waiting > 0 {
         return Err(Error::Usage(format!(
-            "the last run is out of date: {} would be computed or put back (`pipeline status` says which); `pipeline run` first",
+            "the last run is out of date: {} would be computed or restored (`pipeline status` says which); `pipeline run` first",
             counted(waiting, "result", "results")
         )));
     }
@@ -61,7 +61,7 @@ pub fn command(args: &BundleArgs) -> Result<u8> {
     let written = bundle.write(out)?;
     if places.config.bundle.license.is_empty() {
         eprintln!(
-            "note: the bundle states no license, and repositories ask for one; set `license` below [bundle] of pipeline.toml"
+            "note: the bundle states no license, and repositories ask for one; set `license` under [bundle] in pipeline.toml"
         );
     }
     if args.places.json {

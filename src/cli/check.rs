@@ -83,7 +83,7 @@ fn print_blessing(blessing: &Blessing, golden: &Path, as_json: bool) -> Result<(
     }
     for table in &blessing.removed {
         line(format!(
-            "{table}: taken away, for golden.toml does not name it"
+            "{table}: removed, because golden.toml does not name it"
         ));
     }
     line(match blessing.is_empty() {

@@ -200,7 +200,7 @@ fn pairs<'r>(args: &DiffArgs, [first, second]: &'r [Run; 2]) -> Result<Vec<[Side
         if sides.is_empty() {
             let known: Vec<&str> = run.fits.iter().map(|f| f.group.campaign.as_str()).collect();
             return Err(Error::Usage(format!(
-                "{} is no campaign with a fit of the force{}; there are {}",
+                "{} is not a campaign with a force fit{}; there are {}",
                 run.name,
                 args.diameter
                     .map_or_else(String::new, |d| format!(" for {d} mm")),
@@ -340,7 +340,7 @@ fn conclusion(force: Option<&Difference>, margin: f64) -> String {
         Outcome::Equivalent => format!("Equivalent at a margin of {margin_text}."),
         Outcome::Different => format!("Different by more than the margin of {margin_text}."),
         Outcome::Undecided => {
-            format!("Neither equivalent nor different is shown at a margin of {margin_text}.")
+            format!("Neither equivalence nor a difference is shown at a margin of {margin_text}.")
         }
     };
     let shared = match d.shared {

@@ -38,7 +38,7 @@ pub fn command(args: &GcArgs) -> Result<u8> {
     let mut cache = Cache::open(&derived, Access::Look, &progress)?;
     if cache.last().is_empty() {
         return Err(Error::Usage(format!(
-            "nothing has been run in {} yet, or its state.jsonl is lost; `pipeline run` first, so that it is known what is needed",
+            "nothing has been run in {} yet, or its state.jsonl is lost; `pipeline run` first, to establish what is needed",
             derived.display()
         )));
     }
@@ -67,7 +67,7 @@ fn print(plan: &Plan, args: &GcArgs) -> Result<()> {
     }
     line(format!(
         "{}: {} entries, {} objects and {} leftovers of killed runs, {} of {}; {} entries stay, {} of them in use",
-        if args.dry_run { "would go" } else { "gone" },
+        if args.dry_run { "would be deleted" } else { "deleted" },
         plan.entries.len(),
         plan.objects.len(),
         plan.leftovers.len(),

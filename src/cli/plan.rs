@@ -131,7 +131,7 @@ fn short(more: More) -> String {
         More::Specimen(mm) => format!("+ actuator of {mm} mm"),
         More::LengthsKnown(mm) => format!("+ lengths to {mm} mm"),
         More::Contraction(c) => format!("+ sessions at {c:.2}"),
-        More::Run => "+ log a session".to_owned(),
+        More::Run => "+ log per session".to_owned(),
     }
 }
 

@@ -239,13 +239,13 @@ fn sweep_command(
 ) -> Result<()> {
     if axis == Axis::RestLength && predictor.calibration.is_some() {
         return Err(Error::Usage(
-            "readings of a muscle say nothing of one of another length: leave out --specimen and --calibrate with --sweep rest-length"
+            "readings of a muscle do not apply to one of another length: leave out --specimen and --calibrate with --sweep rest-length"
                 .to_owned(),
         ));
     }
     if axis == Axis::RestLength && matches!(around.contraction, Some(Contraction::Length(_))) {
         return Err(Error::Usage(
-            "a length is another contraction at every resting length: give --contraction or --relative-contraction with --sweep rest-length"
+            "a length is a different contraction at each resting length: give --contraction or --relative-contraction with --sweep rest-length"
                 .to_owned(),
         ));
     }
@@ -355,7 +355,7 @@ pub(super) fn fits(derived: &Path) -> Result<Vec<GroupFit>> {
     };
     serde_json::from_slice(&text).map_err(|e| {
         Error::Usage(format!(
-            "{} cannot be read ({e}): another version wrote it; `pipeline run` writes it again",
+            "{} cannot be read ({e}): it was written by another version; `pipeline run` rewrites it",
             path.display()
         ))
     })

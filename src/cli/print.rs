@@ -79,7 +79,7 @@ fn reasons(outcome: &Outcome) {
 fn put_back(written: &[std::path::PathBuf]) {
     for path in written.iter().take(SHOWN) {
         let what = match path.exists() {
-            true => "not as the run made it",
+            true => "changed since the run",
             false => "missing",
         };
         line(format!("{}: {what}", path.display()));

@@ -54,7 +54,7 @@ fn a_sound_session_is_fine_and_nothing_is_written() {
     let said = bench.run(&["check-session", &folder, "--plot", "plots"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     assert!(
-        said.out.contains("new: ok") && said.out.contains("strength"),
+        said.out.contains("new: ok") && said.out.contains("specimen gain"),
         "{}",
         said.out
     );
