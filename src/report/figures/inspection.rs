@@ -26,7 +26,7 @@ pub fn figure(session: &str, points: &[Point]) -> Option<Named> {
             force(3),
             by_own,
         ));
-    let axis = Axis::new("Measured less expected (N)").including(0.0);
+    let axis = Axis::new("Measured minus expected (N)").including(0.0);
     let residuals = Panel::new(pressure(), axis)
         .legend(Legend::None)
         .with(Layer::zero())
