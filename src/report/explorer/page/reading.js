@@ -100,7 +100,7 @@ function source(set, k) {
   ];
   const list = of.filter(([, text]) => text).map(([name, text]) => [element("dt", {}, name), element("dd", {}, String(text))]);
   const command = element("code", {}, `pipeline explain ${id}`);
-  const how = element("p", { className: "note" }, "The stages, options and digests behind it: ", command, "; the digests of the raw files: ", element("a", { href: "provenance.json" }, "provenance.json"), ".");
+  const how = element("p", { className: "note" }, "Its stages, options and digests: ", command, "; the digests of the raw files: ", element("a", { href: "provenance.json" }, "provenance.json"), ".");
   return element("section", {}, element("h3", {}, "Where it comes from"), element("dl", {}, list.flat()), how);
 }
 
