@@ -148,7 +148,8 @@ fn simulate_help() -> String {
         "Example:\n  pipeline simulate truths/closed-loop-10mm.toml --out /tmp/campaign --truth-out /tmp/truth.json\n\n\
          The truth file says what is measured (specimens, contractions, points or logs over time), on which rig, and what the models \
          lack:\n\n  [[effect]]\n  id = \"series_compliance\"\n  c_um_per_n = 6.0\n\nEffects: {}.\n\n\
-         The session notes say that they are simulated, but nothing about effects. The values drawn (specimen gains, zeros, effect sizes) go to the file given with --truth-out, outside the campaign folder.",
+         The session notes say that they are simulated, but nothing about effects. The values drawn (specimen gains, zeros, effect sizes) go to \
+         the file given with --truth-out, outside the campaign folder.",
         ids.join(", ")
     )
 }
@@ -156,7 +157,9 @@ fn simulate_help() -> String {
 fn new_session_help() -> String {
     format!(
         "Examples:\n  pipeline new-session logs/test8.csv --out /tmp/test8\n  pipeline new-session logs/*.csv --out raw --copy\n  pipeline new-session old.txt --skip-rows 12 --encoding latin-1\n  pipeline new-session logs/runs.xlsx --sheet \"Run 8\"\n  \
-         pipeline new-session logs/rig.mat --variable log --json\n\nFormats: {}; each also compressed with gzip. Guesses (quantities, units, states, sampling) are noted in the comments of session.toml, and what no log can tell is marked FILL IN. Correct it, remove the marks and put it beside the log; while a mark remains, a run leaves the session out and lists the lines.",
+         pipeline new-session logs/rig.mat --variable log --json\n\nFormats: {}; each also compressed with gzip. Guesses (quantities, units, \
+         states, sampling) are noted in the comments of session.toml, and what no log can tell is marked FILL IN. Correct it, remove the marks and \
+         put it beside the log; while a mark remains, a run leaves the session out and lists the lines.",
         pipeline_formats::list_of_formats()
     )
 }

@@ -266,7 +266,8 @@ fn how(stage: &str) -> Option<&'static str> {
             "measured minus predicted for every model: RMSE, largest error, bias, adjusted R² by split (docs/data.md)"
         }
         "diagnose" => {
-            "one mixed model of the residual of the law: scatter by restricted likelihood, effects tested by bootstrap, errors on specimens left out (docs/loop.md)"
+            "one mixed model of the residual of the law: scatter by restricted likelihood, effects tested by bootstrap, errors on specimens left \
+             out (docs/loop.md)"
         }
         "torque" => {
             "force of each model times the moment arm of the route, and the same mixed model on the torques (docs/loop.md)"

@@ -218,7 +218,8 @@ pub fn left_out(all: &[LeftOut]) {
     }
     if !all.is_empty() {
         eprintln!(
-            "{} left out because of a defect in pipeline itself, please report it; everything else is complete, and summary.json names them. To retry, or once it is fixed: pipeline run --force report",
+            "{} left out because of a defect in pipeline itself, please report it; everything else is complete, and summary.json names them. To \
+             retry, or once it is fixed: pipeline run --force report",
             left_out::counted(all)
         );
     }

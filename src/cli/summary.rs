@@ -264,7 +264,8 @@ fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
     })
 }
 
-/// `RMSE on unseen specimens, laws alone by least squares: New model, fitted 13.2, Hunt 2017 18.1, Festo tool 25.6 N (on the 1290 of 1675 readings that all of them cover)`.
+/// `RMSE on unseen specimens, laws alone by least squares: New model, fitted 13.2, Hunt 2017 18.1, Festo tool 25.6 N (on the 1290 of 1675
+/// readings that all of them cover)`.
 fn models_text(models: &GroupModels) -> String {
     let one = |m: &ModelError| {
         let fallback = if m.model == NEW { "new" } else { &m.model };

@@ -122,7 +122,8 @@ fn caption(lines: &[(&Comparison, f64)]) -> String {
         ""
     };
     format!(
-        "Root-mean-square error of every model on the {readings} readings that the new model, Hunt 2017 and the Festo tool all cover: published models as \
+        "Root-mean-square error of every model on the {readings} readings that the new model, Hunt 2017 and the Festo tool all cover: published \
+         models as \
          published{refitted}{fitted}.{partial}"
     )
 }

@@ -188,7 +188,8 @@ impl<'a> Sheet<'a> {
             _ => "three specimens",
         };
         format!(
-            "Force against contraction of {which}: readings within 10 kPa of the pressure and every compared model. Curves are thin where a model extrapolates beyond its data, and end where it gives no force or at the upper edge.{left_out}"
+            "Force against contraction of {which}: readings within 10 kPa of the pressure and every compared model. Curves are thin where a model \
+             extrapolates beyond its data, and end where it gives no force or at the upper edge.{left_out}"
         )
     }
 }

@@ -166,10 +166,12 @@ pub(super) fn shuffled(found: &CampaignFindings) -> String {
     match (low, taken) {
         (false, _) => "",
         (true, false) => {
-            "The shuffled column carries no information: at the 0.05 level, one such column in twenty is significant by chance. It is not searched further."
+            "The shuffled column carries no information: at the 0.05 level, one such column in twenty is significant by chance. It is not searched \
+             further."
         }
         (true, true) => {
-            "The shuffled column carries no information: at the 0.05 level, one such column in twenty is significant by chance. Others here may be, too."
+            "The shuffled column carries no information: at the 0.05 level, one such column in twenty is significant by chance. Others here may \
+             be, too."
         }
     }
     .to_owned()

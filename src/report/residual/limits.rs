@@ -127,7 +127,8 @@ pub(super) fn worth_withheld(found: &CampaignFindings) -> String {
     }
     let units = name::nouns(found).units;
     format!(
-        "The worth of a measurement is the decrease in error that the model with the effects expects. It is omitted where that says nothing about unseen {units}: where their error rises with the effects, or the decrease would exceed it."
+        "The worth of a measurement is the decrease in error that the model with the effects expects. It is omitted where that says nothing about \
+         unseen {units}: where their error rises with the effects, or the decrease would exceed it."
     )
 }
 

@@ -42,7 +42,8 @@ pub fn residual_errors(input: &ReportInput) -> Table {
         .text("found", "Found without it", |(_, l)| l.after.map(|u| u.found.join(" ")))
         .span("Readings used", "rmse_heldout_after_1", "rmse_heldout_after_5")
         .note(
-            "Root-mean-square errors. \\v{Own values}: gain, lengths and zeros of the held-out unit that best fit all its readings, so in-sample. \\v{Readings used} from each session \
+            "Root-mean-square errors. \\v{Own values}: gain, lengths and zeros of the held-out unit that best fit all its readings, so \
+             in-sample. \\v{Readings used} from each session \
              (test), scored on the others. \\v{Realised}: mean squared error divided by the expected one.",
         )
         .of_all(input, lines)
@@ -92,7 +93,8 @@ pub fn alternatives(input: &ReportInput) -> Table {
         .value("value", "Value", One, |(_, (_, p))| size(p))
         .interval("ci", "95%", One, |(_, (_, p))| size(p))
         .text("number_unit", "Unit", |(_, (_, p))| p.map(|p| &p.unit))
-        .note("\\v{Log-likelihood}: relative to the first. \\v{Held out}: each alternative as it is, without a search. \\v{Log density}: per held-out reading.")
+        .note("\\v{Log-likelihood}: relative to the first. \\v{Held out}: each alternative as it is, without a search. \\v{Log density}: per \
+             held-out reading.")
         .of_all(input, |found| found.alternatives.iter().flat_map(numbers).collect())
 }
 

@@ -20,7 +20,8 @@ pub fn recording_errors(input: &ReportInput) -> Table {
         .error("rms", "RMS", |(_, e)| e.rms)
         .error("rms_corrected", "Corrected", |(_, e)| e.rms_corrected)
         .flag("set_aside", "Set aside", |(_, e)| e.set_aside)
-        .note("\\v{Size}: true minus recorded, or the factor of a unit. \\v{RMS} of the group's readings about that model, as recorded and as corrected.")
+        .note("\\v{Size}: true minus recorded, or the factor of a unit. \\v{RMS} of the group's readings about that model, as recorded and as \
+             corrected.")
         .of_all(input, |found| found.recording_errors.iter().collect())
 }
 

@@ -18,7 +18,8 @@ pub fn tested(input: &ReportInput) -> Table {
         .number("amplitude", "Size", One, Digits(2), |(_, t)| finite(t.amplitude))
         .text("unit", "Unit", |(_, t)| &t.unit)
         .number("p_familywise", "\\v{p}", One, Digits(2), |(_, t)| finite(t.p_familywise))
-        .note("\\v{Gain}: in log-likelihood, of the linearised candidate added alone to the model without effects; those of an effect found are from a full fit. \\v{Size}: of the linearised candidate. \\v{p}: probability of a candidate as strong as this anywhere.")
+        .note("\\v{Gain}: in log-likelihood, of the linearised candidate added alone to the model without effects; those of an effect found are \
+             from a full fit. \\v{Size}: of the linearised candidate. \\v{p}: probability of a candidate as strong as this anywhere.")
         .of_all(input, |found| found.tested.iter().collect())
 }
 

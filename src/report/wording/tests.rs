@@ -27,12 +27,15 @@ fn the_answer_of_the_issue() {
     assert_eq!(
         broken(&sentences(&example())),
         [
-            "Threshold pressure of the bladder 60.0 kPa (indistinguishable from zero of the pressure sensor): the mixed model's error on unseen specimens falls from 18.7 to 15.8 N.",
+            "Threshold pressure of the bladder 60.0 kPa (indistinguishable from zero of the pressure sensor): the mixed model's error on unseen \
+             specimens falls from 18.7 to 15.8 N.",
             "The zero of the force scatters by 0.60 N, not by the declared 0.20 N.",
             "What the effects leave is not all noise: the error depends on humidity (p = 0.0020), for which the library has no effect \
              (12% of its variance).",
-            "The 13.4 N error expected on an unseen specimen combines, in quadrature, 12.0 from set lengths (0.90 mm), 4.1 from specimen gain (4.2%), 3.0 from \
-             estimation, 1.4 from all else and 2.6 from noise; knowing set lengths to 0.2 mm would lower the error by 6.0 N; three readings per session of a new specimen reduce the error to 5.1 N.",
+            "The 13.4 N error expected on an unseen specimen combines, in quadrature, 12.0 from set lengths (0.90 mm), 4.1 from specimen gain \
+             (4.2%), 3.0 from \
+             estimation, 1.4 from all else and 2.6 from noise; knowing set lengths to 0.2 mm would lower the error by 6.0 N; three readings per \
+             session of a new specimen reduce the error to 5.1 N.",
             "Recording error: session s05 (set length, \u{2212}10.0 mm; set aside here only).",
         ]
     );
@@ -45,12 +48,15 @@ fn an_error_that_rises_and_a_density_that_falls_are_said_in_plain_words() {
     found.after.log_density_heldout = Some(-4.5);
     assert_eq!(
         said(&found),
-        "the mixed model's error on unseen specimens falls from 18.7 to 15.8 N, but the uncertainty stated with the predictions gets worse (log predictive density per reading \u{2212}4.31 before, \u{2212}4.50 after)"
+        "the mixed model's error on unseen specimens falls from 18.7 to 15.8 N, but the uncertainty stated with the predictions gets worse (log \
+         predictive density per reading \u{2212}4.31 before, \u{2212}4.50 after)"
     );
     found.after.rmse_heldout = Some(25.0);
     assert_eq!(
         said(&found),
-        "the mixed model's error on unseen specimens rises with the effects, from 18.7 to 25.0 N, and the uncertainty stated with the predictions gets worse too (log predictive density per reading \u{2212}4.31 before, \u{2212}4.50 after): the effects describe these specimens and do not help on others"
+        "the mixed model's error on unseen specimens rises with the effects, from 18.7 to 25.0 N, and the uncertainty stated with the predictions \
+         gets worse too (log predictive density per reading \u{2212}4.31 before, \u{2212}4.50 after): the effects describe these specimens and do \
+         not help on others"
     );
     found.after.log_density_heldout = Some(-4.0);
     assert!(

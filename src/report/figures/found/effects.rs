@@ -195,7 +195,8 @@ fn caption(shown: &Shown, fit: usize, drawn: usize) -> String {
                 String::new()
             };
             format!(
-                " Below{which}: the size as a smooth function of the effect's own argument, with its 95% band, and the probability of such a change if one size is enough. Everything else is refitted, so that it need not agree with the single size (dashed)."
+                " Below{which}: the size as a smooth function of the effect's own argument, with its 95% band, and the probability of such a \
+                 change if one size is enough. Everything else is refitted, so that it need not agree with the single size (dashed)."
             )
         }
     };

@@ -336,7 +336,8 @@ fn caption(shown: &Shown, rows: &[OneResidual]) -> String {
         ""
     };
     format!(
-        "Residual (measured minus predicted) of {readings} readings, before and after the effects, against the most informative columns; _p_ is that of the family-wise test of a \
+        "Residual (measured minus predicted) of {readings} readings, before and after the effects, against the most informative columns; _p_ is \
+         that of the family-wise test of a \
          smooth dependence, where the column was tested. _Before_ and _after_: {misfit}.{own}{units}{drawn}"
     )
 }

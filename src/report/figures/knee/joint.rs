@@ -81,7 +81,8 @@ pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
     Named {
         name: name(campaign, joint),
         caption: format!(
-            "{simulated}{}, {} mm: measured torque (marks, one type per test; crosses are not fitted), the rigid leg and the leg with the effects found{held_out}.{others}",
+            "{simulated}{}, {} mm: measured torque (marks, one type per test; crosses are not fitted), the rigid leg and the leg with the effects \
+             found{held_out}.{others}",
             configuration::capitalised(part),
             found.diameter_mm
         ),

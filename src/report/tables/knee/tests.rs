@@ -11,7 +11,8 @@ type Row<'a> = (&'a CampaignTorque, &'a Configuration, &'a Test);
 #[rustfmt::skip]
 pub fn tests(campaigns: &[CampaignTorque]) -> Table {
     let configurations = campaigns.iter().flat_map(|campaign| campaign.configurations.iter().map(move |c| (campaign, c)));
-    Described::<Row>::new("knee_tests", "Tests of torque: values measured by hand minus those expected from the geometry of the leg (means over the readings)")
+    Described::<Row>::new("knee_tests", "Tests of torque: values measured by hand minus those expected from the geometry of the leg (means over \
+         the readings)")
         .text("campaign", "Campaign", |(campaign, ..)| &campaign.campaign).machines()
         .text("session", "Test", |(.., t)| &t.session)
         .text("configuration", "Configuration", |(_, c, _)| &c.id).machines()

@@ -33,7 +33,8 @@ fn named_sources(found: &CampaignFindings) -> (Vec<&BudgetEntry>, f64) {
     (named, left.max(0.0).sqrt())
 }
 
-/// `the 13.4 N error expected on an unseen specimen combines, in quadrature, 12.0 from set lengths (0.9 mm), 4.1 from specimen gain and 2.6 from noise`.
+/// `the 13.4 N error expected on an unseen specimen combines, in quadrature, 12.0 from set lengths (0.9 mm), 4.1 from
+/// specimen gain and 2.6 from noise`.
 pub(super) fn budget(found: &CampaignFindings) -> Option<String> {
     let (named, left) = named_sources(found);
     let from = |b: &&BudgetEntry| {
