@@ -67,7 +67,11 @@ fn print(plan: &Plan, args: &GcArgs) -> Result<()> {
     }
     line(format!(
         "{}: {} entries, {} objects and {} leftovers of killed runs, {} of {}; {} entries stay, {} of them in use",
-        if args.dry_run { "would be deleted" } else { "deleted" },
+        if args.dry_run {
+            "would be deleted"
+        } else {
+            "deleted"
+        },
         plan.entries.len(),
         plan.objects.len(),
         plan.leftovers.len(),

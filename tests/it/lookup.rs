@@ -77,11 +77,7 @@ fn a_changed_file_an_option_and_a_wrong_name_are_said() {
     assert_eq!(bench.run(&["run"]).code, 0);
     std::fs::write(bench.root().join("reports/tables/zeros.csv"), "mine\n").unwrap();
     let said = bench.run(&["explain", "tables/zeros.csv"]);
-    assert!(
-        said.out.contains("changed since the run"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("changed since the run"), "{}", said.out);
     assert!(
         said.out.contains("clean.settle_s = 0.2 (default 0.15)"),
         "{}",

@@ -48,7 +48,7 @@ fn a_project_needs_no_paths_and_nothing_copied_from_elsewhere() {
     }
     let again = run(&bench, &["check", "--init"]);
     assert_eq!(again.code, 2, "{}", again.out);
-    assert!(bench.run(&["init", "lab"]).err.contains("is there already"));
+    assert!(bench.run(&["init", "lab"]).err.contains("already exists"));
 }
 
 #[test]
