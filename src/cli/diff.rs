@@ -224,7 +224,7 @@ fn pairs<'r>(args: &DiffArgs, [first, second]: &'r [Run; 2]) -> Result<Vec<[Side
     }
     if pairs.is_empty() {
         return Err(Error::Usage(format!(
-            "{} and {} have no fit of one diameter{} in common",
+            "{} and {} have no fit of the same diameter{} in common",
             first.name,
             second.name,
             if by_name { "" } else { " and campaign" }

@@ -65,7 +65,7 @@ pub fn command(args: &InitArgs) -> Result<u8> {
         &format!(
             "{shown} is now a project: {CONFIG}, {GOLDEN}/golden.toml, {IGNORED}, and {RAW}/ for the sessions"
         ),
-        "next: pipeline new-session LOG --out raw/NAME   writes a first session.toml for a log",
+        "next: pipeline new-session LOG --out raw/NAME   writes a draft session.toml for a log",
         "      pipeline run                              computes the reports",
         "      pipeline check --init                     keeps the tables, to compare later ones with",
     ] {

@@ -125,7 +125,7 @@ impl Read {
         let Law::Fitted(fit, joint) = choice.law else {
             if !was_asked_for {
                 return Err(Error::Usage(
-                    "there is no fit of this diameter: `pipeline run` makes it from sessions of other muscles"
+                    "there is no fit for this diameter: `pipeline run` makes it from sessions of other muscles"
                         .to_owned(),
                 ));
             }

@@ -36,7 +36,7 @@ pub fn figure(session: &str, points: &[Point]) -> Option<Named> {
     (!points.is_empty()).then(|| Named {
         name: "inspection".to_owned(),
         caption: format!(
-            "Session {} beside the law of other actuators.",
+            "Session {} compared with the law of other actuators.",
             verbatim(session)
         ),
         figure: Figure::new(&title, DOUBLE_MM, HEIGHT_MM)

@@ -34,7 +34,7 @@ fn the_answer_of_the_issue() {
              (12% of its variance).",
             "The 13.4 N error expected on an unseen specimen combines, in quadrature, 12.0 from set lengths (0.90 mm), 4.1 from specimen gain \
              (4.2%), 3.0 from \
-             estimation, 1.4 from all else and 2.6 from noise; knowing set lengths to 0.2 mm would lower the error by 6.0 N; three readings per \
+             estimation, 1.4 from other sources and 2.6 from noise; knowing set lengths to 0.2 mm would lower the error by 6.0 N; three readings per \
              session of a new specimen reduce the error to 5.1 N.",
             "Recording error: session s05 (set length, \u{2212}10.0 mm; set aside here only).",
         ]

@@ -140,7 +140,7 @@ fn own_estimates(effect: &EffectFinding, unit: &str) -> Option<Panel> {
         })
         .collect();
     let mut panel = Panel::new(Axis::new(&amplitude(effect)), Axis::categories("", &names))
-        .title(&format!("Each {unit} by itself"))
+        .title(&format!("Each {unit} alone"))
         .legend(Legend::None);
     for layer in interval(effect).into_iter().chain(estimate(effect)) {
         panel = panel.with(layer);

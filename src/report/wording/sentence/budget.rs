@@ -47,7 +47,7 @@ pub(super) fn budget(found: &CampaignFindings) -> Option<String> {
     };
     let mut parts: Vec<String> = named.iter().map(from).collect();
     if left > 0.0 && left.is_finite() {
-        let others = format!("{} from all else", error(left, &found.unit));
+        let others = format!("{} from other sources", error(left, &found.unit));
         parts.insert(
             parts.len().saturating_sub(1).max(1).min(parts.len()),
             others,
