@@ -592,6 +592,12 @@ pub struct Residuals {
     pub after: Vec<f64>,
     /// Measured less predicted with effects and predicted random effects.
     pub conditional: Vec<f64>,
+    /// Measured less predicted without effects, by a fit without the reading's unit; NaN where it was not held out.
+    #[serde(default)]
+    pub unseen_before: Vec<f64>,
+    /// The same with the effects that the search without the unit found.
+    #[serde(default)]
+    pub unseen: Vec<f64>,
     /// Predicted without effects.
     pub predicted: Vec<f64>,
     /// The columns that were tested, by name, one value a reading.

@@ -53,7 +53,8 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// What the residual search expects of its readings: without effects, with them, after each in turn, and with the values of specimen and session.
+    /// What the residual search expects of its readings: without effects, with them, after each in turn, with the values of specimen and session, and
+    /// where the specimen took no part.
     pub fn put_search(&mut self, is_pool: bool, residuals: &Residuals) {
         let keys = residuals
             .session
@@ -74,6 +75,10 @@ impl<'a> Columns<'a> {
         put("before", &residuals.before);
         put("after", &residuals.after);
         put("conditional", &residuals.conditional);
+        if residuals.unseen.iter().any(|left| left.is_finite()) {
+            put("unseen_before", &residuals.unseen_before);
+            put("unseen", &residuals.unseen);
+        }
         for (k, (_, left)) in residuals.steps.iter().enumerate() {
             put(&format!("after_{}", k + 1), left);
         }

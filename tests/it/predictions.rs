@@ -77,6 +77,11 @@ fn errors_of_the_residual_search_are_those_of_the_findings() {
         let expected = campaign[side]["rmse_train"].as_f64().unwrap();
         assert!(is_same(rms(&errors), expected), "{side} {expected}");
     }
+    for (column, side) in [("unseen_before", "before"), ("unseen", "after")] {
+        let errors = errors(&rows, &format!("predicted_loop_{column}_n"), "train");
+        let expected = campaign[side]["rmse_heldout"].as_f64().unwrap();
+        assert!(is_same(rms(&errors), expected), "{column} {expected}");
+    }
     let steps = ["effects", "unexplained"].map(|of| campaign[of].as_array().unwrap().len());
     let column = |k: usize| format!("predicted_loop_after_{k}_n");
     let last: usize = steps.iter().sum();

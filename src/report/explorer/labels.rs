@@ -56,6 +56,8 @@ fn of_search(part: &str) -> Option<String> {
         "before" => "Search: without effects".to_owned(),
         "after" => "Search: with all effects".to_owned(),
         "conditional" => "Search: with effects, and this specimen and session known".to_owned(),
+        "unseen_before" => "Search: without effects, fitted without the specimen".to_owned(),
+        "unseen" => "Search: with effects, made without the specimen".to_owned(),
         _ => match part.strip_prefix("after_")? {
             "1" => "Search: with the first effect".to_owned(),
             number => format!("Search: with {number} effects"),
@@ -89,7 +91,7 @@ pub fn of_forces<'a>(input: &ReportInput, columns: impl Iterator<Item = &'a Stri
                 (false, false, "new_unseen") => 1,
                 (false, false, _) => 2,
                 (false, true, _) => 3 + order_of_search(id),
-                _ => 6,
+                _ => 7,
             };
             let of_pool = if pool { "Pool of campaigns: " } else { "" };
             let model = Model {
@@ -109,6 +111,7 @@ fn order_of_search(id: &str) -> u8 {
     match id {
         "loop_before" => 0,
         "loop_after" | "loop_conditional" => 2,
+        "loop_unseen_before" | "loop_unseen" => 3,
         _ => 1,
     }
 }

@@ -111,6 +111,8 @@ fn residuals_frame(residuals: &Residuals) -> Frame {
         .with("before", numbers(&residuals.before))
         .with("after", numbers(&residuals.after))
         .with("conditional", numbers(&residuals.conditional))
+        .with("unseen_before", numbers(&residuals.unseen_before))
+        .with("unseen", numbers(&residuals.unseen))
         .with("predicted", numbers(&residuals.predicted))
 }
 
@@ -132,6 +134,8 @@ fn residuals(frame: Frame, tested: Frame) -> Residuals {
             ("before", Values::Number(x)) => residuals.before = x,
             ("after", Values::Number(x)) => residuals.after = x,
             ("conditional", Values::Number(x)) => residuals.conditional = x,
+            ("unseen_before", Values::Number(x)) => residuals.unseen_before = x,
+            ("unseen", Values::Number(x)) => residuals.unseen = x,
             ("predicted", Values::Number(x)) => residuals.predicted = x,
             _ => {}
         }
@@ -157,6 +161,8 @@ mod tests {
             before: vec![1.0, -2.0],
             after: vec![0.5, -0.25],
             conditional: vec![0.1, 0.0],
+            unseen_before: vec![1.5, -2.5],
+            unseen: vec![0.75, -0.5],
             predicted: vec![10.0, 20.0],
             columns: vec![
                 ("session".into(), vec![0.0, 1.0]),

@@ -501,6 +501,8 @@ impl Work<'_> {
             before: self.left_as_unseen(&self.found.null),
             after: self.left_as_unseen(&self.found.model),
             conditional: query::conditional(&self.found.model),
+            unseen_before: self.held.left[0].clone(),
+            unseen: self.held.left[1].clone(),
             predicted: self.unconditional(&self.found.null.point, None),
             columns: columns(data),
             steps: self.steps(),

@@ -33,6 +33,8 @@ pub struct Tally {
     pub expected: f64,
     /// How many are inside their 50 and 95% intervals.
     pub inside: (usize, usize),
+    /// Measured less predicted, by reading.
+    pub left: Vec<(usize, f64)>,
     calibrated: f64,
     largest: f64,
     log_density: f64,
@@ -80,6 +82,7 @@ impl Tally {
             tally.misfit += misfit * misfit;
             tally.expected += sd * sd + misfit * misfit;
             tally.largest = tally.largest.max(alone.abs());
+            tally.left.push((*i, alone));
             tally.inside.0 += usize::from(e.abs() <= QUANTILES.0 * sd);
             tally.inside.1 += usize::from(e.abs() <= QUANTILES.1 * sd);
             let bin = (normal_cdf(e / sd) * BINS as f64) as usize;
@@ -96,6 +99,7 @@ impl Tally {
         self.squares += other.squares;
         self.calibrated += other.calibrated;
         self.count += other.count;
+        self.left.extend_from_slice(&other.left);
         self.largest = self.largest.max(other.largest);
         self.log_density += other.log_density;
         self.expected += other.expected;
@@ -133,6 +137,15 @@ impl Tally {
                 .collect(),
             log_density_heldout: any.then(|| self.log_density / n),
         }
+    }
+
+    /// Measured less predicted of so many readings; NaN of those that were not held out.
+    pub fn left_of(&self, readings: usize) -> Vec<f64> {
+        let mut all = vec![f64::NAN; readings];
+        for (reading, left) in &self.left {
+            all[*reading] = *left;
+        }
+        all
     }
 
     /// Shares inside the 50 and 95% intervals; none where nothing was held out.

@@ -98,8 +98,8 @@ pub fn frame<'a>(campaigns: impl Iterator<Item = &'a CampaignTorque>) -> Frame {
     frame.with_units(units)
 }
 
-/// What the residual search of each joint expects of its readings, N.m, by column: without effects, with them, after each in turn, and with the
-/// values of actuator and test; NaN where it has not asked.
+/// What the residual search of each joint expects of its readings, N.m, by column: without effects, with them, after each in turn, with the
+/// values of actuator and test, and where the actuator took no part; NaN where it has not asked.
 fn of_searches(all: &[Reading]) -> BTreeMap<String, Vec<f64>> {
     let key = |r: &Reading| (r.test.session.clone(), r.point.log.clone(), r.point.row);
     let places: BTreeMap<(String, String, i64), usize> =
@@ -134,6 +134,10 @@ fn of_searches(all: &[Reading]) -> BTreeMap<String, Vec<f64>> {
         put("before", &residuals.before);
         put("after", &residuals.after);
         put("conditional", &residuals.conditional);
+        if residuals.unseen.iter().any(|left| left.is_finite()) {
+            put("unseen_before", &residuals.unseen_before);
+            put("unseen", &residuals.unseen);
+        }
         for (k, (_, left)) in residuals.steps.iter().enumerate() {
             put(&format!("after_{}", k + 1), left);
         }

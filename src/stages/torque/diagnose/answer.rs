@@ -330,6 +330,8 @@ impl Work<'_> {
             before: self.residual(&without),
             after: self.residual(&with),
             conditional: self.torques().map(|i| conditional[i]).collect(),
+            unseen_before: self.torques().map(|i| self.held.left[0][i]).collect(),
+            unseen: self.torques().map(|i| self.held.left[1][i]).collect(),
             predicted: without,
             columns: columns
                 .map(|c| {

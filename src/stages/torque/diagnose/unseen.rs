@@ -43,6 +43,8 @@ pub struct HeldOut {
     pub inside: Option<(f64, f64)>,
     /// Histogram of the probability integral transform, as shares.
     pub pit: Vec<f64>,
+    /// Measured less predicted without and with effects, one value a reading; NaN of those that were not held out.
+    pub left: [Vec<f64>; 2],
     /// What each fold found.
     pub folds: Vec<Fold>,
 }
@@ -103,6 +105,7 @@ pub fn held_out(
         budget: after.budget("N.m", source),
         inside: after.shares_inside(),
         pit: after.pit(),
+        left: [&sums.0, after].map(|t| t.left_of(problem.observed().len())),
         folds,
     }
 }
