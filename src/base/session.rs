@@ -171,11 +171,11 @@ pub struct TextFormat {
     pub encoding: Encoding,
 }
 
-/// How the characters of a text log are written.
+/// Character encoding of a text log.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Encoding {
-    /// As nearly every program writes them today.
+    /// What nearly every program writes today.
     #[default]
     Utf8,
     /// ISO 8859-1, as many loggers write µ, ° and umlauts.

@@ -24,7 +24,7 @@ use std::path::PathBuf;
 #[command(
     name = "pipeline",
     version,
-    about,
+    about = "From raw test-rig sessions of braided pneumatic actuators to a paper's tables, figures and reports",
     subcommand_required = true,
     arg_required_else_help = true,
     after_help = "Example:\n  pipeline run --raw my-sessions --reports my-reports\n\nStages, in order: ingest, clean, normalize, fit, compare, diagnose, torque, report. Results are cached by content in derived/; a second run does nothing."
@@ -41,22 +41,22 @@ const MOST_JOBS: u64 = 256;
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Make a project of your own: pipeline.toml with its folders, settings of the golden tables, .gitignore
+    /// Create a project: pipeline.toml with its folders, settings for the golden tables, .gitignore
     #[command(
-        after_help = "Example:\n  pipeline init my-muscles\n  cd my-muscles\n  pipeline new-session ~/logs/test8.csv --out raw/test8\n  pipeline run\n  pipeline check --init\n\nEvery command reads where things are from pipeline.toml; --raw, --derived and --reports come before it."
+        after_help = "Example:\n  pipeline init my-muscles\n  cd my-muscles\n  pipeline new-session ~/logs/test8.csv --out raw/test8\n  pipeline run\n  pipeline check --init\n\nEvery command takes its directories from pipeline.toml; --raw, --derived and --reports override it."
     )]
     Init(InitArgs),
     /// Run every stage whose inputs changed
     #[command(
-        after_help = "Examples:\n  pipeline run\n  pipeline run --raw raw --raw ../rig --explain\n  pipeline run --force fit --strict\n\nExit codes: 0 done; 2 usage, configuration or no usable input; 3 done, but sessions were rejected (with --strict); 4 internal; 5 done, but a figure or document was left out for a defect of the program (summary.json names it)."
+        after_help = "Examples:\n  pipeline run\n  pipeline run --raw raw --raw ../rig --explain\n  pipeline run --force fit --strict\n\nExit codes: 0 done; 2 usage, configuration or no usable input; 3 done, but sessions were rejected (with --strict); 4 internal; 5 done, but a figure or document was left out because of a program defect (summary.json names it)."
     )]
     Run(RunArgs),
-    /// Say what would run and why; exit code 1 if anything would
+    /// Show what would run and why; exit code 1 if anything would
     #[command(after_help = "Example:\n  pipeline status --raw ../rig")]
     Status(PlaceArgs),
     /// Print what the last run found: models, verdicts, errors and what to measure next, campaign by campaign
     #[command(
-        after_help = "Examples:\n  pipeline summary\n  pipeline summary iso10-2022-11\n  pipeline summary --full\n  pipeline summary --json\n\nOf more than two campaigns, pools and joints each has a line or two. It computes nothing; where the sessions have changed since, it says so."
+        after_help = "Examples:\n  pipeline summary\n  pipeline summary iso10-2022-11\n  pipeline summary --full\n  pipeline summary --json\n\nWith more than two campaigns, pools or joints, each gets a line or two. Nothing is computed; if the sessions have changed since, it says so."
     )]
     Summary(SummaryArgs),
     /// Bring the results up to date and compare the tables with the golden ones; exit code 1 on a difference
@@ -64,12 +64,12 @@ pub enum Command {
         after_help = "Examples:\n  pipeline check --init\n  pipeline check\n  pipeline check --bless --reason \"the zero of clipped logs is now the slack force\"\n\nExit codes: 0 equal; 1 a difference; 2 usage, or no golden tables; 4 internal."
     )]
     Check(CheckArgs),
-    /// Predict the force of a muscle, or its torque about a knee, with the interval for one that was not measured
+    /// Predict the force of a muscle, or its torque about a knee, with an interval for muscles not measured
     #[command(
         after_help = "Examples:\n  pipeline predict --diameter 10 --rest-length 182mm --contracted-length 152mm --pressure 300kPa --contraction 5%\n  pipeline predict --diameter 20 --rest-length 12in --contraction-620 0.24 --pressure 4bar --sweep contraction --plot force.svg\n  pipeline predict --diameter 10 --rest-length 250mm --contraction-620 16.5% --table --csv force.csv\n  pipeline predict --diameter 10 --rest-length 182mm --contraction 5% --pressure-for 20N\n  pipeline predict --calibrate sessions/new-muscle --contraction 5% --pressure 500kPa\n  pipeline predict --diameter 10 --rest-length 182mm --pressure 500kPa --length-for 100N\n  pipeline predict --diameter 10 --rest-length 485mm --contracted-length 398mm --pressure 606kPa --knee pinned --route flexor --fitting 35.2mm --plot torque.svg\n\nUnits: m, cm, mm, in; kPa, Pa, MPa, bar, psi; contractions as 5% or 0.05. Pressures are gauge pressures."
     )]
     Predict(Box<PredictArgs>),
-    /// Find the shortest muscle, of the diameters measured, that meets a curve of force or torque
+    /// Find the shortest muscle, among the diameters measured, that meets a force or torque curve
     #[command(
         after_help = "Examples:\n  pipeline design curve.csv --pressure 600kPa --plot design.svg\n  pipeline design torque.csv --knee pinned --route flexor --fitting 35.2mm\n\nThe curve is a CSV file with one of the headers contraction,force_n; travel_mm,force_n (shortening from the resting length); angle_deg,torque_nm. A muscle meets it where the lower end of its 95% interval does."
     )]
@@ -77,32 +77,32 @@ pub enum Command {
     /// Write a simulated campaign of raw sessions from a truth file
     #[command(after_help = simulate_help())]
     Simulate(SimulateArgs),
-    /// Look at a log, plot it, and write a first session.toml for it, to be corrected
+    /// Inspect a log, plot it, and write a draft session.toml for it
     #[command(after_help = new_session_help())]
     NewSession(NewSessionArgs),
-    /// Look ahead at a campaign that has not been measured: what it could show, the error to expect, what would lower it
+    /// Assess a planned campaign: what it could show, the error to expect, what would lower it
     #[command(
-        after_help = "Examples:\n  pipeline plan --example > plan.toml\n  pipeline plan plan.toml\n  pipeline plan plan.toml --csv limits.csv --json > plan.json\n\nThe planned campaign is drawn three times with the scatter that is expected and without any effect, and the residual search is made of each draw, and of those of designs with one thing more: half a minute to a few, by the number of readings."
+        after_help = "Examples:\n  pipeline plan --example > plan.toml\n  pipeline plan plan.toml\n  pipeline plan plan.toml --csv limits.csv --json > plan.json\n\nThe planned campaign is simulated three times with the expected scatter and without any effect, and the residual search is run on each draw, and on draws of designs with one addition: half a minute to a few minutes, depending on the number of readings."
     )]
     Plan(PlanArgs),
-    /// Compare two campaigns, runs or versions: coefficients, errors, findings, and whether the forces are alike
+    /// Compare two campaigns, runs or versions: coefficients, errors, findings, and whether the forces are equivalent
     #[command(
-        after_help = "Examples:\n  pipeline diff iso10-2022-11 iso10-2023-04\n  pipeline diff ../before . --markdown > diff.md\n  pipeline diff ../other-lab:iso10 iso10-2022-11 --margin 5%\n\nA folder is a project with the results of a run; without a campaign every one that both have is compared. Exit codes: 0 the forces are equivalent at the margin; 1 they differ, or neither is shown; 2 usage."
+        after_help = "Examples:\n  pipeline diff iso10-2022-11 iso10-2023-04\n  pipeline diff ../before . --markdown > diff.md\n  pipeline diff ../other-lab:iso10 iso10-2022-11 --margin 5%\n\nA folder is a project with the results of a run; without a campaign, every campaign that both have is compared. Exit codes: 0 the forces are equivalent at the margin; 1 they differ, or neither can be shown; 2 usage."
     )]
     Diff(DiffArgs),
-    /// Check a session while the actuator is still on the rig: logs, zero, strength and length against others, recording errors
+    /// Check a session while the actuator is still on the rig: logs, zero, specimen gain and set length against other sessions, recording errors
     #[command(
-        after_help = "Examples:\n  pipeline check-session raw/test8\n  pipeline check-session raw/test8 --plot /tmp/test8\n  pipeline check-session raw/test9 --watch\n\nIt reads the session's logs as a run would and writes nothing. What an earlier run found of other sessions is the yardstick, where there was one. Exit codes: 0 nothing stands out; 1 something to look at; 2 something that cannot be used, or usage."
+        after_help = "Examples:\n  pipeline check-session raw/test8\n  pipeline check-session raw/test8 --plot /tmp/test8\n  pipeline check-session raw/test9 --watch\n\nIt reads the session's logs as a run would and writes nothing. The reference is what an earlier run found for other sessions, if there was one. Exit codes: 0 nothing stands out; 1 something to look at; 2 something that cannot be used, or usage."
     )]
     CheckSession(CheckSessionArgs),
-    /// Say where a table, figure, report or single number comes from: stages, options, files, digests
+    /// Show where a table, figure, report or single number comes from: stages, options, files, digests
     #[command(
-        after_help = "Examples:\n  pipeline explain reports/tables/coefficients.csv\n  pipeline explain coefficients.csv:2:value\n  pipeline explain force.pdf --json\n\nA number is FILE:LINE:COLUMN, the line as an editor counts it; what its row says of campaign and session narrows the answer."
+        after_help = "Examples:\n  pipeline explain reports/tables/coefficients.csv\n  pipeline explain coefficients.csv:2:value\n  pipeline explain force.pdf --json\n\nA number is FILE:LINE:COLUMN, with the line as an editor counts it; the campaign and session in its row narrow the answer."
     )]
     Explain(ExplainArgs),
-    /// Write every reading of one campaign into one file for a browser, in full
+    /// Write every reading of one campaign to one HTML file for a browser
     #[command(
-        after_help = "Example:\n  pipeline explore simulated-10mm --out simulated-10mm.html\n\nA run writes reports/explorer.html of all campaigns, of a large laboratory with a sample of the readings. This is made of what the last run left and computes nothing."
+        after_help = "Example:\n  pipeline explore simulated-10mm --out simulated-10mm.html\n\nA run writes reports/explorer.html for all campaigns, for a large laboratory with a sample of the readings. This command uses the results of the last run and computes nothing."
     )]
     Explore(ExploreArgs),
     /// Draw the stages and artifacts of the last run as Mermaid or Graphviz
@@ -110,12 +110,12 @@ pub enum Command {
         after_help = "Examples:\n  pipeline graph\n  pipeline graph --format dot --units | dot -Tsvg > graph.svg"
     )]
     Graph(GraphArgs),
-    /// Throw away cache entries that the last run did not use
+    /// Delete cache entries that the last run did not use
     #[command(
-        after_help = "Examples:\n  pipeline gc --dry-run\n  pipeline gc --older-than 7 --max-size 2GB\n\nWhat the last run used always stays; so does what lies in reports/ and derived/sessions/."
+        after_help = "Examples:\n  pipeline gc --dry-run\n  pipeline gc --older-than 7 --max-size 2GB\n\nWhat the last run used is always kept, and so is everything in reports/ and derived/sessions/."
     )]
     Gc(GcArgs),
-    /// Write the work of a run as a workflow for another engine, or a model as source code of other languages
+    /// Export a run as a workflow for another engine, or a model as source code in other languages
     #[command(
         subcommand_required = true,
         arg_required_else_help = true,
@@ -124,15 +124,15 @@ pub enum Command {
     Export(ExportArgs),
     /// Pack the last run as an RO-Crate for a repository: reports, tables, tidy data, configuration, digests of the raw files
     #[command(
-        after_help = "Examples:\n  pipeline bundle\n  pipeline bundle --out force-2026.zip --with-raw\n\nThe last run has to be up to date. Name, description, license and authors are options below [bundle] of pipeline.toml; the date is that of the documents (report.date, else the last measurement). Same run, same bytes. Unpacked, a bundle with its raw files is a project: `pipeline run` in it gives the same results."
+        after_help = "Examples:\n  pipeline bundle\n  pipeline bundle --out force-2026.zip --with-raw\n\nThe last run has to be up to date. Name, description, license and authors are set under [bundle] in pipeline.toml; the date is that of the documents (report.date, else the last measurement). The same run gives the same bytes. Unpacked, a bundle with its raw files is a project: `pipeline run` in it gives the same results."
     )]
     Bundle(BundleArgs),
-    /// Print what a shell needs to complete commands and options
+    /// Print the completion script for a shell
     #[command(
         after_help = "Examples:\n  pipeline completions bash > ~/.local/share/bash-completion/completions/pipeline\n  pipeline completions zsh > ~/.zfunc/_pipeline\n  pipeline completions fish > ~/.config/fish/completions/pipeline.fish\n  pipeline completions powershell >> $PROFILE"
     )]
     Completions(CompletionsArgs),
-    /// Print the manual page, or write those of all commands
+    /// Print the manual page, or write the pages of all commands
     #[command(
         after_help = "Examples:\n  pipeline man | man -l -\n  pipeline man --out ~/.local/share/man/man1"
     )]
@@ -148,8 +148,8 @@ fn simulate_help() -> String {
         "Example:\n  pipeline simulate truths/closed-loop-10mm.toml --out /tmp/campaign --truth-out /tmp/truth.json\n\n\
          The truth file says what is measured (specimens, contractions, points or logs over time), on which rig, and what the models \
          lack:\n\n  [[effect]]\n  id = \"series_compliance\"\n  c_um_per_n = 6.0\n\nEffects: {}.\n\n\
-         The sessions say in their notes that they are simulated, and nothing of an effect. What was drawn (strengths of specimens, \
-         zeros, sizes of effects) goes to the file named with --truth-out, outside of the campaign's folder.",
+         The session notes say that they are simulated, but nothing about effects. The values drawn (specimen gains, zeros, effect sizes) go to \
+         the file given with --truth-out, outside the campaign folder.",
         ids.join(", ")
     )
 }
@@ -157,9 +157,9 @@ fn simulate_help() -> String {
 fn new_session_help() -> String {
     format!(
         "Examples:\n  pipeline new-session logs/test8.csv --out /tmp/test8\n  pipeline new-session logs/*.csv --out raw --copy\n  pipeline new-session old.txt --skip-rows 12 --encoding latin-1\n  pipeline new-session logs/runs.xlsx --sheet \"Run 8\"\n  \
-         pipeline new-session logs/rig.mat --variable log --json\n\nFormats: {}; each also compressed with gzip. What is guessed \
-         (quantities, units, states, the sampling) says so in the comments of session.toml, and what no log can say is marked FILL IN. Correct \
-         it, remove the marks and put it beside the log; as long as a mark is there, a run leaves the session out and names the lines.",
+         pipeline new-session logs/rig.mat --variable log --json\n\nFormats: {}; each also compressed with gzip. Guesses (quantities, units, \
+         states, sampling) are noted in the comments of session.toml, and what no log can tell is marked FILL IN. Correct it, remove the marks and \
+         put it beside the log; while a mark remains, a run leaves the session out and lists the lines.",
         pipeline_formats::list_of_formats()
     )
 }
@@ -195,7 +195,7 @@ pub struct PlaceArgs {
     /// Where results are
     #[command(flatten)]
     pub results: ResultArgs,
-    /// Threads; 0 for as many as there are cores
+    /// Threads; 0 for one per core
     #[arg(long, short, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=MOST_JOBS))]
     pub jobs: u64,
     /// Print the outcome as JSON
@@ -209,9 +209,9 @@ pub struct PlaceArgs {
 /// Arguments of `summary`.
 #[derive(Debug, clap::Args)]
 pub struct SummaryArgs {
-    /// One campaign, with all that is known of it
+    /// Show one campaign only, in full
     pub campaign: Option<String>,
-    /// Everything of every campaign
+    /// Show every campaign in full
     #[arg(long)]
     pub full: bool,
     /// Where things are
@@ -225,7 +225,7 @@ pub struct RunArgs {
     /// Where things are
     #[command(flatten)]
     pub places: PlaceArgs,
-    /// Do this stage again whatever the cache holds
+    /// Rerun this stage regardless of the cache
     #[arg(long, value_name = "STAGE")]
     pub force: Option<String>,
     /// Exit with 3 if a session was rejected
@@ -234,17 +234,17 @@ pub struct RunArgs {
     /// Print one line for every result that was computed, with the reason
     #[arg(long)]
     pub explain: bool,
-    /// Say what would run, and do nothing
+    /// Show what would run, without running it
     #[arg(long)]
     pub dry_run: bool,
-    /// When a defect of the program stops one session or group, go on with all that do not need it, list what is missing and exit with 4.
-    /// The reports stay as they are: none is made of a part of the sessions
+    /// If a program defect stops one session or group, continue with everything that does not need it, list what is missing and exit with 4.
+    /// The reports are left as they are: none is made from part of the sessions
     #[arg(long)]
     pub keep_going: bool,
-    /// Refuse raw directories that are addresses on a network. The program uses none in any case
+    /// Refuse raw directories that are network addresses. The program never uses the network anyway
     #[arg(long)]
     pub offline_only: bool,
-    /// Fill the cache with one job alone, beside other processes that do so (`pipeline export` lists the jobs)
+    /// Run a single job and cache its result, alongside other processes doing the same (`pipeline export` lists the jobs)
     #[arg(long, value_name = "STAGE:UNIT")]
     pub only: Option<String>,
 }
@@ -252,15 +252,15 @@ pub struct RunArgs {
 /// Arguments of `simulate`.
 #[derive(Debug, clap::Args)]
 pub struct SimulateArgs {
-    /// What is true: coefficients, specimens, rig, effects (TOML, schema bpa-truth/1)
+    /// The truth file: coefficients, specimens, rig, effects (TOML, schema bpa-truth/1)
     pub truth: PathBuf,
-    /// Where the campaign goes
+    /// Folder to write the campaign to
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Where the drawn truth goes, as JSON
+    /// Write the truth as drawn to this file, as JSON
     #[arg(long, value_name = "FILE")]
     pub truth_out: Option<PathBuf>,
-    /// Replace a campaign that is there already
+    /// Replace an existing campaign
     #[arg(long)]
     pub replace: bool,
 }

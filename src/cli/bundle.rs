@@ -13,13 +13,13 @@ use std::path::PathBuf;
 /// Arguments of `bundle`.
 #[derive(Debug, clap::Args)]
 pub struct BundleArgs {
-    /// The zip to write
+    /// The zip file to write
     #[arg(long, short, value_name = "FILE", default_value = "bundle.zip")]
     pub out: PathBuf,
-    /// Put the raw files into it; without, they are named with their digests
+    /// Include the raw files; otherwise they are listed with their digests
     #[arg(long)]
     pub with_raw: bool,
-    /// Replace a file that is there already
+    /// Replace an existing file
     #[arg(long)]
     pub replace: bool,
     /// Where things are
@@ -37,7 +37,7 @@ pub fn command(args: &BundleArgs) -> Result<u8> {
     places.check_outside_raw(Some(out), "--out")?;
     if out.exists() && !args.replace {
         return Err(Error::Usage(format!(
-            "{} is there already; --replace writes it anew, --out FILE names another",
+            "{} already exists; --replace overwrites it, --out FILE names another",
             out.display()
         )));
     }
@@ -46,7 +46,7 @@ pub fn command(args: &BundleArgs) -> Result<u8> {
     let waiting = outcome.work.len() + outcome.written.len();
     if waiting > 0 {
         return Err(Error::Usage(format!(
-            "the last run is out of date: {} would be computed or put back (`pipeline status` says which); `pipeline run` first",
+            "the last run is out of date: {} would be computed or restored (`pipeline status` says which); `pipeline run` first",
             counted(waiting, "result", "results")
         )));
     }
@@ -61,7 +61,7 @@ pub fn command(args: &BundleArgs) -> Result<u8> {
     let written = bundle.write(out)?;
     if places.config.bundle.license.is_empty() {
         eprintln!(
-            "note: the bundle states no license, and repositories ask for one; set `license` below [bundle] of pipeline.toml"
+            "note: the bundle states no license, and repositories ask for one; set `license` under [bundle] in pipeline.toml"
         );
     }
     if args.places.json {

@@ -33,7 +33,7 @@ pub(super) fn place(artifact: &str) -> Result<(&str, Option<(usize, &str)>)> {
     match artifact.rsplit_once(':') {
         Some((file, line)) if file.contains('.') && line.parse::<usize>().is_ok() => {
             Err(Error::Usage(format!(
-                "{artifact} names a line and no column; a number is FILE:LINE:COLUMN, such as {artifact}:value"
+                "{artifact} names a line but no column; a number is FILE:LINE:COLUMN, such as {artifact}:value"
             )))
         }
         _ => Ok((artifact, None)),

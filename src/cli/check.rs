@@ -25,16 +25,16 @@ pub struct CheckArgs {
     /// Where things are
     #[command(flatten)]
     pub places: PlaceArgs,
-    /// Do this stage again whatever the cache holds
+    /// Rerun this stage regardless of the cache
     #[arg(long, value_name = "STAGE")]
     pub force: Option<String>,
     /// Where the golden tables and golden.toml are [default: paths.golden of pipeline.toml, else tests/golden]
     #[arg(long, value_name = "DIR")]
     pub golden: Option<PathBuf>,
-    /// Write a golden.toml where there is none, and take the tables of this run as the first golden ones
+    /// Write a golden.toml if there is none, and take the tables of this run as the first golden ones
     #[arg(long, conflicts_with = "bless")]
     pub init: bool,
-    /// Take the fresh tables as golden ones, with a reason
+    /// Accept the new tables as golden, with a reason
     #[arg(long, requires = "reason")]
     pub bless: bool,
     /// Why the new results are right; kept in BLESSED.md
@@ -83,7 +83,7 @@ fn print_blessing(blessing: &Blessing, golden: &Path, as_json: bool) -> Result<(
     }
     for table in &blessing.removed {
         line(format!(
-            "{table}: taken away, for golden.toml does not name it"
+            "{table}: removed, because golden.toml does not name it"
         ));
     }
     line(match blessing.is_empty() {

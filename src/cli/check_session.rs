@@ -24,16 +24,16 @@ use std::path::{Path, PathBuf};
 /// Arguments of `check-session`.
 #[derive(Debug, clap::Args)]
 pub struct CheckSessionArgs {
-    /// The folder of the session, or one above several
+    /// The session folder, or a folder above several
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// Check each log of the session as it comes, until Ctrl-C
+    /// Check each log of the session as it arrives, until Ctrl-C
     #[arg(long, conflicts_with = "json")]
     pub watch: bool,
-    /// With --watch: end after so many logs
+    /// With --watch: stop after this many logs
     #[arg(long, value_name = "N", requires = "watch")]
     pub logs: Option<usize>,
-    /// Draw the readings beside what is expected of them into this folder, one file a session or log
+    /// Plot the readings with their expected values into this folder, one file per session or log
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
     /// Where an earlier run left its results
@@ -64,7 +64,7 @@ pub fn command(args: &CheckSessionArgs) -> Result<u8> {
         .or(args.results.reports.as_ref());
     if let (Some(named), true) = (named, known.is_empty()) {
         return Err(Error::Usage(format!(
-            "there is no result of a run in {}; leave out --derived and --reports for the published law as yardstick",
+            "there are no results of a run in {}; omit --derived and --reports to compare with the published law",
             named.display()
         )));
     }
@@ -167,7 +167,7 @@ fn print(found: &Inspection) {
         line(format!("  ok    {fine} more checks of its logs"));
     }
     if let Some(against) = &found.against {
-        line(format!("  held against {against}"));
+        line(format!("  compared with {against}"));
     }
 }
 
@@ -229,7 +229,7 @@ fn said(seen: &Seen) -> String {
             let why = reason
                 .as_ref()
                 .map_or_else(String::new, |r| format!(", most: {r}"));
-            format!("{left_out} of {rows} rows are no measurements{why}")
+            format!("{left_out} of {rows} rows are not measurements{why}")
         }
         Seen::Clipping { share } => format!(
             "{} of the samples of the force are at the limit of the converter",
@@ -243,7 +243,7 @@ fn said(seen: &Seen) -> String {
             gaps,
             longest_s,
         } => format!(
-            "samples are missing in {gaps} places, the longest of {longest_s:.2} s (usually every {:.1} ms)",
+            "samples are missing in {gaps} places, for {longest_s:.2} s at most (normally one every {:.1} ms)",
             1e3 * step_s
         ),
         Seen::Plateaus { steady, unsettled } => format!(
@@ -266,16 +266,16 @@ fn said(seen: &Seen) -> String {
             newtons(*usual_n)
         ),
         Seen::Gain { value, sd } => format!(
-            "strength {:+.1}% against the law of others: {}",
+            "specimen gain {:+.1}% relative to the law of others: {}",
             100.0 * value,
             deviations(*value, *sd)
         ),
         Seen::SetLength { value_mm, sd_mm } => format!(
-            "length {value_mm:+.2} mm against the one noted: {}",
+            "set length {value_mm:+.2} mm relative to the one noted: {}",
             deviations(*value_mm, *sd_mm)
         ),
         Seen::Misfit { rms_n, usual_n } => format!(
-            "{} left beside these (root mean square); {} is usual",
+            "residual {} (root mean square); typically {}",
             newtons(*rms_n),
             newtons(*usual_n)
         ),
@@ -288,9 +288,9 @@ fn said(seen: &Seen) -> String {
             )
         }
         Seen::NotTold { quantity } => format!(
-            "the readings do not tell {}",
+            "the readings do not determine {}",
             match quantity {
-                Own::Strength => "the strength of the actuator",
+                Own::Strength => "the specimen gain",
                 Own::SetLength => "whether the set length is the one noted",
             }
         ),
@@ -300,17 +300,17 @@ fn said(seen: &Seen) -> String {
             rms_n,
             usual_n,
         } => format!(
-            "{}: {readings} readings then suit others, {} left; {} is usual",
+            "{}: {readings} readings would then agree with others, residual {}; typically {}",
             described(otherwise),
             newtons(*rms_n),
             newtons(*usual_n)
         ),
-        Seen::Excluded { why } => format!("left out of every fit by its description: {why}"),
+        Seen::Excluded { why } => format!("excluded from every fit in session.toml: {why}"),
         Seen::NotCompared { why } => match why {
-            NotCompared::NoReadings => "no reading to hold against other actuators".to_owned(),
-            NotCompared::Torque => "torques are not held against other actuators".to_owned(),
+            NotCompared::NoReadings => "no reading to compare with other actuators".to_owned(),
+            NotCompared::Torque => "torques are not compared with other actuators".to_owned(),
             NotCompared::NoLaw => {
-                "no law is known of this diameter: not held against other actuators".to_owned()
+                "no law is known for this diameter: not compared with other actuators".to_owned()
             }
         },
     }

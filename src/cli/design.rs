@@ -36,13 +36,13 @@ pub struct DesignArgs {
     /// This diameter only, mm [default: every one that was measured]
     #[arg(long, value_name = "MM")]
     pub diameter: Option<String>,
-    /// The fit of which campaign [default: as for `predict`]
+    /// Campaign whose fit is used [default: as for `predict`]
     #[arg(long, value_name = "ID")]
     pub campaign: Option<String>,
-    /// Meet the curve with the law, as half of the muscles do, and not with the lower end of the interval
+    /// Meet the curve with the law itself, as half of the muscles do, instead of the lower end of the interval
     #[arg(long)]
     pub nominal: bool,
-    /// Of a torque: the leg (pinned, biomimetic, or a file that describes one)
+    /// For a torque curve: the leg (pinned, biomimetic, or a file that describes one)
     #[arg(long, value_name = "NAME|FILE")]
     pub knee: Option<String>,
     /// How it is built in
@@ -119,7 +119,7 @@ fn leg_of(args: &DesignArgs, quantities: Quantities) -> Result<Option<Knee>> {
     match (quantities, &args.knee) {
         (Quantities::Angle, Some(name)) => knee(name).map(Some),
         (Quantities::Angle, None) => Err(Error::Usage(format!(
-            "{} is a torque against an angle, which needs a leg: give --knee, and --route where it has several",
+            "{} is a torque against an angle, which needs a leg: give --knee, and --route if it has several",
             args.curve.display()
         ))),
         (_, Some(_)) => Err(Error::Usage(format!(
@@ -209,9 +209,9 @@ fn print(args: &DesignArgs, read: &Read, found: &[Design]) {
     ));
     line(match surety(args) {
         Surety::Interval => {
-            "met by   the lower end of the 95% interval for a muscle that was not measured (--nominal: by the law)"
+            "met by   the lower end of the 95% interval for an unmeasured muscle (--nominal: by the law)"
         }
-        Surety::Law => "met by   the law, as half of the muscles do",
+        Surety::Law => "met by   the law, as by half of the muscles",
     });
     line("");
     let heads = [
@@ -238,7 +238,7 @@ fn print(args: &DesignArgs, read: &Read, found: &[Design]) {
         line(text);
     }
     if found.iter().any(|d| !d.meets) {
-        line("falls short: no length that was measured meets the curve; this one comes closest");
+        line("falls short: no measured length meets the curve; this one comes closest");
     }
     if let Some(chosen) = found.first() {
         print_points(read, chosen, surety(args));
@@ -276,7 +276,7 @@ fn print_points(read: &Read, chosen: &Design, surety: Surety) {
         .collect();
     if let Some(first) = outside.first() {
         line(format!(
-            "* {} of {} points lie outside of what was measured or is allowed:",
+            "* {} of {} points lie outside the measured or permitted range:",
             outside.len(),
             chosen.points.len()
         ));

@@ -98,7 +98,7 @@ pub fn read(file: &Path) -> Result<Read> {
     let Some((_, quantities, factor)) = known else {
         let headers = HEADERS.map(|(header, ..)| format!("\"{header}\""));
         return Err(Error::Usage(format!(
-            "{}:1: the header is \"{head}\", and a curve has one of {}",
+            "{}:1: the header is \"{head}\"; it must be one of {}",
             file.display(),
             headers.join(", ")
         )));
@@ -108,7 +108,7 @@ pub fn read(file: &Path) -> Result<Read> {
         .collect::<Result<_>>()?;
     if points.iter().all(|p| p.needed == 0.0) {
         return Err(Error::Usage(format!(
-            "{} asks for nothing: there has to be a row with a force or torque other than zero",
+            "{} requires nothing: at least one row needs a force or torque other than zero",
             file.display()
         )));
     }
@@ -126,7 +126,7 @@ fn point(file: &Path, line: usize, text: &str, (of, factor): (Quantities, f64)) 
     match numbers[..] {
         [Some(_), Some(needed)] if needed < 0.0 && of != Quantities::Angle => {
             Err(Error::Usage(format!(
-                "{}:{line}: found a force of {needed} N, and a muscle does not push: give the tension, 0 or more",
+                "{}:{line}: found a force of {needed} N, but a muscle cannot push: give the tension, 0 or more",
                 file.display()
             )))
         }

@@ -25,10 +25,10 @@ pub struct DiffArgs {
     /// A campaign of this project, the folder of another project, or FOLDER:CAMPAIGN
     #[arg(value_name = "A")]
     pub first: String,
-    /// What it is compared with, of the same kinds
+    /// What to compare it with, in the same form
     #[arg(value_name = "B")]
     pub second: String,
-    /// Forces that differ by less, as a share of that at resting length and 620 kPa, are alike; Festo states 10% for actuators of one kind
+    /// Margin of equivalence, as a share of the force at resting length and 620 kPa; Festo states 10% for actuators of one type
     #[arg(long, value_name = "SHARE", default_value = "10%")]
     pub margin: String,
     /// Only this diameter, mm
@@ -142,7 +142,7 @@ fn run(args: &DiffArgs, named: &str) -> Result<Run> {
     let findings = std::fs::read(&file).map_err(Error::io("read", &file))?;
     let findings: Findings = pipeline_base::json::from_slice(&findings).map_err(|_| {
         Error::Usage(format!(
-            "{} is not as this version writes it; `pipeline run` writes it again",
+            "{} is not in the format of this version; `pipeline run` rewrites it",
             file.display()
         ))
     })?;
@@ -200,7 +200,7 @@ fn pairs<'r>(args: &DiffArgs, [first, second]: &'r [Run; 2]) -> Result<Vec<[Side
         if sides.is_empty() {
             let known: Vec<&str> = run.fits.iter().map(|f| f.group.campaign.as_str()).collect();
             return Err(Error::Usage(format!(
-                "{} is no campaign with a fit of the force{}; there are {}",
+                "{} is not a campaign with a force fit{}; there are {}",
                 run.name,
                 args.diameter
                     .map_or_else(String::new, |d| format!(" for {d} mm")),
@@ -224,7 +224,7 @@ fn pairs<'r>(args: &DiffArgs, [first, second]: &'r [Run; 2]) -> Result<Vec<[Side
     }
     if pairs.is_empty() {
         return Err(Error::Usage(format!(
-            "{} and {} have no fit of one diameter{} in common",
+            "{} and {} have no fit of the same diameter{} in common",
             first.name,
             second.name,
             if by_name { "" } else { " and campaign" }
@@ -340,7 +340,7 @@ fn conclusion(force: Option<&Difference>, margin: f64) -> String {
         Outcome::Equivalent => format!("Equivalent at a margin of {margin_text}."),
         Outcome::Different => format!("Different by more than the margin of {margin_text}."),
         Outcome::Undecided => {
-            format!("Neither equivalent nor different is shown at a margin of {margin_text}.")
+            format!("Neither equivalence nor a difference is shown at a margin of {margin_text}.")
         }
     };
     let shared = match d.shared {

@@ -108,7 +108,7 @@ fn errors(first: &Side, second: &Side, head: Vec<String>) -> Vec<Vec<String>> {
         ("the same, own gain and lengths known", |f| {
             f.after.rmse_heldout_calibrated
         }),
-        ("log density a reading", |f| f.after.log_density_heldout),
+        ("log density per reading", |f| f.after.log_density_heldout),
     ];
     for (title, of) in of_search {
         let of = |side: &Side| side.found.and_then(of);
@@ -162,7 +162,7 @@ fn found(first: &Side, second: &Side, head: Vec<String>) -> Vec<Vec<String>> {
     };
     let (a, b) = (columns(first), columns(second));
     if a != NOTHING || b != NOTHING {
-        rows.push(vec!["dependence without a name on".to_owned(), a, b]);
+        rows.push(vec!["unexplained dependence on".to_owned(), a, b]);
     }
     rows
 }

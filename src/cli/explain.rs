@@ -29,7 +29,7 @@ pub struct ExplainArgs {
     /// List every session and every raw file
     #[arg(long, short)]
     pub verbose: bool,
-    /// Print as JSON, everything
+    /// Print everything as JSON
     #[arg(long)]
     pub json: bool,
 }
@@ -221,9 +221,9 @@ impl Explained<'_> {
     /// Whether the file is as the run made it.
     fn state(&self, output: &str) -> &'static str {
         match digest::of_file(&on_disk(self.places, output)) {
-            Ok(digest) if digest == self.unit.entry.outputs[output].digest => "as it was made",
-            Ok(_) => "changed since it was made; `pipeline run` puts it back",
-            Err(_) => "not there; `pipeline run` puts it back",
+            Ok(digest) if digest == self.unit.entry.outputs[output].digest => "unchanged",
+            Ok(_) => "changed since the run; `pipeline run` restores it",
+            Err(_) => "missing; `pipeline run` restores it",
         }
     }
 
@@ -251,10 +251,10 @@ impl Explained<'_> {
 fn how(stage: &str) -> Option<&'static str> {
     Some(match stage {
         "ingest" => {
-            "every row of the logs, times gain plus offset, in one unit a quantity (docs/sessions.md)"
+            "every row of the logs, times gain plus offset, in one unit per quantity (docs/sessions.md)"
         }
         "clean" => {
-            "rows that are no measurement left out, the zero of the force taken off, the mean of each steady plateau (docs/data.md)"
+            "rows that are not measurements left out, the zero of the force subtracted, the mean of each steady plateau (docs/data.md)"
         }
         "normalize" => {
             "ε = (l_rest − l)/l_rest, ε* = ε/ε_620 and P* = P/620 kPa of every reading (docs/data.md)"
@@ -263,10 +263,11 @@ fn how(stage: &str) -> Option<&'static str> {
             "the equations of the new model by robust least squares, intervals from refits without each specimen (docs/data.md)"
         }
         "compare" => {
-            "measured less predicted of every model: RMSE, largest error, bias, adjusted R² by split (docs/data.md)"
+            "measured minus predicted for every model: RMSE, largest error, bias, adjusted R² by split (docs/data.md)"
         }
         "diagnose" => {
-            "one mixed model of what the law leaves: scatter by restricted likelihood, effects tested by bootstrap, errors on specimens left out (docs/loop.md)"
+            "one mixed model of the residual of the law: scatter by restricted likelihood, effects tested by bootstrap, errors on specimens left \
+             out (docs/loop.md)"
         }
         "torque" => {
             "force of each model times the moment arm of the route, and the same mixed model on the torques (docs/loop.md)"

@@ -13,10 +13,10 @@ use std::path::PathBuf;
 pub struct ExploreArgs {
     /// The campaign, as `session.toml` names it
     pub campaign: String,
-    /// Where the page goes
+    /// File to write the page to
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
-    /// Write over a file that is no such page
+    /// Overwrite a file that is not such a page
     #[arg(long)]
     pub force: bool,
     /// Where things are
@@ -30,7 +30,7 @@ pub fn command(args: &ExploreArgs) -> Result<u8> {
     let in_the_way = !args.force && args.out.exists() && !explore::is_page(&args.out);
     if in_the_way {
         return Err(Error::Usage(format!(
-            "{} exists and is no page of `pipeline explore`; give another --out, or --force to write over it",
+            "{} exists and is not a page of `pipeline explore`; give another --out, or --force to overwrite it",
             args.out.display()
         )));
     }

@@ -24,14 +24,14 @@ pub struct ExportArgs {
 /// What there is to export: an engine of [`ENGINES`] each, and the model.
 #[derive(Debug, clap::Subcommand)]
 pub enum What {
-    /// Print the work of a run as a Snakemake workflow, whose jobs share a cache
+    /// Print a run as a Snakemake workflow whose jobs share a cache
     #[command(
         after_help = "Example:\n  pipeline export snakemake > Snakefile\n  snakemake --cores 8\n\nEvery job is `pipeline run --only STAGE:UNIT`, which fills the cache below derived/; an ordinary `pipeline run` at the end writes the reports. All machines have to see raw/ and derived/ under the same paths. --jobs is the number of threads of one job (0: one)."
     )]
     Snakemake(PlaceArgs),
     /// Write a model of the force as C, Python, MATLAB and Octave, MuJoCo and a table, with the points that test it
     #[command(
-        after_help = "Examples:\n  pipeline export model --campaign simulated-10mm --out bpa-10mm\n  pipeline export model --campaign simulated-10mm --effects --out bpa-10mm\n  pipeline export model --published new --diameter 20 --out bpa-20mm\n\nEvery language has bpa_force(rest_length_m, contracted_length_m, length_m, pressure_kpa) in N, tension positive, its gradient and its domain. Outside of the box of the readings fitted the force is a bounded continuation."
+        after_help = "Examples:\n  pipeline export model --campaign simulated-10mm --out bpa-10mm\n  pipeline export model --campaign simulated-10mm --effects --out bpa-10mm\n  pipeline export model --published new --diameter 20 --out bpa-20mm\n\nEvery language has bpa_force(rest_length_m, contracted_length_m, length_m, pressure_kpa) in N, tension positive, its gradient and its domain. Outside the range of the fitted readings, the force is a bounded continuation."
     )]
     Model(Box<ModelArgs>),
 }

@@ -155,20 +155,20 @@ fn inputs(reports: &Path) -> String {
     let text = fs::read(reports.join("summary.json")).ok();
     let summary: Option<Value> = text.and_then(|t| serde_json::from_slice(&t).ok());
     let digest = summary.and_then(|s| Some(s.get("input")?.as_str()?.to_owned()));
-    digest.unwrap_or_else(|| "not known, for there is no summary.json".to_owned())
+    digest.unwrap_or_else(|| "not known, because there is no summary.json".to_owned())
 }
 
 fn findings(reports: &Path) -> Result<Findings> {
     let path = reports.join("findings.json");
     let text = fs::read(&path).map_err(|e| {
         Error::Usage(format!(
-            "cannot read {} ({e}): --effects takes what the loop found, which `pipeline run` writes",
+            "cannot read {} ({e}): --effects uses the effects found, which `pipeline run` writes",
             path.display()
         ))
     })?;
     json::from_slice(&text).map_err(|_| {
         Error::Usage(format!(
-            "{} cannot be understood: another version wrote it; `pipeline run` writes it again",
+            "{} cannot be read: it was written by another version; `pipeline run` rewrites it",
             path.display()
         ))
     })
@@ -181,7 +181,7 @@ fn found<'a>(findings: &'a Findings, fit: &GroupFit) -> Result<&'a CampaignFindi
     };
     findings.campaigns.iter().find(same).ok_or_else(|| {
         Error::Usage(format!(
-            "the loop has no answer for {} ({} mm) in findings.json: leave --effects out",
+            "findings.json has no result for {} ({} mm): leave --effects out",
             group.campaign, group.diameter_mm
         ))
     })
@@ -194,7 +194,7 @@ fn refuse_others(files: &[File], out: &Path) -> Result<()> {
     match files.iter().find(differs) {
         None => Ok(()),
         Some((name, _)) => Err(Error::Usage(format!(
-            "{} is there already and holds something else: name another folder, or give --replace",
+            "{} already exists and holds something else: name another folder, or give --replace",
             out.join(name).display()
         ))),
     }

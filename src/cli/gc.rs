@@ -17,13 +17,13 @@ pub struct GcArgs {
     /// Where the cache is
     #[command(flatten)]
     pub cache: DerivedArgs,
-    /// Entries that the last run did not use go if they are older than so many days
+    /// Delete unused entries that are older than this many days
     #[arg(long, value_name = "DAYS", default_value_t = 30)]
     pub older_than: u64,
-    /// If the cache is still larger than this, the oldest of them go (such as 500MB or 2GB)
+    /// If the cache is still larger than this, delete the oldest unused entries too (such as 500MB or 2GB)
     #[arg(long, value_name = "SIZE", value_parser = size)]
     pub max_size: Option<u64>,
-    /// Say what would go, and remove nothing
+    /// Show what would be deleted, without deleting it
     #[arg(long)]
     pub dry_run: bool,
     /// Print as JSON
@@ -38,7 +38,7 @@ pub fn command(args: &GcArgs) -> Result<u8> {
     let mut cache = Cache::open(&derived, Access::Look, &progress)?;
     if cache.last().is_empty() {
         return Err(Error::Usage(format!(
-            "nothing has been run in {} yet, or its state.jsonl is lost; `pipeline run` first, so that it is known what is needed",
+            "nothing has been run in {} yet, or its state.jsonl is lost; `pipeline run` first, to establish what is needed",
             derived.display()
         )));
     }
@@ -67,7 +67,11 @@ fn print(plan: &Plan, args: &GcArgs) -> Result<()> {
     }
     line(format!(
         "{}: {} entries, {} objects and {} leftovers of killed runs, {} of {}; {} entries stay, {} of them in use",
-        if args.dry_run { "would go" } else { "gone" },
+        if args.dry_run {
+            "would be deleted"
+        } else {
+            "deleted"
+        },
         plan.entries.len(),
         plan.objects.len(),
         plan.leftovers.len(),

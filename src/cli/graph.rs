@@ -16,10 +16,10 @@ pub struct GraphArgs {
     /// Where results are
     #[command(flatten)]
     pub results: ResultArgs,
-    /// Language of the drawing
+    /// Language of the output
     #[arg(long, value_enum, default_value = "mermaid")]
     pub format: Format,
-    /// A node for every session, group and report, not one for a stage
+    /// One node per session, group and report instead of one per stage
     #[arg(long)]
     pub units: bool,
     /// Print nodes and edges as JSON

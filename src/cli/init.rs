@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `init`.
 #[derive(Debug, clap::Args)]
 pub struct InitArgs {
-    /// The folder of the project; made where it is not there
+    /// The project folder; created if it does not exist
     #[arg(default_value = ".")]
     pub folder: PathBuf,
 }
@@ -20,7 +20,7 @@ const RAW: &str = "raw";
 const GOLDEN: &str = "golden";
 
 const CONFIG: &str = "pipeline.toml";
-const CONFIG_TEXT: &str = r#"# A project of `pipeline`. `pipeline config` prints every option with its default and what it is; what is not set here has its default.
+const CONFIG_TEXT: &str = r#"# A project of `pipeline`. `pipeline config` prints every option with its default and meaning; what is not set here keeps its default.
 
 # Where things are, relative to this file.
 [paths]
@@ -47,7 +47,7 @@ pub fn command(args: &InitArgs) -> Result<u8> {
     let place = |name: &str| folder.join(name);
     if place(CONFIG).exists() {
         return Err(Error::Usage(format!(
-            "{} is there already: this is a project, and nothing was written",
+            "{} already exists: this is a project, and nothing was written",
             place(CONFIG).display()
         )));
     }
@@ -63,9 +63,9 @@ pub fn command(args: &InitArgs) -> Result<u8> {
     };
     for text in [
         &format!(
-            "{shown} is a project now: {CONFIG}, {GOLDEN}/golden.toml, {IGNORED}, and {RAW}/ for the sessions"
+            "{shown} is now a project: {CONFIG}, {GOLDEN}/golden.toml, {IGNORED}, and {RAW}/ for the sessions"
         ),
-        "next: pipeline new-session LOG --out raw/NAME   writes a first session.toml for a log",
+        "next: pipeline new-session LOG --out raw/NAME   writes a draft session.toml for a log",
         "      pipeline run                              computes the reports",
         "      pipeline check --init                     keeps the tables, to compare later ones with",
     ] {

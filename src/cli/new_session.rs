@@ -18,19 +18,19 @@ use std::path::{Path, PathBuf};
 /// Arguments of `new-session`.
 #[derive(Debug, clap::Args)]
 pub struct NewSessionArgs {
-    /// The log, in any of the formats; of several each becomes a session in a folder with its name
+    /// The log, in any of the formats; each of several becomes a session in a folder of its own name
     #[arg(required = true, value_name = "LOG")]
     pub files: Vec<PathBuf>,
-    /// Where session.toml and the plot go, of several logs their folders [default: a new folder with the name of the log, here]
+    /// Folder for session.toml and the plot, or for the folders of several logs [default: a new folder named after the log, here]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Copy the log beside session.toml
     #[arg(long)]
     pub copy: bool,
-    /// Lines of a text log above its header or first row
+    /// Lines above the header or first row of a text log
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub skip_rows: u64,
-    /// How the characters of a text log are written
+    /// Character encoding of a text log
     #[arg(long, value_enum, default_value = "utf-8")]
     pub encoding: Written,
     /// The sheet of a workbook [default: the first]
@@ -39,7 +39,7 @@ pub struct NewSessionArgs {
     /// The matrix or structure of a MATLAB file [default: its vectors, or the only one]
     #[arg(long, value_name = "NAME")]
     pub variable: Option<String>,
-    /// Overwrite files of an earlier look
+    /// Overwrite files from an earlier call
     #[arg(long)]
     pub force: bool,
     /// Print what was guessed as JSON
@@ -47,10 +47,10 @@ pub struct NewSessionArgs {
     pub json: bool,
 }
 
-/// How the characters of a text log are written.
+/// Character encoding of a text log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Written {
-    /// As nearly every program writes them today
+    /// What nearly every program writes today
     #[value(name = "utf-8")]
     Utf8,
     /// ISO 8859-1

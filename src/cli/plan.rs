@@ -19,7 +19,7 @@ pub struct PlanArgs {
     /// The plan
     #[arg(value_name = "PLAN.toml", required_unless_present = "example")]
     pub plan: Option<PathBuf>,
-    /// Print a plan to begin with
+    /// Print a plan to start from
     #[arg(long)]
     pub example: bool,
     /// Write the detection limits as CSV
@@ -131,7 +131,7 @@ fn short(more: More) -> String {
         More::Specimen(mm) => format!("+ actuator of {mm} mm"),
         More::LengthsKnown(mm) => format!("+ lengths to {mm} mm"),
         More::Contraction(c) => format!("+ sessions at {c:.2}"),
-        More::Run => "+ log a session".to_owned(),
+        More::Run => "+ log per session".to_owned(),
     }
 }
 

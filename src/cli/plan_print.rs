@@ -39,7 +39,7 @@ fn print_plan(plan: &Plan, foreseen: &Foreseen) {
         plan.diameter_mm
     ));
     line(format!(
-        "scatter   {}strength {}, set lengths {:.2} mm, zero {}, misfit of the law {} and of a session {}, noise {}",
+        "scatter   {}specimen gain {}, set lengths {:.2} mm, zero {}, misfit of the law {} and of a session {}, noise {}",
         plan.scatter_of
             .as_ref()
             .map_or_else(String::new, |c| format!("as in {c}: ")),
@@ -52,7 +52,7 @@ fn print_plan(plan: &Plan, foreseen: &Foreseen) {
     ));
     let (draws, answered) = foreseen.draws;
     line(format!(
-        "draws     {draws}, without any effect; something was found in {answered}"
+        "draws     {draws}, without any effect; an effect was found in {answered}"
     ));
 }
 
@@ -66,7 +66,7 @@ fn print_error(foreseen: &Foreseen) {
             foreseen
                 .calibrated_rmse_n
                 .map_or_else(String::new, |e| format!(
-                    ", {} with its own strength and lengths known",
+                    ", {} with its gain and lengths known",
                     newtons(e)
                 ))
         ));
@@ -74,14 +74,14 @@ fn print_error(foreseen: &Foreseen) {
         let parts: Vec<String> = parts
             .map(|(source, n)| format!("{} {}", name::source(source), newtons(*n)))
             .collect();
-        line(format!("          of that {}", parts.join(", ")));
+        line(format!("sources   {}", parts.join(", ")));
     }
 }
 
 /// What one thing more is worth.
 fn print_worth(foreseen: &Foreseen) {
     line("");
-    line("one thing more, and the error that is expected then");
+    line("additions: the error expected with each, and its change");
     let rows: Vec<Vec<String>> = foreseen.worth.iter().map(worth_row).collect();
     for text in aligned(&rows, &[Align::Left, Align::Right, Align::Left]) {
         line(format!("  {text}"));
@@ -91,7 +91,7 @@ fn print_worth(foreseen: &Foreseen) {
 /// What could be found, and what could not.
 fn print_limits(foreseen: &Foreseen) {
     line("");
-    line("smallest sizes that show in 80 of 100 such campaigns");
+    line("smallest sizes detected in 80 of 100 such campaigns");
     let rows: Vec<Vec<String>> = foreseen
         .limits
         .iter()
@@ -102,7 +102,7 @@ fn print_limits(foreseen: &Foreseen) {
     }
     if !foreseen.not_measurable.is_empty() {
         line("");
-        line("what this design cannot show");
+        line("not measurable with this design");
         let of = |n: &pipeline_findings::NotMeasurable| {
             let form = n
                 .form
@@ -124,7 +124,7 @@ fn print_limits(foreseen: &Foreseen) {
 fn print_aliases(foreseen: &Foreseen) {
     if !foreseen.aliases.is_empty() {
         line("");
-        line("what looks alike in this design");
+        line("indistinguishable with this design");
         for alias in &foreseen.aliases {
             let [a, b] = &alias.ids;
             line(format!(
@@ -159,7 +159,7 @@ fn worth_row(worth: &Worth) -> Vec<String> {
         More::Specimen(mm) => format!("an actuator of {mm} mm"),
         More::LengthsKnown(mm) => format!("set lengths known to {mm} mm"),
         More::Contraction(c) => format!("sessions at a relative contraction of {c:.2}"),
-        More::Run => "one more log a session".to_owned(),
+        More::Run => "one more log per session".to_owned(),
     };
     vec![
         what,

@@ -42,10 +42,10 @@ pub struct PredictArgs {
     /// Resting length, clamp to clamp, without pressure
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, required_unless_present_any = ["specimen", "calibrate"])]
     pub rest_length: Option<String>,
-    /// A specimen of the last run: its lengths, and what its readings say of its strength
+    /// A specimen of the last run: its lengths, and its gain as estimated from its readings
     #[arg(long, value_name = "ID", conflicts_with_all = ["diameter", "rest_length", "contracted_length", "contraction_620", "knee"])]
     pub specimen: Option<String>,
-    /// The folder of a session of a few readings of the muscle, which need not be in the raw directory; may be given several times
+    /// Folder of a session with a few readings of the muscle, which need not be in the raw directory; may be given several times
     #[arg(long, value_name = "DIR", conflicts_with_all = ["diameter", "rest_length", "contracted_length", "contraction_620", "knee"])]
     pub calibrate: Vec<PathBuf>,
     /// Free length at 620 kPa
@@ -65,7 +65,7 @@ pub struct PredictArgs {
     /// Contraction, as a fraction of the resting length
     #[arg(long, value_name = "FRACTION", allow_hyphen_values = true)]
     pub contraction: Option<String>,
-    /// Present length, instead of a contraction
+    /// Current length, instead of a contraction
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub length: Option<String>,
     /// Contraction as a fraction of that at 620 kPa, instead of a contraction
@@ -74,7 +74,7 @@ pub struct PredictArgs {
     /// "new" (fitted by an earlier run) or the id of a published model
     #[arg(long, value_name = "ID", default_value = "new")]
     pub model: String,
-    /// The fit of which campaign [default: the pooled one of this diameter, else the one with most specimens]
+    /// Campaign whose fit is used [default: the pooled one of this diameter, else the one with most specimens]
     #[arg(long, value_name = "ID")]
     pub campaign: Option<String>,
     /// Where an earlier run left fits.json, and for --calibrate findings.json
@@ -239,13 +239,13 @@ fn sweep_command(
 ) -> Result<()> {
     if axis == Axis::RestLength && predictor.calibration.is_some() {
         return Err(Error::Usage(
-            "readings of a muscle say nothing of one of another length: leave out --specimen and --calibrate with --sweep rest-length"
+            "readings of a muscle do not apply to one of another length: leave out --specimen and --calibrate with --sweep rest-length"
                 .to_owned(),
         ));
     }
     if axis == Axis::RestLength && matches!(around.contraction, Some(Contraction::Length(_))) {
         return Err(Error::Usage(
-            "a length is another contraction at every resting length: give --contraction or --relative-contraction with --sweep rest-length"
+            "a length is a different contraction at each resting length: give --contraction or --relative-contraction with --sweep rest-length"
                 .to_owned(),
         ));
     }
@@ -355,7 +355,7 @@ pub(super) fn fits(derived: &Path) -> Result<Vec<GroupFit>> {
     };
     serde_json::from_slice(&text).map_err(|e| {
         Error::Usage(format!(
-            "{} cannot be read ({e}): another version wrote it; `pipeline run` writes it again",
+            "{} cannot be read ({e}): it was written by another version; `pipeline run` rewrites it",
             path.display()
         ))
     })

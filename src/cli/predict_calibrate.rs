@@ -56,7 +56,7 @@ pub fn read(args: &PredictArgs, places: &Places) -> Result<Option<Read>> {
         for found in pipeline_inspect::sessions(folder, &places.config, &known) {
             if found.state() == State::Bad {
                 doubts.push(format!(
-                    "{}: a check of it is BAD, and the answer rests on it: `pipeline check-session {}` says why",
+                    "{}: a check of this session is BAD, and the answer depends on it: `pipeline check-session {}` says why",
                     found.session,
                     folder.display()
                 ));
@@ -79,7 +79,7 @@ pub fn read(args: &PredictArgs, places: &Places) -> Result<Option<Read>> {
         return Err(Error::Usage(if is_torque {
             "these are torques about a joint: a calibration needs isometric forces".to_owned()
         } else if whole.iter().all(|r| r.excluded) {
-            "their owner has left these sessions out (`exclude` in session.toml)".to_owned()
+            "these sessions are excluded (`exclude` in session.toml)".to_owned()
         } else {
             "none of the readings can be used: `pipeline check-session` says why".to_owned()
         }));
@@ -125,12 +125,12 @@ impl Read {
         let Law::Fitted(fit, joint) = choice.law else {
             if !was_asked_for {
                 return Err(Error::Usage(
-                    "there is no fit of this diameter: `pipeline run` makes it from sessions of other muscles"
+                    "there is no fit for this diameter: `pipeline run` makes it from sessions of other muscles"
                         .to_owned(),
                 ));
             }
             return Err(Error::Usage(
-                "--specimen and --calibrate need the fitted law: of published models nobody knows how muscles scatter about them; leave out --model"
+                "--specimen and --calibrate need the fitted law: how muscles scatter about published models is not known; leave out --model"
                     .to_owned(),
             ));
         };
@@ -138,7 +138,8 @@ impl Read {
         let specimen = self.rows[0].specimen.as_str();
         Calibration::new(fit, joint, Some(specimen), self.sizes(fit), &readings).ok_or_else(|| {
             Error::Usage(format!(
-                "the fit of {} has {} specimens, too few to say how others scatter, and so what a reading of one tells: it takes more than the law of length has coefficients, three where both are fitted",
+                "the fit of {} has {} specimens, too few to estimate how others scatter, and so what a reading of one implies: it takes more than \
+                 the length law has coefficients, three where both are fitted",
                 fit.group.campaign,
                 fit.specimens.len()
             ))
@@ -220,13 +221,13 @@ fn next(predictor: &Predictor, answer: &Answer) -> Option<Next> {
 pub fn head(calibration: &Calibration) {
     let (readings, sessions) = calibration.count();
     line(format!(
-        "readings {readings} of it in {}, beside the law of {} others",
+        "readings {readings} of it in {}, combined with the law of {} others",
         counted(sessions, "session", "sessions"),
         calibration.others()
     ));
     let strength = calibration.strength();
     line(format!(
-        "         strength {:+.1} ± {:.1}% of that law (± {:.1}% without the readings): percentile {:.0}",
+        "         specimen gain {:+.1} ± {:.1}% relative to that law (± {:.1}% without the readings): percentile {:.0}",
         100.0 * strength.value,
         100.0 * strength.sd,
         100.0 * strength.sd_before,
@@ -256,7 +257,7 @@ pub fn tail(predictor: &Predictor, answer: &Answer) {
     let worth = |n: &Next| n.sd_after_n < (1.0 - WORTH_SAYING) * n.sd_before_n;
     if let Some(next) = next(predictor, answer).filter(worth) {
         line(format!(
-            "next     a session with a reading at a contraction of {:.1}% and {:.0} kPa narrows it most: standard deviation {:.1} to {:.1} N",
+            "next     a session with a reading at a contraction of {:.1}% and {:.0} kPa narrows it most: standard deviation from {:.1} to {:.1} N",
             100.0 * next.contraction,
             next.pressure_kpa,
             next.sd_before_n,

@@ -46,7 +46,7 @@ pub struct LegArgs {
     /// How it is built in
     #[command(flatten)]
     pub mount: MountArgs,
-    /// The human muscle to be met: bifemsh, vasti, vas_int, vas_lat, vas_med [default: by the direction of the pull]
+    /// The human muscle to match: bifemsh, vasti, vas_int, vas_lat, vas_med [default: by the direction of the pull]
     #[arg(long, value_name = "NAME", requires = "knee")]
     pub human: Option<String>,
 }
@@ -184,7 +184,7 @@ fn print_rows(found: &[AtAngle], human: Option<&str>) {
     }
     line("");
     if with_intervals {
-        line("from, to: 95% interval for a muscle that was not measured, on a leg that is rigid");
+        line("from, to: 95% interval for an unmeasured muscle on a rigid leg");
     }
 }
 
@@ -233,12 +233,12 @@ fn verdict(fine: &[AtAngle], human: &str) -> String {
     } else if measured.is_empty() {
         "; all of that is extrapolated (*)".to_owned()
     } else {
-        format!("; within what was measured at {measured}")
+        format!("; within the measured range at {measured}")
     };
     match (all.is_empty(), torque::shortest(fine)) {
         (_, None) => format!("meets {human} wherever both are known{within}"),
         (true, Some((at, missing))) => {
-            format!("meets {human} nowhere: at {at:.0} deg {missing:.1} N.m are missing")
+            format!("meets {human} nowhere: falls short by {missing:.1} N.m at {at:.0} deg")
         }
         (false, Some((at, missing))) => {
             format!(
@@ -256,7 +256,7 @@ fn print_verdict(fine: &[AtAngle], human: Option<&str>) {
     let outside: Vec<&AtAngle> = fine.iter().filter(|a| !a.warnings.is_empty()).collect();
     if let (Some(first), Some(last)) = (outside.first(), outside.last()) {
         line(format!(
-            "* {} of {} angles lie outside of what was measured or is allowed:",
+            "* {} of {} angles lie outside the measured or permitted range:",
             outside.len(),
             fine.len()
         ));

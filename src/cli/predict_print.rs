@@ -84,7 +84,7 @@ pub fn solved(predictor: &Predictor, wanted: Wanted, solved: &Solved, as_json: b
             state.map_or_else(|| open.to_owned(), shown)
         };
         let strongest = end(&solved.strongest, "no lower end");
-        let weakest = end(&solved.weakest, "beyond what was measured");
+        let weakest = end(&solved.weakest, "beyond the measured range");
         line(format!(
             "{:.0}% interval {}: {strongest} (a strong one) to {weakest} (a weak one)",
             100.0 * CONFIDENCE,
@@ -243,7 +243,7 @@ pub fn head(predictor: &Predictor) {
 fn force(predictor: &Predictor, answer: &Answer) -> String {
     let of = of_which(predictor);
     match (answer.force_n, &answer.interval) {
-        (None, _) => "none: the model gives nothing here".to_owned(),
+        (None, _) => "none: the model gives no force here".to_owned(),
         (Some(force), None) => format!("{force:.1} N"),
         (Some(force), Some(i)) => format!(
             "{force:.1} N, {:.0}% interval {:.1} to {:.1} N {of}",
@@ -257,8 +257,8 @@ fn force(predictor: &Predictor, answer: &Answer) -> String {
 /// Of which muscle the interval is.
 fn of_which(predictor: &Predictor) -> &'static str {
     match predictor.calibration {
-        Some(_) => "for this one",
-        None => "for a muscle that was not measured",
+        Some(_) => "for this muscle",
+        None => "for an unmeasured muscle",
     }
 }
 
@@ -270,7 +270,7 @@ fn no_interval(predictor: &Predictor) -> Option<String> {
             100.0 * TOLERANCE
         )),
         Law::Fitted(fit, _) if fit.scatter.is_none() => Some(format!(
-            "no interval: too few specimens ({}) to tell how far others differ (Festo states {:.0}% of the force)",
+            "no interval: too few specimens ({}) to estimate how far others differ (Festo states {:.0}% of the force)",
             fit.specimens.len(),
             100.0 * TOLERANCE
         )),
@@ -353,7 +353,7 @@ fn footnotes(predictor: &Predictor, answers: &[Answer], with_intervals: bool) {
     let starred: Vec<&Answer> = answers.iter().filter(|a| a.is_outside()).collect();
     if let (Some(first), Some(last)) = (starred.first(), starred.last()) {
         line(format!(
-            "* {} of {} states lie outside of what was measured or is allowed:",
+            "* {} of {} states lie outside the measured or permitted range:",
             starred.len(),
             answers.len()
         ));

@@ -79,7 +79,7 @@ fn reasons(outcome: &Outcome) {
 fn put_back(written: &[std::path::PathBuf]) {
     for path in written.iter().take(SHOWN) {
         let what = match path.exists() {
-            true => "not as the run made it",
+            true => "changed since the run",
             false => "missing",
         };
         line(format!("{}: {what}", path.display()));
@@ -204,7 +204,7 @@ fn inputs_left_out(outcome: &Outcome) {
             n => format!(" and {} more", n - 1),
         };
         line(format!(
-            "excluded by their owner: {} of {}: {id} (\"{why}\"){others}; the line `exclude` in session.toml does that",
+            "excluded by `exclude` in session.toml: {} of {}: {id} (\"{why}\"){others}",
             outcome.excluded.len(),
             counted(outcome.sessions, "session", "sessions")
         ));
@@ -218,8 +218,8 @@ pub fn left_out(all: &[LeftOut]) {
     }
     if !all.is_empty() {
         eprintln!(
-            "{} left out for a defect of pipeline itself, please report it; everything else is complete, and summary.json names them. Once it is fixed, or to try \
-             again: pipeline run --force report",
+            "{} left out because of a defect in pipeline itself, please report it; everything else is complete, and summary.json names them. To \
+             retry, or once it is fixed: pipeline run --force report",
             left_out::counted(all)
         );
     }
@@ -243,7 +243,7 @@ pub fn status(outcome: &Outcome, as_json: bool) -> Result<()> {
         ));
     } else {
         line(format!(
-            "{} results would be computed ({}), {} are up to date; {} files would be put back",
+            "{} results would be computed ({}), {} are up to date; {} files would be restored",
             outcome.work.len(),
             counts(outcome),
             outcome.fresh,

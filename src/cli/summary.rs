@@ -172,7 +172,7 @@ impl Answers {
             }
         }
         if !in_full {
-            line("\n`pipeline summary CAMPAIGN` says more of one campaign, --full of all");
+            line("\n`pipeline summary CAMPAIGN` shows one campaign in full, --full all of them");
         }
         if campaigns.len() > shown {
             line(format!(
@@ -190,7 +190,7 @@ impl Answers {
         let (used, rejected) = (all.sessions_used.len(), all.sessions_rejected.len());
         let excluded = all.sessions_used.iter().filter(|s| s.exclude.is_some());
         line(format!(
-            "{} of {}; {} excluded by their owner, {} and {} left out",
+            "{} from {}; {} excluded in session.toml, {} and {} left out",
             counted(all.readings, "reading", "readings"),
             counted(used, "session", "sessions"),
             counted(excluded.count(), "session", "sessions"),
@@ -219,7 +219,7 @@ pub(super) fn better_published(reports: &Path, group: &Group) -> Option<String> 
     let (fitted, published) = models.both_laws()?;
     (published < fitted).then(|| {
         format!(
-            "on unseen specimens the published coefficients have an RMSE of {}, these {} N: --model {PUBLISHED} takes them",
+            "on unseen specimens the published coefficients have an RMSE of {}, the fitted ones {} N: --model {PUBLISHED} uses the published ones",
             error(published, "N"),
             error(fitted, "N")
         )
@@ -258,13 +258,14 @@ fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
     })?;
     pipeline_base::json::from_slice(&bytes).map_err(|_| {
         Error::Usage(format!(
-            "{} is not as this version writes it; `pipeline run` writes it again",
+            "{} is not in the format of this version; `pipeline run` rewrites it",
             path.display()
         ))
     })
 }
 
-/// `laws alone, least squares, RMSE on unseen specimens: New model, fitted 13.2, Hunt 2017 18.1, Festo tool 25.6 N (on the 1290 of 1675 readings that all of them answer)`.
+/// `RMSE on unseen specimens, laws alone by least squares: New model, fitted 13.2, Hunt 2017 18.1, Festo tool 25.6 N (on the 1290 of 1675
+/// readings that all of them cover)`.
 fn models_text(models: &GroupModels) -> String {
     let one = |m: &ModelError| {
         let fallback = if m.model == NEW { "new" } else { &m.model };
@@ -279,7 +280,7 @@ fn models_text(models: &GroupModels) -> String {
         _ => "",
     };
     format!(
-        "laws alone, least squares, RMSE on unseen specimens: {} N (on the {}{of} readings that all of them answer){better}",
+        "RMSE on unseen specimens, laws alone by least squares: {} N (on the {}{of} readings that all of them cover){better}",
         all.join(", "),
         models.readings
     )

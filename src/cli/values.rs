@@ -13,7 +13,7 @@ pub fn quantity(option: &str, text: &str, quantity: Quantity) -> Result<f64> {
     let units = quantity.list_of_units();
     if symbol.is_empty() {
         return usage(format!(
-            "{option} {text} has no unit: write one of {units} behind it, as in {option} {}{}",
+            "{option} {text} has no unit: write one of {units} after it, as in {option} {}{}",
             text.trim(),
             quantity.usual()
         ));

@@ -51,7 +51,7 @@ pub(super) fn command(args: &CheckSessionArgs, config: &Config, known: &Known) -
         match events.recv_timeout(LOOKED) {
             Ok(()) | Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => {
-                return Err(Error::internal("the watcher of files has ended"));
+                return Err(Error::internal("the file watcher has ended"));
             }
         }
         // One event a write: what matters is when they end.

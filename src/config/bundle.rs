@@ -10,9 +10,9 @@ documented! {
 pub struct BundleOptions {
     /// Its name; empty for the title of the report.
     pub name: String,
-    /// What it is, in a few sentences; empty for what can be said of any.
+    /// A description in a few sentences; empty for a generic one.
     pub description: String,
-    /// Its license: an identifier of the SPDX list, such as "CC-BY-4.0", or an address; empty for none.
+    /// Its license: an SPDX identifier, such as "CC-BY-4.0", or an address; empty for none.
     pub license: String,
     /// Authors, each as "Name" or "Name <ORCID>"; empty for the author of the report.
     pub authors: Vec<String>,
@@ -69,7 +69,7 @@ fn is_orcid(text: &str) -> bool {
     groups.len() == 4 && groups.iter().all(|g| g.len() == 4) && expected == Some(*check)
 }
 
-/// Whether a text can be a license: an identifier of the SPDX list, an address, or nothing.
+/// Whether a text can be a license: an SPDX identifier, an address, or nothing.
 pub(crate) fn is_license(text: &str) -> bool {
     let is_address = text.starts_with("https://") || text.starts_with("http://");
     let of_identifier = |c: char| c.is_ascii_alphanumeric() || "-.+".contains(c);

@@ -158,7 +158,7 @@ impl Config {
         let options = &self.bundle;
         let mut mistakes = Vec::new();
         if !is_license(&options.license) {
-            let expected = "an identifier of the SPDX list, such as \"CC-BY-4.0\", or an address";
+            let expected = "an SPDX identifier, such as \"CC-BY-4.0\", or an address";
             mistakes.push(mistake(file, "bundle.license", &options.license, expected));
         }
         for text in options.authors.iter().filter(|a| author(a).is_none()) {

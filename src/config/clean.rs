@@ -21,7 +21,7 @@ documented! {
 pub struct CleanOptions {
     /// "zero-log" or "none".
     pub zero: ZeroRule,
-    /// Width of the bins in which the pressure is looked at, s.
+    /// Width of the bins in which the pressure is examined, s.
     pub bin_s: f64,
     /// Rate of pressure above which a valve must be open, kPa/s.
     pub step_rate_kpa_per_s: f64,
@@ -47,9 +47,9 @@ pub struct CleanOptions {
     pub most_clipped: f64,
     /// Fraction of unusable rows above which a log is left out.
     pub most_bad_rows: f64,
-    /// Gauge pressures outside are no pressures, kPa.
+    /// Gauge pressures outside this range are invalid, kPa.
     pub pressure_range_kpa: [f64; 2],
-    /// Forces beyond are no forces, N.
+    /// Larger forces are invalid, N.
     pub largest_force_n: f64,
     /// An isolated sample that differs from its neighbours by this fraction of the channel's range is a spike.
     pub spike_fraction: f64,

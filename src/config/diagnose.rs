@@ -13,12 +13,12 @@ documented! {
 pub struct DiagnoseOptions {
     /// The model whose residual is searched: "new", "new_published", or the id of another published model.
     pub base_model: String,
-    /// Whether its coefficients are fitted anew with every effect (of a published model: a factor on its force; those of "new_published" are
+    /// Whether its coefficients are refitted with every effect (of a published model: a factor on its force; those of "new_published" are
     /// held in any case).
     pub refit: bool,
     /// Most effects in one answer, at most 6.
     pub most_effects: usize,
-    /// The search looks at so many readings of a campaign, an equal share of each session.
+    /// Most readings of a campaign that the search uses, an equal share of each session.
     pub most_readings: usize,
     /// Draws from the fitted null model, with which the strongest candidate is compared.
     pub draws: usize,

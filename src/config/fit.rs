@@ -44,7 +44,7 @@ documented! {
 pub struct FitOptions {
     /// "huber", "least_squares", "lar", "bisquare" or "cauchy".
     pub loss: String,
-    /// Where Huber's loss bends, in units of the least-squares RMSE.
+    /// Where Huber's loss becomes linear, in units of the least-squares RMSE.
     pub huber_at_rmse: f64,
     /// Confidence of the intervals.
     pub confidence: f64,

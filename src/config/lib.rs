@@ -43,7 +43,7 @@ documented! {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {
-    /// Where things are, relative to this file; the options of the command line come before it.
+    /// Where things are, relative to this file; options on the command line override it.
     pub paths: PathOptions,
     /// Cleaning of logs.
     pub clean: CleanOptions,
@@ -57,7 +57,7 @@ pub struct Config {
     pub torque: TorqueOptions,
     /// The reports.
     pub report: ReportOptions,
-    /// The bundle for a repository: what is said of it.
+    /// The bundle for a repository: its metadata.
     pub bundle: BundleOptions,
 }
 }

@@ -26,7 +26,7 @@ impl Config {
         let mut keyed = BTreeMap::new();
         for name in names {
             let (section, option) = name.split_once('.').map_or((*name, None), named);
-            let missing = || Error::Internal(format!("there are no options {name}"));
+            let missing = || Error::Internal(format!("there is no section {name}"));
             let options = set.get(section).and_then(Value::as_table);
             let options = options.ok_or_else(missing)?.iter();
             let meant = |(key, _): &(&String, _)| option.is_none_or(|option| option == *key);

@@ -9,7 +9,7 @@ documented! {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PathOptions {
-    /// Raw directories, which are only read.
+    /// Raw directories, read-only.
     pub raw: Vec<PathBuf>,
     /// The cache and the tidy data.
     pub derived: PathBuf,

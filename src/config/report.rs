@@ -10,7 +10,7 @@ documented! {
 pub struct ReportOptions {
     /// Title of `force.pdf`.
     pub title: String,
-    /// Authors, as they are to be printed; empty for none.
+    /// Authors, as printed; empty for none.
     pub author: String,
     /// Date of the document, ISO 8601; empty for none. Never today's.
     pub date: String,
@@ -18,7 +18,7 @@ pub struct ReportOptions {
     pub png_dpi: f64,
     /// Widths of the figures, one and two columns: "house" (85 and 175 mm), "ieee" (88 and 181 mm), "elsevier" (90 and 190 mm).
     pub figure_widths: FigureWidths,
-    /// Whether `audit.pdf` is made: the papers' numeric claims, each recomputed. The table `audit` is there in any case.
+    /// Whether `audit.pdf` is made: the papers' numeric claims, each recomputed. The table `audit` is made in any case.
     pub audit: bool,
 }
 }

@@ -10,7 +10,7 @@ documented! {
 pub struct TorqueOptions {
     /// Length of one end fitting where a session states none, mm.
     pub fitting_mm: f64,
-    /// Words by which the notes of a torque session say that it is in doubt: it is shown, and takes part in no fit. `[]` for none.
+    /// Words in the notes that mark a torque session as doubtful: it is shown, but used in no fit. `[]` for none.
     pub doubtful_words: Vec<String>,
 }
 }

@@ -72,11 +72,11 @@ fn head(draft: &Draft, id: &str) -> String {
             draft.rows,
             short(1e3 * s)
         ),
-        None => format!("{} rows, no column of time", draft.rows),
+        None => format!("{} rows, no time column", draft.rows),
     };
     format!(
-        r#"# Written by `pipeline new-session`: guesses from the log, to be corrected. What no log can say is marked in capitals: write it, and remove the
-# mark. The session is left out as long as a mark is there.
+        r#"# Written by `pipeline new-session`: guesses from the log, to be corrected. What no log can tell is marked in capitals: fill it in and remove the
+# mark. The session is left out while a mark remains.
 schema = "{SCHEMA}"
 id = {id}      # unique over all sessions
 kind = "{kind}"         # guessed from the columns: "isometric" or "knee-torque"
@@ -235,7 +235,7 @@ fn clipped(guess: &Guess) -> String {
         return String::new();
     }
     format!(
-        "\n# {:.1}% of its samples stand at {low}: if the converter clips there, add saturation_low = {low}",
+        "\n# {:.1}% of its samples are at {low}: if the converter clips there, add saturation_low = {low}",
         100.0 * share
     )
 }

@@ -134,7 +134,7 @@ fn unreadable_entry(root: &Path, error: &walkdir::Error) -> Diagnostic {
         ),
         (None, Some(io)) => (
             format!("\"{}\"", io.kind()),
-            "give yourself permission to read it; what is below was not seen",
+            "give yourself permission to read it; its contents were not read",
         ),
         (None, None) => ("an unreadable entry".to_owned(), "look at it"),
     };

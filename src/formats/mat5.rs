@@ -113,7 +113,7 @@ fn inflate(contents: &[u8], most: u64) -> Result<Vec<u8>, Broken> {
         .read_to_end(&mut inflated)
         .map_err(|_| "a damaged compressed variable")?;
     if inflated.len() as u64 == most {
-        return Err("more than a log can hold once decompressed");
+        return Err("more than a log can contain once decompressed");
     }
     Ok(inflated)
 }
@@ -146,7 +146,7 @@ impl<'a> Elements<'a> {
         let contents = self
             .rest
             .get(start..start + length)
-            .ok_or("an element that is longer than the file")?;
+            .ok_or("an element longer than the file")?;
         self.rest = self.rest.get(padded..).unwrap_or_default();
         Ok(Some((kind, contents)))
     }
@@ -198,7 +198,7 @@ fn array(contents: &[u8], order: ByteOrder, depth: usize) -> Result<Variable, Br
         class::STRUCTURE => structure(&mut elements, &dimensions, depth)?,
         class::SPARSE => Value::Other("a sparse matrix"),
         class::OBJECT => Value::Other("an object"),
-        _ => Value::Other("an array of a class that is not known"),
+        _ => Value::Other("an array of an unknown class"),
     };
     Ok(Variable {
         name: text(name),
@@ -250,7 +250,7 @@ fn matrix(elements: &mut Elements, dimensions: &[f64]) -> Result<Value, Broken> 
             rows: *rows as usize,
             numbers,
         }),
-        [_, _] => Err("a matrix with another number of cells than its dimensions say"),
+        [_, _] => Err("a matrix whose number of cells contradicts its dimensions"),
         _ => Ok(Value::Other("an array of more than two dimensions")),
     }
 }
@@ -290,7 +290,7 @@ fn cell_array(elements: &mut Elements, depth: usize) -> Result<Value, Broken> {
     while let Some((_, contents)) = elements.next()? {
         match array(contents, elements.order, depth - 1)?.value {
             Value::Words(mut rows) if rows.len() <= 1 => words.push(rows.pop().flatten()),
-            _ => return Ok(Value::Other("a cell array of other things than words")),
+            _ => return Ok(Value::Other("a cell array of something other than text")),
         }
     }
     Ok(Value::Words(words))

@@ -74,7 +74,7 @@ fn datasets(group: &Group, by_columns: bool) -> Result<Vec<Variable>, Error> {
 fn value(dataset: &Dataset, by_columns: bool) -> Result<Value, Error> {
     match matlab_class(dataset).as_deref() {
         Some("char") => return Ok(Value::Other("characters")),
-        Some("cell") => return Ok(Value::Other("a cell array; save words with -v7")),
+        Some("cell") => return Ok(Value::Other("a cell array; save text with -v7")),
         _ => {}
     }
     let Some(numbers) = numbers(dataset)? else {

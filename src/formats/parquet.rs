@@ -39,7 +39,7 @@ fn open<'a>(source: &Source<'a>) -> Result<Box<dyn Table + 'a>, Diagnostic> {
             unreadable(
                 source.file,
                 format!("a column of type {} ({e})", column.dtype()),
-                "numbers, truth values or words",
+                "numbers, truth values or text",
                 "store it as numbers: a time as seconds",
             )
             .in_column(column.name().as_str())

@@ -38,7 +38,7 @@ fn check_columns(root: &Section, session: &Session) {
                 &format!("columns.{name}"),
                 "nothing",
                 &format!("the column `{name}`, or where it is constant the set-up's `{column}`"),
-                "say where it stands in the log",
+                "say where it is in the log",
             );
         }
     }

@@ -15,7 +15,7 @@ pub fn column_specs(table: &Section) -> Vec<ColumnSpec> {
         };
         if let Some(other) = specs.iter().find(|s| s.position == spec.position) {
             entry.reject_for(
-                "a column that is taken",
+                "a column already in use",
                 &format!("a column of its own, not that of {}", other.column),
                 "correct `index` or `name` of one of them",
             );
@@ -40,7 +40,7 @@ fn column_spec(name: &str, entry: &Entry) -> Option<ColumnSpec> {
             "write `{name} = {{ name = {}, unit = \"...\" }}`",
             entry.describe()
         );
-        entry.reject("where the column stands, and its unit", &hint);
+        entry.reject("where the column is, and its unit", &hint);
         return None;
     }
     let table = entry.table()?;
@@ -145,7 +145,7 @@ fn position(entry: &Entry, table: &Section) -> Option<Position> {
             entry.reject_for(
                 found,
                 "either `index` (file without header) or `name` (header line)",
-                "say where the column stands",
+                "say where the column is",
             );
             None
         }
@@ -196,7 +196,7 @@ fn phase_values(
         (true, None) => {
             entry.reject_for(
                 "no `values`",
-                "`values`, from what stands in the log to pressurizing or depressurizing",
+                "`values`, which map the text of the log to pressurizing or depressurizing",
                 "write values = { \"1\" = \"pressurizing\", \"2\" = \"depressurizing\" }",
             );
             None

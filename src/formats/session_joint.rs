@@ -62,7 +62,7 @@ fn joint_table(table: &Section) -> Option<Joint> {
         }
         (Some("pinned" | "biomimetic"), Some(entry)) => {
             entry.reject(
-                "no `file` for a knee that the program knows",
+                "no `file` for a built-in knee",
                 "remove it, or write knee = \"described\"",
             );
             None

@@ -52,7 +52,7 @@ pub fn of_held_length(setup: &Section, kind: Option<Kind>) -> Option<f64> {
     let entry = setup.get(HELD_LENGTH)?;
     if kind == Some(Kind::KneeTorque) {
         entry.reject(
-            "`length_sd_mm` in an isometric session only: a knee holds no set length",
+            "`length_sd_mm` in an isometric session only: a knee has no set length",
             "remove it; of lengths measured by hand write muscle_length_sd_mm in [joint]",
         );
         return None;
@@ -67,7 +67,7 @@ fn millimetres(entry: &Entry) -> Option<f64> {
     }
     entry.reject(
         &format!("one standard deviation in mm, above 0 and at most {LARGEST_MM}"),
-        "write what a repeated measurement would scatter by, or leave it out where it is not known",
+        "write the scatter of a repeated measurement, or leave it out if it is not known",
     );
     None
 }

@@ -183,7 +183,7 @@ fn session(root: &Section) -> Option<Session> {
         .require(
             "columns",
             "a table [columns]",
-            "say which quantity stands where",
+            "say which quantity is in which column",
         )
         .and_then(|e| e.table())
         .map(|t| session_columns::column_specs(&t));

@@ -82,7 +82,7 @@ fn open<'a>(source: &Source<'a>) -> Result<Box<dyn Table + 'a>, Diagnostic> {
             source.file,
             format!("cells far from any table in sheet \"{name}\""),
             format!("a table of at most {MOST_ROWS} rows, most of its cells filled"),
-            "delete what stands far from the table, or save it as CSV",
+            "delete what is far from the table, or save it as CSV",
         ));
     };
     if sheet.columns.is_empty() {

@@ -253,7 +253,7 @@ fn population(session: &Session, rows: &[&Row], known: &Known) -> Option<Populat
         return Some(population);
     }
     Some(Population {
-        name: "the published law, with usual scatter".to_owned(),
+        name: "the published law, with typical scatter".to_owned(),
         coefficients: new::published(diameter_mm, new::SYMBOLS)?,
         cap_length_m: cap,
         gain_sd: settings::USUAL_GAIN,

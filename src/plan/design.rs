@@ -9,23 +9,23 @@ use serde::Serialize;
 pub const SCHEMA: &str = "bpa-plan/1";
 
 /// A plan to begin with.
-pub const EXAMPLE: &str = r#"# A campaign that has not been measured yet, for `pipeline plan`.
+pub const EXAMPLE: &str = r#"# A planned campaign, for `pipeline plan`.
 schema = "bpa-plan/1"
 diameter_mm = 10
 rest_lengths_mm = [112, 182, 257, 382, 455]   # one actuator each
 contraction_620 = 0.165                       # of the free actuator at 620 kPa
 contractions = [0, 0.25, 0.5, 0.75]           # lengths set, as shares of that; each is a session
 pressures_kpa = [50, 100, 150, 200, 250, 300, 350, 400, 450, 500, 550, 620]
-venting = true                                # read on the way down as well
-runs = 2                                      # logs a session
+venting = true                                # also read while venting
+runs = 2                                      # logs per session
 scatter_of = ""                               # a campaign of the last run whose scatter is expected; else [scatter]
 
-[scatter]             # standard deviations; what is left out is as here
-gain = 0.04           # strength of actuators
-length_mm = 0.8       # lengths that are set
+[scatter]             # standard deviations; the defaults are as here
+gain = 0.04           # specimen gain
+length_mm = 0.8       # set lengths
 zero_n = 1.0          # zero of the force of a session
-common_misfit = 0.02  # what the law is wrong by everywhere, share of the force
-session_misfit = 0.01 # what a session differs by, along the pressure
+common_misfit = 0.02  # misfit of the law common to all, share of the force
+session_misfit = 0.01 # misfit of each session, along the pressure
 noise_n = 2.0         # readings
 "#;
 
@@ -149,12 +149,16 @@ fn plan(root: &Section) -> Option<Plan> {
     if let Some(entry) = root.require("schema", SCHEMA, "write schema = \"bpa-plan/1\"") {
         entry.choice(&[(SCHEMA, ())]);
     }
-    let diameter = root.require("diameter_mm", "10, 20 or 40", "of these a law is published");
+    let diameter = root.require(
+        "diameter_mm",
+        "10, 20 or 40",
+        "a law is published for these",
+    );
     let diameter_mm = diameter.and_then(|entry| {
         let whole = entry.integer().and_then(|d| u32::try_from(d).ok());
         let known = whole.filter(|d| new::published(*d, new::SYMBOLS).is_some());
         if known.is_none() {
-            entry.reject("10, 20 or 40", "of these a law is published");
+            entry.reject("10, 20 or 40", "a law is published for these");
         }
         known
     });

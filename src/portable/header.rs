@@ -64,10 +64,10 @@ fn domain(model: &Model) -> Vec<String> {
 
 fn spread(model: &Model) -> Vec<String> {
     let Some(s) = model.spread else {
-        return vec!["Interval for a muscle that was not measured: none, for nothing is known of how specimens scatter about it.".to_owned()];
+        return vec!["Interval for an unmeasured muscle: none, because how specimens scatter about it is not known.".to_owned()];
     };
     vec![
-        "95% interval of a reading of a muscle that was not measured, of the same make, inside the box:".to_owned(),
+        "95% interval of a reading of an unmeasured muscle of the same make, inside the box:".to_owned(),
         format!(
             "  F -/+ {:.3} sqrt(({:.4} F)^2 + ({:.3} N)^2): gains of specimens, readings about one specimen's curve ({} degrees of freedom);",
             s.t, s.between, s.within_n, s.freedom

@@ -365,7 +365,7 @@ fn warning(m: &Measured) -> String {
     };
     let digits = if m.unit.is_empty() { 3 } else { 0 };
     format!(
-        "{} {:.digits$}{unit} was not measured, only {:.digits$} to {:.digits$}{unit}: the force is extrapolated",
+        "{} {:.digits$}{unit} is outside the measured range {:.digits$} to {:.digits$}{unit}: the force is extrapolated",
         m.quantity, m.value, m.low, m.high
     )
 }

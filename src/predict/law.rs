@@ -143,7 +143,7 @@ fn named<'a>(
 fn fallback<'a>(diameter_mm: u32) -> Result<Choice<'a>> {
     if !NewPublished.diameters().contains(&diameter_mm) {
         return usage(format!(
-            "there is no fit for {diameter_mm} mm, and nobody has published coefficients of the new model for it; `pipeline run` on sessions of this diameter \
+            "there is no fit for {diameter_mm} mm, and no published coefficients of the new model for it; `pipeline run` on sessions of this diameter \
              makes a fit"
         ));
     }

@@ -23,7 +23,8 @@ fn parse(svg: &str) -> Result<Tree> {
         fontdb: FONTS.clone(),
         ..Options::default()
     };
-    Tree::from_str(svg, &options).map_err(|e| Error::internal(format!("a figure is no SVG: {e}")))
+    Tree::from_str(svg, &options)
+        .map_err(|e| Error::internal(format!("a figure is not an SVG: {e}")))
 }
 
 /// A figure as PNG on white paper, at so many dots per inch of its printed size, which the file states.

@@ -187,9 +187,9 @@ fn domain(input: &GroupInput) -> Vec<String> {
     notes
         .map(|note| {
             let what = if note.excluded {
-                "no answer for"
+                "no prediction for"
             } else {
-                "answers beyond its data for"
+                "extrapolates for"
             };
             format!(
                 "{}: {what} {} ({})",

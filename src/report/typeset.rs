@@ -137,7 +137,7 @@ impl Document {
             return Ok(PdfOptions::default());
         };
         let date = Datetime::from_ymd_hms(year, month, day, 0, 0, 0)
-            .ok_or_else(|| Error::Usage(format!("{year}-{month}-{day} is no date")))?;
+            .ok_or_else(|| Error::Usage(format!("{year}-{month}-{day} is not a date")))?;
         let standards = PdfStandards::new(&[PdfStandard::A_2b]);
         Ok(PdfOptions {
             timestamp: Some(Timestamp::new_utc(date)),

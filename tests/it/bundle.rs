@@ -127,7 +127,7 @@ fn what_is_out_of_date_or_in_the_way_is_not_packed() {
     assert_eq!(bundle(&bench, &[]).code, 0);
     let said = bundle(&bench, &[]);
     assert_eq!(said.code, 2);
-    said.warns_of(&["bundle.zip is there already", "--replace"]);
+    said.warns_of(&["bundle.zip already exists", "--replace"]);
     assert_eq!(bundle(&bench, &["--replace"]).code, 0);
     let said = bundle(&bench, &["--out", "raw/bundle.zip"]);
     assert_eq!(said.code, 2);

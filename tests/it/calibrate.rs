@@ -119,7 +119,7 @@ fn a_specimen_of_the_run_is_predicted_by_the_law_of_the_others_and_its_own_readi
     for part in [
         "readings",
         "percentile",
-        "for this one",
+        "for this muscle",
         "before",
         "next",
         "longer than noted",

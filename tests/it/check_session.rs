@@ -54,7 +54,7 @@ fn a_sound_session_is_fine_and_nothing_is_written() {
     let said = bench.run(&["check-session", &folder, "--plot", "plots"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     assert!(
-        said.out.contains("new: ok") && said.out.contains("strength"),
+        said.out.contains("new: ok") && said.out.contains("specimen gain"),
         "{}",
         said.out
     );
@@ -175,7 +175,7 @@ fn results_that_are_not_where_they_were_said_to_be_are_no_silent_default() {
     let folder = copied(&bench, &[]);
     let said = bench.run(&["check-session", &folder, "--derived", "elsewhere"]);
     assert_eq!(said.code, 2, "{}", said.out);
-    said.warns_of(&["no result of a run in elsewhere"]);
+    said.warns_of(&["no results of a run in elsewhere"]);
 }
 
 #[test]

@@ -161,7 +161,7 @@ fn a_curve_that_no_muscle_meets_has_the_one_that_comes_closest() {
         "met.svg",
     ]);
     assert_eq!(said.code, 1, "no muscle meets it: {}", said.err);
-    for part in ["falls short", "tightest at", "no length that was measured"] {
+    for part in ["falls short", "tightest at", "no measured length"] {
         assert!(said.out.contains(part), "{part} is not in\n{}", said.out);
     }
     let rows = crate::support::read_table(&bench.root().join("met.csv"));
@@ -218,9 +218,9 @@ fn curves_that_are_none_say_what_is_expected() {
         ),
         (
             "travel_mm,force_n\n1,-2\n",
-            &["curve.csv:2", "a muscle does not push"],
+            &["curve.csv:2", "a muscle cannot push"],
         ),
-        ("travel_mm,force_n\n1,0\n", &["asks for nothing"]),
+        ("travel_mm,force_n\n1,0\n", &["requires nothing"]),
         ("", &["curve.csv:1"]),
     ] {
         let said = bench(curve).run(&["design", "curve.csv"]);

@@ -86,7 +86,7 @@ fn a_run_is_equivalent_to_itself_and_what_is_not_there_is_named() {
         (
             "small",
             "other",
-            &["other is no campaign", "there are small"][..],
+            &["other is not a campaign", "there are small"][..],
         ),
         ("small", "raw", &["there are no fits in raw/derived"]),
     ] {

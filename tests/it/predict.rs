@@ -107,7 +107,7 @@ fn what_was_not_measured_is_warned_of() {
     for (more, warning) in [
         (
             &["--pressure", "850kPa", "--contraction", "0"][..],
-            "gauge pressure 850 kPa was not measured",
+            "gauge pressure 850 kPa is outside the measured range",
         ),
         (
             &["--pressure", "850kPa", "--contraction", "0"],
@@ -115,7 +115,7 @@ fn what_was_not_measured_is_warned_of() {
         ),
         (
             &["--pressure", "6bar", "--relative-contraction", "0.9"],
-            "relative contraction 0.900 was not measured",
+            "relative contraction 0.900 is outside the measured range",
         ),
     ] {
         let said = predict(&bench, more);
@@ -142,14 +142,14 @@ fn what_was_not_measured_is_warned_of() {
     assert!(
         short
             .out
-            .contains("resting length 60 mm was not measured, only 112 to 382 mm"),
+            .contains("resting length 60 mm is outside the measured range 112 to 382 mm"),
         "{}",
         short.out
     );
     assert!(
         short
             .out
-            .contains("contraction at 620 kPa 0.250 was not measured"),
+            .contains("contraction at 620 kPa 0.250 is outside the measured range"),
         "{}",
         short.out
     );

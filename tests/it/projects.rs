@@ -48,7 +48,7 @@ fn a_project_needs_no_paths_and_nothing_copied_from_elsewhere() {
     }
     let again = run(&bench, &["check", "--init"]);
     assert_eq!(again.code, 2, "{}", again.out);
-    assert!(bench.run(&["init", "lab"]).err.contains("is there already"));
+    assert!(bench.run(&["init", "lab"]).err.contains("already exists"));
 }
 
 #[test]
@@ -90,7 +90,7 @@ fn status_names_what_has_to_be_put_back_beside_what_is_to_be_computed() {
     touch(&session, "campaign", "date = \"2026-02\"\ncampaign");
     let said = bench.run(&["status"]);
     assert!(
-        said.out.contains("0 files would be put back"),
+        said.out.contains("0 files would be restored"),
         "{}",
         said.out
     );
@@ -113,7 +113,7 @@ fn status_names_what_has_to_be_put_back_beside_what_is_to_be_computed() {
         assert!(said.out.contains(lost), "{lost}: {}", said.out);
     }
     assert!(
-        said.out.contains("3 files would be put back"),
+        said.out.contains("3 files would be restored"),
         "{}",
         said.out
     );

@@ -210,8 +210,5 @@ fn a_forced_stage_and_a_lost_file_say_so() {
     std::fs::remove_file(bench.root().join("reports/force.pdf")).unwrap();
     assert_eq!(status(&bench), ["reports/force.pdf: missing"]);
     std::fs::write(bench.root().join("reports/force.pdf"), "mine").unwrap();
-    assert_eq!(
-        status(&bench),
-        ["reports/force.pdf: not as the run made it"]
-    );
+    assert_eq!(status(&bench), ["reports/force.pdf: changed since the run"]);
 }

@@ -108,7 +108,7 @@ def holds_pointer(page):
     shown = dict(zip(*[iter(tip.split("\n")[2:])] * 2))
     agree(shown["force"], row.force_n, "force")
     agree(shown["pressure"], row.pressure_kpa, "pressure")
-    agree(shown["measured less predicted"], row.force_n - row.predicted_new_n, "residual")
+    agree(shown["measured minus predicted"], row.force_n - row.predicted_new_n, "residual")
     panel = page.inner_text("#reading")
     assert f"lines {row.row} to {row.last_row}" in panel and row.log in panel and f"pipeline explain {row.session}" in panel, panel
     of_model = page.inner_text("#reading tr:has(th:text-is('Hunt 2017')) td >> nth=0")

@@ -122,7 +122,7 @@ pub fn torques(input: &ReportInput, extent: Extent) -> Option<Set> {
         (Some(1), ..) => "excluded",
         (_, Some(1), _) => "doubtful",
         (.., Some(1)) => "fitted",
-        _ => "kept out of fits",
+        _ => "excluded from fits",
     };
     let states = (0..of).map(|k| Some(state(k).to_owned())).collect();
     let frame = frame.with(STATE, Values::Text(states));

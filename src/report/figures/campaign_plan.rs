@@ -70,7 +70,8 @@ pub fn figure(
     Named {
         name: "plan".to_owned(),
         caption: format!(
-            "{title}: the error expected on an unseen actuator as planned and with one thing more (bars: standard error of the difference), and set points."
+            "{title}: the error expected on an unseen actuator as planned and with one addition (bars: standard error of the difference), and set \
+             points."
         ),
         figure: Figure::new(title, DOUBLE_MM, height)
             .grid(2)

@@ -69,7 +69,7 @@ fn panel(lines: &[(&Comparison, f64)]) -> Panel {
             |c| c.n_excluded == 0 && !is_seen(c),
         ),
         (
-            "those of them that it answers",
+            "those that it covers",
             Mark::open(Shape::Circle, Ink::Vermilion),
             |c| c.n_excluded > 0 && !is_seen(c),
         ),
@@ -105,14 +105,14 @@ fn caption(lines: &[(&Comparison, f64)]) -> String {
         .map(|l| l.0.n + l.0.n_excluded);
     let readings = readings.max().unwrap_or(0);
     let fitted = if lines.iter().any(|l| is_seen(l.0)) {
-        "; the new model has no specimen that could be left out, and stands here with the readings that it was fitted to"
+        "; for the new model no specimen could be left out, and its error is on the readings to which it was fitted"
     } else if lines.iter().any(|l| l.0.fitted_here) {
         ", the new model fitted to the other specimens"
     } else {
         ""
     };
     let partial = if lines.iter().any(|l| l.0.n_excluded > 0) {
-        " Open circles: models that give nothing for some of these readings."
+        " Open circles: models that do not cover all of these readings."
     } else {
         ""
     };
@@ -122,7 +122,8 @@ fn caption(lines: &[(&Comparison, f64)]) -> String {
         ""
     };
     format!(
-        "Root-mean-square error of every model on the {readings} readings that the new model, Hunt 2017 and the Festo tool all answer: published models as \
+        "Root-mean-square error of every model on the {readings} readings that the new model, Hunt 2017 and the Festo tool all cover: published \
+         models as \
          published{refitted}{fitted}.{partial}"
     )
 }

@@ -104,13 +104,13 @@ fn models(group: &GroupInput) -> (Vec<&Comparison>, bool) {
 
 fn caption(partial: bool, shown: usize, all: usize) -> String {
     let partial = if partial {
-        " A model that gives nothing for some readings is judged on the others."
+        " A model that does not cover all readings is judged on the others."
     } else {
         ""
     };
     let others = if shown < all {
         format!(
-            " Shown are the {shown} of {all} specimens on which the new model errs most; `tables/comparison_by_length.csv` has all."
+            " Shown are the {shown} of {all} specimens with the largest error of the new model; `tables/comparison_by_length.csv` has all."
         )
     } else {
         String::new()

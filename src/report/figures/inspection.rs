@@ -26,7 +26,7 @@ pub fn figure(session: &str, points: &[Point]) -> Option<Named> {
             force(3),
             by_own,
         ));
-    let axis = Axis::new("Measured less expected (N)").including(0.0);
+    let axis = Axis::new("Measured minus expected (N)").including(0.0);
     let residuals = Panel::new(pressure(), axis)
         .legend(Legend::None)
         .with(Layer::zero())
@@ -36,7 +36,7 @@ pub fn figure(session: &str, points: &[Point]) -> Option<Named> {
     (!points.is_empty()).then(|| Named {
         name: "inspection".to_owned(),
         caption: format!(
-            "Session {} beside the law of other actuators.",
+            "Session {} compared with the law of other actuators.",
             verbatim(session)
         ),
         figure: Figure::new(&title, DOUBLE_MM, HEIGHT_MM)

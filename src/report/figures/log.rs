@@ -42,10 +42,7 @@ pub fn figure(draft: &Draft) -> Option<Named> {
     }
     (!shown.is_empty()).then(|| Named {
         name: "log".to_owned(),
-        caption: format!(
-            "The log {} as it stands in the file.",
-            verbatim(&draft.file)
-        ),
+        caption: format!("The log {} as it is in the file.", verbatim(&draft.file)),
         figure,
     })
 }

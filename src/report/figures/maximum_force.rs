@@ -175,7 +175,7 @@ impl<'a> Plot<'a> {
                 .to_owned();
         if self.maxima.iter().any(|m| is_extrapolated(m)) {
             caption +=
-                " or near by (open: a parabola in contraction, extended to the resting length)";
+                " or nearby (open: a parabola in contraction, extended to the resting length)";
         }
         if !shown.is_empty() {
             caption += &format!("; {}", listed(&shown));
@@ -183,7 +183,7 @@ impl<'a> Plot<'a> {
         caption += ".";
         for law in &self.laws {
             if let Some(why) = misleading(law.fit) {
-                caption += &format!(" Not drawn is {}, for {why}.", law.words);
+                caption += &format!(" Not drawn: {}, because {why}.", law.words);
             }
         }
         caption + &self.about_the_band()
@@ -197,10 +197,10 @@ impl<'a> Plot<'a> {
             ),
             None if self.sound().next().is_none() => String::new(),
             None if self.specimens == 2 => {
-                " Two specimens settle the two coefficients of the law and leave nothing to judge it by: there is no band.".to_owned()
+                " Two specimens determine the two coefficients of the law exactly: there is no band.".to_owned()
             }
             None => {
-                " There is no band: not every refit without one specimen finds the coefficients."
+                " There is no band: not every refit without one specimen determines the coefficients."
                     .to_owned()
             }
         }

@@ -176,7 +176,7 @@ impl<'a> Sheet<'a> {
         let left_out = if silent.is_empty() {
             String::new()
         } else {
-            format!(" No answer at these states: {}.", listed(&silent))
+            format!(" Not covered at these states: {}.", listed(&silent))
         };
         let lengths = self.specimens.iter().map(|s| millimetres(s.rest_length_m));
         let lengths: BTreeSet<String> = lengths.collect();
@@ -188,8 +188,8 @@ impl<'a> Sheet<'a> {
             _ => "three specimens",
         };
         format!(
-            "Force against contraction of {which}: readings within 10 kPa of the pressure and every compared model. Curves are thin where \
-             a model answers beyond the data that it was made from, and end where it gives nothing or at the upper edge.{left_out}"
+            "Force against contraction of {which}: readings within 10 kPa of the pressure and every compared model. Curves are thin where a model \
+             extrapolates beyond its data, and end where it gives no force or at the upper edge.{left_out}"
         )
     }
 }

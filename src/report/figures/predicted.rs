@@ -35,7 +35,7 @@ pub fn figure(group: &GroupInput, _config: &Config) -> Option<(String, Figure)> 
         .with(clouds.on(agreement, |point| point))
         .with(clouds.on(left_over, |(p, m)| (p, m - p)));
     let how = if unseen.is_some() {
-        "Every reading is predicted by the fit that has not seen its specimen."
+        "Every reading is predicted by the fit without its specimen."
     } else {
         "The predictions are those of the fit itself: there is no second specimen that could be left out."
     };

@@ -113,7 +113,7 @@ impl Sheet {
             .map(|(k, c)| format!("{} ({})", c.words, letter(k)))
             .collect();
         let predicted = if unseen {
-            "the prediction of the fit that has not seen the specimen"
+            "the prediction of the fit without the specimen"
         } else {
             "the prediction of the fit itself"
         };

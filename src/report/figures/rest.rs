@@ -141,7 +141,7 @@ impl<'a> Isoclines<'a> {
             (false, false) => "",
         };
         let missing = self.why_not.as_ref().map_or_else(String::new, |why| {
-            format!(" The fit of _F_#sub[max] is not drawn, for {why}.")
+            format!(" The fit of _F_#sub[max] is not drawn, because {why}.")
         });
         format!(
             "Force at resting length: readings within 10 kPa of the isobars and |_ε_#super[\\*]| at most {}.{lines}{missing}",
@@ -196,7 +196,7 @@ fn contraction_caption(group: &GroupInput, config: &Config) -> String {
     let slope = fit.coefficients.iter().find(|c| c.symbol == "slope");
     let interval = slope.and_then(|s| s.ci_low.zip(s.ci_high));
     let verdict = match interval {
-        None => "it has no interval, so that nothing can be said of a relation".to_owned(),
+        None => "it has no interval, so nothing can be said about a relation".to_owned(),
         Some((low, high)) => {
             let ends = format!(
                 "its slope of {}{per} has the {:.0}% interval {} to {}{per}",

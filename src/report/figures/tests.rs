@@ -173,13 +173,13 @@ fn captions_say_what_is_there() {
     assert!(five["residuals"].caption.contains("#\"humidity_#1\""));
     let two = figures_of("two");
     assert!(!two["f620"].caption.contains("95%"));
-    assert!(two["f620"].caption.contains("Two specimens settle"));
+    assert!(two["f620"].caption.contains("Two specimens determine"));
     assert!(two["rest"].caption.contains("Too few specimens"));
     let single = figures_of("map_1*");
     assert!(
         single["models"]
             .caption
-            .contains("has no specimen that could be left out")
+            .contains("no specimen could be left out")
     );
     assert!(single["residuals"].caption.contains("of the fit itself"));
     assert!(single["curves"].caption.contains("of the specimen:"));

@@ -54,19 +54,27 @@ fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, Stri
     ];
     if let Some(share) = e.found_in_folds {
         let unit = name::held_out_unit(found);
-        let searches = format!("{} of the searches without one {unit}", percent(share));
-        facts.insert(1, ("found again in", searches));
+        let searches = format!(
+            "{} of the searches with one {unit} left out",
+            percent(share)
+        );
+        facts.insert(1, ("selected in", searches));
     }
     if let Some(log_likelihood) = e.log_likelihood_gain {
         facts.insert(1, ("gain in log-likelihood", gain(log_likelihood)));
     }
     let most = beyond_usual(found, e);
-    facts.extend(most.map(|most| ("implausibly large", format!("such parts have up to {most}"))));
+    facts.extend(most.map(|most| {
+        (
+            "implausibly large",
+            format!("such parts measure at most {most}"),
+        )
+    }));
     let mut misfit = found.misfit.iter();
     if misfit.any(|m| m.sensitive.contains(&e.id)) {
         facts.push((
             "misfit prior",
-            "the answer changes where it is halved or doubled".to_owned(),
+            "the result changes when it is halved or doubled".to_owned(),
         ));
     }
     facts
@@ -120,7 +128,7 @@ pub(super) fn tested(found: &CampaignFindings) -> Vec<TestedRow> {
     let row = |t: &Tested| TestedRow {
         cells: [
             if t.id == PLACEBO {
-                "shuffled column (holds nothing)".to_owned()
+                "shuffled column (placebo)".to_owned()
             } else if t.is_column {
                 format!("{} (column)", name::column(&t.id))
             } else {
@@ -158,10 +166,12 @@ pub(super) fn shuffled(found: &CampaignFindings) -> String {
     match (low, taken) {
         (false, _) => "",
         (true, false) => {
-            "The shuffled column holds nothing: at the level of 0.05 one such column in twenty comes up by chance, and it is not searched further."
+            "The shuffled column carries no information: at the 0.05 level, one such column in twenty is significant by chance. It is not searched \
+             further."
         }
         (true, true) => {
-            "The shuffled column holds nothing: at the level of 0.05 one such column in twenty comes up by chance, and so may others here."
+            "The shuffled column carries no information: at the 0.05 level, one such column in twenty is significant by chance. Others here may \
+             be, too."
         }
     }
     .to_owned()

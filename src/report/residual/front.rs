@@ -138,12 +138,12 @@ pub(super) fn design(found: &CampaignFindings) -> String {
     let held = match d.readings_held_out {
         0 => String::new(),
         n => format!(
-            "; {} held out by their owner",
+            "; {} designated as holdout",
             counted(n, "reading is", "readings are")
         ),
     };
     let doubtful = if d.doubtful_only {
-        "; its owner doubts all of these, and they take part in no other fit"
+        "; all of these are marked as doubtful and are used in no other fit"
     } else {
         ""
     };

@@ -56,10 +56,10 @@ pub(super) fn misfit(found: &CampaignFindings) -> String {
     };
     let sensitive: Vec<String> = m.sensitive.iter().map(|id| name::candidate(id)).collect();
     let changes = if sensitive.is_empty() {
-        "No answer changes where the prior scales of the misfit are halved or doubled.".to_owned()
+        "No result changes when the prior scales of the misfit are halved or doubled.".to_owned()
     } else {
         format!(
-            "Where the prior scales of the misfit are halved or doubled, the answer changes for {}.",
+            "When the prior scales of the misfit are halved or doubled, the result changes for {}.",
             listed(&sensitive)
         )
     };
@@ -69,14 +69,14 @@ pub(super) fn misfit(found: &CampaignFindings) -> String {
         ("force", "pressure")
     };
     format!(
-        "Smooth misfit of the law: {}% of the {quantity} common to all {}, {}% of each {} along the {along}{}. {changes}",
+        "Smooth misfit of the law, as a share of the {quantity}: {}% common to all {}, {}% per {} along the {along}{}. {changes}",
         share(m.common),
         nouns.units,
         share(m.session),
         nouns.setup,
         m.stroke.map_or_else(String::new, |s| {
             format!(
-                ", {}% of each stroke (the filling or the venting of one log)",
+                ", {}% per stroke (the filling or the venting of one log)",
                 share(s)
             )
         })

@@ -65,12 +65,12 @@ pub(super) fn is_predictive(found: &CampaignFindings) -> bool {
 pub(super) fn black_box(found: &CampaignFindings) -> String {
     let reaches = |e: f64| {
         let beats = if black_box_beats(found) {
-            ", less than the model with what was found: part of the residual is systematic and has no name yet"
+            ", less than the final model: part of the residual is systematic and not yet identified"
         } else {
             ""
         };
         format!(
-            "A smooth black box on the residual of the base model reaches {} on the same held-out readings{beats}.",
+            "A black-box smoother on the residual of the base model reaches {} on the same held-out readings{beats}.",
             error_with_unit(e, &found.unit)
         )
     };
@@ -160,7 +160,7 @@ pub(super) fn alternatives_sentence(found: &CampaignFindings) -> String {
     let [chosen] = least[..] else {
         let all: Vec<String> = least.iter().map(|a| parts(a)).collect();
         return format!(
-            "{} do as well as one another, with log-likelihoods within {}: these readings do not settle it.",
+            "{} fit equally well, with log-likelihoods within {}: these readings cannot decide between them.",
             name::capitalised(&listed(&all)),
             rounded(CLOSE, Rounding::Decimals(0))
         );
@@ -179,7 +179,7 @@ pub(super) fn alternatives_sentence(found: &CampaignFindings) -> String {
             format!("With {} alone", parts(chosen))
         };
         format!(
-            "{with} the law does as well as with {}: the log-likelihoods are within {}",
+            "{with}, the law fits as well as with {}: the log-likelihoods are within {}",
             listed(&others),
             rounded(CLOSE, Rounding::Decimals(0))
         )
@@ -196,7 +196,7 @@ pub(super) fn alternatives_sentence(found: &CampaignFindings) -> String {
         let errors = (chosen.rmse_heldout, next.rmse_heldout);
         if let (Some(here), Some(there)) = errors {
             sentence += &format!(
-                ", and the error on {} is {} in place of {}",
+                ", and the error on {} is {} instead of {}",
                 name::held_out(found),
                 error(here, &found.unit),
                 error_with_unit(there, &found.unit)

@@ -127,8 +127,8 @@ pub(super) fn worth_withheld(found: &CampaignFindings) -> String {
     }
     let units = name::nouns(found).units;
     format!(
-        "What a measurement is worth is a fall of the error that the model with the effects expects, and is left out where that says nothing of unseen {units}: \
-         where the error on them rises with the effects, or the fall is more than all of it."
+        "The worth of a measurement is the decrease in error that the model with the effects expects. It is omitted where that says nothing about \
+         unseen {units}: where their error rises with the effects, or the decrease would exceed it."
     )
 }
 
@@ -157,7 +157,7 @@ fn set_points(found: &CampaignFindings) -> Option<[String; 2]> {
     });
     if good.is_empty() && !together.is_some_and(|(_, total)| worthy(total)) {
         let nothing = format!(
-            "No further set point on these {} would lower the error by {}",
+            "No further set point on these {} would lower the error by as much as {}",
             name::nouns(found).units,
             error_with_unit(least_worth(found), unit)
         );
@@ -181,9 +181,9 @@ fn set_points(found: &CampaignFindings) -> Option<[String; 2]> {
     let least = error_with_unit(least_worth(found), unit);
     let plural = if points.len() == 1 { "" } else { "s" };
     let others = if good.is_empty() {
-        format!("; none of them alone by {least}")
+        format!("; none of them alone by as much as {least}")
     } else {
-        format!("; no other alone by {least}")
+        format!("; no other alone by as much as {least}")
     };
     Some([
         format!(

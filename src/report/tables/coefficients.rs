@@ -70,7 +70,7 @@ pub fn intervals(groups: &[GroupInput]) -> Table {
         .rounded("ci_high", "To", One, |r| (r.high, r.rounding))
         .note(
             "The methods by specimen let readings of one specimen depend on each other; profile and linearised intervals, like the \
-             LAR-compatible and the published ones, count every reading as independent and are too narrow. An empty end is open.",
+             LAR-compatible and the published ones, count every reading as independent and are too narrow. An empty end is unbounded.",
         )
         .blocks(equations(groups).flat_map(|(g, e)| (0..e.coefficients.len()).map(move |k| by_every_method(g, e, k))))
 }

@@ -22,7 +22,7 @@ pub fn models_in_print(groups: &[GroupInput]) -> Table {
 
 #[rustfmt::skip]
 fn models_where(groups: &[GroupInput], shown: fn(&Comparison) -> bool) -> Table {
-    Described::<Row>::new("model_comparison", "Every model on the readings that it answers, and on common ones")
+    Described::<Row>::new("model_comparison", "Every model on the readings that it covers, and on common ones")
         .group(|(g, _)| &g.group)
         .text("model", "Model", |(_, c)| &c.model).machines()
         .text("title", "Model", |(_, c)| model_name(&c.model, &c.title)).people().once()
@@ -39,7 +39,9 @@ fn models_where(groups: &[GroupInput], shown: fn(&Comparison) -> bool) -> Table 
         .count("n_excluded", "Outside", One, |(_, c)| c.n_excluded)
         .count("n_extrapolated", "Extrap.", One, |(_, c)| c.n_extrapolated)
         .note(
-            "Only errors on common readings rank the models: those that the new model (fitted without their specimen), Hunt 2017 and the Festo tool all answer. Errors and bias are measured minus predicted. \\v{Outside}: readings for which the model has no answer, not counted in its errors; \
+            "Only errors on common readings rank the models: those that the new model (fitted without their specimen), Hunt 2017 and the Festo \
+             tool all cover. Errors and bias are measured minus predicted. \\v{Outside}: readings outside the model's domain, not counted in its \
+             errors; \
              \\v{Extrap.}: readings beyond the model's own data, counted. Directions of filling and venting enter Hunt's model as \\v{S} = 0, the mean of both.",
         )
         .blocks(groups.iter().flat_map(|g| by_model(&g.comparison, shown)))

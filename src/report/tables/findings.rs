@@ -40,9 +40,11 @@ pub fn findings(input: &ReportInput) -> Table {
         .number("rms", "RMS", One, Digits(3), |(_, f)| finite(f.effect().map(|e| e.rms)))
         .number("share_of_variance", "Share", One, Decimals(3), |(_, f)| finite(f.unexplained().map(|u| u.share_of_variance))).machines()
         .note(
-            "\\v{p}: probability of a candidate as strong as this anywhere. \\v{Gain}: in marginal log-likelihood, variances estimated again. \\v{p} (form): probability of as large a \
-             change of the size with the effect's own argument, where one size is enough. \\v{In folds}: share of the \
-             held-out searches that find it too. \\v{RMS}: of what it does to the readings, in the unit of the errors. \\v{unexplained}: a dependence on a column for which the library has no effect.",
+            "\\v{p}: probability of a candidate as strong as this anywhere. \\v{Gain}: in marginal log-likelihood, with variances \
+             re-estimated. \\v{p} (form): probability of as large a \
+             change of the size with the effect's own argument, where one size is enough. \\v{In folds}: share of the held-out searches that also \
+             find it. \\v{RMS}: of what it does to the readings, in the unit of the errors. \\v{unexplained}: a dependence on a column for which \
+             the library has no effect.",
         )
         .of_all(input, rows)
 }

@@ -52,8 +52,9 @@ pub fn statistics(groups: &[GroupInput]) -> Table {
         .span("Honest", "adj_r2", "max_abs_error")
         .span("LAR-compatible", "lar_adj_r2", "lar_max_abs_error")
         .note(
-            "The right-hand set stands beside the papers and is used nowhere else: its RMSE is a mixed scale, at least \\v{s} \\v{p}/√(\\v{p}^2 + \\v{n}) \
-             of the ordinary fit's \\v{s}, and no root of mean squares. Validation rows are the fifth of each session's rows that the split by \
+            "The right-hand set is for comparison with the papers and is used nowhere else: its RMSE is a mixed scale, at \
+             least \\v{s} \\v{p}/√(\\v{p}^2 + \\v{n}) \
+             of the ordinary fit's \\v{s}, not a root mean square. Validation rows are the fifth of each session's rows that the split by \
              row kept out of the fit.",
         )
         .blocks(groups.iter().flat_map(|g| g.fit.equations.iter().map(move |e| on_rows(g, e))))

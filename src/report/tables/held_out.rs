@@ -21,7 +21,7 @@ struct Line<'a> {
 /// One row a model and held-out unit.
 #[rustfmt::skip]
 pub fn residual_errors(input: &ReportInput) -> Table {
-    let caption = "The error on what was held out, without effects and with those that were found without it";
+    let caption = "Held-out error, without effects and with those found without the unit";
     let given = |l: Line, readings| l.errors.rmse_heldout_after.get::<str>(readings).copied();
     Described::<(&CampaignFindings, Line)>::found("residual_errors", caption)
         .text("held_out", "Held out", |(_, l)| l.unit.map_or("all", |u| u.unit.as_str()))
@@ -40,10 +40,11 @@ pub fn residual_errors(input: &ReportInput) -> Table {
         .number("realised_over_expected", "Realised", One, Decimals(2), |(_, l)| finite(l.after.and_then(|u| u.realised_over_expected)))
         .number("inside_95", "Inside 95%", One, Percent(0), |(_, l)| finite(l.inside_95))
         .text("found", "Found without it", |(_, l)| l.after.map(|u| u.found.join(" ")))
-        .span("After so many readings", "rmse_heldout_after_1", "rmse_heldout_after_5")
+        .span("Readings used", "rmse_heldout_after_1", "rmse_heldout_after_5")
         .note(
-            "Root-mean-square errors. \\v{Own values}: gain, lengths and zeros of the held-out unit that fit all its readings best, in sample in these. \\v{After so many readings} of each session \
-             (test), scored on the others. \\v{Realised}: mean squared error over the expected one.",
+            "Root-mean-square errors. \\v{Own values}: gain, lengths and zeros of the held-out unit that best fit all its readings, so \
+             in-sample. \\v{Readings used} from each session \
+             (test), scored on the others. \\v{Realised}: mean squared error divided by the expected one.",
         )
         .of_all(input, lines)
 }
@@ -92,7 +93,8 @@ pub fn alternatives(input: &ReportInput) -> Table {
         .value("value", "Value", One, |(_, (_, p))| size(p))
         .interval("ci", "95%", One, |(_, (_, p))| size(p))
         .text("number_unit", "Unit", |(_, (_, p))| p.map(|p| &p.unit))
-        .note("\\v{Log-likelihood}: less that of the first. \\v{Held out}: each alternative as it stands, without a search. \\v{Log density}: a held-out reading.")
+        .note("\\v{Log-likelihood}: relative to the first. \\v{Held out}: each alternative as it is, without a search. \\v{Log density}: per \
+             held-out reading.")
         .of_all(input, |found| found.alternatives.iter().flat_map(numbers).collect())
 }
 

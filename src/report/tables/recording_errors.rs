@@ -8,7 +8,7 @@ use pipeline_findings::{CampaignFindings, ErrorKind, RecordingError};
 /// One row a mistake.
 #[rustfmt::skip]
 pub fn recording_errors(input: &ReportInput) -> Table {
-    let caption = "Recording errors: what the model fitted without it makes too improbable";
+    let caption = "Recording errors: groups too improbable under the model fitted without them";
     Described::<(&CampaignFindings, &RecordingError)>::found("recording_errors", caption)
         .text("level", "What", |(_, e)| name::level(e.level))
         .text("group", "Id", |(_, e)| &e.group)
@@ -20,7 +20,8 @@ pub fn recording_errors(input: &ReportInput) -> Table {
         .error("rms", "RMS", |(_, e)| e.rms)
         .error("rms_corrected", "Corrected", |(_, e)| e.rms_corrected)
         .flag("set_aside", "Set aside", |(_, e)| e.set_aside)
-        .note("\\v{Size}: true less recorded, or the factor of a unit. \\v{RMS} of its readings about that model, as recorded and with the mistake taken back.")
+        .note("\\v{Size}: true minus recorded, or the factor of a unit. \\v{RMS} of the group's readings about that model, as recorded and as \
+             corrected.")
         .of_all(input, |found| found.recording_errors.iter().collect())
 }
 

@@ -10,7 +10,7 @@ use pipeline_findings::{BudgetEntry, CampaignFindings, Scatter};
 #[rustfmt::skip]
 pub fn scatter(input: &ReportInput) -> Table {
     let size = |s: &Scatter| cells(s.sd, s.ci_low, s.ci_high);
-    Described::<(&CampaignFindings, &Scatter)>::found("scatter", "What varies from group to group")
+    Described::<(&CampaignFindings, &Scatter)>::found("scatter", "Random effects: scatter from group to group")
         .text("id", "Random effect", |(_, s)| &s.id)
         .text("level", "Of each", |(_, s)| name::level(s.level))
         .count("groups", "\\v{n}", One, |(_, s)| s.values.len())

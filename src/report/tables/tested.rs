@@ -18,7 +18,8 @@ pub fn tested(input: &ReportInput) -> Table {
         .number("amplitude", "Size", One, Digits(2), |(_, t)| finite(t.amplitude))
         .text("unit", "Unit", |(_, t)| &t.unit)
         .number("p_familywise", "\\v{p}", One, Digits(2), |(_, t)| finite(t.p_familywise))
-        .note("\\v{Gain}: in log-likelihood, of the linearised candidate added alone to the model without effects; those of an effect that was found are of a full fit. \\v{Size}: of the linearised candidate. \\v{p}: probability of a candidate as strong as this anywhere.")
+        .note("\\v{Gain}: in log-likelihood, of the linearised candidate added alone to the model without effects; those of an effect found are \
+             from a full fit. \\v{Size}: of the linearised candidate. \\v{p}: probability of a candidate as strong as this anywhere.")
         .of_all(input, |found| found.tested.iter().collect())
 }
 
@@ -28,7 +29,7 @@ type Limit<'a> = Result<&'a DetectionLimit, &'a NotMeasurable>;
 /// One row an effect.
 #[rustfmt::skip]
 pub fn detection_limits(input: &ReportInput) -> Table {
-    let caption = "The smallest size of every effect that a campaign would have shown in 80 of 100 cases";
+    let caption = "The smallest size of every effect that would have been detected in 80 of 100 such campaigns";
     Described::<(&CampaignFindings, Limit)>::found("detection_limits", caption)
         .text("id", "Effect", |(_, l)| l.map_or_else(|n| &n.id, |l| &l.id))
         .text("form", "Form", |(_, l)| l.map_or_else(|n| n.form.as_ref(), |l| Some(&l.form)))

@@ -12,7 +12,7 @@ pub fn zeros(input: &ReportInput) -> Table {
     let known = all.filter(|(_, zero)| zero.zero_log_n.is_some() || zero.slack_n.is_some());
     Described::<(&Session, &Zero)>::new("zeros", "The zero of the force channel")
         .text("session", "Session", |(s, _)| &s.id)
-        .number("applied_n", "Taken off", N, Decimals(2), |(_, z)| z.applied_n)
+        .number("applied_n", "Subtracted", N, Decimals(2), |(_, z)| z.applied_n)
         .text("source", "From", |(_, z)| z.source.name())
         .number("zero_log_n", "Zero log", N, Decimals(2), |(_, z)| z.zero_log_n)
         .number("zero_log_clipped", "clipped", One, Percent(0), |(_, z)| z.zero_log_clipped)
@@ -21,8 +21,8 @@ pub fn zeros(input: &ReportInput) -> Table {
         .number("zero_log_pressure_kpa", "\\v{P} then", KPa, Decimals(1), |(_, z)| z.zero_log_pressure_kpa)
         .note(
             "The slack state is the force of the session's own plateaus while the actuator carries no load, before any zero. \
-             A zero log that contradicts the slack state is applied all the same, being what the measurers declared, unless half of it is clipped. \
-             The pressure in the zero log is not taken off.",
+             A zero log that contradicts the slack state is applied nevertheless, because the measurers declared it, unless half of it is clipped. \
+             The pressure in the zero log is not subtracted.",
         )
         .blocks(runs(known, |a, b| a.0.campaign == b.0.campaign))
 }

@@ -230,7 +230,7 @@ pub fn not_assessed(found: &CampaignFindings) -> String {
 pub fn held_out(found: &CampaignFindings) -> String {
     let nouns = nouns(found);
     match found.design.held_out_by {
-        HeldOutBy::Holdout => format!("the {} held out by their owner", nouns.setups),
+        HeldOutBy::Holdout => format!("the {} designated as holdout", nouns.setups),
         HeldOutBy::None => "nothing unseen".to_owned(),
         HeldOutBy::Specimen | HeldOutBy::SpecimenGroups | HeldOutBy::Actuator => {
             format!("unseen {}", nouns.units)
@@ -248,16 +248,20 @@ pub fn held_out_by(found: &CampaignFindings) -> String {
     let nouns = nouns(found);
     match found.design.held_out_by {
         HeldOutBy::Holdout => format!(
-            "the {} with the role holdout, which take part in no fit and no choice",
+            "the {} with the role holdout, used in no fit and no selection",
             nouns.setups
         ),
-        HeldOutBy::Specimen => "each specimen in turn, the whole search made without it".to_owned(),
-        HeldOutBy::SpecimenGroups => {
-            "groups of specimens in turn, the whole search made without them".to_owned()
+        HeldOutBy::Specimen => {
+            "each specimen in turn, the whole search repeated without it".to_owned()
         }
-        HeldOutBy::Actuator => "each actuator in turn, the whole search made without it".to_owned(),
-        HeldOutBy::None if found.design.specimens > 1 => "none: nothing was searched".to_owned(),
-        HeldOutBy::None => format!("none: there is one {} only", nouns.unit),
+        HeldOutBy::SpecimenGroups => {
+            "groups of specimens in turn, the whole search repeated without them".to_owned()
+        }
+        HeldOutBy::Actuator => {
+            "each actuator in turn, the whole search repeated without it".to_owned()
+        }
+        HeldOutBy::None if found.design.specimens > 1 => "none: no search was made".to_owned(),
+        HeldOutBy::None => format!("none: there is only one {}", nouns.unit),
     }
 }
 
@@ -298,7 +302,7 @@ pub fn recording_error(kind: ErrorKind, quantity: Option<&str>) -> String {
         (ErrorKind::Unit, what) => format!("unit of the {}", what.as_deref().unwrap_or("column")),
         (ErrorKind::Sign, what) => format!("sign of the {}", what.as_deref().unwrap_or("column")),
         (ErrorKind::Zero, what) => format!("zero of the {}", what.as_deref().unwrap_or("channel")),
-        (ErrorKind::Outlier, _) => "an outlier that no usual mistake explains".to_owned(),
+        (ErrorKind::Outlier, _) => "an outlier that no common mistake explains".to_owned(),
     }
 }
 
@@ -321,7 +325,7 @@ pub const NOT_RECORDED: &str = "a quantity that it needs was not recorded";
 pub fn why_not(found: &CampaignFindings, none: &NotMeasurable) -> String {
     match (none.reason, &none.by) {
         (WhyNot::Absorbed, None) if found.coefficients.is_empty() => {
-            "absorbed by what was found and by what is each unit's own".to_owned()
+            "absorbed by the effects found and the random effects".to_owned()
         }
         _ => why_not_of_law(none),
     }

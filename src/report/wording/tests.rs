@@ -27,14 +27,15 @@ fn the_answer_of_the_issue() {
     assert_eq!(
         broken(&sentences(&example())),
         [
-            "Threshold pressure of the bladder 60.0 kPa (indistinguishable from zero of the pressure sensor): the mixed model's error on unseen specimens \
-             goes from 18.7 to 15.8 N.",
-            "The zero of the force scatters by 0.60 N and not by the 0.20 N that were declared.",
-            "What the effects leave is not all chance: the error depends on humidity (p = 0.0020), for which the library has no effect \
+            "Threshold pressure of the bladder 60.0 kPa (indistinguishable from zero of the pressure sensor): the mixed model's error on unseen \
+             specimens falls from 18.7 to 15.8 N.",
+            "The zero of the force scatters by 0.60 N, not by the declared 0.20 N.",
+            "What the effects leave is not all noise: the error depends on humidity (p = 0.0020), for which the library has no effect \
              (12% of its variance).",
-            "Of the 13.4 N expected on an unseen specimen, 12.0 come from set lengths (0.90 mm), 4.1 from specimen gain (4.2%), 3.0 from \
-             estimation, 1.4 from all else and 2.6 from noise (added in quadrature); knowing set lengths to 0.2 mm would lower the error by 6.0 N; three readings of each session of a \
-             new specimen bring the error to 5.1 N.",
+            "The 13.4 N error expected on an unseen specimen combines, in quadrature, 12.0 from set lengths (0.90 mm), 4.1 from specimen gain \
+             (4.2%), 3.0 from \
+             estimation, 1.4 from other sources and 2.6 from noise; knowing set lengths to 0.2 mm would lower the error by 6.0 N; three readings per \
+             session of a new specimen reduce the error to 5.1 N.",
             "Recording error: session s05 (set length, \u{2212}10.0 mm; set aside here only).",
         ]
     );
@@ -47,14 +48,15 @@ fn an_error_that_rises_and_a_density_that_falls_are_said_in_plain_words() {
     found.after.log_density_heldout = Some(-4.5);
     assert_eq!(
         said(&found),
-        "the mixed model's error on unseen specimens goes from 18.7 to 15.8 N, but the uncertainty stated with the predictions gets worse (log predictive density a \
-         reading \u{2212}4.31 before, \u{2212}4.50 after)"
+        "the mixed model's error on unseen specimens falls from 18.7 to 15.8 N, but the uncertainty stated with the predictions gets worse (log \
+         predictive density per reading \u{2212}4.31 before, \u{2212}4.50 after)"
     );
     found.after.rmse_heldout = Some(25.0);
     assert_eq!(
         said(&found),
-        "the mixed model's error on unseen specimens rises with the effects, from 18.7 to 25.0 N, and the uncertainty stated with the predictions gets worse too (log \
-         predictive density a reading \u{2212}4.31 before, \u{2212}4.50 after): the effects describe these specimens, and do not help on another"
+        "the mixed model's error on unseen specimens rises with the effects, from 18.7 to 25.0 N, and the uncertainty stated with the predictions \
+         gets worse too (log predictive density per reading \u{2212}4.31 before, \u{2212}4.50 after): the effects describe these specimens and do \
+         not help on others"
     );
     found.after.log_density_heldout = Some(-4.0);
     assert!(
@@ -63,7 +65,7 @@ fn an_error_that_rises_and_a_density_that_falls_are_said_in_plain_words() {
     );
     found.after.rmse_heldout_calibrated = Some(9.0);
     found.before.rmse_heldout_calibrated = Some(5.0);
-    assert!(said(&found).ends_with("; where its gain and lengths are known the error is larger with the effects, 9.0 against 5.0 N"));
+    assert!(said(&found).ends_with("; where gain and lengths are known, the error is larger with the effects: 9.0 against 5.0 N"));
     found.after.rmse_heldout = Some(18.6);
     assert!(said(&found).starts_with(
         "the mixed model's error on unseen specimens does not fall: 18.7 without, 18.6 N with the effects"
@@ -76,7 +78,9 @@ fn an_expected_error_far_from_what_came_out_says_so() {
     found.expected_rmse_heldout = Some(30.0);
     let said = clauses(&found).budget.unwrap().replace('\u{a0}', " ");
     assert!(
-        said.starts_with("of the 30.0 N expected on an unseen specimen (15.8 N came out), "),
+        said.starts_with(
+            "the 30.0 N error expected on an unseen specimen (15.8 N observed) combines, "
+        ),
         "{said}"
     );
 }
@@ -154,7 +158,7 @@ fn nothing_found_points_to_the_detection_limits() {
     assert_eq!(
         broken(&said.rest)[..2],
         [
-            "The zero of the force scatters by 0.60 N and not by the 0.20 N that were declared.",
+            "The zero of the force scatters by 0.60 N, not by the declared 0.20 N.",
             "The mixed model's error on unseen specimens is 18.7 N."
         ]
     );
@@ -187,9 +191,9 @@ fn a_joint_is_told_of_in_actuators_and_newton_metres() {
     assert!(
         c.errors
             .unwrap()
-            .ends_with("unseen actuators goes from 18.70 to 15.80\u{a0}N\u{a0}m")
+            .ends_with("unseen actuators falls from 18.70 to 15.80\u{a0}N\u{a0}m")
     );
-    assert!(c.readings.unwrap().contains("each test of a new actuator"));
+    assert!(c.readings.unwrap().contains("per test of a new actuator"));
 }
 
 #[test]
@@ -283,21 +287,21 @@ fn a_free_form_says_whether_one_number_is_enough_and_over_what_range() {
     };
     assert_eq!(
         said(&effect).unwrap(),
-        "One number is enough for its size over the force at which it acts, from 0.00 to 50.0 N (p = 0.40)."
+        "One value is enough for its size over the force range in which it acts, from 0.00 to 50.0 N (p = 0.40)."
     );
     let free = effect.free_form.as_mut().unwrap();
     (free.p, free.differs) = (0.01, true);
     let differs = said(&effect).unwrap();
     assert!(
         differs.starts_with("Its size changes with the force, from ")
-            && differs.contains(" at 50 N, all else fitted again")
-            && differs.ends_with("one number is not enough (p = 0.010)."),
+            && differs.contains(" at 50 N, everything else refitted")
+            && differs.ends_with("one value is not enough (p = 0.010)."),
         "{differs}"
     );
     let free = effect.free_form.as_mut().unwrap();
     let middle = free.curve.len() / 2;
     free.curve[middle].amplitude = 1000.0;
-    assert!(said(&effect).unwrap().contains(" over 1000 "));
+    assert!(said(&effect).unwrap().contains(" through 1000 "));
     effect.free_form = None;
     assert_eq!(said(&effect), None);
 }

@@ -7,7 +7,7 @@ function fillAnswers() {
   section.hidden = !answers.length;
   const largest = Math.max(...answers.map((a) => a.budget.reduce((sum, b) => sum + b.variance, 0)), Number.MIN_VALUE);
   const sources = [...new Set(answers.flatMap((a) => a.budget.map((b) => b.label)))];
-  section.replaceChildren(element("h2", {}, "What was found, and what the expected error is made of"), ...answers.map((a) => answerOf(a, sources, largest)));
+  section.replaceChildren(element("h2", {}, "Effects found, and the sources of the expected error"), ...answers.map((a) => answerOf(a, sources, largest)));
 }
 
 // Ink of a source: the same in every campaign.
@@ -25,7 +25,7 @@ function answerOf(answer, sources, largest) {
     const bars = answer.budget.filter((b) => b.variance > 0).map((b) => element("span", { className: "part", style: `width:${(100 * b.variance) / total}%;background:${inkOfSource(sources, b.label)}`, title: `${b.label}: ${number(b.rmse)}, ${Math.round((100 * b.variance) / total)}% of the variance` }));
     const bar = element("div", { className: "budget", role: "img", ariaLabel: `Shares of the expected variance, ${number(answer.expected)} in all; the numbers follow`, style: `width:${Math.max(12, 100 * Math.sqrt(total / largest))}%` }, bars);
     const rows = answer.budget.map((b) => element("li", {}, element("span", { className: "key", style: `background:${inkOfSource(sources, b.label)}` }), ` ${b.label} `, element("b", {}, number(b.rmse)), ` (${Math.round((100 * b.variance) / total)}%)`));
-    parts.push(element("p", { className: "numbers" }, "Expected of an unseen one: ", element("b", {}, number(answer.expected)), ", of which, added in quadrature"), bar, element("ul", { className: "sources" }, rows));
+    parts.push(element("p", { className: "numbers" }, "Expected on an unseen one: ", element("b", {}, number(answer.expected)), ", combining in quadrature"), bar, element("ul", { className: "sources" }, rows));
   }
   return element("article", {}, parts);
 }

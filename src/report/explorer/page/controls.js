@@ -9,7 +9,7 @@ function axisChoices(set, chosen, withTexts) {
   const of = (title, list) => element("optgroup", { label: title }, list);
   const label = (c) => c.label + (c.unit ? ` (${c.unit.replace(".", " ")})` : "");
   const groups = [];
-  if (set.models.length) groups.push(of("Chosen model", [option("residual", "measured less predicted", chosen), ...(withTexts ? [] : [option("predicted", "predicted", chosen)])]));
+  if (set.models.length) groups.push(of("Chosen model", [option("residual", "measured minus predicted", chosen), ...(withTexts ? [] : [option("predicted", "predicted", chosen)])]));
   groups.push(of("Reading", own.map((c) => option(c.name, label(c), chosen))));
   if (!withTexts) groups.push(of("Predicted by", set.models.map((m) => option(m.column, m.label, chosen))));
   return groups;
@@ -137,7 +137,7 @@ function fillTable(set, places) {
   if (!byId("table").open) return;
   const columns = [...new Set(["specimen", "session", set.measured, "pressure_kpa", ...[state.x, state.y].filter((name) => set.byName.has(name))])].map((name) => set.byName.get(name)).filter(Boolean);
   const predicted = set.byName.get(state.model)?.data;
-  const head = [...columns.map(titled), ...(predicted ? ["predicted", "measured less predicted"] : []), ""].map((text) => element("th", { scope: "col" }, text));
+  const head = [...columns.map(titled), ...(predicted ? ["predicted", "measured minus predicted"] : []), ""].map((text) => element("th", { scope: "col" }, text));
   const rows = places.slice(0, ROWS).map((k) => {
     const open = element("button", { type: "button", ariaLabel: `open the reading of ${value(set, "session", k)}, line ${value(set, "row", k)}` }, "open");
     open.addEventListener("click", () => openReading(k, true));

@@ -35,7 +35,7 @@ function quantity(set, name, model) {
   const about = { unit: set.unit, of: set.modelOf.get(model)?.label ?? "" };
   if (name === "residual" && predicted) {
     const data = set.measuredValues.map((x, k) => x - predicted[k]);
-    return { ...about, label: "measured less predicted", data };
+    return { ...about, label: "measured minus predicted", data };
   }
   if (name === "predicted" && predicted) return { ...about, label: "predicted", data: predicted };
   const column = set.byName.get(name);

@@ -18,7 +18,7 @@ function wordsOf(set, k) {
   const predicted = value(set, state.model, k);
   if (predicted !== null && !Number.isNaN(predicted)) {
     words.push([set.modelOf.get(state.model).label, withUnit(predicted, set.unit)]);
-    words.push(["measured less predicted", withUnit(set.measuredValues[k] - predicted, set.unit)]);
+    words.push(["measured minus predicted", withUnit(set.measuredValues[k] - predicted, set.unit)]);
   }
   for (const name of [state.x, state.y, state.colour]) {
     if (set.byName.has(name) && !words.some(([label]) => label === set.byName.get(name).label) && !["specimen", "session"].includes(name)) say(name);
@@ -100,14 +100,14 @@ function source(set, k) {
   ];
   const list = of.filter(([, text]) => text).map(([name, text]) => [element("dt", {}, name), element("dd", {}, String(text))]);
   const command = element("code", {}, `pipeline explain ${id}`);
-  const how = element("p", { className: "note" }, "The stages, options and digests behind it: ", command, "; the digests of the raw files: ", element("a", { href: "provenance.json" }, "provenance.json"), ".");
+  const how = element("p", { className: "note" }, "Its stages, options and digests: ", command, "; the digests of the raw files: ", element("a", { href: "provenance.json" }, "provenance.json"), ".");
   return element("section", {}, element("h3", {}, "Where it comes from"), element("dl", {}, list.flat()), how);
 }
 
 // What every model says of it, and every column.
 function table(set, k) {
   const measured = set.measuredValues[k];
-  const head = ["", `predicted, ${set.unit.replace(".", " ")}`, "measured less predicted"].map((text) => element("th", { scope: "col" }, text));
+  const head = ["", `predicted, ${set.unit.replace(".", " ")}`, "measured minus predicted"].map((text) => element("th", { scope: "col" }, text));
   const rows = predictions(set, k).map(({ model, predicted }) => element("tr", { className: model.column === state.model ? "chosen" : "" },
     element("th", { scope: "row" }, model.label), element("td", {}, shown(predicted)), element("td", {}, shown(measured - predicted))));
   const models = new Set(set.models.map((model) => model.column));

@@ -72,7 +72,7 @@ pub fn figure(all: &[&CampaignFindings]) -> Option<Named> {
     let height = AXIS_MM + LEGEND_MM + BAND_MM * with.len() as f64;
     Some(Named {
         name: "budget".to_owned(),
-        caption: "Shares of the squared error expected on an unseen specimen (actuator). The numbers are roots, in N or N m."
+        caption: "Shares of the squared error expected on an unseen specimen (actuator). Numbers are square roots, in N or N m."
             .to_owned(),
         figure: Figure::new("Budget of the expected error", TEXT_MM, height).with(panel),
     })

@@ -140,7 +140,7 @@ fn own_estimates(effect: &EffectFinding, unit: &str) -> Option<Panel> {
         })
         .collect();
     let mut panel = Panel::new(Axis::new(&amplitude(effect)), Axis::categories("", &names))
-        .title(&format!("Each {unit} by itself"))
+        .title(&format!("Each {unit} alone"))
         .legend(Legend::None);
     for layer in interval(effect).into_iter().chain(estimate(effect)) {
         panel = panel.with(layer);
@@ -195,8 +195,8 @@ fn caption(shown: &Shown, fit: usize, drawn: usize) -> String {
                 String::new()
             };
             format!(
-                " Below{which}: the size as a smooth function of the effect's own argument, with its 95% band, and the probability of such a change where one \
-                 size is enough. All else is fitted again with it, so that it need not meet the one size (dashed)."
+                " Below{which}: the size as a smooth function of the effect's own argument, with its 95% band, and the probability of such a \
+                 change if one size is enough. Everything else is refitted, so that it need not agree with the single size (dashed)."
             )
         }
     };
@@ -221,12 +221,12 @@ fn caption(shown: &Shown, fit: usize, drawn: usize) -> String {
     let own = match most {
         0 | 1 => String::new(),
         _ => format!(
-            ", and the estimate that each {} gives by itself (with 95% intervals; a description and no test)",
+            ", and the estimate from each {} alone (with 95% intervals; descriptive, not a test)",
             nouns.unit
         ),
     };
     format!(
-        "Profile of the marginal likelihood of each effect, everything else fitted again{own}. Dashed: the estimate from all; shaded: its 95% \
+        "Profile of the marginal likelihood of each effect, everything else refitted{own}. Dashed: the estimate from all; shaded: its 95% \
          interval.{free}{cut}{effects_cut}"
     )
 }

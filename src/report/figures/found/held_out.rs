@@ -41,7 +41,7 @@ pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
     let units: Vec<&UnitErrors> = shown_units.into_iter().rev().map(|k| &units[k]).collect();
     let names = group_names(units.iter().map(|u| &u.unit));
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let label = format!("Error on what was held out ({})", shown.unit());
+    let label = format!("Held-out error ({})", shown.unit());
     let mut panel = Panel::new(
         Axis::new(&label).including(0.0),
         Axis::categories("", &names),
@@ -53,10 +53,10 @@ pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
     for one in series(&units, has_terms(found)) {
         panel = panel.with(one);
     }
-    let title = format!("Error on what was held out, {}", found.campaign);
+    let title = format!("Held-out error, {}", found.campaign);
     let height = AROUND_MM + BAND_MM * units.len() as f64;
     let caption = format!(
-        "Root-mean-square error on each {} by models that have not seen it: the whole search was made without it.{others}",
+        "Root-mean-square error on each {} by models that have not seen it: the whole search was repeated without it.{others}",
         held_out_unit(found)
     );
     Some((caption, Figure::new(&title, HALF_MM, height).with(panel)))

@@ -44,7 +44,10 @@ pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
         return None;
     }
     let rows = rows(shown.residuals);
-    let title = format!("Residual against what was tested, {}", shown.found.campaign);
+    let title = format!(
+        "Residual against the tested columns, {}",
+        shown.found.campaign
+    );
     let height = AROUND_MM + ROW_MM * rows.len() as f64;
     let mut figure = Figure::new(&title, TEXT_MM, height)
         .grid(columns.len())
@@ -314,10 +317,10 @@ fn caption(shown: &Shown, rows: &[OneResidual]) -> String {
     };
     let misfit = match shown.found.kind.as_str() {
         "knee-torque" => {
-            "law and effects alone, without the common misfit and what is each group's own"
+            "law and effects alone, without the common misfit and group-specific terms"
         }
         _ => {
-            "law, effects and the misfit that all specimens share, as in the errors on unseen specimens; without what is each group's own"
+            "law, effects and the misfit that all specimens share, as in the errors on unseen specimens; without group-specific terms"
         }
     };
     let units = match columns(shown).iter().any(Tried::is_of_the_log) {
@@ -328,12 +331,13 @@ fn caption(shown: &Shown, rows: &[OneResidual]) -> String {
         .iter()
         .any(|r| r.values == shown.residuals.conditional.as_slice())
     {
-        " _Own values_: the predicted gains, lengths and zeros taken into account too, which are in sample."
+        " _Own values_: also with the predicted gains, lengths and zeros, which are in-sample."
     } else {
         ""
     };
     format!(
-        "Residual (measured minus predicted) of {readings} readings, before and after the effects, against the most telling columns; _p_ is that of the family-wise test of a \
+        "Residual (measured minus predicted) of {readings} readings, before and after the effects, against the most informative columns; _p_ is \
+         that of the family-wise test of a \
          smooth dependence, where the column was tested. _Before_ and _after_: {misfit}.{own}{units}{drawn}"
     )
 }

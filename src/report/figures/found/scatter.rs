@@ -49,7 +49,7 @@ fn differs(scatter: &Scatter) -> bool {
 fn caption(shown: &Shown, drawn: &[&Scatter], all: &[&Scatter], alike: &[&Scatter]) -> String {
     let many = drawn.iter().any(|s| s.values.len() > MOST_GROUPS);
     let named = if many {
-        " Where there are many groups they stand by size and without names."
+        " Many groups are sorted by size, without names."
     } else {
         ""
     };
@@ -66,10 +66,10 @@ fn caption(shown: &Shown, drawn: &[&Scatter], all: &[&Scatter], alike: &[&Scatte
     };
     let left = match &all[drawn.len()..] {
         [] => String::new(),
-        others => format!(" Not drawn for want of room: {}.", names(others)),
+        others => format!(" Not drawn for lack of space: {}.", names(others)),
     };
     format!(
-        "Predicted value of every group of each random effect; shaded: one standard deviation to both sides.{named}{same}{left}"
+        "Predicted value of every group of each random effect; shaded: one standard deviation on either side.{named}{same}{left}"
     )
 }
 

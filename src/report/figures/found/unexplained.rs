@@ -31,7 +31,7 @@ pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
     for unexplained in &fitted {
         figure = figure.with(panel(unexplained, shown.unit()));
     }
-    let caption = "*Empirical.* The correction that the column would need, of no known cause and for no other campaign.";
+    let caption = "*Empirical.* The correction that the column would need; its cause is unknown, and it applies to no other campaign.";
     Some((caption.to_owned(), figure))
 }
 

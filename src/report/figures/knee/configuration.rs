@@ -163,7 +163,7 @@ impl Plot<'_> {
     fn differences(&self) -> Panel {
         let axis = Axis::new("Error (N m)");
         let mut panel = Panel::new(self.x(), axis)
-            .title(&format!("Measured less predicted, {}", text(LAWS[0])))
+            .title(&format!("Measured minus predicted, {}", text(LAWS[0])))
             .with(Layer::zero());
         let back = self.back_calculated(|p, torque| p.torque_nm - torque);
         panel = back.into_iter().fold(panel, Panel::with);

@@ -22,7 +22,7 @@ pub fn figure(reference: &Reference) -> Named {
     let panels = reference.design.iter().map(|d| panel(reference, d));
     Named {
         name: NAME.to_owned(),
-        caption: "Torque of the full-size actuators of the biomimetic leg at 620 kPa against that of the human muscles for which they stand: (A) 20 mm and the short head of biceps femoris, (B) 40 mm and the vasti. Design targets are moment arm times maximum isometric force. The extensor follows the route of the 10 mm actuator, and the fittings are taken as 25.4 mm.".to_owned(),
+        caption: "Torque of the full-size actuators of the biomimetic leg at 620 kPa against that of the human muscles that they represent: (A) 20 mm and the short head of biceps femoris, (B) 40 mm and the vasti. Design targets are moment arm times maximum isometric force. The extensor follows the route of the 10 mm actuator, and the fittings are taken as 25.4 mm.".to_owned(),
         figure: panels.fold(figure, Figure::with).grid(2),
     }
 }

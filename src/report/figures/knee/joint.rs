@@ -49,14 +49,14 @@ pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
     let (shown, all) = shown(campaign, joint);
     let others = if shown.len() < all {
         format!(
-            " Shown are the {} of {all} configurations with most readings.",
+            " Shown are the {} of {all} configurations with the most readings.",
             shown.len()
         )
     } else {
         String::new()
     };
     let held_out = if joint.curves.iter().any(|b| !b.held_out.is_empty()) {
-        ", also with what was found without the actuator"
+        ", also with the effects found without the actuator"
     } else {
         ""
     };
@@ -81,7 +81,8 @@ pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
     Named {
         name: name(campaign, joint),
         caption: format!(
-            "{simulated}{}, {} mm: measured torque (marks, one kind a test; crosses take no part), the rigid leg and the leg with what was found{held_out}.{others}",
+            "{simulated}{}, {} mm: measured torque (marks, one type per test; crosses are not fitted), the rigid leg and the leg with the effects \
+             found{held_out}.{others}",
             configuration::capitalised(part),
             found.diameter_mm
         ),
@@ -122,7 +123,7 @@ fn panel(joint: &JointDiagnosis, c: &Configuration) -> Panel {
     for b in curves {
         for (name, torques, ink, dash) in [
             ("rigid", &b.rigid, Ink::Black, Dash::Dashed),
-            ("with what was found", &b.after, Ink::Sky, Dash::Solid),
+            ("with the effects found", &b.after, Ink::Sky, Dash::Solid),
             (
                 "found without the actuator",
                 &b.held_out,

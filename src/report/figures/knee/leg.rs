@@ -113,7 +113,7 @@ fn methods(arms: &Arms) -> Panel {
         .map(|s| s.angle_rad.to_degrees())
         .collect();
     if !switches.is_empty() {
-        panel = panel.with(Layer::steps("points come in", switches));
+        panel = panel.with(Layer::steps("points become active", switches));
     }
     panel
 }
@@ -134,7 +134,7 @@ fn caption(c: &Configuration) -> String {
         .max_by(|a, b| a.length_jump_m.abs().total_cmp(&b.length_jump_m.abs()));
     if let Some(jump) = jump.filter(|j| j.length_jump_m.abs() > 5e-5) {
         caption += &format!(
-            " At {}° the length of the path jumps by {} mm: a point comes in that does not lie on the line that it bends.",
+            " At {}° the length of the path jumps by {} mm: a point becomes active that does not lie on the line that it bends.",
             number(jump.angle_rad.to_degrees(), 0),
             number(1e3 * jump.length_jump_m.abs(), 2)
         );

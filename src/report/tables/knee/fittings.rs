@@ -30,7 +30,8 @@ pub fn fittings(campaigns: &[CampaignTorque]) -> Table {
     let size = |s: &Option<Size>, of: fn(&Size) -> f64| s.as_ref().map(of);
     let group = |(_, f): &Fit| (f.diameter_mm, f.muscle.clone(), f.law.clone());
     let groups = campaigns.iter().flat_map(|c| runs(fits(c), |a, b| group(a) == group(b)));
-    Described::<Fit>::new("knee_fittings", "The length of one end fitting as the torque has it, and the errors on what was fitted and on what was not")
+    Described::<Fit>::new("knee_fittings", "The length of one end fitting inferred from the torque, and the errors on fitted and on held-out \
+         configurations")
         .text("campaign", "Campaign", |(campaign, _)| &campaign.campaign).machines()
         .count("diameter_mm", "⌀", Mm, |(_, f)| f.diameter_mm).machines()
         .text("muscle", "Muscle", |(_, f)| &f.muscle).machines()
@@ -50,7 +51,9 @@ pub fn fittings(campaigns: &[CampaignTorque]) -> Table {
         .number("max_held_out_nm", "Max.", Nm, Decimals(2), move |(_, f)| size(&f.held_out, |s| s.max_abs)).machines()
         .span("Fitted", "n_fitted", "rmse_fitted_nm")
         .span("Held out", "n_held_out", "rmse_held_out_nm")
-        .note("Held out are other actuators, other tendons and other knees of the same diameter and muscle. As stated and knee paper: nothing was fitted here; the paper fitted its length to tests of a 48.5 cm flexor, which may be among these. Excluded tests take no part. Fitted by plain least squares, as in the paper; what the mixed model says of the length is among the effects of the joint.")
+        .note("Held out are other actuators, other tendons and other knees of the same diameter and muscle. As stated and knee paper: nothing was \
+             fitted here; the paper fitted its length to tests of a 48.5 cm flexor, which may be among these. Excluded tests are not used. Fitted \
+             by plain least squares, as in the paper; what the mixed model says of the length is among the effects of the joint.")
         .blocks(groups)
 }
 

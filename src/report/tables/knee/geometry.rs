@@ -31,7 +31,8 @@ pub fn arms(input: &ReportInput) -> Table {
 #[rustfmt::skip]
 pub fn switches(input: &ReportInput) -> Table {
     let shipped = input.knee.iter().flat_map(|k| &k.reference.arms);
-    Described::<(&Arms, &At)>::new("knee_switches", "Points of a route that begin or cease to take part: the jump of length and moment arm, just above the angle less just below it")
+    Described::<(&Arms, &At)>::new("knee_switches", "Points of a route that become active or inactive: the jump of length and moment arm, just \
+         above the angle minus just below it")
         .text("knee", "Knee", |(a, _)| &a.knee)
         .text("route", "Route", |(a, _)| &a.route)
         .number("angle_deg", "Angle", Degree, Decimals(1), |(_, s)| s.angle_rad.to_degrees())

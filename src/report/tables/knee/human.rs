@@ -33,7 +33,8 @@ pub fn human(input: &ReportInput) -> Table {
 #[rustfmt::skip]
 pub fn design(input: &ReportInput) -> Table {
     let designs = input.knee.iter().flat_map(|k| &k.reference.design);
-    Described::<(&Design, usize)>::new("knee_design", "Full-size actuators on the biomimetic knee at 620 kPa against the human muscles that they stand for")
+    Described::<(&Design, usize)>::new("knee_design", "Full-size actuators on the biomimetic knee at 620 kPa against the human muscles that they \
+         represent")
         .text("muscle", "Muscle", |(d, _)| &d.muscle)
         .text("human", "Human", |(d, _)| &d.human)
         .count("diameter_mm", "⌀", Mm, |(d, _)| d.diameter_mm)

@@ -23,7 +23,7 @@ type Found<'a> = (&'a CampaignFindings, Option<&'a EffectFinding>);
 #[rustfmt::skip]
 pub fn found(campaigns: &[CampaignTorque]) -> Table {
     let estimate = |(_, e): Found| size(e.and_then(|e| e.parameters.first()));
-    Described::<Found>::new("knee_found", "What the loop found of every joint")
+    Described::<Found>::new("knee_found", "Effects found by the loop, joint by joint")
         .text("campaign", "Campaign", |(f, _)| &f.campaign).machines()
         .text("joint", "Joint", |(f, _)| joint(f))
         .count("diameter_mm", "⌀", Mm, |(f, _)| f.diameter_mm)
@@ -114,7 +114,9 @@ pub fn effects(campaigns: &[CampaignTorque]) -> Table {
         .span("Its own", "own_offset_mm", "own_rmse_nm")
         .note(
             "Held out: effects and sizes found without the actuator (none with one actuator). Its own: by how much the length of the test differs from what was fitted \
-             to all, and the error with that, which no value for all tests can do better than. FVU: share of the variance that is not explained. Tests without a yes take part in no fit; where the owner doubts every test of a joint, these are fitted here by themselves, and in no other fit.",
+             to all, and the error with that, a lower bound for any value common to all tests. FVU: share of the variance that is not explained. \
+             Tests without a yes are used in no fit; where every test of a joint is marked as doubtful, these are fitted here by themselves, and \
+             in no other fit.",
         )
         .blocks(joints(campaigns).map(|j| j.tests.iter().map(|t| (&j.findings, t))))
 }
@@ -152,8 +154,9 @@ pub fn by_hand(campaigns: &[CampaignTorque]) -> Table {
         .span("Measurers (N m)", "their_rigid_rmse_nm", "theirs_max_nm")
         .span("Here (N m)", "n", "held_out_max_nm")
         .note(
-            "RMSE and largest size of the error. The measurers fitted by hand over years, with a law of force of their own and tests that they do not name, \
-             so that their rigid leg has other errors than this one. Here every test of the actuator that is not excluded counts; held out means that neither effects nor sizes know the actuator.",
+            "RMSE and largest size of the error. The measurers fitted by hand over years, with their own law of force and tests that they do not \
+             name, so the errors of their rigid leg differ from these. Here every test of the actuator that is not excluded counts; held out means \
+             that neither effects nor sizes are based on the actuator.",
         )
         .rows(joints(campaigns).flat_map(|j| j.by_hand.iter().map(|b| (&j.findings, b))))
 }

@@ -11,7 +11,8 @@ type Row<'a> = (&'a CampaignTorque, &'a Configuration, &'a Test);
 #[rustfmt::skip]
 pub fn tests(campaigns: &[CampaignTorque]) -> Table {
     let configurations = campaigns.iter().flat_map(|campaign| campaign.configurations.iter().map(move |c| (campaign, c)));
-    Described::<Row>::new("knee_tests", "Tests of torque: what was measured by hand, less what the geometry of the leg expects (means over the readings)")
+    Described::<Row>::new("knee_tests", "Tests of torque: values measured by hand minus those expected from the geometry of the leg (means over \
+         the readings)")
         .text("campaign", "Campaign", |(campaign, ..)| &campaign.campaign).machines()
         .text("session", "Test", |(.., t)| &t.session)
         .text("configuration", "Configuration", |(_, c, _)| &c.id).machines()
@@ -42,7 +43,7 @@ pub fn tests(campaigns: &[CampaignTorque]) -> Table {
         .text("remark", "Remark", |(.., t)| remark(t)).people()
         .text("remarks", "Remarks", |(_, c, _)| c.remarks.join("; ")).machines()
         .text("notes", "Notes", |(.., t)| &t.notes).machines()
-        .note("Δε*, Δl_m and Δ\\v{r}: measured relative contraction, length and moment arm less those that follow from the knee angle.")
+        .note("Δε*, Δl_m and Δ\\v{r}: measured relative contraction, length and moment arm minus those that follow from the knee angle.")
         .blocks(configurations.map(|(campaign, c)| c.tests.iter().map(move |t| (campaign, c, t))))
 }
 

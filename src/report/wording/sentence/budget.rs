@@ -33,8 +33,8 @@ fn named_sources(found: &CampaignFindings) -> (Vec<&BudgetEntry>, f64) {
     (named, left.max(0.0).sqrt())
 }
 
-/// `of the 13.4 N expected on an unseen specimen, 12.0 come from set lengths (0.9 mm), 4.1 from specimen gain and 2.6
-/// from noise (added in quadrature)`.
+/// `the 13.4 N error expected on an unseen specimen combines, in quadrature, 12.0 from set lengths (0.9 mm), 4.1 from
+/// specimen gain and 2.6 from noise`.
 pub(super) fn budget(found: &CampaignFindings) -> Option<String> {
     let (named, left) = named_sources(found);
     let from = |b: &&BudgetEntry| {
@@ -47,7 +47,7 @@ pub(super) fn budget(found: &CampaignFindings) -> Option<String> {
     };
     let mut parts: Vec<String> = named.iter().map(from).collect();
     if left > 0.0 && left.is_finite() {
-        let others = format!("{} from all else", error(left, &found.unit));
+        let others = format!("{} from other sources", error(left, &found.unit));
         parts.insert(
             parts.len().saturating_sub(1).max(1).min(parts.len()),
             others,
@@ -55,7 +55,7 @@ pub(super) fn budget(found: &CampaignFindings) -> Option<String> {
     }
     let (first, others) = (named.first()?, parts.get(1..).unwrap_or_default());
     let first = format!(
-        "{} come from {}{}",
+        "{} from {}{}",
         error(first.rmse, &found.unit),
         name::source(&first.source),
         scattered(found, first)
@@ -64,7 +64,7 @@ pub(super) fn budget(found: &CampaignFindings) -> Option<String> {
     let total = error_with_unit(found.expected_rmse_heldout?, &found.unit);
     let unit = nouns(found).unit;
     Some(format!(
-        "of the {total} expected on an unseen {unit}{}, {} (added in quadrature)",
+        "the {total} error expected on an unseen {unit}{} combines, in quadrature, {}",
         came_out(found),
         listed(&all)
     ))
@@ -79,7 +79,7 @@ pub(super) fn came_out(found: &CampaignFindings) -> String {
     };
     let far = came_out > FAR_FROM_EXPECTED * expected || expected > FAR_FROM_EXPECTED * came_out;
     if far {
-        format!(" ({} came out)", error_with_unit(came_out, &found.unit))
+        format!(" ({} observed)", error_with_unit(came_out, &found.unit))
     } else {
         String::new()
     }

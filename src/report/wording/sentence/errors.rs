@@ -49,7 +49,7 @@ fn density_change(found: &CampaignFindings) -> Option<(f64, f64, Change)> {
     has_terms(found).then_some((before, after, change))
 }
 
-/// `the mixed model's error on unseen specimens goes from 18.7 to 15.8 N (larger on 1 of the 5 specimens)`, and where the uncertainty that was predicted with it fits worse, or better though the
+/// `the mixed model's error on unseen specimens falls from 18.7 to 15.8 N (larger on 1 of the 5 specimens)`, and where the uncertainty that was predicted with it fits worse, or better though the
 /// error does not, that too.
 pub(super) fn errors(found: &CampaignFindings) -> Option<String> {
     let on = name::held_out(found);
@@ -67,7 +67,7 @@ pub(super) fn errors(found: &CampaignFindings) -> Option<String> {
         error_with_unit(after, &found.unit),
     );
     let sizes = match change {
-        Change::Better => format!("the mixed model's error on {on} goes from {from} to {to}"),
+        Change::Better => format!("the mixed model's error on {on} falls from {from} to {to}"),
         Change::Alike => {
             format!(
                 "the mixed model's error on {on} does not fall: {from} without, {to} with the effects"
@@ -112,7 +112,7 @@ pub fn black_box_beats(found: &CampaignFindings) -> bool {
 fn beside_black_box(found: &CampaignFindings) -> String {
     match found.black_box_rmse_heldout {
         Some(error) if black_box_beats(found) => format!(
-            "; a smooth black box on the residual reaches {}",
+            "; a black-box smoother on the residual reaches {}",
             error_with_unit(error, &found.unit)
         ),
         _ => String::new(),
@@ -130,7 +130,7 @@ fn with_own_values(found: &CampaignFindings) -> String {
         return String::new();
     }
     format!(
-        "; where its gain and lengths are known the error is larger with the effects, {} against {}",
+        "; where gain and lengths are known, the error is larger with the effects: {} against {}",
         error(after, &found.unit),
         error_with_unit(before, &found.unit)
     )
@@ -143,7 +143,7 @@ fn densities(found: &CampaignFindings, error: Change) -> String {
     };
     let decimals = |x: f64| rounded(x, Rounding::Decimals(2));
     let numbers = format!(
-        "(log predictive density a reading {} before, {} after)",
+        "(log predictive density per reading {} before, {} after)",
         decimals(before),
         decimals(after)
     );
@@ -165,10 +165,10 @@ fn densities(found: &CampaignFindings, error: Change) -> String {
 /// What follows where neither the error nor its stated uncertainty gets better.
 fn these_only(found: &CampaignFindings) -> String {
     let units = nouns(found).units;
-    format!(": the effects describe these {units}, and do not help on another")
+    format!(": the effects describe these {units} and do not help on others")
 }
 
-/// `the mixed model's error on unseen actuators goes from 8.09 to 3.02 N m (larger on 1 of the 4 actuators), but its stated uncertainty gets worse`.
+/// `the mixed model's error on unseen actuators falls from 8.09 to 3.02 N m (larger on 1 of the 4 actuators), but its stated uncertainty gets worse`.
 pub(super) fn errors_in_short(found: &CampaignFindings) -> Option<String> {
     let Some((before, after, change)) = error_change(found) else {
         return errors(found);
@@ -184,11 +184,11 @@ pub(super) fn errors_in_short(found: &CampaignFindings) -> Option<String> {
     let sizes = match change {
         Change::Better if worse => {
             format!(
-                "the mixed model's error on {on} goes from {from} to {to}{on_some}, but its stated uncertainty gets worse"
+                "the mixed model's error on {on} falls from {from} to {to}{on_some}, but its stated uncertainty gets worse"
             )
         }
         Change::Better => {
-            format!("the mixed model's error on {on} goes from {from} to {to}{on_some}")
+            format!("the mixed model's error on {on} falls from {from} to {to}{on_some}")
         }
         Change::Alike if worse => {
             format!(
@@ -236,5 +236,5 @@ pub(super) fn errors_in_numbers(found: &CampaignFindings) -> Option<String> {
 /// `not tried on another actuator, since there is none`, of effects that could not be.
 fn untried(found: &CampaignFindings) -> Option<String> {
     let unit = name::held_out_unit(found);
-    has_terms(found).then(|| format!("not tried on another {unit}, since there is none"))
+    has_terms(found).then(|| format!("not tested on another {unit}, since there is none"))
 }

@@ -17,22 +17,22 @@ pub fn form(effect: &EffectFinding) -> Option<String> {
     let range = range_of(free);
     Some(match range {
         Some(range) if is_narrow(range) => format!(
-            "Whether its size changes with the {along} cannot be told: it acts {} only.",
+            "Whether its size changes with the {along} cannot be determined: it acts only {}.",
             range_words(range, &free.unit)
         ),
         _ if free.differs => format!(
-            "Its size changes with the {along}{}: one number is not enough (p {p}).",
+            "Its size changes with the {along}{}: one value is not enough (p {p}).",
             between_ends(effect, free)
         ),
         Some(range) => format!(
-            "One number is enough for its size over the {along} at which it acts, {} (p {p}).",
+            "One value is enough for its size over the {along} range in which it acts, {} (p {p}).",
             range_words(range, &free.unit)
         ),
-        None => format!("One number is enough for its size, whatever the {along} (p {p})."),
+        None => format!("One value is enough for its size, whatever the {along} (p {p})."),
     })
 }
 
-/// `, from 101 kPa at 38 kPa to 309 kPa at 625 kPa, all else fitted again`: the sizes at the ends of the range, and between them where it is largest
+/// `, from 101 kPa at 38 kPa to 309 kPa at 625 kPa, everything else refitted`: the sizes at the ends of the range, and between them where it is largest
 /// or smallest there: the ends alone would say that nothing is between.
 fn between_ends(effect: &EffectFinding, free: &FreeForm) -> String {
     let ends = free.curve.first().zip(free.curve.last());
@@ -44,9 +44,9 @@ fn between_ends(effect: &EffectFinding, free: &FreeForm) -> String {
         format!("{} at {at}", plain(point.amplitude, &size.unit))
     };
     let between =
-        beyond(&free.curve).map_or(String::new(), |point| format!(" over {}", end(point)));
+        beyond(&free.curve).map_or(String::new(), |point| format!(" through {}", end(point)));
     let (first, last) = (end(first), end(last));
-    format!(", from {first}{between} to {last}, all else fitted again")
+    format!(", from {first}{between} to {last}, everything else refitted")
 }
 
 /// The point of a curve that lies furthest beyond the sizes at both ends; none where none does by more than a tenth of the curve's range.

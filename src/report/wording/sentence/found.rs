@@ -29,7 +29,7 @@ pub(super) fn answer(found: &CampaignFindings) -> String {
         Verdict::None => {
             let all: Vec<String> = found.effects.iter().map(of_effect).collect();
             format!(
-                "nothing beyond the smallest effect of interest; below it: {}",
+                "no effect above the smallest of interest; below it: {}",
                 all.join("; ")
             )
         }
@@ -56,7 +56,7 @@ pub(super) fn in_names(found: &CampaignFindings) -> String {
     }
 }
 
-/// `the set length scatters by 0.83 mm and not by the 0.10 mm that were declared`.
+/// `the set length scatters by 0.83 mm, not by the declared 0.10 mm`.
 pub(super) fn contradicted(found: &CampaignFindings) -> Option<String> {
     let of_sessions = found.scatter.iter().filter(|s| s.declared_contradicted);
     let list: Vec<String> = of_sessions
@@ -64,7 +64,7 @@ pub(super) fn contradicted(found: &CampaignFindings) -> Option<String> {
         .filter_map(|s| {
             let declared = plain(s.declared?, &s.unit);
             Some(format!(
-                "the {} scatters by {} and not by the {declared} that were declared",
+                "the {} scatters by {}, not by the declared {declared}",
                 name::scatter(&s.id, s.level),
                 plain(s.sd, &s.unit)
             ))
@@ -150,7 +150,7 @@ pub(super) fn beside(found: &CampaignFindings) -> Option<String> {
     let share: f64 = found.unexplained.first()?.share_of_variance;
     let rest = unexplained(found);
     Some(format!(
-        "what the effects leave is not all chance: {rest} ({} of its variance)",
+        "what the effects leave is not all noise: {rest} ({} of its variance)",
         percent(share)
     ))
 }

@@ -34,19 +34,19 @@ pub(super) fn worth(found: &CampaignFindings) -> Option<String> {
     said.then(|| format!("{} {words}", measurement(best, &nouns(found))))
 }
 
-/// `three readings of each session of a new specimen bring the error to 5.1 N`.
+/// `three readings of each session of a new specimen reduce the error to 5.1 N`.
 pub(super) fn few_readings(found: &CampaignFindings) -> Option<String> {
     let nouns = nouns(found);
     let after = found.after.rmse_heldout_after.get(READINGS_GIVEN)?;
     let unseen = found.after.rmse_heldout?;
     let error = error_with_unit(*after, &found.unit);
     let verb = if *after < unseen {
-        "bring the error to"
+        "reduce the error to"
     } else {
         "leave it at"
     };
     Some(format!(
-        "three readings of each {} of a new {} {verb} {error}",
+        "three readings per {} of a new {} {verb} {error}",
         nouns.setup, nouns.unit
     ))
 }
@@ -88,7 +88,7 @@ pub fn worth_words(next: &NextMeasurement) -> Option<String> {
     let worth = next.worth?;
     Some(match next.kind {
         NextKind::Separate => match rounded(worth, Rounding::Decimals(1)).as_str() {
-            "0.0" => "hardly tell them apart, and no other set point does better".to_owned(),
+            "0.0" => "hardly tell them apart; no other set point does better".to_owned(),
             worth => format!("are expected to differ by {worth} in log-likelihood"),
         },
         _ => format!(

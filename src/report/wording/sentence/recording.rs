@@ -51,7 +51,7 @@ pub fn in_doubt<'a>(all: impl Iterator<Item = &'a RecordingError>) -> Option<Str
     };
     (!all.is_empty()).then(|| {
         format!(
-            "{} {verb} mistaken, and this fit holds {them}: correct session.toml or exclude {them} there (exclude = \"why\"), and run again",
+            "{} {verb} misrecorded, and this fit includes {them}: correct session.toml or exclude {them} there (exclude = \"why\"), and run again",
             listed(&all)
         )
     })
