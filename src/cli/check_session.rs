@@ -13,7 +13,7 @@ use pipeline_config::Config;
 use pipeline_findings::{ErrorKind, Findings};
 use pipeline_inspect::otherwise::Otherwise;
 use pipeline_inspect::population::Known;
-use pipeline_inspect::{Check, Inspection, NotCompared, Own, Seen, State};
+use pipeline_inspect::{Check, Inspection, NotCompared, Noted, Own, Seen, State};
 use pipeline_report::figures::inspection as drawing;
 use pipeline_report::wording::name;
 use pipeline_report::wording::number::{percent, with_unit};
@@ -287,6 +287,24 @@ fn said(seen: &Seen) -> String {
                 size.replace('\u{a0}', " ")
             )
         }
+        Seen::Copy { of } => format!("the same bytes as {of}"),
+        Seen::Otherwise {
+            what,
+            here_mm,
+            others_mm,
+        } => format!(
+            "{} is noted as {here_mm:.1} mm, and as {others_mm:.1} mm in other sessions of the {}",
+            match what {
+                Noted::RestLength => "the resting length of the specimen",
+                Noted::ContractedLength => "the contracted length of the specimen",
+                Noted::Diameter => "the diameter",
+            },
+            if *what == Noted::Diameter {
+                "campaign"
+            } else {
+                "specimen"
+            }
+        ),
         Seen::NotTold { quantity } => format!(
             "the readings do not determine {}",
             match quantity {

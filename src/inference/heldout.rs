@@ -324,7 +324,10 @@ impl<'a> Unseen<'a> {
         let problem = self.setting.problem;
         let (tree, components) = (problem.tree(), problem.components());
         let paths = asked.places.iter().map(|i| problem.node()[*i]);
-        let nodes: BTreeSet<usize> = paths.flat_map(|n| tree.path(n)).filter(|n| *n > 0).collect();
+        let nodes: BTreeSet<usize> = paths
+            .flat_map(|n| tree.path(n))
+            .filter(|n| *n > 0)
+            .collect();
         let sd = |c: usize| asked.variances.components[c];
         let open = (0..components.len()).filter(|c| !components[*c].linear && sd(*c) > 0.0);
         let away = open.flat_map(|c| AWAY.map(|sds| (c, sds * sd(c))));

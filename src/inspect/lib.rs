@@ -21,7 +21,7 @@ pub mod zero;
 use otherwise::Otherwise;
 use pipeline_base::diagnostics::{Diagnostic, Severity};
 use pipeline_base::row::Row;
-use pipeline_base::session::{LogSpec, Session};
+use pipeline_base::session::{Kind, LogSpec, Session};
 use pipeline_clean::Cleaned;
 use pipeline_config::Config;
 use pipeline_findings::RecordingError;
@@ -69,6 +69,20 @@ pub enum Seen {
     LeftOut {
         /// Why.
         reason: String,
+    },
+    /// The bytes are those of another log of the session.
+    Copy {
+        /// The other log.
+        of: String,
+    },
+    /// The last run has the specimen or campaign otherwise.
+    Otherwise {
+        /// What is noted differently.
+        what: Noted,
+        /// Here: mm.
+        here_mm: f64,
+        /// In the other sessions: mm.
+        others_mm: f64,
     },
     /// Rows that are no measurements.
     Rows {
@@ -174,6 +188,18 @@ pub enum Seen {
         /// Why.
         why: NotCompared,
     },
+}
+
+/// What other sessions of a specimen or campaign share.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Noted {
+    /// Resting length of the specimen.
+    RestLength,
+    /// Its length at 620 kPa.
+    ContractedLength,
+    /// Diameter of the actuators of the campaign.
+    Diameter,
 }
 
 /// What is a session's own.
@@ -312,6 +338,8 @@ fn inspect(located: &Located, session: &Session, config: &Config, known: &Known)
     }));
     let errors = ingested.header.diagnostics.iter();
     checks.extend(errors.map(described));
+    checks.extend(copies(session, &files));
+    checks.extend(noted(session, known));
     checks.extend(logs::checks(session, &ingested.logs, &cleaned));
     checks.extend(zero::checks(session, &cleaned, known));
     let mut compared = population::compared(session, &rows, known);
@@ -331,6 +359,73 @@ fn inspect(located: &Located, session: &Session, config: &Config, known: &Known)
         against: compared.against,
         expected: compared.expected,
     }
+}
+
+/// Logs that are copies of one before them.
+fn copies(session: &Session, files: &[LogBytes]) -> Vec<Check> {
+    let logs: Vec<(&LogSpec, &Vec<u8>)> = session
+        .logs
+        .iter()
+        .zip(files)
+        .filter_map(|(log, bytes)| Some((log, bytes.as_ref().ok()?)))
+        // Several parts of one workbook are one file.
+        .filter(|(log, bytes)| log.part.is_none() && !bytes.is_empty())
+        .collect();
+    let copy = |(k, (log, bytes)): (usize, &(&LogSpec, &Vec<u8>))| {
+        let before = logs[..k].iter().find(|(_, other)| other == bytes)?;
+        Some(Check {
+            log: Some(log.name()),
+            state: State::Bad,
+            seen: Seen::Copy {
+                of: before.0.name(),
+            },
+        })
+    };
+    logs.iter().enumerate().filter_map(copy).collect()
+}
+
+/// Lengths of the specimen that other sessions have otherwise, and a diameter that none of the campaign has.
+fn noted(session: &Session, known: &Known) -> Vec<Check> {
+    /// Lengths are noted to a tenth of a millimetre at most.
+    const SAME_MM: f64 = 0.05;
+    let own = &session.specimen;
+    let of_campaign = || others(&known.rows, session).filter(|r| r.campaign == session.campaign);
+    let of_specimen = of_campaign().find(|r| r.specimen == own.id);
+    let check = |what, here_mm: f64, others_mm: f64| {
+        ((here_mm - others_mm).abs() > SAME_MM).then_some(Check {
+            log: None,
+            state: State::Look,
+            seen: Seen::Otherwise {
+                what,
+                here_mm,
+                others_mm,
+            },
+        })
+    };
+    let lengths = of_specimen.map(|r| {
+        [
+            check(
+                Noted::RestLength,
+                1e3 * own.rest_length_m,
+                1e3 * r.rest_length_m,
+            ),
+            check(
+                Noted::ContractedLength,
+                1e3 * own.contracted_length_m,
+                1e3 * r.contracted_length_m,
+            ),
+        ]
+    });
+    let is_own = |r: &&Row| (r.diameter_mm - own.diameter_mm).abs() < SAME_MM;
+    let diameter = match (of_campaign().next(), of_campaign().find(is_own)) {
+        // About a joint actuators of several diameters are measured together.
+        (Some(other), None) if session.kind == Kind::Isometric => {
+            check(Noted::Diameter, own.diameter_mm, other.diameter_mm)
+        }
+        _ => None,
+    };
+    let lengths = lengths.into_iter().flatten();
+    lengths.chain([diameter]).flatten().collect()
 }
 
 /// Whether the columns may be meant otherwise: the readings are unusual, or tell no strength at all.

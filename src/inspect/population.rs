@@ -24,8 +24,8 @@ use pipeline_mechanics::models::P_620_KPA;
 use pipeline_mechanics::models::new;
 use pipeline_numerics::cholesky::Cholesky;
 use pipeline_numerics::matrix::Matrix;
-use pipeline_numerics::statistics::sum_of_squares;
-use std::collections::BTreeSet;
+use pipeline_numerics::statistics::{median, sum_of_squares};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What a run knows of other sessions.
 #[derive(Debug, Default)]
@@ -94,7 +94,7 @@ impl Suit {
 
     /// Whether they tell the strength of the actuator well enough to tell a unit or a sign by it.
     pub fn tells_strength(&self) -> bool {
-        self.strength_se < TELLS_A_UNIT
+        self.readings > OWN && self.strength_se < TELLS_A_UNIT
     }
 
     /// How far out they are, as one number to compare descriptions by.
@@ -110,8 +110,12 @@ const FAR: f64 = 3.0;
 const LEFT: (f64, f64) = (2.0, 5.0);
 /// Share of the standard deviation among others that readings may leave open of what they tell.
 const TOLD: f64 = 0.5;
+/// Numbers that are estimated of a session.
+const OWN: usize = 3;
 /// Standard error of a strength by which a unit or sign can be told: units of force differ by factors of 4 and more.
 const TELLS_A_UNIT: f64 = 0.2;
+/// Median of the size of a standard normal number.
+const MEDIAN_SIZE: f64 = 0.674_489_750_196_082;
 /// Scatter where no run says any: see [`settings`].
 const USUAL_LEFT: f64 = 0.03;
 /// Steps to the mode.
@@ -129,14 +133,27 @@ struct Population {
     length_sd_mm: f64,
     zero_sd_n: f64,
     left_n: f64,
+    /// Gain and set length (mm) that other sessions have by this law, in the middle; and how they scatter about it.
+    usual: [Usual; 2],
+}
+
+/// What is usual among other sessions.
+#[derive(Clone, Copy)]
+struct Usual {
+    middle: f64,
+    sd: f64,
 }
 
 /// Holds the readings against what is known.
 pub(crate) fn compared(session: &Session, rows: &[Row], known: &Known) -> Compared {
+    let has_logs = session.logs.iter().any(|l| !l.is_zero);
     let not = |why, suit| Compared {
         checks: vec![Check {
             log: None,
-            state: State::Fine,
+            state: match why {
+                NotCompared::NoReadings if has_logs => State::Bad,
+                _ => State::Fine,
+            },
             seen: Seen::NotCompared { why },
         }],
         against: None,
@@ -172,12 +189,12 @@ pub(crate) fn compared(session: &Session, rows: &[Row], known: &Known) -> Compar
         }
     };
     let strength = Seen::Gain {
-        value: own[0],
-        sd: population.gain_sd,
+        value: own[0] - population.usual[0].middle,
+        sd: population.usual[0].sd,
     };
     let length = Seen::SetLength {
-        value_mm: own[1],
-        sd_mm: population.length_sd_mm,
+        value_mm: own[1] - population.usual[1].middle,
+        sd_mm: population.usual[1].sd,
     };
     let seen = [(strength, Own::Strength), (length, Own::SetLength)];
     let of_session = seen.into_iter().enumerate();
@@ -241,35 +258,89 @@ fn diameter_mm(row: &Row) -> u32 {
 /// The law and scatter of others of the diameter: of the session's campaign, else of the pool, else of the campaign with most specimens; else the
 /// published law with usual scatter.
 fn population(session: &Session, rows: &[&Row], known: &Known) -> Option<Population> {
-    let diameter_mm = diameter_mm(rows.first()?);
-    let largest_n = rows.iter().map(|r| r.force_n).fold(0.0, f64::max);
+    let first = rows.first()?;
+    let diameter_mm = diameter_mm(first);
     let cap = cap_length_m(diameter_mm, &known.fit);
     let of_diameter = known.findings.iter().flat_map(|f| &f.campaigns);
     let found = of_diameter
         .filter(|c| c.diameter_mm == diameter_mm && c.part.is_none() && c.unit == "N")
         .filter_map(|c| Some((c, Population::of(c, cap)?)))
         .max_by_key(|(c, _)| (c.campaign == session.campaign, c.design.specimens));
-    if let Some((_, population)) = found {
-        return Some(population);
+    let population = match found {
+        Some((_, population)) => population,
+        None => Population::published(first, cap)?,
+    };
+    Some(population.among(&alike(session, first, known)))
+}
+
+/// The readings of other sessions that the session is compared with: of its campaign, or where these are few of its diameter.
+fn alike<'r>(session: &Session, first: &Row, known: &'r Known) -> Vec<&'r Row> {
+    let diameter_mm = diameter_mm(first);
+    let simulated = session.is_simulated();
+    let of_diameter = |r: &&Row| {
+        let same = self::diameter_mm(r) == diameter_mm && r.simulated == simulated;
+        same && is_usable(r) && is_fitted(r)
+    };
+    let all: Vec<&Row> = others(&known.rows, session).filter(of_diameter).collect();
+    let of_campaign = all.iter().filter(|r| r.campaign == session.campaign);
+    let of_campaign: Vec<&Row> = of_campaign.copied().collect();
+    if by_session(&of_campaign).len() >= FEWEST_SESSIONS {
+        of_campaign
+    } else {
+        all
     }
-    Some(Population {
-        name: "the published law, with typical scatter".to_owned(),
-        coefficients: new::published(diameter_mm, new::SYMBOLS)?,
-        cap_length_m: cap,
-        gain_sd: settings::USUAL_GAIN,
-        length_sd_mm: settings::USUAL_SET_LENGTH_MM,
-        zero_sd_n: settings::USUAL_ZERO_N,
-        left_n: USUAL_LEFT * largest_n,
-    })
+}
+
+fn by_session<'r>(rows: &[&'r Row]) -> BTreeMap<&'r str, Vec<&'r Row>> {
+    let mut sessions: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
+    for row in rows {
+        sessions.entry(&row.session).or_default().push(row);
+    }
+    sessions
 }
 
 impl Population {
+    /// The published law of a diameter with typical scatter.
+    fn published(first: &Row, cap_length_m: f64) -> Option<Self> {
+        let coefficients = new::published(diameter_mm(first), new::SYMBOLS)?;
+        let [b1, b2, ..] = coefficients;
+        let sds = [settings::USUAL_GAIN, settings::USUAL_SET_LENGTH_MM];
+        Some(Self {
+            name: "the published law, with typical scatter".to_owned(),
+            coefficients,
+            cap_length_m,
+            gain_sd: sds[0],
+            length_sd_mm: sds[1],
+            zero_sd_n: settings::USUAL_ZERO_N,
+            left_n: USUAL_LEFT * new::f620(b1, b2, cap_length_m, first.rest_length_m),
+            usual: sds.map(|sd| Usual { middle: 0.0, sd }),
+        })
+    }
+
+    /// With what other sessions have by this law: those of one campaign may all be stronger than the law has it, or longer.
+    fn among(mut self, rows: &[&Row]) -> Self {
+        let sessions = by_session(rows);
+        if sessions.len() < FEWEST_SESSIONS {
+            return self;
+        }
+        let own: Vec<[f64; 3]> = sessions.values().map(|rows| self.mode(rows).0).collect();
+        for (k, usual) in self.usual.iter_mut().enumerate() {
+            let values: Vec<f64> = own.iter().map(|x| x[k]).collect();
+            usual.middle = median(&values);
+            let off: Vec<f64> = values.iter().map(|x| (x - usual.middle).abs()).collect();
+            usual.sd = usual.sd.max(median(&off) / MEDIAN_SIZE);
+        }
+        self
+    }
+
     /// What the search says of a campaign; none where it has no law of this kind, or held nothing out.
     fn of(found: &CampaignFindings, cap_length_m: f64) -> Option<Self> {
         let coefficient = |name: &str| {
             let mut all = found.coefficients.iter();
             all.find(|c| c.name == name).map(|c| c.before)
         };
+        let gain_sd = found.scatter_sd("specimen_variation")?;
+        let length_sd_mm = found.scatter_sd("length_offset")?;
         Some(Self {
             name: format!("the null model of {}", found.campaign),
             coefficients: [
@@ -280,8 +351,9 @@ impl Population {
                 coefficient("c2")?,
             ],
             cap_length_m,
-            gain_sd: found.scatter_sd("specimen_variation")?,
-            length_sd_mm: found.scatter_sd("length_offset")?,
+            gain_sd,
+            length_sd_mm,
+            usual: [gain_sd, length_sd_mm].map(|sd| Usual { middle: 0.0, sd }),
             zero_sd_n: found.scatter_sd("force_zero_offset")?,
             left_n: found.before.rmse_heldout_calibrated?,
         })
@@ -304,7 +376,7 @@ impl Population {
         let left: Vec<f64> = left.collect();
         let suit = Suit {
             readings: rows.len(),
-            deviations: [own[0] / self.gain_sd, own[1] / self.length_sd_mm],
+            deviations: [0, 1].map(|k| (own[k] - self.usual[k].middle) / self.usual[k].sd),
             open: [open[0], open[1]],
             strength_se: self.sds()[0] / (1.0 / (open[0] * open[0]) - 1.0).max(0.0).sqrt(),
             rms_n: (sum_of_squares(&left) / left.len() as f64).sqrt(),
@@ -391,24 +463,8 @@ fn mistakes(session: &Session, own: &[&Row], known: &Known) -> Vec<RecordingErro
         return Vec::new();
     };
     let diameter_mm = diameter_mm(first);
-    let simulated = session.is_simulated();
-    let of_diameter = |r: &&Row| {
-        let same = r.diameter_mm.round() as u32 == diameter_mm && r.simulated == simulated;
-        same && is_usable(r) && is_fitted(r)
-    };
-    let all: Vec<&Row> = others(&known.rows, session).filter(of_diameter).collect();
-    let of_campaign = all.iter().filter(|r| r.campaign == session.campaign);
-    let of_campaign: Vec<&Row> = of_campaign.copied().collect();
-    let sessions = |rows: &[&Row]| {
-        let ids: BTreeSet<&str> = rows.iter().map(|r| r.session.as_str()).collect();
-        ids.len()
-    };
-    let mut rows = if sessions(&of_campaign) >= FEWEST_SESSIONS {
-        of_campaign
-    } else {
-        all
-    };
-    if sessions(&rows) < FEWEST_SESSIONS {
+    let mut rows = alike(session, first, known);
+    if by_session(&rows).len() < FEWEST_SESSIONS {
         return Vec::new();
     }
     rows.extend(own);

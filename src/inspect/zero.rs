@@ -24,6 +24,10 @@ pub fn checks(session: &Session, cleaned: &Cleaned, known: &Known) -> Vec<Check>
     let Some(zero) = &cleaned.header.zero else {
         return Vec::new();
     };
+    // Where no reading is left, it is no question of the zero.
+    if cleaned.readings.is_empty() && zero.source == ZeroSource::None {
+        return Vec::new();
+    }
     let series = session.sampling == Sampling::Timeseries;
     let nothing = series && zero.source == ZeroSource::None;
     let clipped = zero.zero_log_clipped.is_some_and(|share| share > CLIPPED);

@@ -67,11 +67,13 @@ fn spread(model: &Model) -> Vec<String> {
         return vec!["Interval for an unmeasured muscle: none, because how specimens scatter about it is not known.".to_owned()];
     };
     vec![
-        "95% interval of a reading of an unmeasured muscle of the same make, inside the box:".to_owned(),
+        "95% interval of a reading of an unmeasured muscle of the same make, inside the box:"
+            .to_owned(),
         format!(
             "  F -/+ {:.3} sqrt(({:.4} F)^2 + ({:.3} N)^2): gains of specimens, readings about one specimen's curve ({} degrees of freedom);",
             s.t, s.between, s.within_n, s.freedom
         ),
-        "  the error of the fit itself comes on top, `pipeline predict` has it state by state.".to_owned(),
+        "  the error of the fit itself comes on top, `pipeline predict` has it state by state."
+            .to_owned(),
     ]
 }
