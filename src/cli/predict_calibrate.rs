@@ -9,7 +9,7 @@ use pipeline_base::row::Row;
 use pipeline_base::session::Kind;
 use pipeline_findings::{CampaignFindings, Findings};
 use pipeline_fit::{GroupFit, is_usable};
-use pipeline_inspect::State;
+use pipeline_inspect::{Seen, State};
 use pipeline_predict::calibration::{At, Calibration, Next, Reading, Sizes};
 use pipeline_predict::{Answer, Choice, FreeLength, Law, Muscle, Predictor};
 use serde_json::{Value, json};
@@ -54,9 +54,12 @@ pub fn read(args: &PredictArgs, places: &Places) -> Result<Option<Read>> {
             return Err(Error::Config(unusable));
         }
         for found in pipeline_inspect::sessions(folder, &places.config, &known) {
-            if found.state() == State::Bad {
+            let flagged = found.checks.iter().filter(|c| c.state != State::Fine);
+            // What is wrong with the readings themselves; logs that are left out are no part of them.
+            let of_readings = flagged.filter(|c| c.state == State::Bad || is_of_readings(&c.seen));
+            if of_readings.count() > 0 {
                 doubts.push(format!(
-                    "{}: a check of this session is BAD, and the answer depends on it: `pipeline check-session {}` says why",
+                    "{}: `pipeline check-session {}` flags this session, and the answer depends on it: a wrong length passes for a specimen gain",
                     found.session,
                     folder.display()
                 ));
@@ -217,6 +220,18 @@ fn next(predictor: &Predictor, answer: &Answer) -> Option<Next> {
     calibration.next(&wanted, &all)
 }
 
+/// Whether a check is about the values of readings, and not about what was left out of them.
+fn is_of_readings(seen: &Seen) -> bool {
+    matches!(
+        seen,
+        Seen::Gain { .. }
+            | Seen::SetLength { .. }
+            | Seen::Misfit { .. }
+            | Seen::Otherwise { .. }
+            | Seen::ZeroOfOthers { .. }
+    )
+}
+
 /// Prints what the readings say of the muscle.
 pub fn head(calibration: &Calibration) {
     let (readings, sessions) = calibration.count();
@@ -227,7 +242,7 @@ pub fn head(calibration: &Calibration) {
     ));
     let strength = calibration.strength();
     line(format!(
-        "         specimen gain {:+.1} ± {:.1}% relative to that law (± {:.1}% without the readings): percentile {:.0}",
+        "         specimen gain {:+.1} ± {:.1}% relative to that law (standard deviation; ± {:.1}% without the readings): percentile {:.0}",
         100.0 * strength.value,
         100.0 * strength.sd,
         100.0 * strength.sd_before,
@@ -235,10 +250,11 @@ pub fn head(calibration: &Calibration) {
     ));
     for length in calibration.set_lengths() {
         line(format!(
-            "         {}: {:+.1} ± {:.1} mm longer than noted",
+            "         {}: {:.1} ± {:.1} mm {} than noted",
             length.session.unwrap_or_default(),
-            length.value,
-            length.sd
+            length.value.abs(),
+            length.sd,
+            if length.value < 0.0 { "shorter" } else { "longer" }
         ));
     }
 }

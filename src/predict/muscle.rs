@@ -97,8 +97,10 @@ impl Contraction {
     }
 }
 
-/// A muscle stretched by this fraction of its resting length is a slip of the finger.
-const MOST_STRETCHED: f64 = 0.5;
+/// Stretched by more than this fraction of its resting length, a braid does not bear (makers allow 3 to 5%), and every law grows without bound.
+pub const MOST_STRETCHED: f64 = 0.05;
+/// Rounding of lengths that were typed in.
+const ROUNDING: f64 = 1e-9;
 
 /// Whether a state can be one of a muscle: eps and the gauge pressure in kPa.
 ///
@@ -115,12 +117,13 @@ pub fn check_state(contraction: f64, pressure_kpa: f64, rest_length_m: f64) -> R
             "a contraction of {contraction:.4} would leave no muscle: write five percent as 5% or 0.05"
         ));
     }
-    if contraction <= -MOST_STRETCHED {
+    if contraction < -MOST_STRETCHED - ROUNDING {
         let length = mm(rest_length_m * (1.0 - contraction));
         return usage(format!(
-            "a length of {length} stretches a muscle of {} by {:.0}% of its resting length: check both lengths and their units",
+            "a length of {length} stretches a muscle of {} by {:.0}% of its resting length, and a braid bears no more than {:.0}%: check both lengths and their units",
             mm(rest_length_m),
-            -100.0 * contraction
+            -100.0 * contraction,
+            100.0 * MOST_STRETCHED
         ));
     }
     Ok(())

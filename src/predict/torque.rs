@@ -2,15 +2,14 @@
 //! meets it, and where not.
 
 use crate::answer::Predictor;
-use crate::muscle::Contraction;
+use crate::muscle::{Contraction, MOST_STRETCHED};
 use pipeline_base::error::Result;
 use pipeline_mechanics::knee::human::{self, meets};
 use pipeline_mechanics::knee::{Knee, Leg, Setup, choice};
 use serde::Serialize;
 
-/// Contractions beyond which there is no state of a muscle to ask for: stretched beyond what its braid bears (makers allow 3 to 5%), where every law
-/// grows without bound, or pushed together.
-const CONTRACTIONS: (f64, f64) = (-0.05, 1.0);
+/// Contractions beyond which there is no state of a muscle to ask for: stretched beyond what its braid bears, or pushed together.
+const CONTRACTIONS: (f64, f64) = (-MOST_STRETCHED, 1.0);
 
 /// Where the muscle is built in.
 #[derive(Clone, Copy)]

@@ -122,7 +122,7 @@ fn a_specimen_of_the_run_is_predicted_by_the_law_of_the_others_and_its_own_readi
         "for this muscle",
         "before",
         "next",
-        "longer than noted",
+        "than noted",
     ] {
         assert!(said.out.contains(part), "{part} is not in\n{}", said.out);
     }
