@@ -134,6 +134,12 @@ def tidy(frame: pd.DataFrame, columns: Mapping[str, str] | None, diameter_mm: in
     if frame["specimen"].isna().any():
         messages.append(f"{int(frame['specimen'].isna().sum())} of {len(rows)} rows left out: no specimen")
 
+    pressure, force = rows.loc[usable, "pressure_kpa"], rows.loc[usable, "force_n"]
+    if len(pressure) and not 20 <= pressure.max() <= 1500:
+        messages.append(f"pressure_kpa reaches {pressure.max():g}: kPa of gauge pressure are expected, and bar, psi, Pa or MPa look like this")
+    if len(force) and (force < 0).mean() > 0.5:
+        messages.append("most forces are negative: tension is positive")
+
     rows["specimen"] = frame["specimen"].astype(str)
     if "date" in frame:
         dates = frame["date"]

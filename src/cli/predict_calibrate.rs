@@ -254,7 +254,11 @@ pub fn head(calibration: &Calibration) {
             length.session.unwrap_or_default(),
             length.value.abs(),
             length.sd,
-            if length.value < 0.0 { "shorter" } else { "longer" }
+            if length.value < 0.0 {
+                "shorter"
+            } else {
+                "longer"
+            }
         ));
     }
 }

@@ -194,6 +194,11 @@ def inside(program):
     assert any("4 of 847 rows left out: excluded" in m for m in kept_out.messages), kept_out.messages
     assert kept_out.coefficients.equals(fit.coefficients)
 
+    for odd, words in ((readings.assign(pressure_kpa=readings.pressure_kpa / 100), "bar"), (readings.assign(force_n=-readings.force_n), "tension")):
+        with warnings.catch_warnings(record=True):
+            warnings.simplefilter("always")
+            assert any(words in m for m in bridge.fit(odd, campaign="odd", program=program).messages), words
+
     # One specimen has coefficients, and no interval for a muscle that was not measured.
     alone = readings[readings.specimen == "sim10-l257"]
     one = bridge.fit(alone, campaign="one", program=program)

@@ -14,7 +14,12 @@ pub(super) fn answer(found: &CampaignFindings) -> String {
     let weighty: Vec<&EffectFinding> = found.effects.iter().filter(|e| !e.negligible).collect();
     let of_effect = |e: &EffectFinding| {
         let large = beyond_usual(found, e).map(|_| "implausibly large".to_owned());
-        let remarks = [large, of_one_group(found, e), indistinguishable(e)];
+        let remarks = [
+            large,
+            of_one_group(found, e),
+            seldom_found(found, e),
+            indistinguishable(e),
+        ];
         let remarks: Vec<String> = remarks.into_iter().flatten().collect();
         let name = size_of(e);
         if remarks.is_empty() {
@@ -44,9 +49,17 @@ pub(super) fn answer(found: &CampaignFindings) -> String {
 /// The same in fewer words: names and sizes, with a mark where a size is no such effect's.
 pub(super) fn in_names(found: &CampaignFindings) -> String {
     let weighty = found.effects.iter().filter(|e| !e.negligible);
-    let marked = |e: &EffectFinding| match beyond_usual(found, e) {
-        Some(_) => size_of(e) + " (implausibly large)",
-        None => size_of(e),
+    let marked = |e: &EffectFinding| {
+        let large = beyond_usual(found, e).map(|_| "implausibly large".to_owned());
+        let remarks: Vec<String> = [large, seldom_found(found, e)]
+            .into_iter()
+            .flatten()
+            .collect();
+        if remarks.is_empty() {
+            size_of(e)
+        } else {
+            format!("{} ({})", size_of(e), remarks.join("; "))
+        }
     };
     let all: Vec<String> = weighty.map(marked).collect();
     match found.verdict {
@@ -86,6 +99,25 @@ fn of_one_group(found: &CampaignFindings, e: &EffectFinding) -> Option<String> {
     let own = found.scatter.iter().find(scatters)?;
     let (own, level) = (name::scatter(&own.id, own.level), name::level(own.level));
     (e.acts_on == ActsOn::All).then(|| format!("perhaps the {own} of the only {level}"))
+}
+
+/// Of an effect that hangs on single units: how many of the searches without one found it, if these are fewer than half.
+fn seldom_found(found: &CampaignFindings, e: &EffectFinding) -> Option<String> {
+    const SELDOM: f64 = 0.5;
+    let share = e.found_in_folds.filter(|share| *share < SELDOM)?;
+    let unit = if found.kind == "knee-torque" {
+        "actuator"
+    } else {
+        "specimen"
+    };
+    Some(if share == 0.0 {
+        format!("found in none of the searches without one {unit}")
+    } else {
+        format!(
+            "found in {} of the searches without one {unit}",
+            percent(share)
+        )
+    })
 }
 
 /// `indistinguishable from zero of the pressure sensor`; none where its alias set holds it alone.

@@ -40,7 +40,7 @@ pub(super) fn few_readings(found: &CampaignFindings) -> Option<String> {
     let after = found.after.rmse_heldout_after.get(READINGS_GIVEN)?;
     let unseen = found.after.rmse_heldout?;
     let error = error_with_unit(*after, &found.unit);
-    let verb = if *after < unseen {
+    let verb = if *after < (1.0 - WORTH_SAYING) * unseen {
         "reduce the error to"
     } else {
         "leave it at"
