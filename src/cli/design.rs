@@ -240,7 +240,26 @@ fn print(args: &DesignArgs, read: &Read, found: &[Design]) {
     if found.iter().any(|d| !d.meets) {
         line("falls short: no measured length meets the curve; this one comes closest");
     }
-    if let Some(chosen) = found.first() {
+    let has_none = |d: &&Design| d.points.iter().all(|p| p.low.is_none());
+    let by_law: Vec<String> = found
+        .iter()
+        .filter(has_none)
+        .map(|d| format!("{} mm", d.diameter_mm))
+        .collect();
+    if !args.nominal && !by_law.is_empty() {
+        line(format!(
+            "no interval for {}: judged by the law itself, which half of the muscles fall short of",
+            by_law.join(" and ")
+        ));
+    }
+    let closest = || found.iter().max_by(|a, b| a.margin.total_cmp(&b.margin));
+    if let Some(chosen) = found.iter().find(|d| d.meets).or_else(closest) {
+        let is_opposite = |p: &AtPoint| p.point.needed * p.available <= 0.0;
+        if chosen.points.iter().all(is_opposite) {
+            line(
+                "no torque of this route has the sign of the curve: torques of flexors are negative, of extensors positive",
+            );
+        }
         print_points(read, chosen, surety(args));
     }
 }
