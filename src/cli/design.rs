@@ -240,7 +240,10 @@ fn print(args: &DesignArgs, read: &Read, found: &[Design]) {
     if found.iter().any(|d| !d.meets) {
         line("falls short: no measured length meets the curve; this one comes closest");
     }
-    let has_none = |d: &&Design| d.points.iter().all(|p| p.low.is_none());
+    let has_none = |d: &&Design| {
+        let mut pulls = d.points.iter().filter(|p| p.available != 0.0).peekable();
+        pulls.peek().is_some() && pulls.all(|p| p.low.is_none())
+    };
     let by_law: Vec<String> = found
         .iter()
         .filter(has_none)

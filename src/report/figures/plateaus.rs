@@ -106,7 +106,7 @@ fn caption(trace: &Trace, readings: usize) -> String {
         "Log"
     };
     format!(
-        "{word} {} of session {} (campaign {}): pressure (A, B) and force (C, D), whole and over {CLOSE_UP_S:.0} s, with the steady \
+        "{word} {} of session {} (campaign {}): pressure (A, B) and force (C, D), whole and over {CLOSE_UP_S:.0}\u{a0}s, with the steady \
          windows and their readings, {readings} in all.",
         verbatim(&trace.log),
         verbatim(&trace.session),

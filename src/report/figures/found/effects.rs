@@ -108,7 +108,7 @@ fn profile(effect: &EffectFinding) -> Option<Panel> {
         .collect();
     let mut panel = Panel::new(
         Axis::new(&amplitude(effect)),
-        Axis::new("Δ log-likelihood").fixed(DEEPEST, 0.4),
+        Axis::new("Δ log \\v{L}").fixed(DEEPEST, 0.4),
     )
     .title(&name::capitalised(&called(effect)))
     .legend(Legend::None);
@@ -226,7 +226,7 @@ fn caption(shown: &Shown, fit: usize, drawn: usize) -> String {
         ),
     };
     format!(
-        "Profile of the marginal likelihood of each effect, everything else refitted{own}. Dashed: the estimate from all; shaded: its 95% \
+        "Profile of the marginal likelihood L of each effect, everything else refitted{own}. Dashed: the estimate from all; shaded: its 95% \
          interval.{free}{cut}{effects_cut}"
     )
 }
