@@ -1,7 +1,7 @@
 //! The answers for a dozen fixed campaigns as one number, so that a test can say when the published table is out of date.
 //!
-//! The number is the SHA-256 of the findings with every number rounded to six significant digits; the free forms of effects, which the table does
-//! not judge, are left out.
+//! The number is the SHA-256 of the findings with every number rounded to six significant digits; what the table does not judge is left out: the free
+//! forms of effects, and errors where gain and lengths of the unseen specimen are known.
 
 use super::search::search;
 use pipeline::base::digest::Digest;
@@ -26,6 +26,7 @@ pub fn answers() -> String {
             for effect in value["effects"].as_array_mut().into_iter().flatten() {
                 effect["free_form"] = Value::Null;
             }
+            leave_out(&mut value, "rmse_heldout_calibrated");
             canonical(&value, &mut text);
             text
         })
@@ -36,6 +37,18 @@ pub fn answers() -> String {
 /// The line of the documentation that states it.
 pub fn line(answers: &str) -> String {
     format!("Answers to the twelve fixed campaigns: `{answers}`.")
+}
+
+/// Leaves out a key, wherever it stands.
+fn leave_out(value: &mut Value, key: &str) {
+    match value {
+        Value::Array(list) => list.iter_mut().for_each(|v| leave_out(v, key)),
+        Value::Object(map) => {
+            map.remove(key);
+            map.values_mut().for_each(|v| leave_out(v, key));
+        }
+        _ => {}
+    }
 }
 
 fn fixed() -> Vec<Settings> {

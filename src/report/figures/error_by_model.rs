@@ -121,9 +121,13 @@ fn caption(lines: &[(&Comparison, f64)]) -> String {
     } else {
         ""
     };
+    let ranked = if lines.iter().any(|l| l.0.model == "hunt2017") {
+        "the new model, Hunt 2017 and the Festo tool all cover"
+    } else {
+        "the new model and the Festo tool both cover (Hunt 2017 has no coefficients for this diameter)"
+    };
     format!(
-        "Root-mean-square error of every model on the {readings} readings that the new model, Hunt 2017 and the Festo tool all cover: published \
-         models as \
+        "Root-mean-square error of every model on the {readings} readings that {ranked}: published models as \
          published{refitted}{fitted}.{partial}"
     )
 }
