@@ -75,6 +75,7 @@ pub fn read(args: &PredictArgs, places: &Places) -> Result<Option<Read>> {
     }
     let mut seen = BTreeSet::new();
     rows.retain(|r| seen.insert((r.session.clone(), r.log.clone(), r.first_row)));
+    doubts.dedup();
     let whole = rows.clone();
     rows.retain(|r| is_usable(r) && r.length_m.is_finite());
     let Some(first) = rows.first() else {
@@ -220,12 +221,11 @@ fn next(predictor: &Predictor, answer: &Answer) -> Option<Next> {
     calibration.next(&wanted, &all)
 }
 
-/// Whether a check is about the values of readings, and not about what was left out of them.
+/// Whether a check is about the values of readings, and neither about what was left out of them nor about a muscle that is merely strong.
 fn is_of_readings(seen: &Seen) -> bool {
     matches!(
         seen,
-        Seen::Gain { .. }
-            | Seen::SetLength { .. }
+        Seen::SetLength { .. }
             | Seen::Misfit { .. }
             | Seen::Otherwise { .. }
             | Seen::ZeroOfOthers { .. }
