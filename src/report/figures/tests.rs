@@ -168,7 +168,7 @@ fn captions_say_what_is_there() {
     assert!(
         five["residuals"]
             .caption
-            .contains("has not seen the specimen")
+            .contains("the fit without the specimen")
     );
     assert!(five["residuals"].caption.contains("#\"humidity_#1\""));
     let two = figures_of("two");

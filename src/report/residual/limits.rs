@@ -231,7 +231,7 @@ mod tests {
         best.at = [("set_points".to_owned(), 5.0)].into();
         assert_eq!(
             said(vec![best, set_point(0.0, 0.014), set_point(0.25, 0.006)]),
-            "No further set point on these specimens would lower the error by 0.05 N"
+            "No further set point on these specimens would lower the error by as much as 0.05 N"
         );
     }
 
@@ -239,7 +239,7 @@ mod tests {
     fn what_set_points_are_worth_is_said_once_for_each_that_is_worth_something() {
         assert_eq!(
             said(vec![set_point(0.0, 0.34), set_point(0.25, 0.01)]),
-            "Further set point on these specimens: ε* = 0.00 (0.34 N); no other alone by 0.05 N"
+            "Further set point on these specimens: ε* = 0.00 (0.34 N); no other alone by as much as 0.05 N"
         );
     }
 }
