@@ -4,21 +4,11 @@ use crate::population::Known;
 use crate::{Check, Seen, State, others};
 use pipeline_base::session::{Sampling, Session};
 use pipeline_clean::Cleaned;
-use pipeline_clean::zero::ZeroSource;
-use pipeline_numerics::statistics::median;
+use pipeline_clean::zero::{Beside, FAR_FROM_OTHERS, ZeroSource, beside_others};
 use std::collections::BTreeMap;
 
 /// Share of a zero log at the converter's limit from which somebody should look.
 const CLIPPED: f64 = 0.01;
-/// Fewest sessions that say what is usual.
-const FEWEST: usize = 3;
-/// A zero that is so many standard deviations off the others is worth a look.
-const FAR: f64 = 4.0;
-/// Zeros scatter by this much at least, N: what a load cell does from day to day.
-const LEAST_SD_N: f64 = 1.0;
-/// Standard deviation of normal numbers over the median of their sizes.
-const SD_OF_MEDIAN_SIZE: f64 = 1.482_602_218_505_602;
-
 /// The zero against the slack actuator, and against other sessions.
 pub fn checks(session: &Session, cleaned: &Cleaned, known: &Known) -> Vec<Check> {
     let Some(zero) = &cleaned.header.zero else {
@@ -43,13 +33,13 @@ pub fn checks(session: &Session, cleaned: &Cleaned, known: &Known) -> Vec<Check>
         },
     }];
     if zero.source != ZeroSource::None {
-        all.extend(beside_others(session, zero.applied_n, known));
+        all.extend(of_others(session, zero.applied_n, known));
     }
     all
 }
 
 /// The zero beside those of the other sessions of the campaign; none where these are too few.
-fn beside_others(session: &Session, applied_n: f64, known: &Known) -> Option<Check> {
+fn of_others(session: &Session, applied_n: f64, known: &Known) -> Option<Check> {
     let mut zeros = BTreeMap::new();
     for row in others(&known.rows, session).filter(|r| r.campaign == session.campaign) {
         if row.zero_force_n.is_finite() {
@@ -57,23 +47,17 @@ fn beside_others(session: &Session, applied_n: f64, known: &Known) -> Option<Che
         }
     }
     let zeros: Vec<f64> = zeros.into_values().collect();
-    if zeros.len() < FEWEST {
-        return None;
-    }
-    let usual_n = median(&zeros);
-    let sizes: Vec<f64> = zeros.iter().map(|z| (z - usual_n).abs()).collect();
-    let sd = (SD_OF_MEDIAN_SIZE * median(&sizes)).max(LEAST_SD_N);
-    let deviations = (applied_n - usual_n) / sd;
+    let Beside { median, deviations } = beside_others(applied_n, &zeros)?;
     Some(Check {
         log: None,
-        state: if deviations.abs() > FAR {
+        state: if deviations.abs() > FAR_FROM_OTHERS {
             State::Look
         } else {
             State::Fine
         },
         seen: Seen::ZeroOfOthers {
             applied_n,
-            usual_n,
+            usual_n: median,
             deviations,
             sessions: zeros.len(),
         },

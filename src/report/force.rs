@@ -11,11 +11,12 @@ use crate::pages::{PageData, Picture, date_of};
 use crate::tables;
 use crate::typeset::Pdf;
 use crate::wording::name::{capitalised, model_name};
-use crate::wording::number::{error, error_or_none, rounded};
+use crate::wording::number::{error, error_or_none, rounded, with_unit};
 use crate::wording::sentence::in_doubt;
 use pipeline_base::error::Result;
 use pipeline_base::reject::Extent;
-use pipeline_base::session::Kind;
+use pipeline_base::session::{Kind, Session};
+use pipeline_clean::zero::{FAR_FROM_OTHERS, ZeroSource, beside_others};
 use pipeline_compare::NEW;
 use pipeline_config::Config;
 use pipeline_fit::equations::JOINT;
@@ -38,6 +39,9 @@ struct Own {
     further_groups: Vec<String>,
     /// A log with its plateaus.
     trace: Option<Picture>,
+    /// Zeros that are far from those of the other sessions of their campaign.
+    doubtful_zeros: Vec<DoubtfulZero>,
+    more_doubtful_zeros: usize,
     unusable: Vec<String>,
     more_unusable: usize,
     /// Figures that could not be built.
@@ -61,6 +65,14 @@ struct Campaign {
     excluded: Vec<Excluded>,
     sessions: usize,
     knee: bool,
+}
+
+/// A zero in doubt: session, what was taken off, and the median of the others.
+#[derive(Serialize)]
+struct DoubtfulZero {
+    session: String,
+    applied: String,
+    others: String,
 }
 
 /// Sessions that are kept out of every fit for one reason.
@@ -153,6 +165,29 @@ pub fn force_pdf(
     document.compile()
 }
 
+/// The zeros that are far from those of the other sessions of their campaign, in the order of the sessions.
+fn doubtful_zeros(input: &ReportInput) -> Vec<DoubtfulZero> {
+    let zeros = input.sessions.iter().filter_map(|s| {
+        let zero = s.clean.zero.as_ref()?;
+        (zero.source != ZeroSource::None).then_some((&s.ingest.session, zero.applied_n))
+    });
+    let zeros: Vec<(&Session, f64)> = zeros.collect();
+    let newtons = |x: f64| with_unit(&rounded(x, Rounding::Decimals(1)), "N");
+    let doubtful = |(session, applied): &(&Session, f64)| {
+        let others = zeros
+            .iter()
+            .filter(|(other, _)| other.campaign == session.campaign && other.id != session.id);
+        let others: Vec<f64> = others.map(|(_, n)| *n).collect();
+        let beside = beside_others(*applied, &others)?;
+        (beside.deviations.abs() > FAR_FROM_OTHERS).then(|| DoubtfulZero {
+            session: session.id.clone(),
+            applied: newtons(*applied),
+            others: newtons(beside.median),
+        })
+    };
+    zeros.iter().filter_map(doubtful).collect()
+}
+
 /// A count with its thousands apart.
 fn grouped(count: f64) -> String {
     rounded(count, Rounding::Decimals(0))
@@ -174,6 +209,7 @@ fn own(input: &ReportInput, config: &Config) -> Own {
         .map(|a| a.trim().to_owned())
         .filter(|a| !a.is_empty());
     let unusable = input.unusable.iter().flat_map(|(_, all)| all);
+    let doubtful_zeros = doubtful_zeros(input);
     Own {
         title: options.title.clone(),
         authors: authors.collect(),
@@ -188,6 +224,8 @@ fn own(input: &ReportInput, config: &Config) -> Own {
         models: opening::models(),
         first_figure: first_figure(input),
         campaigns: campaigns(input),
+        more_doubtful_zeros: doubtful_zeros.len().saturating_sub(MOST_NAMED),
+        doubtful_zeros: doubtful_zeros.into_iter().take(MOST_NAMED).collect(),
         groups: input
             .with_section()
             .map(|(g, f)| group(g, &f.group))

@@ -48,6 +48,39 @@ impl ZeroSource {
     }
 }
 
+/// A zero so many standard deviations from those of other sessions of its campaign is in doubt.
+pub const FAR_FROM_OTHERS: f64 = 4.0;
+/// Fewest other sessions that say what is usual.
+const FEWEST_OTHERS: usize = 3;
+/// Zeros scatter by this much at least, N: what a load cell does from day to day.
+const LEAST_SD_N: f64 = 1.0;
+/// Standard deviation of normal numbers over the median of their sizes.
+const SD_OF_MEDIAN_SIZE: f64 = 1.482_602_218_505_602;
+
+/// A zero beside those of other sessions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beside {
+    /// Their median, N.
+    pub median: f64,
+    /// How far it is from that, in their standard deviations.
+    pub deviations: f64,
+}
+
+/// A zero beside those of the other sessions of its campaign, N: a zero log that was recorded while the actuator was under tension has that in
+/// it. Of fewer than three others none.
+pub fn beside_others(applied_n: f64, others: &[f64]) -> Option<Beside> {
+    if others.len() < FEWEST_OTHERS {
+        return None;
+    }
+    let middle = median(others);
+    let sizes: Vec<f64> = others.iter().map(|z| (z - middle).abs()).collect();
+    let sd = (SD_OF_MEDIAN_SIZE * median(&sizes)).max(LEAST_SD_N);
+    Some(Beside {
+        median: middle,
+        deviations: (applied_n - middle) / sd,
+    })
+}
+
 /// The zero of one session, and what speaks for and against it. Forces in N.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Zero {
@@ -182,6 +215,17 @@ mod tests {
             values: [(PRESSURE.to_owned(), pressure), (FORCE.to_owned(), force)].into(),
             labels: std::collections::BTreeMap::new(),
         }
+    }
+
+    #[test]
+    fn a_zero_is_far_from_others_in_their_own_deviations() {
+        let far = beside_others(1.0 + 5.0 * SD_OF_MEDIAN_SIZE, &[0.0, 1.0, 2.0]).unwrap();
+        assert_eq!(far.median, 1.0);
+        assert!((far.deviations - 5.0).abs() < 1e-12);
+        // Others that agree to less than a load cell does from day to day.
+        let near = beside_others(3.0, &[0.0, 0.0, 0.0]).unwrap();
+        assert_eq!(near.deviations, 3.0);
+        assert_eq!(beside_others(9.0, &[0.0, 0.0]), None);
     }
 
     #[test]
