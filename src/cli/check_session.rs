@@ -231,9 +231,10 @@ fn said(seen: &Seen) -> String {
                 .map_or_else(String::new, |r| format!(", most: {r}"));
             format!("{left_out} of {rows} rows are not measurements{why}")
         }
-        Seen::Clipping { share } => format!(
-            "{} of the samples of the force are at the limit of the converter",
-            percent(*share)
+        Seen::Clipping { share, at_pressure } => format!(
+            "{} of the samples of the force are at the limit of the converter, {} of those at high pressure",
+            percent(*share),
+            percent(*at_pressure)
         ),
         Seen::Clock {
             step_s, gaps: 0, ..

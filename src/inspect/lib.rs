@@ -97,6 +97,8 @@ pub enum Seen {
     Clipping {
         /// Their share.
         share: f64,
+        /// Their share of the samples at high pressure.
+        at_pressure: f64,
     },
     /// The clock of a time series.
     Clock {

@@ -1,7 +1,7 @@
 //! Each log by itself.
 
 use crate::{Check, Seen, State};
-use pipeline_base::columns::{FORCE, TIME};
+use pipeline_base::columns::{FORCE, PRESSURE, TIME};
 use pipeline_base::reject::Extent;
 use pipeline_base::session::{Sampling, Session};
 use pipeline_clean::Cleaned;
@@ -14,6 +14,8 @@ const ROWS: f64 = 0.01;
 /// Share of samples at the converter's limit from which somebody should look: a slack actuator below the range of the converter is usual, so what
 /// counts is the share of the plateaus ([`Seen::Plateaus`]) and a zero log ([`Seen::Zero`]); half of a log is a channel that does not work.
 const CLIPPED: f64 = 0.5;
+/// Pressures beyond this share of the highest are high.
+const HIGH: f64 = 0.8;
 /// A step of the clock that is so many usual ones long has lost samples.
 const GAP: f64 = 3.5;
 /// Share of unsettled plateaus from which somebody should look.
@@ -49,8 +51,9 @@ pub fn checks(session: &Session, logs: &[LogSamples], cleaned: &Cleaned) -> Vec<
                 reason: rows().max_by_key(|r| r.count).map(|r| r.reason.clone()),
             },
         );
-        if let Some(share) = clipped(session, log).filter(|_| !log.spec.is_zero) {
-            push(state_from(share, CLIPPED), Seen::Clipping { share });
+        if let Some([share, at_pressure]) = clipped(session, log).filter(|_| !log.spec.is_zero) {
+            let seen = Seen::Clipping { share, at_pressure };
+            push(state_from(share.max(at_pressure), CLIPPED), seen);
         }
         if let Some(clock) = clock(log).filter(|_| series) {
             push(state_if(clock.1 > 0), clock.0);
@@ -87,15 +90,24 @@ fn drifts(reason: &str) -> bool {
     .contains(&reason)
 }
 
-/// Share of the samples of the force at the converter's limit; none where no limit is declared.
-fn clipped(session: &Session, log: &LogSamples) -> Option<f64> {
+/// Share of the samples of the force at the converter's limit, of all and of those at high pressure, where an actuator pulls most; none where no
+/// limit is declared.
+fn clipped(session: &Session, log: &LogSamples) -> Option<[f64; 2]> {
     let column = session.column(FORCE)?;
     if column.saturation_low.is_none() && column.saturation_high.is_none() {
         return None;
     }
     let force = log.column(FORCE)?;
-    let count = force.iter().filter(|f| is_clipped(column, **f)).count();
-    (!force.is_empty()).then(|| count as f64 / force.len() as f64)
+    let share = |places: &[usize]| {
+        let clipped = places.iter().filter(|i| is_clipped(column, force[**i]));
+        clipped.count() as f64 / places.len().max(1) as f64
+    };
+    let all: Vec<usize> = (0..force.len()).collect();
+    let pressure = log.column(PRESSURE).unwrap_or_default();
+    let highest = pressure.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let is_high = |i: &usize| pressure.get(*i).is_some_and(|p| *p > HIGH * highest);
+    let high: Vec<usize> = all.iter().copied().filter(is_high).collect();
+    (!force.is_empty()).then(|| [share(&all), share(&high)])
 }
 
 /// The clock, and how many gaps it has; none where there is no clock.

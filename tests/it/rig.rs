@@ -261,7 +261,7 @@ fn described_wrongly(bench: &Bench, rig: &Path) {
         );
         assert_eq!(states.len(), 16);
         assert!(
-            named >= least && fine <= 1,
+            named >= least && fine == 0,
             "{name}: {named} named, {fine} fine"
         );
     }
