@@ -158,6 +158,67 @@ fn readings_of_a_slack_actuator_tell_nothing_and_it_is_said() {
 }
 
 #[test]
+fn a_copy_of_a_log_and_lengths_that_others_have_otherwise_are_named() {
+    let bench = Bench::small_done();
+    let text = std::fs::read_to_string(bench.raw().join("small/b/c50/session.toml")).unwrap();
+    let line = |key: &str| {
+        text.lines()
+            .find(|l| l.starts_with(key))
+            .unwrap()
+            .to_owned()
+    };
+    let rest = line("rest_length_mm");
+    let length: f64 = rest.split('=').nth(1).unwrap().trim().parse().unwrap();
+    let log = "\n[[log]]\nfile = \"copy.csv\"\n\n[columns]";
+    let folder = copied(
+        &bench,
+        &[
+            (&rest, &format!("rest_length_mm = {}", length + 3.0)),
+            ("\n[columns]", log),
+        ],
+    );
+    let folder_of = bench.root().join(&folder);
+    std::fs::copy(folder_of.join("test8.csv"), folder_of.join("copy.csv")).unwrap();
+    let (code, found) = inspected(&bench, &folder);
+    assert_eq!(code, 2, "{found}");
+    let copies = checks(&found, "copy");
+    assert_eq!(copies.len(), 1, "{found}");
+    let otherwise = checks(&found, "otherwise");
+    assert_eq!(otherwise.len(), 1, "{found}");
+    assert_eq!(otherwise[0]["what"], "rest_length");
+    let of = |key: &str| otherwise[0][key].as_f64().unwrap();
+    assert!((of("here_mm") - of("others_mm") - 3.0).abs() < 1e-6);
+}
+
+#[test]
+fn a_session_whose_logs_are_empty_cannot_be_used() {
+    let bench = Bench::small();
+    let folder = copied(&bench, &[]);
+    std::fs::write(bench.root().join(&folder).join("test8.csv"), "").unwrap();
+    let (code, found) = inspected(&bench, &folder);
+    assert_eq!(code, 2, "{found}");
+    assert_eq!(checks(&found, "not_compared")[0]["state"], "bad");
+}
+
+#[test]
+fn a_force_that_is_cut_off_where_the_actuator_pulls_most_is_seen() {
+    let bench = Bench::small();
+    let line = std::fs::read_to_string(bench.raw().join("small/b/c50/session.toml")).unwrap();
+    let force = line.lines().find(|l| l.starts_with("force")).unwrap();
+    let limit = force.split("saturation_high = ").nth(1).unwrap();
+    let limit = limit.split([',', ' ', '}']).next().unwrap();
+    let high = format!("saturation_high = {limit}");
+    let folder = copied(&bench, &[(&high, "saturation_high = 20.0")]);
+    let (_, found) = inspected(&bench, &folder);
+    let clipping = checks(&found, "clipping")[0];
+    assert_eq!(clipping["state"], "look", "{clipping}");
+    assert!(
+        clipping["at_pressure"].as_f64().unwrap() > 0.5,
+        "{clipping}"
+    );
+}
+
+#[test]
 fn a_session_that_its_owner_left_out_is_said_to_be() {
     let bench = Bench::small_done();
     let folder = copied(

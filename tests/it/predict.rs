@@ -293,6 +293,21 @@ fn senseless_input_exits_with_2_and_says_what_to_do() {
 }
 
 #[test]
+fn no_force_is_predicted_of_a_muscle_that_is_stretched_beyond_what_a_braid_bears() {
+    let bench = Bench::small_done();
+    let at = |contraction: &str| {
+        predict(
+            &bench,
+            &["--pressure", "3bar", "--contraction", contraction],
+        )
+    };
+    let refused = at("-5.1%");
+    assert_eq!(refused.code, 2, "{}", refused.out);
+    refused.warns_of(&["a braid bears no more than 5%"]);
+    assert_eq!(at("-5%").code, 0);
+}
+
+#[test]
 fn what_a_sweep_varies_is_not_given_and_a_length_is_asked_for_in_mm() {
     let bench = Bench::small_done();
     let sweep = ["--contraction", "2%", "--sweep", "pressure"];
