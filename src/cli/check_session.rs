@@ -293,19 +293,12 @@ fn said(seen: &Seen) -> String {
             what,
             here_mm,
             others_mm,
-        } => format!(
-            "{} is noted as {here_mm:.1} mm, and as {others_mm:.1} mm in other sessions of the {}",
-            match what {
-                Noted::RestLength => "the resting length of the specimen",
-                Noted::ContractedLength => "the contracted length of the specimen",
-                Noted::Diameter => "the diameter",
-            },
-            if *what == Noted::Diameter {
-                "campaign"
-            } else {
-                "specimen"
-            }
-        ),
+        } => {
+            let (quantity, of) = noted(*what);
+            format!(
+                "{quantity} is noted as {here_mm:.1} mm, and as {others_mm:.1} mm in other sessions of the {of}"
+            )
+        }
         Seen::NotTold { quantity } => format!(
             "the readings do not determine {}",
             match quantity {
@@ -325,13 +318,26 @@ fn said(seen: &Seen) -> String {
             newtons(*usual_n)
         ),
         Seen::Excluded { why } => format!("excluded from every fit in session.toml: {why}"),
-        Seen::NotCompared { why } => match why {
-            NotCompared::NoReadings => "no reading to compare with other actuators".to_owned(),
-            NotCompared::Torque => "torques are not compared with other actuators".to_owned(),
-            NotCompared::NoLaw => {
-                "no law is known for this diameter: not compared with other actuators".to_owned()
-            }
-        },
+        Seen::NotCompared { why } => not_compared(*why).to_owned(),
+    }
+}
+
+/// A quantity that other sessions share, and whose sessions they are.
+fn noted(what: Noted) -> (&'static str, &'static str) {
+    match what {
+        Noted::RestLength => ("the resting length of the specimen", "specimen"),
+        Noted::ContractedLength => ("the contracted length of the specimen", "specimen"),
+        Noted::Diameter => ("the diameter", "campaign"),
+    }
+}
+
+fn not_compared(why: NotCompared) -> &'static str {
+    match why {
+        NotCompared::NoReadings => "no reading to compare with other actuators",
+        NotCompared::Torque => "torques are not compared with other actuators",
+        NotCompared::NoLaw => {
+            "no law is known for this diameter: not compared with other actuators"
+        }
     }
 }
 

@@ -181,46 +181,7 @@ pub(crate) fn compared(session: &Session, rows: &[Row], known: &Known) -> Compar
             own_n: population.force(r, own),
         })
         .collect();
-    let state = |deviations: f64| {
-        if deviations.abs() > FAR {
-            State::Look
-        } else {
-            State::Fine
-        }
-    };
-    let strength = Seen::Gain {
-        value: own[0] - population.usual[0].middle,
-        sd: population.usual[0].sd,
-    };
-    let length = Seen::SetLength {
-        value_mm: own[1] - population.usual[1].middle,
-        sd_mm: population.usual[1].sd,
-    };
-    let seen = [(strength, Own::Strength), (length, Own::SetLength)];
-    let of_session = seen.into_iter().enumerate();
-    let mut checks: Vec<Check> = of_session
-        .map(|(k, (seen, quantity))| Check {
-            log: None,
-            state: state(suit.deviations[k]),
-            seen: if suit.open[k] < TOLD || suit.deviations[k].abs() > FAR {
-                seen
-            } else {
-                Seen::NotTold { quantity }
-            },
-        })
-        .collect();
-    checks.push(Check {
-        log: None,
-        state: match suit.rms_n / suit.usual_n {
-            l if l > LEFT.1 => State::Bad,
-            l if l > LEFT.0 => State::Look,
-            _ => State::Fine,
-        },
-        seen: Seen::Misfit {
-            rms_n: suit.rms_n,
-            usual_n: suit.usual_n,
-        },
-    });
+    let mut checks = population.checks(own, &suit);
     let mistakes = mistakes(session, &rows, known);
     checks.extend(mistakes.into_iter().map(|error| Check {
         log: None,
@@ -383,6 +344,51 @@ impl Population {
             usual_n: self.left_n,
         };
         (own, suit)
+    }
+
+    /// The checks of what is the session's own, and of what is left.
+    fn checks(&self, own: [f64; 3], suit: &Suit) -> Vec<Check> {
+        let state = |deviations: f64| {
+            if deviations.abs() > FAR {
+                State::Look
+            } else {
+                State::Fine
+            }
+        };
+        let strength = Seen::Gain {
+            value: own[0] - self.usual[0].middle,
+            sd: self.usual[0].sd,
+        };
+        let length = Seen::SetLength {
+            value_mm: own[1] - self.usual[1].middle,
+            sd_mm: self.usual[1].sd,
+        };
+        let seen = [(strength, Own::Strength), (length, Own::SetLength)];
+        let of_session = seen.into_iter().enumerate();
+        let mut checks: Vec<Check> = of_session
+            .map(|(k, (seen, quantity))| Check {
+                log: None,
+                state: state(suit.deviations[k]),
+                seen: if suit.open[k] < TOLD || suit.deviations[k].abs() > FAR {
+                    seen
+                } else {
+                    Seen::NotTold { quantity }
+                },
+            })
+            .collect();
+        checks.push(Check {
+            log: None,
+            state: match suit.rms_n / suit.usual_n {
+                l if l > LEFT.1 => State::Bad,
+                l if l > LEFT.0 => State::Look,
+                _ => State::Fine,
+            },
+            seen: Seen::Misfit {
+                rms_n: suit.rms_n,
+                usual_n: suit.usual_n,
+            },
+        });
+        checks
     }
 
     /// The standard deviations of gain, set length and zero.
