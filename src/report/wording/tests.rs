@@ -408,3 +408,28 @@ fn where_no_measurement_lowers_the_error_the_next_one_separates_effects() {
     found.next_measurement = vec![useless];
     assert_eq!(next(&found), None);
 }
+
+#[test]
+fn an_effect_that_few_searches_find_again_is_marked_where_it_is_stated() {
+    let mut found = example();
+    let said = |found: &CampaignFindings| clauses(found).found.replace('\u{a0}', " ");
+    for (share, words) in [
+        (
+            Some(0.0),
+            "found in none of the searches without one specimen",
+        ),
+        (
+            Some(0.25),
+            "found in 25% of the searches without one specimen",
+        ),
+    ] {
+        found.effects[0].found_in_folds = share;
+        assert!(said(&found).contains(words), "{}", said(&found));
+        let line = super::sentence::in_a_line(&found).replace('\u{a0}', " ");
+        assert!(line.contains(words), "{line}");
+    }
+    for share in [None, Some(0.5), Some(1.0)] {
+        found.effects[0].found_in_folds = share;
+        assert!(!said(&found).contains("searches"), "{}", said(&found));
+    }
+}
