@@ -11,7 +11,7 @@ use pipeline_compare::{COMMON, Comparison};
 use pipeline_config::Config;
 
 /// Height of one model's line with its name above it, mm.
-const PITCH_MM: f64 = 6.6;
+const PITCH_MM: f64 = 5.4;
 
 /// The figure: RMSE by model, for specimens that the model has not seen; with one specimen the fit itself stands beside the others.
 pub fn figure(group: &GroupInput, _config: &Config) -> Option<(String, Figure)> {
@@ -24,7 +24,7 @@ pub fn figure(group: &GroupInput, _config: &Config) -> Option<(String, Figure)> 
     }
     lines.sort_by(|a, b| b.1.total_cmp(&a.1));
     let title = format!("Error of every model, {}", group.fit.group.campaign);
-    let height = 18.0 + PITCH_MM * lines.len() as f64;
+    let height = 15.0 + PITCH_MM * lines.len() as f64;
     let figure = Figure::new(&title, SINGLE_MM, height).with(panel(&lines));
     Some((caption(&lines), figure))
 }

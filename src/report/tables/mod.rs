@@ -6,6 +6,7 @@ use crate::figures::slug;
 use crate::input::{GroupInput, ReportInput};
 use crate::symbols;
 use crate::table::{Audience, Table};
+use crate::wording::name::uncapitalised;
 use crate::wording::number::error_rounding;
 use pipeline_base::group::Group;
 use pipeline_findings::CampaignFindings;
@@ -122,13 +123,6 @@ fn of_one<T, const N: usize>(
         table.caption = format!("{name}: {}", uncapitalised(&table.caption));
         table.named(&file)
     })
-}
-
-/// A caption that goes on behind a colon.
-fn uncapitalised(caption: &str) -> String {
-    let mut letters = caption.chars();
-    let first = letters.next().map(char::to_lowercase);
-    first.into_iter().flatten().chain(letters).collect()
 }
 
 impl<'a, R: Copy + 'a> Described<'a, R> {
