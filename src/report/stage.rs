@@ -117,9 +117,9 @@ pub fn tables(input: &ReportInput, config: &Config) -> Result<Outputs> {
     let every = tables::ALL.iter().chain(tables::knee::ALL);
     let made = every.map(|of| of.all(input));
     for table in made.chain([tables::audit(&audit_of(input))]) {
-        let table = tables::naming_groups(table);
+        let print = tables::naming_groups(tables::in_print(&table, input));
         names.push(format!("tables/{}.csv", table.id));
-        outputs.extend(table_files(table));
+        outputs.extend(table_files(&tables::naming_groups(table), print));
     }
     outputs.insert(TABLES.to_owned(), json_bytes(&names)?);
     Ok(outputs)
@@ -338,16 +338,16 @@ fn split_csv(input: &ReportInput, config: &Config) -> Vec<u8> {
     render::csv::Csv.render(&table).into_bytes()
 }
 
-/// A table in every format: the data file complete, the others as far as people read.
-fn table_files(table: Table) -> Outputs {
+/// A table in every format: the data file complete, the others as people read it and as far as they do.
+fn table_files(table: &Table, in_print: Table) -> Outputs {
     let render = |renderers: &[&&dyn Renderer], table: &Table| -> Vec<(String, Vec<u8>)> {
         let name = |r: &dyn Renderer| format!("reports/tables/{}.{}", table.id, r.extension());
         let file = |r: &&&dyn Renderer| (name(**r), r.render(table).into_bytes());
         renderers.iter().map(file).collect()
     };
     let (data, print): (Vec<_>, Vec<_>) = render::ALL.iter().partition(|r| r.is_data());
-    let mut files = render(&data, &table);
-    files.extend(render(&print, &table.first_rows(MOST_ROWS_PRINTED)));
+    let mut files = render(&data, table);
+    files.extend(render(&print, &in_print.first_rows(MOST_ROWS_PRINTED)));
     files.into_iter().collect()
 }
 

@@ -11,7 +11,7 @@ use pipeline_compare::{COMMON, Comparison};
 use pipeline_config::Config;
 
 /// Height of one model's line with its name above it, mm.
-const PITCH_MM: f64 = 5.4;
+const PITCH_MM: f64 = 5.8;
 
 /// The figure: RMSE by model, for specimens that the model has not seen; with one specimen the fit itself stands beside the others.
 pub fn figure(group: &GroupInput, _config: &Config) -> Option<(String, Figure)> {
@@ -58,7 +58,7 @@ fn panel(lines: &[(&Comparison, f64)]) -> Panel {
             .with(Series::line("", vec![(0.0, place), (*rmse, place)], stalk))
             .with(text(
                 model_name(&line.model, &line.title),
-                (0.012 * most, place + 0.42),
+                (0.012 * most, place + 0.47),
             ))
             .with(text(&format!("{rmse:.1}"), (rmse + 0.02 * most, place)));
     }

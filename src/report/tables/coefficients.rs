@@ -2,7 +2,7 @@
 
 use crate::described::*;
 use crate::input::GroupInput;
-use crate::wording::name::coefficient_state;
+use crate::wording::name::{coefficient_state, statistics};
 use pipeline_compare::NEW;
 use pipeline_fit::engine::{CoefficientFit, CoefficientState, EquationFit};
 
@@ -64,13 +64,14 @@ pub fn intervals(groups: &[GroupInput]) -> Table {
         .equation(|r| &r.row.1.id).once()
         .coefficient("Coefficient", |r| &r.row.2.symbol).once()
         .text("unit", "Unit", |r| &r.row.2.unit)
-        .text("method", "Interval by", |r| r.method)
+        .text("method", "Interval by", |r| r.method).machines()
+        .text("method", "Interval by", |r| statistics(r.method)).people()
         .rounded("value", "Value", One, |r| (r.value, r.rounding))
         .rounded("ci_low", "From", One, |r| (r.low, r.rounding))
         .rounded("ci_high", "To", One, |r| (r.high, r.rounding))
         .note(
-            "The methods by specimen let readings of one specimen depend on each other; profile and linearised intervals, like the \
-             LAR-compatible and the published ones, count every reading as independent and are too narrow. An empty end is unbounded.",
+            "The methods by specimen let readings of one specimen depend on each other; profile and linearised intervals, like those \
+             that MATLAB prints for least absolute residuals (LAR) and the published ones, count every reading as independent and are too narrow. An empty end is unbounded.",
         )
         .blocks(equations(groups).flat_map(|(g, e)| (0..e.coefficients.len()).map(move |k| by_every_method(g, e, k))))
 }

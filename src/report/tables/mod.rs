@@ -65,6 +65,19 @@ tables! {
     provenance: Report[provenance],
 }
 
+/// Tables that people read in another arrangement than programs, by id, and what is printed in their place.
+const IN_PRINT: [(&str, Of); 3] = [
+    ("table1", Of::Groups(paper::table1_in_print)),
+    ("table2", Of::Groups(paper::table2_in_print)),
+    ("knee_found", Of::Torque(knee::joints::found_in_print)),
+];
+
+/// What is printed of a table of everything there is.
+pub fn in_print(data: &Table, input: &ReportInput) -> Table {
+    let other = IN_PRINT.iter().find(|(id, _)| *id == data.id);
+    other.map_or_else(|| data.clone(), |(_, of)| of.all(input))
+}
+
 mod audit;
 pub mod knee;
 pub mod meanings;
@@ -89,8 +102,11 @@ pub fn supplementary(input: &ReportInput) -> [Table; 4] {
 
 /// The tables that the pages show of one group, named after it.
 pub fn of_group(group: &GroupInput) -> impl Iterator<Item = Table> {
-    let shown: [fn(&[GroupInput]) -> Table; 3] =
-        [paper::table1, paper::table2, comparison::models_in_print];
+    let shown: [fn(&[GroupInput]) -> Table; 3] = [
+        paper::table1_in_print,
+        paper::table2_in_print,
+        comparison::models_in_print,
+    ];
     of_one(shown, group, (slug(group), group_name(group)))
 }
 

@@ -404,6 +404,15 @@ pub fn loss(id: &str) -> &str {
     }
 }
 
+/// A set of statistics or a method of intervals in a table, by the name that data files have for it.
+pub fn statistics(id: &str) -> &str {
+    match id {
+        "honest" => "of the residuals",
+        "LAR-compatible" => "as LAR prints",
+        other => other,
+    }
+}
+
 /// Words as a sentence lists them: `a, b and c`.
 pub fn listed<S: AsRef<str>>(words: &[S]) -> String {
     let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
