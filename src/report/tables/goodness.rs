@@ -49,10 +49,10 @@ pub fn statistics(groups: &[GroupInput]) -> Table {
         .number("lar_rmse", "RMSE", One, Digits(4), |r| r.lar.map(|l| l.rmse))
         .number("lar_max_abs_error", "Max. error", One, Digits(3), |r| r.lar.map(|l| l.max_abs_error))
         .text("unit", "Unit", |r| &r.equation.unit)
-        .span("Of the residuals", "adj_r2", "max_abs_error")
-        .span("As LAR prints", "lar_adj_r2", "lar_max_abs_error")
+        .span("Residuals", "adj_r2", "max_abs_error")
+        .span("LAR print", "lar_adj_r2", "lar_max_abs_error")
         .note(
-            "The right-hand set is for comparison with the papers and is used nowhere else: its RMSE is a mixed scale, at \
+            "\\v{LAR print}, the right-hand set, is for comparison with the papers and is used nowhere else: its RMSE is a mixed scale, at \
              least \\v{s} \\v{p}/√(\\v{p}^2 + \\v{n}) \
              of the ordinary fit's \\v{s}, not a root mean square. Validation rows are the fifth of each session's rows that the split by \
              row kept out of the fit.",

@@ -18,13 +18,13 @@ const MOST_COEFFICIENTS: usize = 3;
 const TITLE_1: &str = "Maximum force: coefficients and goodness of fit";
 const TITLE_2: &str = "Relative force: coefficients and goodness of fit";
 /// What the names of the sets mean.
-const SETS: &str = "\\v{Of the residuals}: the fit of this report, RMSE and largest error of its residuals, intervals from refits without each \
-     specimen where there are enough. \\v{As LAR prints}: the same equation by least absolute residuals, with the scale and the intervals that \
-     MATLAB prints for that fit; they count every reading as independent and serve for comparison with the paper only. \\v{Published}: the force paper's.";
+const SETS: &str = "\\v{Residuals}: the fit of this report, with the RMSE and the largest error of its residuals. \\v{LAR print}: the same \
+     equation by least absolute residuals, with the scale and the intervals that MATLAB prints for such a fit (readings taken as independent): \
+     for comparison with the paper only. \\v{Published}: the force paper's.";
 const COMPARED_1: &str = "As in the force paper, the comparison of F_{max} (its Eq. 7) is with the measured maxima at 620 kPa, and that of \
      F_{620} (its Eqs. 5, 6) is what the Festo tool leaves of the same maxima.";
 const COMPARED_2: &str = "The force paper's Eq. 8. Model: the rows that the split by row trains on; validation: the others. Coefficients and \
-     intervals of the residuals are those of all rows, those of LAR are of the training rows. Rows of one log lie on both sides of this split: it \
+     intervals are those of all rows, in the second line of the training rows. Rows of one log lie on both sides of this split: it \
      says how well the surface interpolates, not how well it predicts another actuator.";
 
 /// Maximum force. Eq. 7 is compared with the measured maxima at 620 kPa, Eqs. 5 and 6 with what the Festo tool says of the same maxima.
@@ -37,9 +37,16 @@ pub fn table1(groups: &[GroupInput]) -> Table {
 pub fn table1_in_print(groups: &[GroupInput]) -> Table {
     let sets = groups.iter().flat_map(maximum_force).map(Block::sets);
     let coefficients = ["a_1 (N/kPa), b_1 (N)", "a_2 (1/(kPa m)), b_2 (1/m)"];
-    printed("table1", TITLE_1, "Comparison", One, &coefficients, sets.collect())
-        .note(COMPARED_1)
-        .note(SETS)
+    printed(
+        "table1",
+        TITLE_1,
+        "Comparison",
+        One,
+        &coefficients,
+        sets.collect(),
+    )
+    .note(COMPARED_1)
+    .note(SETS)
 }
 
 /// Relative force: the surface F*(eps*, P*), on training and validation rows.
@@ -52,17 +59,22 @@ pub fn table2(groups: &[GroupInput]) -> Table {
 pub fn table2_in_print(groups: &[GroupInput]) -> Table {
     let sets = groups.iter().filter_map(relative_force).map(Block::sets);
     let coefficients = ["c_0", "c_1", "c_2"];
-    printed("table2", TITLE_2, "Validation", PerCent, &coefficients, sets.collect()).note(COMPARED_2)
+    printed(
+        "table2",
+        TITLE_2,
+        "Validation",
+        PerCent,
+        &coefficients,
+        sets.collect(),
+    )
+    .note(COMPARED_2)
 }
 
 fn maximum_force(group: &GroupInput) -> impl Iterator<Item = Block<'_>> {
     let maxima = group.comparison.maxima.as_ref();
     let at_rest = maxima.and_then(|m| m.force_at_rest);
     let festo = maxima.and_then(|m| m.festo_tool);
-    let equations = [
-        (FORCE_AT_REST, at_rest),
-        (MAXIMUM_FORCE, festo),
-    ];
+    let equations = [(FORCE_AT_REST, at_rest), (MAXIMUM_FORCE, festo)];
     let block = move |(id, compared): (&str, Option<Goodness>)| {
         let equation = group.fit.equation(id)?;
         Some(Block {
@@ -165,7 +177,7 @@ fn with_sides<'a, R: Copy + 'a>(table: Described<'a, R>, compared: &str, unit: U
     let side = |table: Described<'a, R>, prefix: &str, of: usize| table
         .number(&format!("{prefix}adj_r2"), "Adj. R^2", One, Decimals(4), move |r| sides(r)?[of].adjusted_r2)
         .number(&format!("{prefix}rmse"), "RMSE", One, Digits(4), move |r| sides(r)?[of].rmse)
-        .number(&format!("{prefix}max_abs_error"), "Max. error", unit, Digits(3), move |r| Some(factor(unit) * sides(r)?[of].max_abs_error?));
+        .number(&format!("{prefix}max_abs_error"), "Max.", unit, Digits(3), move |r| Some(factor(unit) * sides(r)?[of].max_abs_error?));
     side(side(table, "", 0), "compared_", 1)
         .span("Model", "adj_r2", "max_abs_error")
         .span(compared, "compared_adj_r2", "compared_max_abs_error")
@@ -190,7 +202,7 @@ fn described<'a>(id: &str, caption: &str, compared: &str, unit: Unit) -> Describ
 fn printed<'a>(id: &str, caption: &str, compared: &str, unit: Unit, coefficients: &[&str], blocks: Vec<Vec<Set<'a>>>) -> Table {
     let mut table = Described::<Set>::new(id, caption)
         .group(|s| &s.block.group.fit.group)
-        .symbol("equation", "", |s| symbols::equation(&s.block.equation.id)).once()
+        .symbol("equation", "", |s| law(&s.block.equation.id).to_owned()).once()
         .text("statistics", "Statistics", |s| statistics(s.statistics));
     for (k, heading) in coefficients.iter().enumerate() {
         let cells = move |s: Set| s.estimates[k].map_or([Cell::Empty, Cell::Empty], |e| estimate(s.statistics, e));
@@ -200,19 +212,41 @@ fn printed<'a>(id: &str, caption: &str, compared: &str, unit: Unit, coefficients
             .interval(&interval, "95% CI", One, cells)
             .span(heading, &value, &interval);
     }
-    let table = with_sides(table, compared, unit, |s| Some(s.sides));
-    let remarks = |s: Set| {
+    let remarks = remarks(&blocks);
+    let table = with_sides(table, compared, unit, |s| Some(s.sides)).blocks(blocks);
+    remarks.iter().fold(table, |table, remark| table.note(remark))
+}
+
+/// What became of coefficients that are not as they should be, equation by equation; with the campaign where there are several.
+fn remarks(blocks: &[Vec<Set>]) -> Vec<String> {
+    let sets = || blocks.iter().filter_map(|sets| sets.first());
+    let campaign = |s: &Set| s.block.group.fit.group.campaign.replace('_', "\\_");
+    let several = sets().any(|s| Some(campaign(s)) != sets().next().map(campaign));
+    let of_equation = |s: &Set| {
         let all = s.block.equation.coefficients.iter();
-        let remarks = all.filter_map(|c| Some(format!("{} {}", symbols::coefficient(&c.symbol), remark(c)?.replace('_', "\\_"))));
-        remarks.collect::<Vec<_>>().join("; ")
+        let remarks = all.filter_map(|c| {
+            let remark = remark(c)?.replace('_', "\\_");
+            Some(format!("{} {remark}", symbols::coefficient(&c.symbol)))
+        });
+        let remarks: Vec<String> = remarks.collect();
+        let whose = if several {
+            format!("{}, ", campaign(s))
+        } else {
+            String::new()
+        };
+        let equation = symbols::equation(&s.block.equation.id);
+        (!remarks.is_empty()).then(|| format!("{whose}{equation}: {}.", remarks.join("; ")))
     };
-    let has_remarks = blocks.iter().flatten().any(|s| !remarks(*s).is_empty());
-    let table = if has_remarks {
-        table.symbol("state", "Remark", move |s| if s.statistics == HONEST { remarks(s) } else { String::new() })
-    } else {
-        table
-    };
-    table.blocks(blocks)
+    sets().filter_map(of_equation).collect()
+}
+
+/// What an equation gives.
+fn law(equation: &str) -> &'static str {
+    match equation {
+        FORCE_AT_REST => "F_{max}",
+        MAXIMUM_FORCE => "F_{620}",
+        _ => "\\v{F}*",
+    }
 }
 
 /// What became of a coefficient that is not as it should be.
@@ -250,14 +284,16 @@ fn rows(sets: Vec<Set>) -> Vec<Row> {
 impl<'a> Set<'a> {
     fn rows(self) -> impl Iterator<Item = Row<'a>> {
         let coefficients = self.block.equation.coefficients.iter().zip(self.estimates);
-        coefficients.enumerate().filter_map(move |(k, (coefficient, estimate))| {
-            Some(Row {
-                set: self,
-                coefficient,
-                estimate: estimate?,
-                sides: (k == 0).then_some(self.sides),
+        coefficients
+            .enumerate()
+            .filter_map(move |(k, (coefficient, estimate))| {
+                Some(Row {
+                    set: self,
+                    coefficient,
+                    estimate: estimate?,
+                    sides: (k == 0).then_some(self.sides),
+                })
             })
-        })
     }
 }
 

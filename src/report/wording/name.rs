@@ -407,8 +407,19 @@ pub fn loss(id: &str) -> &str {
 /// A set of statistics or a method of intervals in a table, by the name that data files have for it.
 pub fn statistics(id: &str) -> &str {
     match id {
-        "honest" => "of the residuals",
-        "LAR-compatible" => "as LAR prints",
+        "honest" => "residuals",
+        "LAR-compatible" => "LAR\u{a0}print",
+        other => other,
+    }
+}
+
+/// A human muscle by its name in OpenSim's models.
+pub fn muscle(id: &str) -> &str {
+    match id {
+        "bifemsh" => "biceps femoris, short head",
+        "vas_int" => "vastus intermedius",
+        "vas_lat" => "vastus lateralis",
+        "vas_med" => "vastus medialis",
         other => other,
     }
 }

@@ -4,6 +4,7 @@
 use super::{law_words, mm};
 use crate::described::*;
 use crate::input::ReportInput;
+use crate::wording::name::muscle;
 use pipeline_torque::diagnose::fittings::LAWS;
 use pipeline_torque::reference::design::Design;
 use pipeline_torque::reference::human::{Compared, Compares};
@@ -16,7 +17,8 @@ pub fn human(input: &ReportInput) -> Table {
         Compares::Torque => (1.0, "N.m"),
     };
     Described::<&Compared>::new("knee_human", "Human muscles: calculated moment arm and torque against the references, over the whole range of the knee")
-        .text("muscle", "Muscle", |h| &h.muscle)
+        .text("muscle", "Muscle", |h| &h.muscle).machines()
+        .text("muscle_words", "Muscle", |h| muscle(&h.muscle)).people()
         .text("quantity", "Quantity", |h| h.what.name())
         .text("against", "Beside", |h| &h.against)
         .count("n", "\\v{n}", One, |h| h.rows.len())
@@ -36,7 +38,8 @@ pub fn design(input: &ReportInput) -> Table {
     Described::<(&Design, usize)>::new("knee_design", "Full-size actuators on the biomimetic knee at 620 kPa against the human muscles that they \
          represent")
         .text("muscle", "Muscle", |(d, _)| &d.muscle)
-        .text("human", "Human", |(d, _)| &d.human)
+        .text("human", "Human", |(d, _)| &d.human).machines()
+        .text("human_words", "Human", |(d, _)| muscle(&d.human)).people()
         .count("diameter_mm", "⌀", Mm, |(d, _)| d.diameter_mm)
         .number("rest_length_mm", "l_{rest}", Mm, Decimals(0), |(d, _)| mm(d.rest_length_m))
         .text("law", "Law of force", |(_, law)| LAWS[law]).machines()
