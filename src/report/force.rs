@@ -6,7 +6,7 @@ use crate::input::{GroupInput, ReportInput};
 use crate::left_out::LeftOut;
 use crate::number::Rounding;
 use crate::opening;
-use crate::pages::{PageData, Picture, date_of};
+use crate::pages::{Included, PageData, Picture, date_of};
 use crate::tables;
 use crate::typeset::Pdf;
 use crate::wording::name::{capitalised, loss, model_name};
@@ -122,7 +122,7 @@ struct Group {
     better: Option<(String, String)>,
     borrowed: bool,
     notes: Vec<String>,
-    tables: Vec<String>,
+    tables: Vec<Included>,
     figures: Vec<Picture>,
 }
 
@@ -345,7 +345,7 @@ fn group(input: &GroupInput, figures: &[Drawn]) -> Group {
             .cloned()
             .chain(in_doubt(input.doubtful()).map(|s| capitalised(&s)))
             .collect(),
-        tables: filled.map(|t| t.id).collect(),
+        tables: filled.map(|t| Included::new(&t)).collect(),
         figures: first.map(Picture::new).collect(),
     }
 }

@@ -23,7 +23,7 @@ pub fn figure(group: &GroupInput, _config: &Config) -> Option<(String, Figure)> 
     }
     lines.sort_by(|a, b| b.1.total_cmp(&a.1));
     let title = format!("Error of every model, {}", group.fit.group.campaign);
-    let height = 16.0 + PITCH_MM * lines.len() as f64;
+    let height = 15.0 + PITCH_MM * lines.len() as f64;
     let figure = Figure::new(&title, SINGLE_MM, height).with(panel(&lines));
     Some((caption(&lines), figure))
 }

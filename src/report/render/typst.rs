@@ -23,7 +23,7 @@ const NARROW_GUTTER_EM: f64 = 0.75;
 /// How much smaller than others a wide table may be set: 8 points in place of 9.
 const SMALLEST: f64 = 0.89;
 /// Rows from which on a table breaks across pages instead of floating.
-const LONG: usize = 30;
+pub const LONG: usize = 30;
 
 impl Renderer for Typst {
     fn extension(&self) -> &'static str {

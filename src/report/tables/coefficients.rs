@@ -2,8 +2,10 @@
 
 use crate::described::*;
 use crate::input::GroupInput;
+use crate::symbols;
 use crate::wording::name::{coefficient_state, statistics};
 use pipeline_compare::NEW;
+use pipeline_config::IntervalMethod;
 use pipeline_fit::engine::{CoefficientFit, CoefficientState, EquationFit};
 
 type Row<'a> = (&'a GroupInput, &'a EquationFit, &'a CoefficientFit);
@@ -74,6 +76,75 @@ pub fn intervals(groups: &[GroupInput]) -> Table {
              that MATLAB prints for least absolute residuals (LAR) and the published ones, count every reading as independent and are too narrow. An empty end is unbounded.",
         )
         .blocks(equations(groups).flat_map(|(g, e)| (0..e.coefficients.len()).map(move |k| by_every_method(g, e, k))))
+}
+
+/// Methods of intervals in the order of the printed table, with their headings.
+const METHODS: [(IntervalMethod, &str); 4] = [
+    (IntervalMethod::Jackknife, "Jackknife"),
+    (IntervalMethod::Bootstrap, "Bootstrap"),
+    (IntervalMethod::Profile, "Profile"),
+    (IntervalMethod::Linearised, "Linearised"),
+];
+
+/// The same for people: one row a coefficient, the methods beside each other.
+#[rustfmt::skip]
+pub fn intervals_in_print(groups: &[GroupInput]) -> Table {
+    let place = |(_, e, c): &Row| e.coefficients.iter().position(|o| o.symbol == c.symbol);
+    let lar = move |row: Row| {
+        let lar = row.1.compatible.as_ref().zip(place(&row));
+        lar.map_or([Cell::Empty, Cell::Empty], |(l, k)| cells(l.coefficients[k], l.intervals[k]))
+    };
+    let published = |(.., c): Row| c.published.map_or([Cell::Empty, Cell::Empty], |value| cells(value, c.published_interval));
+    let mut table = Described::<Row>::new("intervals", "95% intervals of every coefficient, by every method")
+        .group(|(g, ..)| &g.fit.group)
+        .symbol("equation", "Equation", |(_, e, _)| symbols::equation(&e.id)).once()
+        .symbol("coefficient", "", |(.., c)| symbols::coefficient(&c.symbol))
+        .value("value", "Fitted", One, estimate);
+    for (method, heading) in METHODS {
+        table = table.interval(method.name(), heading, One, move |(.., c)| {
+            let own = c.intervals.iter().find(|i| i.method == method);
+            [Cell::Empty, own.map_or(Cell::Empty, |i| ends(c.value, (i.low, i.high)))]
+        });
+    }
+    table
+        .value("lar", "Value", One, lar)
+        .interval("lar_ci", "Interval", One, lar)
+        .value("published", "Value", One, published)
+        .interval("published_ci", "Interval", One, published)
+        .span("By specimen", METHODS[0].0.name(), METHODS[1].0.name())
+        .span("By reading", METHODS[2].0.name(), METHODS[3].0.name())
+        .span("LAR print", "lar", "lar_ci")
+        .span("Published", "published", "published_ci")
+        .note(
+            "Units as in the table of the coefficients. The methods by specimen let readings of one specimen depend on each other; those by reading, like \
+             those that MATLAB prints for least absolute residuals (LAR) and the published ones, count every reading as independent and are too narrow.",
+        )
+        .blocks(equations(groups).map(|(g, e)| e.coefficients.iter().map(move |c| (g, e, c))))
+}
+
+fn cells(value: f64, interval: Option<(f64, f64)>) -> [Cell; 2] {
+    match interval {
+        Some((low, high)) => Cell::with_interval(value, low, high),
+        None => [Cell::number(value, Digits(4)), Cell::Empty],
+    }
+}
+
+/// An interval, of which an end may be open.
+fn ends(value: f64, interval: (Option<f64>, Option<f64>)) -> Cell {
+    let bound = |word: &str, x| {
+        Digits(3)
+            .round(x)
+            .map(|n| format!("{word} {}", n.typeset()))
+    };
+    match interval {
+        (Some(low), Some(high)) => {
+            let [_, interval] = Cell::with_interval(value, low, high);
+            interval
+        }
+        (Some(low), None) => bound("above", low).map_or(Cell::Empty, Cell::Text),
+        (None, Some(high)) => bound("below", high).map_or(Cell::Empty, Cell::Text),
+        (None, None) => Cell::text("open"),
+    }
 }
 
 fn by_every_method<'a>(group: &'a GroupInput, equation: &'a EquationFit, k: usize) -> Vec<By<'a>> {

@@ -66,9 +66,10 @@ tables! {
 }
 
 /// Tables that people read in another arrangement than programs, by id, and what is printed in their place.
-const IN_PRINT: [(&str, Of); 3] = [
+const IN_PRINT: [(&str, Of); 4] = [
     ("table1", Of::Groups(paper::table1_in_print)),
     ("table2", Of::Groups(paper::table2_in_print)),
+    ("intervals", Of::Groups(coefficients::intervals_in_print)),
     ("knee_found", Of::Torque(knee::joints::found_in_print)),
 ];
 
@@ -121,7 +122,7 @@ pub fn supplementary_of_group(group: &GroupInput) -> impl Iterator<Item = Table>
     let shown: [fn(&[GroupInput]) -> Table; 5] = [
         specimens::specimens,
         coefficients::coefficients,
-        coefficients::intervals,
+        coefficients::intervals_in_print,
         goodness::statistics,
         comparison::by_length,
     ];

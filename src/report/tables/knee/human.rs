@@ -27,7 +27,8 @@ pub fn human(input: &ReportInput) -> Table {
         .text("unit", "", move |h| unit(h).1)
         .number("at_deg", "at", Degree, Decimals(0), |h| h.at_deg)
         .number("max_relative", "Largest", PerCent, Digits(2), |h| 100.0 * h.max_relative)
-        .text("why", "What is left", |h| &h.why)
+        .text("why", "What is left", |h| &h.why).machines()
+        .text("why_words", "What is left", |h| with_muscles(&h.why)).people()
         .rows(input.knee.iter().flat_map(|k| &k.reference.human))
 }
 
@@ -49,6 +50,13 @@ pub fn design(input: &ReportInput) -> Table {
         .text("met_deg", "Meets the human muscle at", |(d, law)| stretches(&d.met_deg[law]))
         .text("met_within_data_deg", "Of that within its data", |(d, law)| stretches(&d.met_within_data_deg[law]))
         .rows(designs.flat_map(|d| (0..LAWS.len()).map(move |law| (d, law))))
+}
+
+/// A sentence with the muscles by their names.
+fn with_muscles(words: &str) -> String {
+    let ids = ["bifemsh", "vas_int", "vas_lat", "vas_med"];
+    let named = |words: String, id: &&str| words.replace(id, muscle(id));
+    ids.iter().fold(words.to_owned(), named)
 }
 
 fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
