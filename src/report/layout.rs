@@ -246,6 +246,46 @@ mod tests {
         assert!((pages[1].filled - expected).abs() < 0.01, "{:?}", pages[1]);
     }
 
+    /// Packs blocks of heights, mm, behind a head.
+    fn packed(heights: &[u32]) -> Vec<Sheet> {
+        let block = |h: &u32| format!("rect(width: 30mm, height: {h}mm, fill: black), ");
+        let blocks: String = heights.iter().map(block).collect();
+        sheets(&format!(
+            "#pagebreak()\n#packed(((head: [= Head], blocks: ({blocks})),))"
+        ))
+    }
+
+    #[test]
+    fn packed_blocks_fill_their_pages() {
+        // In this order, one after the other, they would take four pages.
+        let pages = packed(&[110, 130, 130, 90, 60, 90]);
+        let filled: Vec<f64> = pages[1..].iter().map(|p| p.filled).collect();
+        assert!(
+            filled.len() == 3 && filled[..2].iter().all(|f| *f > 0.9),
+            "{filled:?}"
+        );
+        let whole = 297.0 - MARGINS_MM.top - MARGINS_MM.bottom;
+        let black: f64 = filled.iter().sum::<f64>() * whole;
+        assert!(black > 610.0, "{black}");
+    }
+
+    #[test]
+    fn packed_blocks_begin_below_what_stands_before_them() {
+        let body = "#rect(width: 5mm, height: 120mm, fill: black)\n#packed(((head: [Head], blocks: (rect(height: 60mm, fill: black), rect(height: 150mm))),))";
+        let pages = sheets(body);
+        assert_eq!(pages.len(), 2, "{pages:?}");
+        assert!(pages.iter().all(|p| p.beyond_mm < 1e-6), "{pages:?}");
+    }
+
+    #[test]
+    fn a_heading_stays_with_its_first_block() {
+        let pages = sheets(
+            "#packed(((head: [= One], blocks: (rect(width: 9mm, height: 190mm),)), (head: [= Two], blocks: (rect(width: 9mm, height: 60mm),))))",
+        );
+        let opens: Vec<bool> = pages.iter().map(|p| p.opens_chapter).collect();
+        assert_eq!(opens[opens.len() - 1..], [true], "{pages:?}");
+    }
+
     #[test]
     fn small_letters_are_found_and_scripts_are_none() {
         let smallest = |body: &str| sheets(body)[0].smallest.clone().unwrap();
