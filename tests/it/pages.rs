@@ -1,6 +1,6 @@
 //! The pages of the reports, as they are laid out: nothing outside the type area, no page nearly empty, no letters too small to read.
 
-use crate::support::Bench;
+use crate::support::{Bench, read_table};
 use pipeline::report::layout::Sheet;
 use std::collections::BTreeMap;
 
@@ -70,6 +70,32 @@ fn models_are_ranked_on_readings_that_all_ranked_models_answer() {
         assert_eq!(on_common["n"], common.to_string(), "{model}");
         assert_eq!(on_common["n_excluded"], "0", "{model}");
         assert!(on_all["n"].parse::<usize>().unwrap() >= common, "{model}");
+    }
+}
+
+#[test]
+fn the_first_figure_shows_the_errors_that_the_table_gives() {
+    let bench = Bench::small_done();
+    let table = bench.table("model_comparison");
+    let drawn = read_table(&bench.root().join("reports/figures/common-readings.csv"));
+    for (title, model) in [
+        ("New model, fitted", "new"),
+        ("New model, published", "new_published"),
+        ("Hunt 2017", "hunt2017"),
+        ("Festo tool", "festo_tool"),
+    ] {
+        let of_model = drawn
+            .iter()
+            .filter(|r| r["title"] == title && r["kind"] == "marks");
+        let number = |r: &BTreeMap<String, String>, key: &str| r[key].parse::<f64>().unwrap();
+        let errors: Vec<f64> = of_model.map(|r| number(r, "y") - number(r, "x")).collect();
+        let squares: f64 = errors.iter().map(|e| e * e).sum();
+        let rmse = (squares / errors.len() as f64).sqrt();
+        let mut rows = table.iter();
+        let row = rows.find(|r| r["model"] == model && r["split"] == "common");
+        let row = row.unwrap_or_else(|| panic!("{model}"));
+        assert_eq!(row["n"], errors.len().to_string(), "{model}");
+        assert!((number(row, "rmse") - rmse).abs() < 1e-6, "{model}: {rmse}");
     }
 }
 

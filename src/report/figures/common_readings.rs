@@ -16,9 +16,9 @@ use pipeline_fit::is_usable;
 
 /// Name of its files.
 pub const NAME: &str = "common-readings";
-/// Of a row of panels, and what legend and title of the first take above it.
-const ROW_MM: f64 = 37.0;
-const ABOVE_MM: f64 = 12.0;
+/// Of a row of panels, and what the legend takes above all.
+const ROW_MM: f64 = 40.0;
+const ABOVE_MM: f64 = 6.0;
 /// Groups with a mark of their own: those of most specimens, then readings.
 const MOST_GROUPS: usize = 6;
 /// Rows of panels.
@@ -54,17 +54,11 @@ pub fn figure(input: &ReportInput) -> Option<Named> {
     let figure = Figure::new(title, DOUBLE_MM, height)
         .grid(models.len())
         .shared_legend();
-    let rows = diameters.iter().enumerate();
-    let panels = rows.flat_map(|(row, diameter)| {
+    let panels = diameters.iter().flat_map(|diameter| {
         let clouds = &clouds;
-        models.iter().map(move |model| {
-            let panel = panel(clouds, *diameter, *model);
-            if row == 0 {
-                panel.title(model_name(SHOWN[*model], SHOWN[*model]))
-            } else {
-                panel
-            }
-        })
+        models
+            .iter()
+            .map(move |model| panel(clouds, *diameter, *model))
     });
     Some(Named {
         name: NAME.to_owned(),
@@ -141,7 +135,9 @@ fn column<'a>(columns: &'a Predicted, model: &str) -> Option<&'a Vec<f64>> {
 fn panel(clouds: &[Cloud], diameter_mm: u32, model: usize) -> Panel {
     let most = most(clouds, diameter_mm);
     let axis = |name: &str| Axis::new(name).fixed(0.0, most);
-    let panel = Panel::new(axis("Predicted (N)"), axis("Measured (N)")).with(Layer::identity(""));
+    let panel = Panel::new(axis("Predicted (N)"), axis("Measured (N)"))
+        .title(model_name(SHOWN[model], SHOWN[model]))
+        .with(Layer::identity(""));
     let all = clouds.iter().enumerate();
     let mut own = all
         .filter(|(_, c)| c.diameter_mm == diameter_mm && c.answers[model])

@@ -174,3 +174,35 @@ fn by_every_method<'a>(group: &'a GroupInput, equation: &'a EquationFit, k: usiz
     }
     rows
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figures::tests::groups;
+
+    #[test]
+    fn every_interval_of_a_data_file_is_printed() {
+        let groups = groups();
+        let (data, print) = (intervals(&groups), intervals_in_print(&groups));
+        let count = |table: &Table, keys: &[&str]| {
+            let of = |k: &usize| keys.contains(&table.columns[*k].key.as_str());
+            let places: Vec<usize> = (0..table.columns.len()).filter(of).collect();
+            let cells = table
+                .rows
+                .iter()
+                .flat_map(|row| places.iter().map(|k| &row[*k]));
+            cells.filter(|cell| **cell != Cell::Empty).count()
+        };
+        let methods = METHODS.map(|(method, _)| method.name());
+        let printed = count(&print, &methods) + count(&print, &["lar", "published"]);
+        assert_eq!(printed, data.rows.len());
+        assert!(4 * print.rows.len() <= data.rows.len());
+    }
+
+    #[test]
+    fn open_ends_are_said() {
+        assert_eq!(ends(1.0, (Some(0.5), None)), Cell::text("above 0.500"));
+        assert_eq!(ends(1.0, (None, Some(2.0))), Cell::text("below 2.00"));
+        assert_eq!(ends(1.0, (None, None)), Cell::text("open"));
+    }
+}

@@ -354,3 +354,47 @@ impl<'a> Block<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figures::tests::groups;
+
+    /// Every value with its interval, of columns of these names.
+    fn estimates(table: &Table, values: &[&str], intervals: &[&str]) -> Vec<String> {
+        let place = |key: &&str| table.columns.iter().position(|c| c.key == *key).unwrap();
+        let pairs: Vec<(usize, usize)> = values
+            .iter()
+            .map(place)
+            .zip(intervals.iter().map(place))
+            .collect();
+        let of_row = |row: &Vec<Cell>| {
+            let cells = pairs
+                .iter()
+                .map(|(v, i)| (row[*v].clone(), row[*i].clone()));
+            let filled = cells.filter(|(value, _)| *value != Cell::Empty);
+            filled.map(|pair| format!("{pair:?}")).collect::<Vec<_>>()
+        };
+        table.rows.iter().flat_map(of_row).collect()
+    }
+
+    #[test]
+    fn what_is_printed_is_what_data_files_hold() {
+        let groups = groups();
+        let (values, intervals) = (["value_0", "value_1", "value_2"], ["ci_0", "ci_1", "ci_2"]);
+        let both = [
+            (table1(&groups), table1_in_print(&groups), 2),
+            (table2(&groups), table2_in_print(&groups), 3),
+        ];
+        for (data, print, coefficients) in both {
+            let in_data = estimates(&data, &["value"], &["ci"]);
+            let in_print = estimates(&print, &values[..coefficients], &intervals[..coefficients]);
+            assert!(
+                in_data.len() > 10 && in_data == in_print,
+                "{in_data:?} {in_print:?}"
+            );
+            assert_eq!(data.rows.len(), in_data.len());
+            assert!(2 * print.rows.len() <= data.rows.len());
+        }
+    }
+}

@@ -210,3 +210,32 @@ pub fn by_hand(campaigns: &[CampaignTorque]) -> Table {
         )
         .rows(joints(campaigns).flat_map(|j| j.by_hand.iter().map(|b| (&j.findings, b))))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wording::tests::example;
+
+    #[test]
+    fn a_shift_in_two_directions_has_two_rows() {
+        let mut found = example();
+        found.effects.truncate(1);
+        let effect = &mut found.effects[0];
+        let mut x = effect.parameters[0].clone();
+        x.name = "x".to_owned();
+        let y = Parameter {
+            name: "y".to_owned(),
+            ..x.clone()
+        };
+        effect.parameters = vec![x, y];
+        let rows = sizes(&found);
+        let directions: Vec<String> = rows
+            .iter()
+            .map(|r| r.1.map_or_else(String::new, direction))
+            .collect();
+        assert_eq!(directions, ["\\v{x}", "\\v{y}"]);
+        assert!(first(rows[0]).is_some() && first(rows[1]).is_none());
+        found.effects.clear();
+        assert_eq!(sizes(&found).len(), 1);
+    }
+}
