@@ -274,7 +274,8 @@ mod tests {
         // So far that the head, the first block or nothing has room on the first page.
         for before in [0, 60, 150, 190, 205, 215] {
             let body = format!(
-                "#let s(n) = (head: [= Head #n \\ #lorem(40)], blocks: (60, 90, 40, 120).map(h => figure(rect(width: 30mm, height: h * 1mm), caption: [C])))\n\
+                "#let black(h) = figure(rect(width: 30mm, height: h * 1mm), caption: [C])\n\
+                 #let s(n) = (head: [= Head #n \\ #lorem(40)], blocks: (60, 90, 40, 120).map(black))\n\
                  #block(height: {before}mm)[Text]\n#packed(range(6).map(s))"
             );
             let main = format!(
@@ -288,7 +289,8 @@ mod tests {
 
     #[test]
     fn packed_blocks_begin_below_what_stands_before_them() {
-        let body = "#rect(width: 5mm, height: 120mm, fill: black)\n#packed(((head: [Head], blocks: (rect(height: 60mm, fill: black), rect(height: 150mm))),))";
+        let body = "#rect(width: 5mm, height: 120mm, fill: black)\n\
+                    #packed(((head: [Head], blocks: (rect(height: 60mm, fill: black), rect(height: 150mm))),))";
         let pages = sheets(body);
         assert_eq!(pages.len(), 2, "{pages:?}");
         assert!(pages.iter().all(|p| p.beyond_mm < 0.5), "{pages:?}");

@@ -73,7 +73,8 @@ pub fn intervals(groups: &[GroupInput]) -> Table {
         .rounded("ci_high", "To", One, |r| (r.high, r.rounding))
         .note(
             "The methods by specimen let readings of one specimen depend on each other; profile and linearised intervals, like those \
-             that MATLAB prints for least absolute residuals (LAR) and the published ones, count every reading as independent and are too narrow. An empty end is unbounded.",
+             that MATLAB prints for least absolute residuals (LAR) and the published ones, count every reading as independent and are too \
+             narrow. An empty end is unbounded.",
         )
         .blocks(equations(groups).flat_map(|(g, e)| (0..e.coefficients.len()).map(move |k| by_every_method(g, e, k))))
 }
@@ -116,8 +117,9 @@ pub fn intervals_in_print(groups: &[GroupInput]) -> Table {
         .span("LAR print", "lar", "lar_ci")
         .span("Published", "published", "published_ci")
         .note(
-            "Units as in the table of the coefficients. The methods by specimen let readings of one specimen depend on each other; those by reading, like \
-             those that MATLAB prints for least absolute residuals (LAR) and the published ones, count every reading as independent and are too narrow.",
+            "Units as in the table of the coefficients. The methods by specimen let readings of one specimen depend on each other; those by \
+             reading, like those that MATLAB prints for least absolute residuals (LAR) and the published ones, count every reading as \
+             independent and are too narrow.",
         )
         .blocks(equations(groups).map(|(g, e)| e.coefficients.iter().map(move |c| (g, e, c))))
 }

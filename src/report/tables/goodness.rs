@@ -37,7 +37,7 @@ struct On<'a> {
 /// On all rows, and on both sides of the split by row.
 #[rustfmt::skip]
 pub fn statistics(groups: &[GroupInput]) -> Table {
-    Described::<On>::new("statistics", "Two sets of statistics: of the residuals themselves, and as MATLAB prints them for a fit by least absolute residuals (LAR)")
+    Described::<On>::new("statistics", "Statistics of the residuals, and as MATLAB prints them for a fit by least absolute residuals (LAR)")
         .group(|r| &r.group.fit.group)
         .equation(|r| &r.equation.id).once()
         .text("split", "Rows", |r| r.rows)

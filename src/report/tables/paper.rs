@@ -173,7 +173,12 @@ struct Row<'a> {
 
 /// A table with three columns of goodness on each side.
 #[rustfmt::skip]
-fn with_sides<'a, R: Copy + 'a>(table: Described<'a, R>, compared: &str, unit: Unit, sides: impl Fn(R) -> Option<[Side; 2]> + Copy + 'a) -> Described<'a, R> {
+fn with_sides<'a, R: Copy + 'a>(
+    table: Described<'a, R>,
+    compared: &str,
+    unit: Unit,
+    sides: impl Fn(R) -> Option<[Side; 2]> + Copy + 'a,
+) -> Described<'a, R> {
     let side = |table: Described<'a, R>, prefix: &str, of: usize| table
         .number(&format!("{prefix}adj_r2"), "Adj. R^2", One, Decimals(4), move |r| sides(r)?[of].adjusted_r2)
         .number(&format!("{prefix}rmse"), "RMSE", One, Digits(4), move |r| sides(r)?[of].rmse)

@@ -66,7 +66,10 @@ pub fn found_in_print(campaigns: &[CampaignTorque]) -> Table {
         .number("stiffness_n_m", "1/\\v{C}", NPerM, Digits(2), |row| finite(first(row).and_then(stiffness)))
         .number("p_familywise", "\\v{p}", One, Digits(2), |row| finite(first(row).map(|e| e.p_familywise)))
         .number("rms_nm", "RMS", Nm, Decimals(2), |row| finite(first(row).map(|e| e.rms)))
-        .note("\\v{p}: probability of a candidate as strong as this anywhere. RMS: of what it does to the torques. \\v{x} and \\v{y}: of a shift, in the frame of the bone that it is on.")
+        .note(
+            "\\v{p}: probability of a candidate as strong as this anywhere. RMS: of what it does to the torques. \\v{x} and \\v{y}: of a shift, in \
+             the frame of the bone that it is on.",
+        )
         .blocks(joints(campaigns).map(|j| sizes(&j.findings)))
 }
 
