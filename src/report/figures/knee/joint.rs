@@ -74,6 +74,8 @@ pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
     let width = if columns == 1 { SINGLE_MM } else { DOUBLE_MM };
     let empty = Figure::new(&title, width, height);
     let figure = panels.fold(empty, Figure::with);
+    let mut figure = figure.grid(columns).shared_legend();
+    figure.lettered = shown.len() > 1;
     let simulated = if campaign.simulated {
         "Simulated. "
     } else {
@@ -88,7 +90,7 @@ pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
             found.diameter_mm,
             pressures(joint)
         ),
-        figure: figure.grid(columns).shared_legend(),
+        figure,
     }
 }
 
