@@ -270,6 +270,17 @@ mod tests {
     }
 
     #[test]
+    fn many_small_blocks_are_packed_without_trying_every_choice() {
+        let pages = packed(&[20; 60]);
+        let filled = pages[1..pages.len() - 1].iter().map(|p| p.filled);
+        assert!(
+            filled.clone().all(|f| f > 0.85) && pages.len() <= 8,
+            "{:?}",
+            filled.collect::<Vec<_>>()
+        );
+    }
+
+    #[test]
     fn packing_settles_wherever_it_begins() {
         // So far that the head, the first block or nothing has room on the first page.
         for before in [0, 60, 150, 190, 205, 215] {
