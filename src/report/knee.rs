@@ -7,7 +7,7 @@ use crate::pages::{PageData, Picture};
 use crate::tables::knee as tables;
 use crate::typeset::Pdf;
 use crate::wording::name;
-use crate::wording::number::error_or_none;
+use crate::wording::number::{error_or_none, error_with_unit};
 use crate::wording::sentence::{answer_in_short, sentences};
 use pipeline_base::error::Result;
 use pipeline_base::names::file_name;
@@ -208,18 +208,43 @@ fn joints(c: &CampaignTorque, figures: &[Option<Drawn>]) -> Vec<Joint> {
     with_figures
         .map(|(j, figure)| Joint {
             figure: figure.as_ref().map(Picture::new),
-            ..joint(&j.findings)
+            ..joint(c, &j.findings)
         })
         .collect()
 }
 
-fn joint(found: &CampaignFindings) -> Joint {
+fn joint(c: &CampaignTorque, found: &CampaignFindings) -> Joint {
     let part = found.part.as_deref().unwrap_or_default();
+    let one_length = found.after.rmse_heldout.and(one_length(c, found));
+    let beside = one_length.map(|error| {
+        format!(
+            "For comparison: one length of the end fittings alone, fitted without the actuator, has {} on the same unseen actuators.",
+            error_with_unit(error, &found.unit)
+        )
+    });
     Joint {
         title: name::capitalised(&format!("{part}, {} mm", found.diameter_mm)),
-        sentences: sentences(found),
+        sentences: sentences(found).into_iter().chain(beside).collect(),
         figure: None,
     }
+}
+
+/// The root mean square error on the actuators of a joint, each with one length of the fittings that was fitted to all others, by the law of the loop; none
+/// where nothing was held out.
+fn one_length(c: &CampaignTorque, found: &CampaignFindings) -> Option<f64> {
+    let is_of_joint = |id: &str| {
+        let of = c.configurations.iter().find(|c| c.id == id);
+        of.is_some_and(|c| c.diameter_mm == found.diameter_mm && Some(c.joint()) == found.part)
+    };
+    let without = c.fits.iter().filter(|f| {
+        f.origin == Origin::Without
+            && f.diameter_mm == found.diameter_mm
+            && f.law == found.base_model
+    });
+    let held_out = without.flat_map(|f| &f.on).filter(|o| !o.fitted);
+    let held_out = held_out.filter(|o| is_of_joint(&o.configuration));
+    let (n, sse) = held_out.fold((0, 0.0), |(n, sse), o| (n + o.size.n, sse + o.size.sse));
+    (n > 0).then(|| (sse / n as f64).sqrt())
 }
 
 /// What a fit to the largest configuration, with the first law, has changed.

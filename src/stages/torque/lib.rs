@@ -149,6 +149,11 @@ impl Configuration {
         fitted.map(|t| t.points.len()).sum()
     }
 
+    /// The joint that it is of, beside its diameter: "pinned knee, flexor".
+    pub fn joint(&self) -> String {
+        format!("{} knee, {}", self.knee, self.muscle)
+    }
+
     /// "pinned knee, flexor, 10 mm, 485 mm, tendon 35 mm".
     pub fn title(&self) -> String {
         let tendon = match self.tendon_m {

@@ -351,10 +351,7 @@ fn unassessed(campaign: &str, simulated: bool, group: &Group, data: &Data) -> Ca
     let outside = group.unanswered.iter().zip(&group.fitted);
     CampaignFindings {
         campaign: campaign.to_owned(),
-        part: Some(format!(
-            "{} knee, {}",
-            configuration.knee, configuration.muscle
-        )),
+        part: Some(configuration.joint()),
         diameter_mm: configuration.diameter_mm,
         simulated,
         kind: "knee-torque".to_owned(),
