@@ -87,7 +87,8 @@ impl Work<'_> {
             .collect();
         let mut class = vec![form.id.to_owned()];
         let alike = in_its_place.iter().map(|(id, _)| id.as_str());
-        for id in alike.chain(shows_as(form.place, values[0]).iter().copied()) {
+        let stood_for: Vec<&str> = form.stands_for(values[0]).collect();
+        for id in alike.chain(stood_for) {
             if !class.iter().any(|c| c == id) {
                 class.push(id.to_owned());
             }
@@ -412,7 +413,7 @@ impl Work<'_> {
         // A test at half the pressure separates an offset of the length, which stays, from what yields, which halves.
         let yields = ALL
             .iter()
-            .find(|f| f.place == place::AXIAL)
+            .find(|f| f.first == place::AXIAL)
             .map_or("", |f| f.id);
         let pair = [ALL[place::LENGTH].id, yields];
         let stands_for_both = |a: &Accepted| {
@@ -427,16 +428,5 @@ impl Work<'_> {
             );
         }
         list
-    }
-}
-
-/// What shows as an effect does and has no operator of its own about a knee.
-fn shows_as(place: usize, value: f64) -> &'static [&'static str] {
-    match place {
-        // A force that is not along the sensor shrinks as one of a weaker actuator.
-        place::GAIN => &["misalignment", "specimen_variation"],
-        // Where the joint drives the actuator, its own hysteresis is friction of the other sign.
-        place::FRICTION | place::LOADED_FRICTION if value < 0.0 => &["hysteresis"],
-        _ => &[],
     }
 }

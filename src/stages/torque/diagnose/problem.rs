@@ -753,7 +753,7 @@ mod unit {
         let setting = Setting::new(&problem);
         let axial = library
             .iter()
-            .position(|t| t.form().is_some_and(|f| f.place == place::AXIAL));
+            .position(|t| t.form().is_some_and(|f| f.first == place::AXIAL));
         for from in [1.0, 20.0, 60.0, 150.0] {
             let mut point = problem.start();
             point.terms.push((axial.unwrap(), vec![from]));
