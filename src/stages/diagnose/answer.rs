@@ -10,6 +10,7 @@ use pipeline_findings::{
     ActsOn, Alternative, CoefficientChange, EffectFinding, Estimate, FreeForm, Level, Parameter,
     Residuals, Scatter, Tested, Unexplained,
 };
+use pipeline_inference::decisions;
 use pipeline_inference::fit::{Fitted, Free, Setting};
 use pipeline_inference::problem::{Point, Problem};
 use pipeline_inference::profile::profile;
@@ -23,9 +24,6 @@ use pipeline_mechanics::effects;
 use pipeline_mechanics::models::{ForceModel, new};
 use pipeline_numerics::statistics::median;
 use std::collections::BTreeMap;
-
-/// Two-sided 95% point of the normal distribution.
-pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// What the answers are made of.
 pub struct Work<'a> {
@@ -563,7 +561,7 @@ pub fn alternative(
     let covariance = fit.covariance(&fit.variances);
     let number = |name: &str, unit: &str, value: f64, place: Option<usize>| {
         let error = place.map(|p| covariance.at(p, p).max(0.0).sqrt());
-        let end = |sign: f64| error.map(|e| value + sign * NORMAL_95 * e);
+        let end = |sign: f64| error.map(|e| value + sign * decisions::NORMAL_95 * e);
         Parameter {
             name: name.to_owned(),
             value,

@@ -13,7 +13,7 @@
 //! 5. [`form`]: whether one number is enough for the size of what was found.
 //! 6. [`limits`]: what could have been seen, and what is indistinguishable. [`answer`]: the [`pipeline_findings`], as values.
 //!
-//! The numbers on which decisions rest stand in [`settings`], each with its reason. No rule names an effect.
+//! The numbers that decide stand in [`decisions`], those that say what is plausible in [`settings`], each with its reason. No rule names an effect.
 //!
 //! Deliberately absent: sentences, and knowledge of how a campaign was made. The stage sees rows.
 
@@ -49,6 +49,7 @@ use pipeline_findings::{
     NotAssessed, RecordingError, Residuals, Verdict,
 };
 use pipeline_fit::{Group, is_fitted, is_usable};
+use pipeline_inference::decisions;
 use pipeline_inference::fit::{Fitted, Setting};
 use pipeline_inference::search::{Decision, Found, Search};
 use pipeline_mechanics::effects::{self, Conditions};
@@ -68,9 +69,6 @@ pub struct Diagnosis {
     /// One entry a reading.
     pub residuals: Residuals,
 }
-
-/// Fewest readings that are searched: below, the model has hardly a reading to spare for each of its coefficients and groups.
-const FEWEST_READINGS: usize = 20;
 
 /// Searches the rows of a group; none where the base model has no value for any of them.
 pub fn diagnose(
@@ -130,10 +128,10 @@ fn is_part(mistakes: &[RecordingError], of: &[RecordingError]) -> bool {
 
 /// What looks mistaken beside a law among the sessions that are searched.
 fn mistakes_among(group: &Group, law: &Law, data: &Data) -> Vec<RecordingError> {
-    if data.len() < FEWEST_READINGS || data.specimens.len() < 2 {
+    if data.len() < decisions::FEWEST_READINGS || data.specimens.len() < 2 {
         return Vec::new();
     }
-    recording::recording_errors(group.diameter_mm, law, data, settings::LEVEL)
+    recording::recording_errors(group.diameter_mm, law, data)
 }
 
 /// The readings whose sessions and specimens may be mistaken: those that are searched.
@@ -196,7 +194,7 @@ impl Campaign<'_> {
         findings.recording_errors = mistakes.to_vec();
         let train = data.session.iter();
         let train = train.filter(|s| !kept_out.contains(data.sessions[**s].as_str()));
-        let reason = if train.count() < FEWEST_READINGS {
+        let reason = if train.count() < decisions::FEWEST_READINGS {
             Some(NotAssessed::TooFewReadings)
         } else if data.specimens.len() < 2 {
             Some(NotAssessed::TooFewSpecimens)
@@ -225,9 +223,9 @@ impl Campaign<'_> {
             };
         }
         let decision = Decision {
-            level: settings::LEVEL,
+            level: decisions::LEVEL,
             draws: self.options.draws,
-            alike: settings::ALIKE,
+            alike: decisions::ALIKE,
             most_terms: self.options.most_effects,
             thorough: true,
         };
@@ -419,7 +417,7 @@ pub fn suited<'a>(
     let stroked = plain.0.with_strokes().map(with_null);
     let gain = |(_, null): &(ForceProblem, Fitted)| null.log_likelihood - plain.1.log_likelihood;
     let mut best = match stroked {
-        Some(stroked) if gain(&stroked) > settings::ALIKE => stroked,
+        Some(stroked) if gain(&stroked) > decisions::ALIKE => stroked,
         _ => plain,
     };
     let others: Vec<(ForceProblem, Fitted)> = settings::OTHER_FLOORS

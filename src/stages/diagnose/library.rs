@@ -2,6 +2,7 @@
 //! or from a change point on; and smooth functions of every column.
 
 use super::data::Data;
+use pipeline_inference::decisions::FEWEST;
 use pipeline_inference::problem;
 use pipeline_mechanics::effects::{self, Applied, Conditions, Form, Grouping, Need, Place};
 use pipeline_mechanics::models::P_620_KPA;
@@ -71,9 +72,6 @@ pub struct Term {
     pub amplitudes: usize,
 }
 
-/// Fewest sessions on either side of a change point: with fewer it is a value of single sessions, which is scatter or a recording error.
-const FEWEST_ON_A_SIDE: usize = 3;
-
 /// The terms that the search tries. Their number follows from the design of the campaign alone.
 pub fn terms(data: &Data) -> Vec<Term> {
     let mut terms = Vec::new();
@@ -111,9 +109,9 @@ pub const SPECIMEN_GAIN: &str = "specimen_variation";
 fn parts(data: &Data) -> Vec<Scope> {
     let sessions = data.sessions.len();
     let mut parts = Vec::new();
-    if !data.missing.contains_key(&Need::CampaignTime) && sessions >= 2 * FEWEST_ON_A_SIDE {
+    if !data.missing.contains_key(&Need::CampaignTime) && sessions >= 2 * FEWEST {
         // Which of the sessions of one day came first is not known.
-        let places = FEWEST_ON_A_SIDE..=sessions - FEWEST_ON_A_SIDE;
+        let places = FEWEST..=sessions - FEWEST;
         let places = places.filter(|k| data.dates[k - 1] != data.dates[*k]);
         parts.extend(places.map(Scope::From));
     }

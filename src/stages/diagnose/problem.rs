@@ -79,6 +79,12 @@ const REST: usize = GAIN + 3;
 const CONTRACTED: usize = GAIN + 4;
 const TERMS: usize = GAIN + 5;
 
+/// Changes of the force, as shares of its root mean square, at which an effect that enters nonlinearly is looked at again; no larger than four fifths of
+/// its bounds. A sharp threshold has an optimum between any two pressures that were set: with two shares one of 150 kPa was missed.
+pub const LARGE_CHANGES: [f64; 3] = [0.08, 0.24, 0.72];
+/// Cosine above which two amplitudes of one effect show alike.
+pub const SAME_DIRECTION: f64 = 0.98;
+
 /// Cosines of a session's misfit along the pressure.
 const SESSION_COSINES: usize = 8;
 /// Cosines of a stroke's misfit along the pressure.
@@ -947,9 +953,9 @@ impl ForceProblem<'_> {
             }];
         }
         let mut directions: Vec<Direction> = Vec::new();
-        for amplitude in self.amplitudes(point, base, t, &settings::LARGE_CHANGES[..1]) {
+        for amplitude in self.amplitudes(point, base, t, &LARGE_CHANGES[..1]) {
             let change = self.change(point, base, t, &term.start(amplitude), amplitude);
-            let alike = |d: &Direction| cosine(&d.columns[0], &change) >= settings::SAME_DIRECTION;
+            let alike = |d: &Direction| cosine(&d.columns[0], &change) >= SAME_DIRECTION;
             if !directions.iter().any(alike) {
                 directions.push(Direction {
                     term: t,
@@ -992,10 +998,10 @@ impl ForceProblem<'_> {
             let change = self.change(point, base, t, &term.start(amplitude), amplitude);
             span.left_of_forces(&change)
         };
-        let amplitudes = self.amplitudes(point, base, t, &settings::LARGE_CHANGES);
+        let amplitudes = self.amplitudes(point, base, t, &LARGE_CHANGES);
         let near = left(amplitudes[0]);
         let mut far = amplitudes[1..].to_vec();
-        far.retain(|a| cosine(&near, &left(*a)) < settings::SAME_DIRECTION);
+        far.retain(|a| cosine(&near, &left(*a)) < SAME_DIRECTION);
         far
     }
 

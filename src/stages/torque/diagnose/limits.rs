@@ -3,16 +3,14 @@
 use super::problem::TorqueProblem;
 use super::terms::{ALL, Term};
 use pipeline_findings::{Alias, DetectionLimit, NotMeasurable, WhyNot};
+use pipeline_inference::decisions::{IDENTIFIABLE, PARALLEL};
 use pipeline_inference::fit::{Fitted, Setting};
 use pipeline_inference::power::at_known_variances;
 use pipeline_inference::problem::Problem;
-use pipeline_inference::screen::{IDENTIFIABLE, Screen, Shown};
+use pipeline_inference::screen::{Screen, Shown};
 use pipeline_inference::statistic::likelihood_ratio;
 use pipeline_inference::system::{Factor, Panel};
 use pipeline_mechanics::effects::{self, JointNeed};
-
-/// Cosine from which two sensitivities are reported as nearly one.
-const NEARLY_ONE: f64 = 0.9;
 
 /// The answers.
 pub struct Limits {
@@ -141,7 +139,7 @@ fn aliases(
         }
     };
     let mut aliases: Vec<Alias> = pairs.iter().enumerate().map(alias).collect();
-    aliases.retain(|a| a.cosine.abs() >= NEARLY_ONE);
+    aliases.retain(|a| a.cosine.abs() >= PARALLEL);
     aliases.sort_by(|a, b| b.cosine.abs().total_cmp(&a.cosine.abs()));
     aliases
 }

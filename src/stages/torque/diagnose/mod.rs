@@ -11,7 +11,7 @@
 //! | [`data`] | the readings of a joint, with everything that is known of each |
 //! | [`library`] | the terms that may be added: forms of effects, and smooth functions of columns |
 //! | [`problem`] | the joint as the engine sees it: groups, nuisance components, readings of torque, length and arm |
-//! | [`settings`] | the numbers on which decisions rest |
+//! | [`settings`] | what is plausible of a joint |
 //! | [`recording`] | mistakes of recording: torques of the other sign, tests that the others make too improbable |
 //! | [`unseen`] | the same search without each actuator; errors, predictive intervals, the budget of the expected error |
 //! | [`limits`] | what could have been seen, and what is indistinguishable |
@@ -50,12 +50,12 @@ use pipeline_base::session::Role;
 use pipeline_config::{DiagnoseOptions, FitOptions};
 use pipeline_diagnose::answer::rms;
 use pipeline_diagnose::base::Base;
-use pipeline_diagnose::settings as shared;
 use pipeline_diagnose::slack::Side;
 use pipeline_findings::{
     CampaignFindings, Design, EffectFinding, Errors, HeldOutBy, NotAssessed, RecordingError,
     Residuals, Verdict,
 };
+use pipeline_inference::decisions;
 use pipeline_inference::fit::Setting;
 use pipeline_inference::problem::Problem;
 use pipeline_inference::search::{Decision, Found, Search};
@@ -67,9 +67,6 @@ use std::collections::BTreeSet;
 use terms::SIZES;
 use tests::{Predictors, TestErrors};
 use unseen::HeldOut;
-
-/// Most tests that are set aside.
-const MOST_ASIDE: usize = 2;
 
 /// What was found of one joint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -165,9 +162,9 @@ struct Searched<'s> {
 
 fn decision(options: &DiagnoseOptions) -> Decision {
     Decision {
-        level: shared::LEVEL,
+        level: decisions::LEVEL,
         draws: options.draws,
-        alike: shared::ALIKE,
+        alike: decisions::ALIKE,
         most_terms: options.most_effects.min(MOST_TERMS),
         thorough: true,
     }
@@ -197,7 +194,7 @@ fn searched<'s>(
         let found = search.run_exchanging(null, normal, None);
         let outlier = recording::furthest_off(&setting, problem, &found.model);
         match outlier {
-            Some((test, error)) if aside.len() < MOST_ASIDE => {
+            Some((test, error)) if aside.len() < decisions::MOST_MISTAKEN_TESTS => {
                 if let Some(node) = problem.tests[test] {
                     setting.active[node] = false;
                 }
@@ -229,7 +226,7 @@ fn one(
             .iter()
             .filter(|r| group.fitted[r.test])
             .count()
-            >= settings::FEWEST_READINGS
+            >= decisions::FEWEST_READINGS_OF_KNOWN_LAW
     };
     // Where hardly a test has the sign of the route, the route is in doubt and not the tests.
     let set_aside = !signs.is_empty() && searchable(&right);
