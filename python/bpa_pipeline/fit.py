@@ -30,6 +30,10 @@ class Fit:
         self.outcome = outcome
         self._holder = holder
 
+    def __repr__(self) -> str:
+        fitted = ", ".join(f"{row.coefficient}={row.value:.4g}" for row in self.coefficients.itertuples())
+        return f"<Fit of {self.campaign} in {self.project.path}: {fitted or 'no coefficients'}>"
+
     @property
     def messages(self) -> list[str]:
         """Rows and sessions left out, and what the program warned of."""
@@ -122,7 +126,10 @@ def fit(
     work = Project(path, found)
     outcome = work.run()
     work.note(messages)
-    return Fit(work, campaign, outcome, holder)
+    done = Fit(work, campaign, outcome, holder)
+    if done.coefficients.empty:
+        work.note([f"no coefficients were fitted: too few readings ({len(rows)}) or specimens ({rows['specimen'].nunique()})"])
+    return done
 
 
 def diagnose(readings: pd.DataFrame, **arguments: Any) -> Findings:

@@ -37,8 +37,20 @@ def call(program: Path, arguments: Sequence[str], folder: Path, accept: Sequence
     except OSError as error:
         raise PipelineError(f"{program} cannot be started: {error}") from error
     if done.returncode not in accept:
-        raise PipelineError(done.stderr.strip() or done.stdout.strip() or f"exit code {done.returncode}", done.returncode)
+        said = done.stderr.strip() or done.stdout.strip() or f"exit code {done.returncode}"
+        raise PipelineError("\n".join([*_left_out(done.stdout), said]), done.returncode)
     return done.stdout, done.stderr
+
+
+def _left_out(out: str) -> list[str]:
+    """What a run that was refused says with `--json` of what it left out, in words."""
+    try:
+        outcome = json.loads(out)
+    except ValueError:
+        return []
+    logs = [f"log {log['log']} of session {log['session']}: {log['reason']}" for log in outcome.get("rejected_logs", [])]
+    sessions = [f"session {session['session']}: {session['reason']}" for session in outcome.get("rejected_sessions", [])]
+    return [f"left out: {words}" for words in [*logs, *sessions]]
 
 
 def call_json(program: Path, arguments: Sequence[str], folder: Path, accept: Sequence[int] = (0,)) -> tuple[Any, str]:

@@ -25,6 +25,8 @@ TAKEN = {"specimen", "session", "date", "phase", "run", "diameter_mm", "pressure
 
 def renamed(frame: pd.DataFrame, columns: Mapping[str, str] | None) -> pd.DataFrame:
     """The frame with columns by the names of the bridge: `columns` maps own names to them."""
+    if not isinstance(frame, pd.DataFrame):
+        raise ReadingsError(f"a pandas DataFrame is expected, with a reading a row; found {type(frame).__name__}: pandas.DataFrame(...) makes one")
     missing = [name for name in columns or {} if name not in frame]
     if missing:
         raise ReadingsError(f"columns= names {', '.join(missing)}, which the frame does not have: it has {', '.join(map(str, frame))}")

@@ -12,7 +12,7 @@ const MARGIN: usize = 11;
 /// Before the second and later lines of a paragraph.
 const INDENT: &str = "  ";
 /// The lines of a campaign of which nothing but a verdict is known: nothing was held out.
-const SHORT: [&str; 3] = ["found", "", "error"];
+const SHORT: [&str; 4] = ["found", "", "error", "next"];
 /// Between a number and its unit, where no line ends; a terminal gets a blank. Within a unit it gets nothing.
 const NO_BREAK: char = '\u{a0}';
 const JOINER: char = '\u{2060}';

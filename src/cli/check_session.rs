@@ -236,6 +236,10 @@ fn said(seen: &Seen) -> String {
             percent(*share),
             percent(*at_pressure)
         ),
+        Seen::FlatTop { at_n, samples } => format!(
+            "the force stays at its highest value, {}, for {samples} samples in a row: it looks cut off by the amplifier or the converter",
+            newtons(*at_n)
+        ),
         Seen::Clock {
             step_s, gaps: 0, ..
         } => format!("a sample every {:.3} ms, none missing", 1e3 * step_s),

@@ -158,7 +158,7 @@ fn inputs(reports: &Path) -> String {
     digest.unwrap_or_else(|| "not known, because there is no summary.json".to_owned())
 }
 
-fn findings(reports: &Path) -> Result<Findings> {
+pub(super) fn findings(reports: &Path) -> Result<Findings> {
     let path = reports.join("findings.json");
     let text = fs::read(&path).map_err(|e| {
         Error::Usage(format!(
@@ -174,7 +174,7 @@ fn findings(reports: &Path) -> Result<Findings> {
     })
 }
 
-fn found<'a>(findings: &'a Findings, fit: &GroupFit) -> Result<&'a CampaignFindings> {
+pub(super) fn found<'a>(findings: &'a Findings, fit: &GroupFit) -> Result<&'a CampaignFindings> {
     let group = &fit.group;
     let same = |c: &&CampaignFindings| {
         c.campaign == group.campaign && c.diameter_mm == group.diameter_mm && c.part.is_none()

@@ -2,11 +2,13 @@
 
 use crate::args::ResultArgs;
 use crate::predict_leg::{self, LegArgs};
-use crate::{DONE, predict_calibrate, predict_print, summary, values};
+use crate::{DONE, export_model, predict_calibrate, predict_print, summary, values};
 use pipeline_base::error::{Error, Result};
 use pipeline_base::units::Quantity;
 use pipeline_compare::NEW;
 use pipeline_fit::GroupFit;
+use pipeline_portable::{domain, effects};
+use pipeline_predict::answer::{Answer, Other};
 use pipeline_predict::inverse::{self, Wanted};
 use pipeline_predict::law::choose;
 use pipeline_predict::sweep::{self, Around, Axis, Steps};
@@ -20,6 +22,9 @@ use std::path::{Path, PathBuf};
 
 /// Resolution of a PNG plot, dots per inch.
 pub const PNG_DPI: f64 = 200.0;
+
+/// What the model of `pipeline export model --effects` is called beside the others.
+const WITH_EFFECTS: &str = "new, with effects";
 
 /// What is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -181,7 +186,7 @@ pub fn command(args: &PredictArgs) -> Result<u8> {
     match (args.sweep, args.table) {
         (Some(swept), _) => sweep_command(args, predictor, axis(swept), around)?,
         (None, true) => table_command(args, &predictor)?,
-        (None, false) => single(args, &predictor, around)?,
+        (None, false) => single(args, &predictor, around, &places.reports)?,
     }
     Ok(DONE)
 }
@@ -208,7 +213,7 @@ fn wanted(args: &PredictArgs, around: Around) -> Result<Option<(Wanted, f64)>> {
     )))
 }
 
-fn single(args: &PredictArgs, predictor: &Predictor, around: Around) -> Result<()> {
+fn single(args: &PredictArgs, predictor: &Predictor, around: Around, reports: &Path) -> Result<()> {
     no_file(args, "one state")?;
     let contraction = around.contraction.ok_or_else(|| {
         missing("a contraction: give --contraction, --length or --relative-contraction, or --sweep contraction")
@@ -216,8 +221,35 @@ fn single(args: &PredictArgs, predictor: &Predictor, around: Around) -> Result<(
     let pressure = around
         .pressure_kpa
         .ok_or_else(|| missing("a pressure: give --pressure, or --sweep pressure"))?;
-    let answer = predictor.at(contraction, pressure)?;
+    let mut answer = predictor.at(contraction, pressure)?;
+    let of_loop = with_effects(predictor, &answer, reports);
+    answer.others.splice(0..0, of_loop);
     predict_print::single(predictor, &answer, args.json)
+}
+
+/// What the model of the loop says, with the effects of the actuator that it found; none where there are none, or where it could not tell them from
+/// those of the rig.
+fn with_effects(predictor: &Predictor, answer: &Answer, reports: &Path) -> Option<Other> {
+    let Law::Fitted(fit, _) = predictor.choice.law else {
+        return None;
+    };
+    let findings = export_model::findings(reports).ok()?;
+    let found = export_model::found(&findings, fit).ok()?;
+    let has_effects = !found.effects.is_empty() && predictor.calibration.is_none();
+    let model = has_effects.then(|| effects::of_findings(fit, found, &[], ""))?;
+    let contraction_620 = answer.muscle.contraction_620?;
+    let of_loop = model.ok()?.force(&domain::State {
+        rest_length_m: answer.muscle.rest_length_m,
+        contracted_length_m: answer.muscle.rest_length_m * (1.0 - contraction_620),
+        length_m: answer.length_m,
+        pressure_kpa: answer.pressure_kpa,
+    });
+    Some(Other {
+        model: WITH_EFFECTS,
+        title: "New model, with the loop's effects",
+        force_n: Some(of_loop.force_n).filter(|f| f.is_finite()),
+        outside: (!of_loop.inside).then(|| "outside of the readings fitted".to_owned()),
+    })
 }
 
 /// One answer fills no file.

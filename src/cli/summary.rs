@@ -3,6 +3,7 @@
 
 use crate::answers;
 use crate::args::SummaryArgs;
+use crate::columns::{Align, aligned};
 use crate::print::{counted, line, print_json};
 use crate::{DONE, options, progress};
 use pipeline_base::diagnostics::nearest;
@@ -10,8 +11,9 @@ use pipeline_base::error::{Error, Result};
 use pipeline_compare::NEW;
 use pipeline_findings::{CampaignFindings, Findings};
 use pipeline_fit::Group;
-use pipeline_report::wording::name::model_name;
-use pipeline_report::wording::number::error;
+use pipeline_report::number::Rounding;
+use pipeline_report::wording::name::{self, model_name};
+use pipeline_report::wording::number::{error, rounded};
 use pipeline_run as run;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -160,6 +162,7 @@ impl Answers {
         };
         if !in_full {
             line("");
+            self.print_models(shown);
         }
         for found in campaigns.iter().take(shown) {
             if in_full {
@@ -181,6 +184,39 @@ impl Answers {
                 self.reports.join("residual.pdf").display()
             ));
         }
+        line("");
+    }
+
+    /// A table of the models of the campaigns shown; nothing where no model stands beside the new one.
+    fn print_models(&self, shown: usize) {
+        let campaigns = self.findings.campaigns.iter().take(shown);
+        let all: Vec<(&CampaignFindings, &GroupModels)> = campaigns
+            .filter_map(|found| Some((found, self.models_of(found)?)))
+            .collect();
+        let mut ids: Vec<&str> = Vec::new();
+        for id in all.iter().flat_map(|(_, models)| models.ids()) {
+            if !ids.contains(&id) {
+                ids.push(id);
+            }
+        }
+        if ids.is_empty() {
+            return;
+        }
+        let head = ["RMSE (N)", "readings"].map(ToOwned::to_owned);
+        let names = ids.iter().map(|id| model_name(id, id).to_owned());
+        let mut rows = vec![head.into_iter().chain(names).collect()];
+        for (found, models) in all {
+            let error = |id: &&str| models.rmse(id).map_or("–".to_owned(), |e| error(e, "N"));
+            let readings = rounded(models.readings as f64, Rounding::Decimals(0));
+            let first = [name::campaign(found), readings].into_iter();
+            rows.push(first.chain(ids.iter().map(error)).collect());
+        }
+        let mut columns = vec![Align::Right; 2 + ids.len()];
+        columns[0] = Align::Left;
+        line(
+            "Laws alone, by least squares, on unseen specimens and the readings that all of them cover:",
+        );
+        aligned(&rows, &columns).into_iter().for_each(line);
         line("");
     }
 

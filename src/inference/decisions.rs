@@ -31,6 +31,10 @@ pub const FEWEST_READINGS: usize = 20;
 /// The same where the law is known: about a knee, which has nothing but the sizes of effects to estimate.
 pub const FEWEST_READINGS_OF_KNOWN_LAW: usize = 8;
 
+/// Fewest specimens that are searched, and on either side of a change that no specimen was measured on both sides of: what is said of one alone is
+/// its own value.
+pub const FEWEST_SPECIMENS: usize = 2;
+
 /// Fewest of anything that says something of its own: sessions on either side of a change point, sessions for each group that a column names,
 /// readings after the joint turned either way, tests beside one that is told to be off, values along which a size bends. With two any line
 /// goes through, and a value of single sessions is scatter or a recording error.

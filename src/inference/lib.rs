@@ -44,6 +44,8 @@ pub mod query;
 mod reference_tests;
 pub mod screen;
 pub mod search;
+#[cfg(test)]
+mod starts_tests;
 pub mod statistic;
 pub mod system;
 pub mod tree;

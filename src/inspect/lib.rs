@@ -100,6 +100,13 @@ pub enum Seen {
         /// Their share of the samples at high pressure.
         at_pressure: f64,
     },
+    /// The highest force of a log stands still for longer than any other.
+    FlatTop {
+        /// That force, before the zero is subtracted.
+        at_n: f64,
+        /// Samples in a row.
+        samples: usize,
+    },
     /// The clock of a time series.
     Clock {
         /// Usual time from sample to sample.

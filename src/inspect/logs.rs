@@ -16,6 +16,10 @@ const ROWS: f64 = 0.01;
 const CLIPPED: f64 = 0.5;
 /// Pressures beyond this share of the highest are high.
 const HIGH: f64 = 0.8;
+/// Of a force that is cut off, so many samples in a row have the log's highest value, and so many times as many as ever have another one: noise ends
+/// such runs after a few samples, as many as the resolution of the converter lets pass.
+const FLAT_SAMPLES: usize = 50;
+const FLAT_RATIO: usize = 3;
 /// A step of the clock that is so many usual ones long has lost samples.
 const GAP: f64 = 3.5;
 /// Share of unsettled plateaus from which somebody should look.
@@ -54,6 +58,9 @@ pub fn checks(session: &Session, logs: &[LogSamples], cleaned: &Cleaned) -> Vec<
         if let Some([share, at_pressure]) = clipped(session, log).filter(|_| !log.spec.is_zero) {
             let seen = Seen::Clipping { share, at_pressure };
             push(state_from(share.max(at_pressure), CLIPPED), seen);
+        }
+        if let Some(seen) = flat_top(session, log).filter(|_| series) {
+            push(State::Look, seen);
         }
         if let Some(clock) = clock(log).filter(|_| series) {
             push(state_if(clock.1 > 0), clock.0);
@@ -108,6 +115,28 @@ fn clipped(session: &Session, log: &LogSamples) -> Option<[f64; 2]> {
     let is_high = |i: &usize| pressure.get(*i).is_some_and(|p| *p > HIGH * highest);
     let high: Vec<usize> = all.iter().copied().filter(is_high).collect();
     (!force.is_empty()).then(|| [share(&all), share(&high)])
+}
+
+/// The highest force, where it stands still as no force does: an amplifier or a converter cuts it off below the limit that is declared, if any is.
+fn flat_top(session: &Session, log: &LogSamples) -> Option<Seen> {
+    let (column, force) = (session.column(FORCE)?, log.column(FORCE)?);
+    let highest = force.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let lowest = force.iter().copied().fold(f64::INFINITY, f64::min);
+    if !highest.is_finite() || lowest == highest || is_clipped(column, highest) {
+        return None;
+    }
+    let runs = || force.chunk_by(|a, b| a == b).map(|run| (run[0], run.len()));
+    let longest = |of: &dyn Fn(f64) -> bool| {
+        let lengths = runs().filter(|(value, _)| of(*value)).map(|(_, n)| n);
+        lengths.max().unwrap_or(0)
+    };
+    let samples = longest(&|force| force == highest);
+    let others = longest(&|force| force != highest && force != lowest);
+    let is_cut = samples >= FLAT_SAMPLES && samples > FLAT_RATIO * others;
+    is_cut.then_some(Seen::FlatTop {
+        at_n: highest,
+        samples,
+    })
 }
 
 /// The clock, and how many gaps it has; none where there is no clock.

@@ -219,6 +219,38 @@ fn a_force_that_is_cut_off_where_the_actuator_pulls_most_is_seen() {
 }
 
 #[test]
+fn a_force_that_is_cut_off_below_the_declared_limit_is_seen() {
+    let bench = Bench::small();
+    let folder = copied(&bench, &[]);
+    let (_, found) = inspected(&bench, &folder);
+    assert!(checks(&found, "flat_top").is_empty(), "{found}");
+    let path = bench.root().join("new/session.toml");
+    let session: toml::Table = std::fs::read_to_string(&path).unwrap().parse().unwrap();
+    let at = session["columns"]["force"]["index"].as_integer().unwrap() as usize;
+    let log = bench.root().join("new/test8.csv");
+    let rows: Vec<Vec<String>> = std::fs::read_to_string(&log)
+        .unwrap()
+        .lines()
+        .map(|line| line.split(',').map(ToOwned::to_owned).collect())
+        .collect();
+    let number = |row: &Vec<String>| row[at].trim().parse::<f64>().unwrap();
+    let highest = rows.iter().map(number).fold(f64::NEG_INFINITY, f64::max);
+    let lowest = rows.iter().map(number).fold(f64::INFINITY, f64::min);
+    let limit = lowest + 0.7 * (highest - lowest);
+    let cut = rows.iter().map(|row| {
+        let mut row = row.clone();
+        row[at] = number(&row).min(limit).to_string();
+        row.join(",") + "\n"
+    });
+    std::fs::write(&log, cut.collect::<String>()).unwrap();
+    let (code, found) = inspected(&bench, &folder);
+    assert_eq!(code, 1, "{found}");
+    let flat = checks(&found, "flat_top");
+    assert_eq!(flat.len(), 1, "{found}");
+    assert_eq!(flat[0]["log"], "test8.csv");
+}
+
+#[test]
 fn a_session_that_its_owner_left_out_is_said_to_be() {
     let bench = Bench::small_done();
     let folder = copied(

@@ -210,6 +210,23 @@ fn pressures_that_pull(folder: &Path) -> (f64, f64) {
     })
 }
 
+/// `predict` has the same model beside its own: with a threshold it pulls less than the law without.
+fn predicted_beside(bench: &Bench) {
+    let muscle = ["predict", "--diameter", "10", "--rest-length", "182mm"];
+    let state = ["--contraction", "2%", "--pressure", "300kPa", "--json"];
+    let said = bench.run(&[&muscle[..], &state].concat());
+    assert_eq!(said.code, 0, "{}", said.err);
+    let value: Value = serde_json::from_str(&said.out).unwrap();
+    let first = &value["answer"]["others"][0];
+    assert_eq!(first["model"], "new, with effects", "{value}");
+    let (own, with_effects) = (&value["answer"]["force_n"], &first["force_n"]);
+    assert!(
+        own.as_f64().unwrap() > 10.0
+            && with_effects.as_f64().unwrap() < 0.9 * own.as_f64().unwrap(),
+        "{own} {with_effects}"
+    );
+}
+
 #[test]
 fn effects_of_the_actuator_go_with_the_model_and_those_of_the_rig_stay() {
     let bench = Bench::quick_done();
@@ -236,6 +253,7 @@ fn effects_of_the_actuator_go_with_the_model_and_those_of_the_rig_stay() {
     ] {
         assert!(said.out.contains(part), "{part} is not in\n{}", said.out);
     }
+    predicted_beside(&bench);
     let header = std::fs::read_to_string(bench.root().join("model/bpa_model.h")).unwrap();
     assert!(header.contains("which is of the rig"));
     let source = std::fs::read_to_string(bench.root().join("model/bpa_model.c")).unwrap();

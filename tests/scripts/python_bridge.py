@@ -155,6 +155,7 @@ def inside(program):
         return lambda: bridge.fit(frame, campaign="trial", program=program, **more)
 
     wrong = bridge.ReadingsError
+    refused(wrong, ["DataFrame", "list"], lambda: bridge.fit([dict(readings.iloc[0])], program=program))
     refused(wrong, ["there is no column force_n"], trial(readings.drop(columns="force_n")))
     refused(wrong, ["length_m or length_mm"], trial(readings.drop(columns="length_m")))
     refused(wrong, ["no column specimen"], trial(readings.drop(columns="specimen")))
@@ -168,6 +169,11 @@ def inside(program):
     two.loc[two.index[0], "rest_length_m"] += 0.001
     refused(wrong, [f"specimen {two.specimen.iloc[0]}", "2 values of rest_length_m"], trial(two))
     refused(wrong, ["2 values of specimen"], trial(readings.iloc[[0, -1]].assign(session="one")))
+    in_pa = readings.assign(pressure_kpa=1000 * readings.pressure_kpa)
+    refused(bridge.PipelineError, ["left out", "a pressure outside the possible range"], trial(in_pa))
+    few = trial(readings.head(1))()
+    assert few.coefficients.empty and any("too few readings (1)" in m for m in few.messages), few.messages
+    assert "no coefficients" in repr(few)
     refused(bridge.PipelineError, ["nowhere", "cargo install", "PIPELINE"], lambda: bridge.fit(readings, program="/nowhere/pipeline"))
     error = refused(bridge.PipelineError, ["lost"], trial(readings, options={"fit": {"lost": 1}}))
     assert error.code == 2, error.code

@@ -107,7 +107,7 @@ pub fn forces(input: &ReportInput, extent: Extent) -> Option<Set> {
         columns: columns(&frame, None, &units),
         models,
     };
-    (set.count > 0).then(|| set.without_empty_models())
+    (set.count > 0).then(|| set.without_empty_models().with_named_columns())
 }
 
 /// The readings of torque; none where there are none.
@@ -137,7 +137,7 @@ pub fn torques(input: &ReportInput, extent: Extent) -> Option<Set> {
         columns: columns(&frame, Some(&places), &units),
         models: labels::of_torques(&frame),
     };
-    (set.count > 0).then(|| set.without_empty_models())
+    (set.count > 0).then(|| set.without_empty_models().with_named_columns())
 }
 
 impl Set {
@@ -145,6 +145,21 @@ impl Set {
     fn without_empty_models(mut self) -> Self {
         let columns: BTreeSet<&str> = self.columns.iter().map(|c| c.name.as_str()).collect();
         self.models.retain(|m| columns.contains(m.column.as_str()));
+        self
+    }
+
+    /// The columns of models called as the models are.
+    fn with_named_columns(mut self) -> Self {
+        let called: BTreeMap<&str, &str> = self
+            .models
+            .iter()
+            .map(|m| (m.column.as_str(), m.label.as_str()))
+            .collect();
+        for column in &mut self.columns {
+            if let Some(model) = called.get(column.name.as_str()) {
+                column.label = format!("predicted, {model}");
+            }
+        }
         self
     }
 }

@@ -8,35 +8,8 @@ use pipeline_mechanics::models;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// The numbers of readings after which the error is shown; the first page has one of them.
+/// The numbers of readings after which the error is shown.
 const GIVEN: [&str; 4] = ["1", "2", "3", "5"];
-const GIVEN_FIRST: &str = "3";
-
-/// The errors of one campaign before and with the effects: name; unseen, own values known, after three readings. None where nothing was held out.
-pub(super) fn errors(found: &CampaignFindings) -> Option<[String; 4]> {
-    found.before.rmse_heldout?;
-    let after = |e: &Errors| e.rmse_heldout_after.get(GIVEN_FIRST).copied();
-    Some([
-        named(found),
-        change(found, |e| e.rmse_heldout),
-        change(found, |e| e.rmse_heldout_calibrated),
-        change(found, after),
-    ])
-}
-
-/// `17.6 → 10.3`; one number where no effect was found.
-fn change(found: &CampaignFindings, of: impl Fn(&Errors) -> Option<f64>) -> String {
-    let words = |e: &Errors| error_or_none(of(e), &found.unit);
-    if has_terms(found) && of(&found.before).is_some() {
-        format!("{} → {}", words(&found.before), words(&found.after))
-    } else {
-        words(&found.before)
-    }
-}
-
-fn named(found: &CampaignFindings) -> String {
-    format!("{} ({})", name::campaign(found), unit(&found.unit))
-}
 
 /// The names of those of which nothing could be said, by the reason.
 pub(super) fn not_assessed<'a>(
@@ -50,37 +23,36 @@ pub(super) fn not_assessed<'a>(
     by_reason
 }
 
-/// The errors of one model of a campaign after a few readings of each session.
+/// The errors of one model of a campaign on held-out units, by what is known of these.
 #[derive(Serialize)]
-pub(super) struct AfterRow {
+pub(super) struct ErrorRow {
     /// The campaign; empty in its second row.
     campaign: String,
-    model: &'static str,
-    /// After 1, 2, 3 and 5 readings.
-    cells: [String; 4],
+    effects: &'static str,
+    /// Nothing known; after 1, 2, 3 and 5 readings; its own gain and lengths known.
+    cells: [String; 6],
 }
 
-/// The rows of a campaign: without effects, and with them where there are any; none where nothing is known.
-pub(super) fn after_readings(found: &CampaignFindings) -> Vec<AfterRow> {
-    if found.before.rmse_heldout_after.is_empty() && found.after.rmse_heldout_after.is_empty() {
+/// The rows of a campaign: without effects, and with them where there are any; none where nothing was held out.
+pub(super) fn errors(found: &CampaignFindings) -> Vec<ErrorRow> {
+    if found.before.rmse_heldout.is_none() {
         return Vec::new();
     }
+    let words = |e: Option<f64>| error_or_none(e, &found.unit);
     let cells = |e: &Errors| {
-        GIVEN.map(|k| error_or_none(e.rmse_heldout_after.get(k).copied(), &found.unit))
+        let [one, two, three, five] = GIVEN.map(|k| words(e.rmse_heldout_after.get(k).copied()));
+        let (unseen, known) = (words(e.rmse_heldout), words(e.rmse_heldout_calibrated));
+        [unseen, one, two, three, five, known]
     };
-    let mut rows = vec![AfterRow {
-        campaign: named(found),
-        model: "before",
-        cells: cells(&found.before),
-    }];
-    if has_terms(found) {
-        rows.push(AfterRow {
-            campaign: String::new(),
-            model: "after",
-            cells: cells(&found.after),
-        });
-    }
-    rows
+    let row = |campaign, effects, errors| ErrorRow {
+        campaign,
+        effects,
+        cells: cells(errors),
+    };
+    let name = format!("{} ({})", name::campaign(found), unit(&found.unit));
+    let after = has_terms(found).then(|| row(String::new(), "with", &found.after));
+    let before = row(name, "without", &found.before);
+    [before].into_iter().chain(after).collect()
 }
 
 /// The answer, a pointer to the detection limits apart.
@@ -106,9 +78,25 @@ pub(super) fn answer(found: &CampaignFindings) -> Said {
     sentence::full_answer(found).into()
 }
 
-/// For the first page, of which a table has the errors after three readings.
-pub(super) fn answer_on_first_page(found: &CampaignFindings) -> Said {
-    sentence::answer_beside_errors(found).into()
+/// For the first page.
+#[derive(Serialize)]
+pub(super) struct Brief {
+    found: String,
+    limits: bool,
+    rest: Vec<(&'static str, String)>,
+}
+
+pub(super) fn in_brief(found: &CampaignFindings) -> Brief {
+    let sentence::Points {
+        found,
+        limits,
+        rest,
+    } = sentence::points(found);
+    Brief {
+        found,
+        limits,
+        rest,
+    }
 }
 
 /// A campaign without a section: name and answer.

@@ -60,10 +60,8 @@ struct Own {
     campaigns: Vec<Campaign>,
     /// Names of those that were not assessed, by the reason.
     not_assessed: BTreeMap<String, Vec<String>>,
-    /// The errors of these in three forms.
-    errors: Vec<[String; 4]>,
-    /// Their errors after a few readings.
-    after_readings: Vec<front::AfterRow>,
+    /// The errors of these on held-out units.
+    errors: Vec<front::ErrorRow>,
     /// Those without a section: name, answer.
     others: Vec<[String; 2]>,
     budget: Option<Picture>,
@@ -83,7 +81,7 @@ pub(crate) struct Campaign {
     nouns: [&'static str; 4],
     answer: front::Said,
     /// The same for the first page.
-    in_brief: front::Said,
+    in_brief: front::Brief,
     design: String,
     budget: Vec<[String; 4]>,
     expected: String,
@@ -181,10 +179,7 @@ pub fn residual_pdf(
         campaigns: sections(input, figures),
         not_assessed: front::not_assessed(with_section().map(|(found, _)| found)),
         errors: with_section()
-            .filter_map(|(found, _)| front::errors(found))
-            .collect(),
-        after_readings: with_section()
-            .flat_map(|(found, _)| front::after_readings(found))
+            .flat_map(|(found, _)| front::errors(found))
             .collect(),
         others: without
             .take(MOST_ROWS_ON_PAGES)
@@ -219,7 +214,7 @@ fn campaign(place: usize, found: &CampaignFindings, figures: &[(Kind, Drawn)]) -
         unit: unit(&found.unit).to_owned(),
         nouns: [nouns.unit, nouns.units, nouns.setup, nouns.setups],
         answer: front::answer(found),
-        in_brief: front::answer_on_first_page(found),
+        in_brief: front::in_brief(found),
         design: front::design(found),
         budget: front::budget(found),
         expected: front::expected(found),

@@ -129,6 +129,7 @@ fn a_line_has_names_numbers_and_what_is_worth_most() {
     for part in [
         "threshold pressure of the bladder 60.0 kPa; ",
         "error on unseen specimens 18.7 → 15.8 N",
+        "largest source: set lengths, 12.0 of the 13.4 N expected",
         "next: knowing",
         "recording error",
     ] {
@@ -323,6 +324,9 @@ fn a_free_form_over_a_short_range_says_that_nothing_can_be_told() {
 fn a_worth_that_cannot_be_relied_on_is_not_offered() {
     let mut found = example();
     assert!(clauses(&found).worth.is_some());
+    found
+        .next_measurement
+        .retain(|n| n.kind != NextKind::Separate);
     found.next_measurement[0].worth = Some(16.0);
     assert!(found.after.rmse_heldout < Some(16.0));
     assert_eq!(clauses(&found).worth, None, "more than all of the error");
@@ -341,4 +345,91 @@ fn what_is_said_of_an_effect_stands_in_one_bracket() {
     let said = clauses(&found).found;
     assert!(said.contains(" of the only "), "{said}");
     assert_eq!(said.matches('(').count(), 1, "{said}");
+}
+
+#[test]
+fn a_page_has_the_answer_in_points() {
+    let mut found = example();
+    let of = |found: &CampaignFindings| {
+        let points = super::sentence::points(found);
+        let rest = points.rest.into_iter();
+        let rest: Vec<String> = rest
+            .map(|(about, words)| format!("{about}: {}", words.replace('\u{a0}', " ")))
+            .collect();
+        (points.found.replace('\u{a0}', " "), rest)
+    };
+    let (what, rest) = of(&found);
+    assert!(what.starts_with("Threshold pressure of the bladder 60.0 kPa"));
+    let starts = [
+        "Error: 18.7 → 15.8 N on unseen specimens, ",
+        "Made of: 13.4 N expected: set lengths (0.90 mm) 12.0, specimen gain (4.2%) 4.1, estimation 3.0, others 1.4, noise 2.6",
+        "Not named: ",
+        "Declared: ",
+        "Records: Recording error: session s05",
+        "Next: Knowing set lengths to 0.2 mm would lower the error by 6.0 N",
+    ];
+    assert_eq!(rest.len(), starts.len(), "{rest:#?}");
+    for (point, start) in rest.iter().zip(starts) {
+        assert!(point.starts_with(start), "{point}\n{start}");
+    }
+    found.before.rmse_heldout = None;
+    found.next_measurement.clear();
+    let (_, rest) = of(&found);
+    assert!(
+        rest[0].starts_with("Error: Not tested on another specimen"),
+        "{rest:#?}"
+    );
+    assert_eq!(
+        rest.last().unwrap(),
+        "Next: Another specimen would show whether the effects hold on it"
+    );
+}
+
+#[test]
+fn where_no_measurement_lowers_the_error_the_next_one_separates_effects() {
+    let mut found = example();
+    let separate = NextMeasurement {
+        kind: NextKind::Separate,
+        separates: vec!["hysteresis".into(), "force_drift".into()],
+        at: [("pressure_kpa".to_owned(), 280.0)].into(),
+        worth: Some(2.2),
+        unit: "1".into(),
+    };
+    let useless = NextMeasurement {
+        worth: Some(0.01),
+        ..separate.clone()
+    };
+    let next = |found: &CampaignFindings| clauses(found).worth.map(|w| w.replace('\u{a0}', " "));
+    found.next_measurement = vec![useless.clone(), separate];
+    assert_eq!(
+        next(&found).unwrap(),
+        "readings at 280 kPa would separate hysteresis between filling and venting and drift of the load cell"
+    );
+    found.next_measurement = vec![useless];
+    assert_eq!(next(&found), None);
+}
+
+#[test]
+fn an_effect_that_few_searches_find_again_is_marked_where_it_is_stated() {
+    let mut found = example();
+    let said = |found: &CampaignFindings| clauses(found).found.replace('\u{a0}', " ");
+    for (share, words) in [
+        (
+            Some(0.0),
+            "found in none of the searches without one specimen",
+        ),
+        (
+            Some(0.25),
+            "found in 25% of the searches without one specimen",
+        ),
+    ] {
+        found.effects[0].found_in_folds = share;
+        assert!(said(&found).contains(words), "{}", said(&found));
+        let line = super::sentence::in_a_line(&found).replace('\u{a0}', " ");
+        assert!(line.contains(words), "{line}");
+    }
+    for share in [None, Some(0.5), Some(1.0)] {
+        found.effects[0].found_in_folds = share;
+        assert!(!said(&found).contains("searches"), "{}", said(&found));
+    }
 }

@@ -129,7 +129,8 @@ fn is_part(mistakes: &[RecordingError], of: &[RecordingError]) -> bool {
 
 /// What looks mistaken beside a law among the sessions that are searched.
 fn mistakes_among(group: &Group, law: &Law, data: &Data) -> Vec<RecordingError> {
-    if data.len() < decisions::FEWEST_READINGS || data.specimens.len() < 2 {
+    if data.len() < decisions::FEWEST_READINGS || data.specimens.len() < decisions::FEWEST_SPECIMENS
+    {
         return Vec::new();
     }
     recording::recording_errors(group.diameter_mm, law, data)
@@ -278,7 +279,7 @@ fn too_few(data: &Data, kept_out: &BTreeSet<&str>) -> Option<NotAssessed> {
     let searched = searched.filter(|s| !kept_out.contains(data.sessions[**s].as_str()));
     if searched.count() < decisions::FEWEST_READINGS {
         Some(NotAssessed::TooFewReadings)
-    } else if data.specimens.len() < 2 {
+    } else if data.specimens.len() < decisions::FEWEST_SPECIMENS {
         Some(NotAssessed::TooFewSpecimens)
     } else {
         None

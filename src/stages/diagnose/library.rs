@@ -2,11 +2,12 @@
 //! or from a change point on; and smooth functions of every column.
 
 use super::data::Data;
-use pipeline_inference::decisions::FEWEST;
+use pipeline_inference::decisions::{FEWEST, FEWEST_SPECIMENS};
 use pipeline_inference::problem;
 use pipeline_mechanics::effects::{self, Applied, Conditions, Form, Grouping, Need, Place};
 use pipeline_mechanics::models::P_620_KPA;
 use pipeline_numerics::real::Real;
+use std::collections::BTreeSet;
 
 /// What is added.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,20 +109,48 @@ pub const SPECIMEN_GAIN: &str = "specimen_variation";
 
 fn parts(data: &Data) -> Vec<Scope> {
     let sessions = data.sessions.len();
+    let specimens = data.specimen_of_session();
     let mut parts = Vec::new();
     if !data.missing.contains_key(&Need::CampaignTime) && sessions >= 2 * FEWEST {
         // Which of the sessions of one day came first is not known.
         let places = FEWEST..=sessions - FEWEST;
         let places = places.filter(|k| data.dates[k - 1] != data.dates[*k]);
+        let is_after = |first: usize| (0..sessions).map(move |s| s >= first).collect::<Vec<_>>();
+        let places = places.filter(|k| shows_beside_scatter(&specimens, &is_after(*k)));
         parts.extend(places.map(Scope::From));
     }
+    let shows = |column: usize| {
+        let (level, count) = data.levels(column);
+        let mut sides = std::iter::once(None).chain((0..count).map(Some));
+        sides.any(|l| {
+            let is_there: Vec<bool> = level.iter().map(|of| *of == l).collect();
+            shows_beside_scatter(&specimens, &is_there)
+        })
+    };
     let groups = data.extras.iter().enumerate();
-    parts.extend(
-        groups
-            .filter(|(_, e)| e.names_groups)
-            .map(|(k, _)| Scope::Levels(k)),
-    );
+    let groups = groups.filter(|(k, e)| e.names_groups && shows(*k));
+    parts.extend(groups.map(|(k, _)| Scope::Levels(k)));
     parts
+}
+
+/// Whether a value for some of the sessions, given the specimen of each, can be told from the scatter of specimens and sessions: the specimens that
+/// were measured on both sides have enough sessions on each, or each side has two specimens or more that the other one has not. Else all that shows
+/// is the value of one specimen, or of very few sessions.
+fn shows_beside_scatter(specimens: &[usize], is_there: &[bool]) -> bool {
+    let side = |there: bool| -> Vec<usize> {
+        let of_side = specimens.iter().zip(is_there);
+        let of_side = of_side.filter(|(_, is)| **is == there);
+        of_side.map(|(s, _)| *s).collect()
+    };
+    let (there, elsewhere) = (side(true), side(false));
+    let shared = |a: &[usize], b: &[usize]| a.iter().filter(|s| b.contains(s)).count();
+    let own = |a: &[usize], b: &[usize]| {
+        let own = a.iter().filter(|s| !b.contains(s));
+        own.collect::<BTreeSet<_>>().len()
+    };
+    let within = shared(&there, &elsewhere).min(shared(&elsewhere, &there));
+    let between = own(&there, &elsewhere).min(own(&elsewhere, &there));
+    within >= FEWEST || between >= FEWEST_SPECIMENS
 }
 
 impl Term {
@@ -310,5 +339,37 @@ impl Column {
             .map(|k| low + f64::from(k) / 20.0 * (high - low))
             .map(|x| (middle + sd * x, (b * x + a) * x))
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether a change from a session on shows.
+    fn from(specimens: &[usize], first: usize) -> bool {
+        let is_after: Vec<bool> = (0..specimens.len()).map(|s| s >= first).collect();
+        shows_beside_scatter(specimens, &is_after)
+    }
+
+    #[test]
+    fn a_change_that_separates_one_specimen_from_the_others_is_that_specimens_value() {
+        let one_after_another = [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3];
+        let shown: Vec<usize> = (1..16).filter(|k| from(&one_after_another, *k)).collect();
+        // Between two and two specimens, however many sessions of one of them are on the other side.
+        assert_eq!(shown, [8]);
+        let five = [&one_after_another[..], &[4, 4, 4, 4]].concat();
+        let shown: Vec<usize> = (1..20).filter(|k| from(&five, *k)).collect();
+        assert_eq!(shown, [8, 9, 10, 11, 12]);
+    }
+
+    #[test]
+    fn a_change_within_a_specimen_shows_with_three_sessions_on_each_side() {
+        let one = [0; 7];
+        let shown: Vec<usize> = (1..7).filter(|k| from(&one, *k)).collect();
+        assert_eq!(shown, [3, 4]);
+        let in_turn = [0, 1, 0, 1, 0, 1, 0, 1];
+        let shown: Vec<usize> = (1..8).filter(|k| from(&in_turn, *k)).collect();
+        assert_eq!(shown, [3, 4, 5]);
     }
 }

@@ -79,8 +79,8 @@ const REST: usize = GAIN + 3;
 const CONTRACTED: usize = GAIN + 4;
 const TERMS: usize = GAIN + 5;
 
-/// Changes of the force, as shares of its root mean square, at which an effect that enters nonlinearly is looked at again; no larger than four fifths of
-/// its bounds. A sharp threshold has an optimum between any two pressures that were set: with two shares one of 150 kPa was missed.
+/// Changes of the force, as shares of its root mean square, at which an effect that enters nonlinearly is looked at again; no larger than
+/// four fifths of its bounds. A sharp threshold has an optimum between any two pressures that were set: with two shares one of 150 kPa was missed.
 pub const LARGE_CHANGES: [f64; 3] = [0.08, 0.24, 0.72];
 /// Cosine above which two amplitudes of one effect show alike.
 pub const SAME_DIRECTION: f64 = 0.98;
@@ -198,14 +198,13 @@ impl Hierarchy {
             };
             all.campaigns = (0..data.campaigns.len()).map(of).collect();
         }
-        let strokes = data.strokes();
         let mut nodes = BTreeMap::new();
-        for i in 0..data.len() {
+        for (i, stroke) in data.strokes().into_iter().enumerate() {
             let session = all.session_of(data, i);
             let node = if by_stroke {
                 let blocks = || vec![block(component::STROKE_MISFIT, STROKE_COSINES)];
                 let add = || all.tree.add(session, blocks());
-                *nodes.entry(strokes[i]).or_insert_with(add)
+                *nodes.entry(stroke).or_insert_with(add)
             } else {
                 session
             };

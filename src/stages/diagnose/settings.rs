@@ -1,5 +1,5 @@
-//! What is plausible of a law, a rig and its actuators, each with its reason: scales of priors, length scales, where an actuator goes slack. What decides
-//! beside them is in [`pipeline_inference::decisions`].
+//! What is plausible of a law, a rig and its actuators, each with its reason: scales of priors, length scales, where an actuator goes slack.
+//! What decides beside them is in [`pipeline_inference::decisions`].
 
 /// Prior scale of the misfit that all specimens share, share of the force: the law was fitted to such actuators to a few percent. It is one surface,
 /// and its prior counts once, however many specimens share it.

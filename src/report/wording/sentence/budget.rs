@@ -70,6 +70,33 @@ pub(super) fn budget(found: &CampaignFindings) -> Option<String> {
     ))
 }
 
+/// `largest source: set lengths, 9.6 of the 14.1 N expected`.
+pub(super) fn largest_source(found: &CampaignFindings) -> Option<String> {
+    let largest = *named_sources(found).0.first()?;
+    Some(format!(
+        "largest source: {}, {} of the {} expected",
+        name::source(&largest.source),
+        error(largest.rmse, &found.unit),
+        error_with_unit(found.expected_rmse_heldout?, &found.unit)
+    ))
+}
+
+/// `14.1 N expected: set lengths (0.67 mm) 9.6, estimation 6.6, specimen gain (4.0%) 5.0, others 6.1, noise 1.0`.
+pub(super) fn points(found: &CampaignFindings) -> Option<String> {
+    let (named, left) = named_sources(found);
+    let of = |b: &&BudgetEntry| {
+        let size = error(b.rmse, &found.unit);
+        format!("{}{} {size}", name::source(&b.source), scattered(found, b))
+    };
+    let mut parts: Vec<String> = named.iter().map(of).collect();
+    if left > 0.0 && left.is_finite() {
+        let before_noise = parts.len().saturating_sub(1);
+        parts.insert(before_noise, format!("others {}", error(left, &found.unit)));
+    }
+    let total = error_with_unit(found.expected_rmse_heldout?, &found.unit);
+    (!named.is_empty()).then(|| format!("{total} expected: {}", parts.join(", ")))
+}
+
 /// ` (78.5 N came out)`, where that is far from what was expected.
 pub(super) fn came_out(found: &CampaignFindings) -> String {
     let expected = found.expected_rmse_heldout;

@@ -5,12 +5,13 @@ mod errors;
 mod form;
 mod found;
 mod next;
+mod points;
 mod recording;
 
 use crate::number::Rounding;
 use crate::wording::name::capitalised;
 use crate::wording::number::rounded;
-use budget::budget;
+use budget::{budget, largest_source};
 use errors::{errors, errors_in_numbers, errors_in_short};
 use found::{answer, beside, contradicted, in_names};
 use next::{few_readings, worth};
@@ -22,6 +23,7 @@ pub use errors::black_box_beats;
 pub use form::form;
 pub use found::{alias_set, beyond_usual, called, has_terms};
 pub use next::{conditions, is_worth_credible, measurement, plain_number, worth_words};
+pub use points::{Points, points};
 pub use recording::{in_doubt, recorded_size, set_aside};
 
 /// What there is to say of a campaign; the report says all of it, the command line as much as fits.
@@ -39,7 +41,7 @@ pub struct Clauses {
     pub unexplained: Option<String>,
     /// What the errors on unseen units are, before and after, and whether what was predicted of their spread fits better or worse.
     pub errors: Option<String>,
-    /// The same in fewer words, for a line on the terminal and the first page.
+    /// The same in fewer words, for the first page of the reports on force and torque.
     pub errors_in_short: Option<String>,
     /// What the expected error is made of.
     pub budget: Option<String>,
@@ -81,16 +83,6 @@ pub struct Answer {
 /// What was found with the errors; what they are made of and what would help; recording errors.
 pub fn full_answer(found: &CampaignFindings) -> Answer {
     said(clauses(found))
-}
-
-/// The same in fewer words, where a table beside it has the errors after a few readings.
-pub fn answer_beside_errors(found: &CampaignFindings) -> Answer {
-    let all = clauses(found);
-    said(Clauses {
-        readings: None,
-        errors: all.errors_in_short.clone(),
-        ..all
-    })
 }
 
 fn said(c: Clauses) -> Answer {
@@ -139,6 +131,7 @@ pub fn in_a_line(found: &CampaignFindings) -> String {
     let parts = [
         Some(in_names(found)),
         errors_in_numbers(found),
+        largest_source(found),
         next,
         mistakes,
     ];

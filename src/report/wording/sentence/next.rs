@@ -1,6 +1,7 @@
 //! What is worth measuring next.
 
 use super::errors::{Change, error_change};
+use super::found::has_terms;
 use crate::number::Rounding;
 use crate::wording::name::{self, Nouns, listed, nouns};
 use crate::wording::number::{count, error_with_unit, percent, rounded, with_unit};
@@ -10,7 +11,7 @@ use pipeline_findings::{CampaignFindings, NextKind, NextMeasurement};
 const WORTH_SAYING: f64 = 0.05;
 
 /// The readings of each set-up of which the answer speaks; beside it the table has the others.
-const READINGS_GIVEN: &str = "3";
+pub(super) const READINGS_GIVEN: &str = "3";
 
 /// Whether what a measurement would be worth can be relied on: it is a fall of the error that the model with the effects expects, and says nothing
 /// where that model is worse on unseen units than the one without, or where the fall would be more than all of the error that came out.
@@ -20,8 +21,48 @@ pub fn is_worth_credible(found: &CampaignFindings, worth: f64) -> bool {
     !rises && came_out.is_none_or(|error| worth < error)
 }
 
-/// What the measurement that is worth most is worth.
+/// What to measure next: the measurement that lowers the error most, else the one that separates effects best, else another unit on which to test what was
+/// found.
 pub(super) fn worth(found: &CampaignFindings) -> Option<String> {
+    worth_most(found)
+        .or_else(|| separation(found))
+        .or_else(|| another_unit(found))
+}
+
+/// `readings at ε* = 0.46, 280 kPa would separate hysteresis between filling and venting and drift of the load cell`.
+fn separation(found: &CampaignFindings) -> Option<String> {
+    let separate = found.next_measurement.iter();
+    let separate = separate.filter(|n| n.kind == NextKind::Separate && !hardly_separates(n));
+    let best = separate.max_by(|a, b| a.worth.unwrap_or(0.0).total_cmp(&b.worth.unwrap_or(0.0)))?;
+    Some(format!(
+        "readings at {} would separate {}",
+        conditions(best),
+        separated(best)
+    ))
+}
+
+/// `another actuator would show whether the effects hold on it`, where there is but one.
+fn another_unit(found: &CampaignFindings) -> Option<String> {
+    let is_untried = has_terms(found) && found.before.rmse_heldout.is_none();
+    let unit = name::held_out_unit(found);
+    is_untried.then(|| format!("another {unit} would show whether the effects hold on it"))
+}
+
+/// Whether even the best readings tell the effects hardly apart.
+fn hardly_separates(next: &NextMeasurement) -> bool {
+    next.worth
+        .is_none_or(|worth| rounded(worth, SEPARATION).as_str() == "0.0")
+}
+
+/// How an expected difference in log-likelihood is rounded.
+const SEPARATION: Rounding = Rounding::Decimals(1);
+
+fn separated(next: &NextMeasurement) -> String {
+    let ids: Vec<String> = next.separates.iter().map(|id| name::effect(id)).collect();
+    listed(&ids)
+}
+
+fn worth_most(found: &CampaignFindings) -> Option<String> {
     let in_units = found
         .next_measurement
         .iter()
@@ -72,14 +113,11 @@ pub fn measurement(next: &NextMeasurement, nouns: &Nouns) -> String {
             ),
             None => format!("readings at {}", conditions(next)),
         },
-        NextKind::Separate => {
-            let ids: Vec<String> = next.separates.iter().map(|id| name::effect(id)).collect();
-            format!(
-                "readings at {} to separate {}",
-                conditions(next),
-                listed(&ids)
-            )
-        }
+        NextKind::Separate => format!(
+            "readings at {} to separate {}",
+            conditions(next),
+            separated(next)
+        ),
     }
 }
 
@@ -87,10 +125,13 @@ pub fn measurement(next: &NextMeasurement, nouns: &Nouns) -> String {
 pub fn worth_words(next: &NextMeasurement) -> Option<String> {
     let worth = next.worth?;
     Some(match next.kind {
-        NextKind::Separate => match rounded(worth, Rounding::Decimals(1)).as_str() {
-            "0.0" => "hardly tell them apart; no other set point does better".to_owned(),
-            worth => format!("are expected to differ by {worth} in log-likelihood"),
-        },
+        NextKind::Separate if hardly_separates(next) => {
+            "hardly tell them apart; no other set point does better".to_owned()
+        }
+        NextKind::Separate => format!(
+            "are expected to differ by {} in log-likelihood",
+            rounded(worth, SEPARATION)
+        ),
         _ => format!(
             "would lower the error by {}",
             error_with_unit(worth, &next.unit)

@@ -1,5 +1,5 @@
-//! What is plausible of a joint and its tests, each with its reason; the scatter of gains and the misfit of one set-up are those of the isometric loop
-//! ([`pipeline_diagnose::settings`]). What decides beside them is in [`pipeline_inference::decisions`].
+//! What is plausible of a joint and its tests, each with its reason; the scatter of gains and the misfit of one set-up are those of the
+//! isometric loop ([`pipeline_diagnose::settings`]). What decides beside them is in [`pipeline_inference::decisions`].
 
 /// Usual scatter of how tests are mounted, mm: a tape measure on a leg.
 pub const USUAL_MOUNTING_MM: f64 = 1.0;

@@ -168,7 +168,7 @@ mod tests {
         let mut forms = 0;
         for effect in effects::all() {
             for form in effect.joint_forms() {
-                let is = |t: &&Term| t.id == effect.id() && std::ptr::eq::<JointForm>(&***t, form);
+                let is = |t: &&Term| (t.id, t.form) == (effect.id(), form.name);
                 let found: Vec<&Term> = ALL.iter().filter(is).collect();
                 assert_eq!(found.len(), 1, "{} {}", effect.id(), form.name);
                 forms += 1;

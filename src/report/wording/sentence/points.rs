@@ -1,0 +1,51 @@
+//! The answer of a campaign in labelled points, for a page on which many campaigns stand below one another.
+
+use super::budget::points as budget_points;
+use super::errors::points as error_points;
+use super::{Clauses, clauses};
+use crate::wording::name::capitalised;
+use pipeline_findings::{CampaignFindings, Verdict};
+
+/// What there is to say of a campaign, point by point; each is a sentence or two without a full stop.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Points {
+    /// What was found; empty where the verdict says it.
+    pub found: String,
+    /// Whether "the smallest detectable sizes are in" a table belongs behind it.
+    pub limits: bool,
+    /// Everything else: what the point is about, and what there is to say.
+    pub rest: Vec<(&'static str, String)>,
+}
+
+/// What was found; the errors in their forms; what the expected error is made of; what would help; what in the records is wrong.
+pub fn points(found: &CampaignFindings) -> Points {
+    let Clauses {
+        recording_errors,
+        contradicted,
+        found: what,
+        limits,
+        unexplained,
+        worth,
+        ..
+    } = clauses(found);
+    let rest = [
+        ("Error", error_points(found)),
+        ("Made of", budget_points(found)),
+        ("Not named", unexplained),
+        ("Declared", contradicted),
+        ("Records", recording_errors),
+        ("Next", worth),
+    ];
+    Points {
+        found: if found.verdict == Verdict::None && found.effects.is_empty() {
+            String::new()
+        } else {
+            capitalised(&what)
+        },
+        limits,
+        rest: rest
+            .into_iter()
+            .filter_map(|(about, words)| Some((about, capitalised(&words?))))
+            .collect(),
+    }
+}
