@@ -306,7 +306,7 @@ fn said(seen: &Seen) -> String {
         Seen::NotTold { quantity } => format!(
             "the readings do not determine {}",
             match quantity {
-                Own::Strength => "the specimen gain",
+                Own::SpecimenGain => "the specimen gain",
                 Own::SetLength => "whether the set length is the one noted",
             }
         ),

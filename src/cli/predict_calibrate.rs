@@ -240,13 +240,13 @@ pub fn head(calibration: &Calibration) {
         counted(sessions, "session", "sessions"),
         calibration.others()
     ));
-    let strength = calibration.strength();
+    let gain = calibration.specimen_gain();
     line(format!(
         "         specimen gain {:+.1} ± {:.1}% relative to that law (standard deviation; ± {:.1}% without the readings): percentile {:.0}",
-        100.0 * strength.value,
-        100.0 * strength.sd,
-        100.0 * strength.sd_before,
-        Calibration::percentile(&strength)
+        100.0 * gain.value,
+        100.0 * gain.sd,
+        100.0 * gain.sd_before,
+        Calibration::percentile(&gain)
     ));
     for length in calibration.set_lengths() {
         line(format!(
@@ -292,14 +292,14 @@ pub fn as_json(predictor: &Predictor, answer: Option<&Answer>) -> Value {
         return Value::Null;
     };
     let (readings, sessions) = calibration.count();
-    let strength = calibration.strength();
+    let gain = calibration.specimen_gain();
     json!({
         "others": calibration.others(),
         "readings": readings,
         "doubts": predictor.doubts,
         "sessions": sessions,
-        "strength": strength,
-        "percentile": Calibration::percentile(&strength),
+        "specimen_gain": gain,
+        "percentile": Calibration::percentile(&gain),
         "set_lengths": calibration.set_lengths(),
         "next": answer.and_then(|a| next(predictor, a)),
     })

@@ -145,7 +145,7 @@ pub enum Seen {
         /// How many there are.
         sessions: usize,
     },
-    /// The strength of the actuator beside that of others.
+    /// The gain of the actuator beside that of others.
     Gain {
         /// Relative.
         value: f64,
@@ -166,7 +166,7 @@ pub enum Seen {
         /// What is usual, N.
         usual_n: f64,
     },
-    /// Strength or set length: the readings hardly tell it.
+    /// Specimen gain or set length: the readings hardly tell it.
     NotTold {
         /// Which.
         quantity: Own,
@@ -215,8 +215,8 @@ pub enum Noted {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Own {
-    /// The strength of the actuator.
-    Strength,
+    /// The gain of the actuator.
+    SpecimenGain,
     /// The set length.
     SetLength,
 }
@@ -437,9 +437,9 @@ fn noted(session: &Session, known: &Known) -> Vec<Check> {
     lengths.chain([diameter]).flatten().collect()
 }
 
-/// Whether the columns may be meant otherwise: the readings are unusual, or tell no strength at all.
+/// Whether the columns may be meant otherwise: the readings are unusual, or tell no gain at all.
 fn is_doubtful(suit: &Suit) -> bool {
-    suit.is_unusual() || !suit.tells_strength()
+    suit.is_unusual() || !suit.tells_gain()
 }
 
 fn described(diagnostic: &Diagnostic) -> Check {

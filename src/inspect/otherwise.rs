@@ -39,7 +39,7 @@ pub(crate) fn check(
         let rows = normalized(located, &session, files.to_vec(), config).rows;
         let suit = population::suit(&session, &rows, known)?;
         let is_no_less = suit.readings >= as_described.readings;
-        (is_no_less && suit.tells_strength() && !suit.is_unusual()).then_some((otherwise, suit))
+        (is_no_less && suit.tells_gain() && !suit.is_unusual()).then_some((otherwise, suit))
     };
     let all: Vec<(Otherwise, Suit)> = descriptions(session)
         .into_par_iter()

@@ -73,12 +73,12 @@ pub(crate) struct Compared {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Suit {
     pub readings: usize,
-    /// Strength of the actuator and set length, in standard deviations of others.
+    /// Gain of the actuator and set length, in standard deviations of others.
     pub deviations: [f64; 2],
     /// What the readings leave open of both, as a share of these standard deviations.
     pub open: [f64; 2],
-    /// Standard error of the strength (1 is that of the law) by the readings alone.
-    pub strength_se: f64,
+    /// Standard error of the gain (1 is that of the law) by the readings alone.
+    pub gain_se: f64,
     /// What is left beside both and the zero, root mean square, N.
     pub rms_n: f64,
     /// What is usual, N.
@@ -92,9 +92,9 @@ impl Suit {
         self.readings == 0 || is_far || self.rms_n > LEFT.0 * self.usual_n
     }
 
-    /// Whether they tell the strength of the actuator well enough to tell a unit or a sign by it.
-    pub fn tells_strength(&self) -> bool {
-        self.readings > OWN && self.strength_se < TELLS_A_UNIT
+    /// Whether they tell the gain of the actuator well enough to tell a unit or a sign by it.
+    pub fn tells_gain(&self) -> bool {
+        self.readings > OWN && self.gain_se < TELLS_A_UNIT
     }
 
     /// How far out they are, as one number to compare descriptions by.
@@ -112,7 +112,7 @@ const LEFT: (f64, f64) = (2.0, 5.0);
 const TOLD: f64 = 0.5;
 /// Numbers that are estimated of a session.
 const OWN: usize = 3;
-/// Standard error of a strength by which a unit or sign can be told: units of force differ by factors of 4 and more.
+/// Standard error of a gain by which a unit or sign can be told: units of force differ by factors of 4 and more.
 const TELLS_A_UNIT: f64 = 0.2;
 /// Median of the size of a standard normal number.
 const MEDIAN_SIZE: f64 = 0.674_489_750_196_082;
@@ -339,7 +339,7 @@ impl Population {
             readings: rows.len(),
             deviations: [0, 1].map(|k| (own[k] - self.usual[k].middle) / self.usual[k].sd),
             open: [open[0], open[1]],
-            strength_se: self.sds()[0] / (1.0 / (open[0] * open[0]) - 1.0).max(0.0).sqrt(),
+            gain_se: self.sds()[0] / (1.0 / (open[0] * open[0]) - 1.0).max(0.0).sqrt(),
             rms_n: (sum_of_squares(&left) / left.len() as f64).sqrt(),
             usual_n: self.left_n,
         };
@@ -355,7 +355,7 @@ impl Population {
                 State::Fine
             }
         };
-        let strength = Seen::Gain {
+        let gain = Seen::Gain {
             value: own[0] - self.usual[0].middle,
             sd: self.usual[0].sd,
         };
@@ -363,7 +363,7 @@ impl Population {
             value_mm: own[1] - self.usual[1].middle,
             sd_mm: self.usual[1].sd,
         };
-        let seen = [(strength, Own::Strength), (length, Own::SetLength)];
+        let seen = [(gain, Own::SpecimenGain), (length, Own::SetLength)];
         let of_session = seen.into_iter().enumerate();
         let mut checks: Vec<Check> = of_session
             .map(|(k, (seen, quantity))| Check {

@@ -1,6 +1,6 @@
 //! Readings of a planned campaign as it would give them.
 //!
-//! F = (1 + u) F(P, l + d) (1 + m_c(eps*, P) + m_s(P)) + z + e: the published law, strength u of the specimen, set length d and zero z of the
+//! F = (1 + u) F(P, l + d) (1 + m_c(eps*, P) + m_s(P)) + z + e: the published law, gain u of the specimen, set length d and zero z of the
 //! session, misfits as sums of waves with random phases, noise e. A slack actuator gives 0 and noise.
 
 use crate::design::Plan;
@@ -69,7 +69,7 @@ pub fn rows(plan: &Plan, seed: u64) -> Vec<Row> {
         let rest = 1e-3 * rest_mm;
         let stroke = rest * plan.contraction_620;
         let f620 = new::f620(b1, b2, cap, rest);
-        let strength = 1.0 + sizes.gain * Stream::new(seed, &["gain", &specimen]).normal();
+        let gain = 1.0 + sizes.gain * Stream::new(seed, &["gain", &specimen]).normal();
         for contraction in &plan.contractions {
             let session = format!("{specimen}-c{:02}", 100.0 * contraction);
             let mut stream = Stream::new(seed, &["session", &session]);
@@ -111,7 +111,7 @@ pub fn rows(plan: &Plan, seed: u64) -> Vec<Row> {
                         length_sd_m: plan.declared_length_mm.map_or(f64::NAN, |sd| 1e-3 * sd),
                         time_s: STEP_S * k as f64,
                         pressure_kpa,
-                        force_n: strength * law * (1.0 + misfit) + zero + noise,
+                        force_n: gain * law * (1.0 + misfit) + zero + noise,
                         length_m,
                         contraction: contraction * plan.contraction_620,
                         contraction_rel: *contraction,

@@ -1,9 +1,9 @@
-//! A muscle of which some readings are known: what they say of its strength, of the lengths that were set, and of its force at other states.
+//! A muscle of which some readings are known: what they say of its gain, of the lengths that were set, and of its force at other states.
 //!
 //! ```text
 //! F_i = f(x_i; theta, l + D + d_s) (1 + u) + z_s + m_s(P_i) + e_i
 //! ```
-//! with the joint law f (Eq. 9), the strength u of the muscle, D by how much its lengths are other than noted in all of its sessions and d_s in one
+//! with the joint law f (Eq. 9), the gain u of the muscle, D by how much its lengths are other than noted in all of its sessions and d_s in one
 //! (mm longer), the zero z_s of each session, what none of these explains m_s, alike along the pressure within a session (a Gaussian process over
 //! [`ALIKE_KPA`]), and the noise e. All are normal about 0: u with the scatter of the specimens' gains and the uncertainty of the law at this length
 //! (jackknife over the specimens, at resting length and 620 kPa), the others with the sizes that the residual search found ([`Sizes`]); of the
@@ -106,7 +106,7 @@ pub struct Estimate {
 #[derive(Clone, Debug)]
 pub struct Calibration<'a> {
     fit: &'a GroupFit,
-    /// Coefficients; standard deviation of the muscle's strength about the law with them.
+    /// Coefficients; standard deviation of the muscle's gain about the law with them.
     coefficients: Vec<f64>,
     gain: f64,
     sizes: Sizes,
@@ -194,7 +194,7 @@ impl<'a> Calibration<'a> {
             calibration.about = lengths;
         }
         calibration.condition();
-        calibration.gain_here = calibration.strength().value;
+        calibration.gain_here = calibration.specimen_gain().value;
         Some(calibration)
     }
 
@@ -318,7 +318,7 @@ impl<'a> Calibration<'a> {
     }
 
     /// By how much the muscle is stronger than the law of the others, relative.
-    pub fn strength(&self) -> Estimate {
+    pub fn specimen_gain(&self) -> Estimate {
         let variance = self.gain * self.gain;
         let covariance: Vec<f64> = self.rows().map(|r| variance * r.force).collect();
         let (value, sd) = self.posterior(&covariance, variance);
@@ -330,9 +330,9 @@ impl<'a> Calibration<'a> {
         }
     }
 
-    /// Percentile of a strength among those of others.
-    pub fn percentile(strength: &Estimate) -> f64 {
-        100.0 * normal_cdf(strength.value / strength.sd_before)
+    /// Percentile of a gain among those of others.
+    pub fn percentile(gain: &Estimate) -> f64 {
+        100.0 * normal_cdf(gain.value / gain.sd_before)
     }
 
     /// The length of the muscle less the one noted, mm, as a session of its own has it.
@@ -413,7 +413,7 @@ impl<'a> Calibration<'a> {
             let interval = Interval {
                 low_n: (mean - half).max(0.0),
                 high_n: mean + half,
-                // What is not known of the law is part of the muscle's strength here.
+                // What is not known of the law is part of the muscle's gain here.
                 fit_n: 0.0,
                 specimens_n: (sd * sd - left).max(0.0).sqrt(),
                 readings_n: left.sqrt(),

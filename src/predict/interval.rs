@@ -18,7 +18,7 @@ pub struct Interval {
     pub high_n: f64,
     /// Of the fit.
     pub fit_n: f64,
-    /// Of the strengths of specimens.
+    /// Of the gains of specimens.
     pub specimens_n: f64,
     /// Of readings around a specimen's own curve.
     pub readings_n: f64,

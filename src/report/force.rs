@@ -1,16 +1,15 @@
 //! The pages of `force.pdf`: what was measured, what was left out, the model, its coefficients, the comparison, the figures.
 
 use crate::extent::{MOST_NAMED, MOST_ROWS_ON_PAGES, SIDE_BY_SIDE};
-use crate::figures::ISOBARS;
 use crate::figures::{Drawn, is_supplementary, slug};
 use crate::input::{GroupInput, ReportInput};
 use crate::left_out::LeftOut;
 use crate::number::Rounding;
 use crate::opening;
-use crate::pages::{PageData, Picture, date_of};
+use crate::pages::{Included, PageData, Picture, date_of};
 use crate::tables;
 use crate::typeset::Pdf;
-use crate::wording::name::{capitalised, model_name};
+use crate::wording::name::{capitalised, loss, model_name};
 use crate::wording::number::{error, error_or_none, rounded, with_unit};
 use crate::wording::sentence::in_doubt;
 use pipeline_base::error::Result;
@@ -118,31 +117,40 @@ struct Group {
     ci_method: String,
     loss: String,
     rmse_train: String,
-    rmse_loso: Option<String>,
+    rmse_unseen: Option<String>,
     /// A published model that is better on unseen specimens, and its error.
     better: Option<(String, String)>,
     borrowed: bool,
     notes: Vec<String>,
-    tables: Vec<String>,
+    tables: Vec<Included>,
     figures: Vec<Picture>,
 }
 
-/// Typesets `force.pdf`; `traces` are the figures of the logs with their plateaus, in the order of the input, and `left_out` all figures that
-/// could not be built.
+/// The figures that no group has for itself.
+#[derive(Clone, Copy)]
+pub struct Figures<'a> {
+    /// That of the first page.
+    pub first: Option<&'a Drawn>,
+    /// The logs with their plateaus, in the order of the input.
+    pub traces: &'a [Option<Drawn>],
+}
+
+/// Typesets `force.pdf`; `left_out` are all figures that could not be built.
 ///
 /// # Errors
 /// A template that does not compile.
 pub fn force_pdf(
     input: &ReportInput,
-    traces: &[Option<Drawn>],
+    figures: Figures,
     config: &Config,
     left_out: &[LeftOut],
 ) -> Result<Pdf> {
     let options = &config.report;
-    let trace = traces.iter().zip(&input.traces);
+    let trace = figures.traces.iter().zip(&input.traces);
     let trace = trace.filter_map(|(drawn, trace)| Some((drawn.as_ref()?, trace)));
     let trace = trace.min_by_key(|(_, trace)| trace.simulated);
     let own = Own {
+        first_figure: figures.first.map(Picture::new),
         trace: trace.map(|(drawn, trace)| Picture::new(drawn).simulated(trace.simulated)),
         more_left_out: left_out.len().saturating_sub(MOST_NAMED),
         left_out: names_of(left_out),
@@ -155,10 +163,14 @@ pub fn force_pdf(
     let tables_of_groups = input.with_section().flat_map(|(g, _)| tables::of_group(g));
     let tables = tables::once(input).into_iter().chain(tables_of_groups);
     let of_groups = input.with_section().flat_map(|(_, f)| &f.group);
+    let once = figures
+        .first
+        .into_iter()
+        .chain(trace.map(|(drawn, _)| drawn));
     let document = PageData::new(&input.input_digest, simulated, own)
         .document(TEMPLATE, date_of(input, options))?
         .with_tables(tables.map(|t| t.first_rows(MOST_ROWS_ON_PAGES)))
-        .with_figures(trace.map(|(drawn, _)| drawn).into_iter().chain(of_groups));
+        .with_figures(once.chain(of_groups));
     if input.sessions.len() > SIDE_BY_SIDE {
         return document.forgotten().compile();
     }
@@ -222,7 +234,7 @@ fn own(input: &ReportInput, config: &Config) -> Own {
         },
         opening: opening::lines(input),
         models: opening::models(),
-        first_figure: first_figure(input),
+        first_figure: None,
         campaigns: campaigns(input),
         more_doubtful_zeros: doubtful_zeros.len().saturating_sub(MOST_NAMED),
         doubtful_zeros: doubtful_zeros.into_iter().take(MOST_NAMED).collect(),
@@ -240,22 +252,6 @@ fn own(input: &ReportInput, config: &Config) -> Own {
             .map(ToString::to_string)
             .collect(),
     }
-}
-
-/// The isobars of the campaign with most readings: a measured one if there is any, one of several specimens before one of a single one (of which
-/// papers print maps), and no pool of others.
-fn first_figure(input: &ReportInput) -> Option<Picture> {
-    let groups = input.with_section();
-    let size = |g: &GroupInput| {
-        let (group, specimens) = (&g.fit.group, g.fit.specimens.len());
-        let is_pool = group.members.len() > 1;
-        (!group.simulated, !is_pool, specimens > 1, g.fit.rows)
-    };
-    let (_, figures) = groups.max_by_key(|(g, _)| size(g))?;
-    let mut drawn = figures.group.iter();
-    drawn
-        .find(|d| d.name.starts_with(ISOBARS))
-        .map(Picture::new)
 }
 
 /// The groups that have no section of their own.
@@ -336,9 +332,9 @@ fn group(input: &GroupInput, figures: &[Drawn]) -> Group {
             .map_or_else(String::new, |e| e.ci_method.clone()),
         loss: fit
             .equation(JOINT)
-            .map_or_else(String::new, |e| e.loss.clone()),
+            .map_or_else(String::new, |e| loss(&e.loss).to_owned()),
         rmse_train: error_or_none(rmse(NEW, "train"), "N"),
-        rmse_loso: unseen.map(|e| error(e, "N")),
+        rmse_unseen: unseen.map(|e| error(e, "N")),
         better: better.map(|(name, e)| (name, error(e, "N"))),
         borrowed: fit
             .equation(JOINT)
@@ -349,7 +345,7 @@ fn group(input: &GroupInput, figures: &[Drawn]) -> Group {
             .cloned()
             .chain(in_doubt(input.doubtful()).map(|s| capitalised(&s)))
             .collect(),
-        tables: filled.map(|t| t.id).collect(),
+        tables: filled.map(|t| Included::new(&t)).collect(),
         figures: first.map(Picture::new).collect(),
     }
 }

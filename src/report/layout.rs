@@ -246,6 +246,76 @@ mod tests {
         assert!((pages[1].filled - expected).abs() < 0.01, "{:?}", pages[1]);
     }
 
+    /// Packs blocks of heights, mm, behind a head.
+    fn packed(heights: &[u32]) -> Vec<Sheet> {
+        let block = |h: &u32| format!("rect(width: 30mm, height: {h}mm, fill: black), ");
+        let blocks: String = heights.iter().map(block).collect();
+        sheets(&format!(
+            "#pagebreak()\n#packed(((head: [= Head], blocks: ({blocks})),))"
+        ))
+    }
+
+    #[test]
+    fn packed_blocks_fill_their_pages() {
+        // In this order, one after the other, they would take four pages.
+        let pages = packed(&[110, 130, 130, 90, 60, 90]);
+        let filled: Vec<f64> = pages[1..].iter().map(|p| p.filled).collect();
+        assert!(
+            filled.len() == 3 && filled[..2].iter().all(|f| *f > 0.9),
+            "{filled:?}"
+        );
+        let whole = 297.0 - MARGINS_MM.top - MARGINS_MM.bottom;
+        let black: f64 = filled.iter().sum::<f64>() * whole;
+        assert!(black > 610.0, "{black}");
+    }
+
+    #[test]
+    fn many_small_blocks_are_packed_without_trying_every_choice() {
+        let pages = packed(&[20; 60]);
+        let filled = pages[1..pages.len() - 1].iter().map(|p| p.filled);
+        assert!(
+            filled.clone().all(|f| f > 0.85) && pages.len() <= 8,
+            "{:?}",
+            filled.collect::<Vec<_>>()
+        );
+    }
+
+    #[test]
+    fn packing_settles_wherever_it_begins() {
+        // So far that the head, the first block or nothing has room on the first page.
+        for before in [0, 60, 150, 190, 205, 215] {
+            let body = format!(
+                "#let black(h) = figure(rect(width: 30mm, height: h * 1mm), caption: [C])\n\
+                 #let s(n) = (head: [= Head #n \\ #lorem(40)], blocks: (60, 90, 40, 120).map(black))\n\
+                 #block(height: {before}mm)[Text]\n#packed(range(6).map(s))"
+            );
+            let main = format!(
+                "#import \"/style.typ\": *\n#show: report.with(title: \"T\")\n#show figure: set figure(placement: none)\n{body}"
+            );
+            let pdf = Document::new(&main).compile().unwrap();
+            assert_eq!(pdf.warnings, [""; 0], "{before}");
+            assert!(pdf.sheets.len() <= 11, "{before}: {}", pdf.sheets.len());
+        }
+    }
+
+    #[test]
+    fn packed_blocks_begin_below_what_stands_before_them() {
+        let body = "#rect(width: 5mm, height: 120mm, fill: black)\n\
+                    #packed(((head: [Head], blocks: (rect(height: 60mm, fill: black), rect(height: 150mm))),))";
+        let pages = sheets(body);
+        assert_eq!(pages.len(), 2, "{pages:?}");
+        assert!(pages.iter().all(|p| p.beyond_mm < 0.5), "{pages:?}");
+    }
+
+    #[test]
+    fn a_heading_stays_with_its_first_block() {
+        let pages = sheets(
+            "#packed(((head: [= One], blocks: (rect(width: 9mm, height: 190mm),)), (head: [= Two], blocks: (rect(width: 9mm, height: 60mm),))))",
+        );
+        let opens: Vec<bool> = pages.iter().map(|p| p.opens_chapter).collect();
+        assert_eq!(opens[opens.len() - 1..], [true], "{pages:?}");
+    }
+
     #[test]
     fn small_letters_are_found_and_scripts_are_none() {
         let smallest = |body: &str| sheets(body)[0].smallest.clone().unwrap();

@@ -3,7 +3,8 @@
 use crate::figures::Drawn;
 use crate::figures::found::Kind;
 use crate::input::ReportInput;
-use crate::render::{Renderer, typst::Typst};
+use crate::render::Renderer;
+use crate::render::typst::{LONG, Typst};
 use crate::table::Table;
 use crate::typeset::Document;
 use pipeline_base::date;
@@ -45,6 +46,24 @@ impl<T: Serialize> PageData<T> {
     pub fn document(&self, template: &str, date: Option<(i32, u8, u8)>) -> Result<Document> {
         let document = Document::new(template).data("data.json", self)?;
         Ok(document.dated(date))
+    }
+}
+
+/// A table as a template includes it.
+#[derive(Serialize)]
+pub struct Included {
+    id: String,
+    /// Whether it breaks across pages.
+    long: bool,
+}
+
+impl Included {
+    /// A table, of which the pages show no more than their most rows.
+    pub fn new(table: &Table) -> Self {
+        Self {
+            id: table.id.clone(),
+            long: table.rows.len() > LONG,
+        }
     }
 }
 

@@ -6,8 +6,8 @@ use crate::explorer;
 use crate::explorer::sample::Extent;
 use crate::extent::{MOST_ROWS_PRINTED, SIDE_BY_SIDE};
 use crate::figures::found::Kind;
-use crate::figures::{self, Built, Composed, Drawn};
-use crate::force::force_pdf;
+use crate::figures::{self, Built, Composed, Drawn, common_readings};
+use crate::force::{self, force_pdf};
 use crate::knee::{self, knee_pdf};
 use crate::left_out::{LeftOut, Part, Task, attempt};
 use crate::pages::date_of;
@@ -117,9 +117,9 @@ pub fn tables(input: &ReportInput, config: &Config) -> Result<Outputs> {
     let every = tables::ALL.iter().chain(tables::knee::ALL);
     let made = every.map(|of| of.all(input));
     for table in made.chain([tables::audit(&audit_of(input))]) {
-        let table = tables::naming_groups(table);
+        let print = tables::naming_groups(tables::in_print(&table, input));
         names.push(format!("tables/{}.csv", table.id));
-        outputs.extend(table_files(table));
+        outputs.extend(table_files(&tables::naming_groups(table), print));
     }
     outputs.insert(TABLES.to_owned(), json_bytes(&names)?);
     Ok(outputs)
@@ -172,6 +172,7 @@ pub fn pages(input: &ReportInput, config: &Config) -> Result<Outputs> {
 /// The figures that no group has for itself, in the places that the pages look for them.
 #[derive(Default)]
 struct Pictures {
+    first: Option<Drawn>,
     traces: Vec<Option<Drawn>>,
     torque: Vec<Vec<Option<Drawn>>>,
     legs: Vec<Option<Drawn>>,
@@ -196,6 +197,8 @@ impl Pictures {
             all.left_out.extend(built.left_out);
             built.drawn
         };
+        let first = figures::compose(common_readings::NAME, || common_readings::figure(input));
+        let first = build(vec![first]).into_iter().flatten().next();
         let traces = build(figures::plateaus(input));
         let campaigns = input.torque().iter().map(figures::knee::of_campaign);
         let torque = campaigns.map(&mut build).collect();
@@ -211,6 +214,7 @@ impl Pictures {
         });
         let joints = joints.collect();
         all.pictures = Pictures {
+            first,
             traces,
             torque,
             legs,
@@ -231,7 +235,11 @@ fn documents(
     figures_left_out: &[LeftOut],
 ) -> Vec<Document> {
     let date = date_of(input, &config.report);
-    let force = || force_pdf(input, &pictures.traces, config, figures_left_out).map(Some);
+    let of_force = force::Figures {
+        first: pictures.first.as_ref(),
+        traces: &pictures.traces,
+    };
+    let force = || force_pdf(input, of_force, config, figures_left_out).map(Some);
     let audit = || {
         let typeset = || audit_pdf(&audit_of(input), &input.input_digest, date);
         config.report.audit.then(typeset).transpose()
@@ -330,16 +338,16 @@ fn split_csv(input: &ReportInput, config: &Config) -> Vec<u8> {
     render::csv::Csv.render(&table).into_bytes()
 }
 
-/// A table in every format: the data file complete, the others as far as people read.
-fn table_files(table: Table) -> Outputs {
+/// A table in every format: the data file complete, the others as people read it and as far as they do.
+fn table_files(table: &Table, in_print: Table) -> Outputs {
     let render = |renderers: &[&&dyn Renderer], table: &Table| -> Vec<(String, Vec<u8>)> {
         let name = |r: &dyn Renderer| format!("reports/tables/{}.{}", table.id, r.extension());
         let file = |r: &&&dyn Renderer| (name(**r), r.render(table).into_bytes());
         renderers.iter().map(file).collect()
     };
     let (data, print): (Vec<_>, Vec<_>) = render::ALL.iter().partition(|r| r.is_data());
-    let mut files = render(&data, &table);
-    files.extend(render(&print, &table.first_rows(MOST_ROWS_PRINTED)));
+    let mut files = render(&data, table);
+    files.extend(render(&print, &in_print.first_rows(MOST_ROWS_PRINTED)));
     files.into_iter().collect()
 }
 

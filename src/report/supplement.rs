@@ -5,7 +5,7 @@ use crate::extent::{MOST_GROUPS, MOST_ROWS_ON_PAGES, SIDE_BY_SIDE};
 use crate::figures::{self, Drawn, slug};
 use crate::input::{GroupInput, ReportInput};
 use crate::knee;
-use crate::pages::{PageData, Picture, date_of};
+use crate::pages::{Included, PageData, Picture, date_of};
 use crate::residual;
 use crate::tables;
 use crate::typeset::Pdf;
@@ -21,10 +21,12 @@ const TEMPLATE: &str = include_str!("templates/supplement.typ");
 /// The data of the template.
 #[derive(Serialize)]
 struct Own {
+    /// The tables that the document has once.
+    once: Vec<Included>,
     groups: Vec<Group>,
     torque: Vec<Torque>,
     /// Tables of the legs and routes, by id.
-    geometry: Vec<String>,
+    geometry: Vec<Included>,
     legs: Vec<Picture>,
     /// What was found, for what varies from group to group and the coefficients.
     residual: Vec<residual::Campaign>,
@@ -45,7 +47,7 @@ struct Split {
 struct Group {
     name: String,
     simulated: bool,
-    tables: Vec<String>,
+    tables: Vec<Included>,
     domain: Vec<String>,
     figures: Vec<Picture>,
 }
@@ -55,7 +57,7 @@ struct Group {
 struct Torque {
     name: String,
     simulated: bool,
-    tables: Vec<String>,
+    tables: Vec<Included>,
     /// What their owners say of tests: session, words.
     notes: Vec<(String, String)>,
     figures: Vec<Picture>,
@@ -84,13 +86,15 @@ pub fn supplement_pdf(
     let traces = &figures.traces[..figures.traces.len().min(MOST_GROUPS)];
     let of_campaigns = || input.torque().iter().zip(figures.knee.campaigns);
     let geometry: Vec<_> = tables::knee::supplementary(input).collect();
+    let once = tables::supplementary(input);
     let own = Own {
         groups: input
             .with_section()
             .map(|(g, drawn)| group(g, &drawn.group))
             .collect(),
         torque: of_campaigns().map(|(c, drawn)| torque(c, drawn)).collect(),
-        geometry: geometry.iter().map(|t| t.id.clone()).collect(),
+        once: once.iter().map(Included::new).collect(),
+        geometry: geometry.iter().map(Included::new).collect(),
         legs: figures
             .knee
             .legs
@@ -121,7 +125,7 @@ pub fn supplement_pdf(
     let of_groups = of_groups.flat_map(|(g, _)| tables::supplementary_of_group(g));
     let of_torque = input.torque().iter();
     let of_torque = of_torque.flat_map(tables::knee::supplementary_of_campaign);
-    let all = tables::supplementary(input).into_iter().chain(of_groups);
+    let all = once.into_iter().chain(of_groups);
     let all = all.chain(geometry).chain(of_torque);
     let drawn_of_groups = input.with_section().flat_map(|(_, drawn)| &drawn.group);
     let drawn_of_torque = figures.knee.campaigns.iter().flatten().flatten();
@@ -155,7 +159,7 @@ fn group(input: &GroupInput, drawn: &[Drawn]) -> Group {
     Group {
         name: format!("{}, {} mm", of.campaign, of.diameter_mm),
         simulated: of.simulated,
-        tables: filled.map(|t| t.id).collect(),
+        tables: filled.map(|t| Included::new(&t)).collect(),
         domain: domain(input),
         figures: further.map(Picture::new).collect(),
     }
@@ -168,7 +172,7 @@ fn torque(c: &CampaignTorque, drawn: &[Option<Drawn>]) -> Torque {
     Torque {
         name: c.campaign.clone(),
         simulated: c.simulated,
-        tables: filled.map(|t| t.id).collect(),
+        tables: filled.map(|t| Included::new(&t)).collect(),
         notes: tests.filter_map(note).collect(),
         figures: knee::further_configurations(c, drawn)
             .map(Picture::new)

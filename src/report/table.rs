@@ -126,7 +126,7 @@ impl Unit {
             Unit::Degree => "°",
             Unit::S => "s",
             Unit::N => "N",
-            Unit::Nm => "N.m",
+            Unit::Nm => "N\u{a0}m",
             Unit::Nm2 => "N^{2}m^{2}",
             Unit::NPerM => "N/m",
             Unit::KPa => "kPa",

@@ -27,7 +27,7 @@ fn simulated(campaign: &str, b1: f64, specimens: &[u32], contractions: &str, to:
     simulate::write(&simulate::simulate(&truth), to, None, false).unwrap();
 }
 
-/// A run on actuators whose strengths scatter by 5%, and beside the raw directory one session of one that is of a law 12% stronger.
+/// A run on actuators whose gains scatter by 5%, and beside the raw directory one session of one that is of a law 12% stronger.
 fn bench() -> Bench {
     let bench = Bench::quick();
     std::fs::remove_dir_all(bench.raw().join("small")).unwrap();
@@ -83,11 +83,11 @@ fn a_few_readings_of_a_muscle_move_and_narrow_its_force() {
     );
     // The readings are as strong as they are: nearer to them than to the mean, and not beyond them.
     let ratio = number(&known, "/answer/force_n") / number(&described, "/answer/force_n");
-    let gain = number(&known, "/calibration/strength/value");
+    let gain = number(&known, "/calibration/specimen_gain/value");
     assert!(ratio > 1.03 && gain > 0.03, "{known}");
     assert!(
-        number(&known, "/calibration/strength/sd")
-            < number(&known, "/calibration/strength/sd_before")
+        number(&known, "/calibration/specimen_gain/sd")
+            < number(&known, "/calibration/specimen_gain/sd_before")
     );
     assert!(number(&known, "/calibration/percentile") > 60.0);
     assert_eq!(known["calibration"]["sessions"], 1);
@@ -209,9 +209,9 @@ fn one_reading_is_shared_out_by_the_variances() {
     let total = tau * tau * f * f + 0.81 * slope * slope + 2.25 + 25.0;
     let close =
         |a: f64, b: f64| assert!((a - b).abs() < 1e-2 * b.abs().max(1e-3), "{a} against {b}");
-    let strength = known.strength();
-    close(strength.value, tau * tau * f * 3.0 / total);
-    close(strength.sd, tau * (1.0 - tau * tau * f * f / total).sqrt());
+    let gain = known.specimen_gain();
+    close(gain.value, tau * tau * f * 3.0 / total);
+    close(gain.sd, tau * (1.0 - tau * tau * f * f / total).sqrt());
     let length = &known.set_lengths()[0];
     // Slopes are taken anew where the length is then, a little off.
     assert!(
@@ -227,7 +227,7 @@ fn one_reading_is_shared_out_by_the_variances() {
     );
     // Half of the variance of lengths is the muscle's and is carried over.
     let carried = 0.405 * slope * 3.0 / total;
-    close(exact, (1.0 + strength.value) * law(carried));
+    close(exact, (1.0 + gain.value) * law(carried));
     let own = tau * tau * f * f + 0.405 * slope * slope;
     let session = 0.405 * slope * slope + 2.25 + 21.0;
     close(sd, (own - own * own / total + session).sqrt());

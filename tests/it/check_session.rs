@@ -143,7 +143,7 @@ fn wrong_units_are_named_with_the_right_ones() {
 fn readings_of_a_slack_actuator_tell_nothing_and_it_is_said() {
     let bench = Bench::small_done();
     let (line, length) = set_length(&bench);
-    // So short that the actuator would be slack at any pressure: what its forces then are is no strength.
+    // So short that the actuator would be slack at any pressure: what its forces then are is no gain.
     let folder = copied(
         &bench,
         &[(&line, &format!("length_mm = {}", length - 40.0))],
@@ -152,7 +152,7 @@ fn readings_of_a_slack_actuator_tell_nothing_and_it_is_said() {
     assert_eq!(code, 2, "{found}");
     let untold = checks(&found, "not_told");
     assert!(
-        untold.iter().any(|c| c["quantity"] == "strength"),
+        untold.iter().any(|c| c["quantity"] == "specimen_gain"),
         "{found}"
     );
 }

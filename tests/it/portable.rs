@@ -5,6 +5,7 @@
 
 use crate::support::{Bench, Said, files, outside_program};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -210,21 +211,31 @@ fn pressures_that_pull(folder: &Path) -> (f64, f64) {
     })
 }
 
-/// `predict` has the same model beside its own: with a threshold it pulls less than the law without.
-fn predicted_beside(bench: &Bench) {
-    let muscle = ["predict", "--diameter", "10", "--rest-length", "182mm"];
-    let state = ["--contraction", "2%", "--pressure", "300kPa", "--json"];
-    let said = bench.run(&[&muscle[..], &state].concat());
+/// `predict` has the force of the model exported beside its own.
+fn predicted_beside(bench: &Bench, folder: &Path) {
+    let points = crate::support::read_table(&folder.join("golden_vectors.csv"));
+    let number = |text: &str| text.parse::<f64>().unwrap();
+    let is_pulling =
+        |r: &&BTreeMap<String, String>| r["inside"] == "1" && number(&r["force_n"]) > 20.0;
+    let point = points.iter().find(is_pulling).unwrap();
+    let state = [
+        ("--rest-length", "rest_length_m", "m"),
+        ("--contracted-length", "contracted_length_m", "m"),
+        ("--length", "length_m", "m"),
+        ("--pressure", "pressure_kpa", "kPa"),
+    ]
+    .map(|(option, column, unit)| format!("{option}={}{unit}", point[column]));
+    let state: Vec<&str> = state.iter().map(String::as_str).collect();
+    let said = bench.run(&[&["predict", "--diameter", "10", "--json"], &state[..]].concat());
     assert_eq!(said.code, 0, "{}", said.err);
     let value: Value = serde_json::from_str(&said.out).unwrap();
     let first = &value["answer"]["others"][0];
     assert_eq!(first["model"], "new, with effects", "{value}");
-    let (own, with_effects) = (&value["answer"]["force_n"], &first["force_n"]);
-    assert!(
-        own.as_f64().unwrap() > 10.0
-            && with_effects.as_f64().unwrap() < 0.9 * own.as_f64().unwrap(),
-        "{own} {with_effects}"
+    let (force, expected) = (
+        first["force_n"].as_f64().unwrap(),
+        number(&point["force_n"]),
     );
+    assert!((force - expected).abs() < 1e-6, "{force} {expected}");
 }
 
 #[test]
@@ -253,7 +264,7 @@ fn effects_of_the_actuator_go_with_the_model_and_those_of_the_rig_stay() {
     ] {
         assert!(said.out.contains(part), "{part} is not in\n{}", said.out);
     }
-    predicted_beside(&bench);
+    predicted_beside(&bench, &bench.root().join("model"));
     let header = std::fs::read_to_string(bench.root().join("model/bpa_model.h")).unwrap();
     assert!(header.contains("which is of the rig"));
     let source = std::fs::read_to_string(bench.root().join("model/bpa_model.c")).unwrap();

@@ -1,7 +1,6 @@
 //! The error of every model on common readings, at a glance.
 
 use crate::input::GroupInput;
-use crate::plot::axis::Ticks;
 use crate::plot::{
     Anchor, Axis, Dash, Figure, Ink, Layer, Legend, Level, Mark, Panel, Place, SINGLE_MM, Series,
     Shape, Side, Stroke,
@@ -10,8 +9,8 @@ use crate::wording::name::model_name;
 use pipeline_compare::{COMMON, Comparison};
 use pipeline_config::Config;
 
-/// Height of one model's line with its name above it, mm.
-const PITCH_MM: f64 = 6.6;
+/// Height of one model's line, mm.
+const PITCH_MM: f64 = 5.0;
 
 /// The figure: RMSE by model, for specimens that the model has not seen; with one specimen the fit itself stands beside the others.
 pub fn figure(group: &GroupInput, _config: &Config) -> Option<(String, Figure)> {
@@ -24,7 +23,7 @@ pub fn figure(group: &GroupInput, _config: &Config) -> Option<(String, Figure)> 
     }
     lines.sort_by(|a, b| b.1.total_cmp(&a.1));
     let title = format!("Error of every model, {}", group.fit.group.campaign);
-    let height = 18.0 + PITCH_MM * lines.len() as f64;
+    let height = 15.0 + PITCH_MM * lines.len() as f64;
     let figure = Figure::new(&title, SINGLE_MM, height).with(panel(&lines));
     Some((caption(&lines), figure))
 }
@@ -47,20 +46,18 @@ type Kind = (&'static str, Mark, fn(&Comparison) -> bool);
 
 fn panel(lines: &[(&Comparison, f64)]) -> Panel {
     let most = lines.iter().map(|l| l.1).fold(0.0, f64::max);
-    let mut y = Axis::new("").fixed(-0.5, lines.len() as f64 - 0.15);
-    y.ticks = Ticks::Named(Vec::new());
+    let names = lines
+        .iter()
+        .map(|(line, _)| model_name(&line.model, &line.title));
+    let y = Axis::categories("", &names.collect::<Vec<_>>());
     let mut panel =
-        Panel::new(Axis::new("RMSE (N)").fixed(0.0, 1.12 * most), y).legend(Legend::Above);
-    for (k, (line, rmse)) in lines.iter().enumerate() {
+        Panel::new(Axis::new("RMSE (N)").fixed(0.0, 1.25 * most), y).legend(Legend::Above);
+    for (k, (_, rmse)) in lines.iter().enumerate() {
         let place = k as f64;
         let stalk = Stroke::hair(Ink::Grey, Dash::Solid);
         panel = panel
             .with(Series::line("", vec![(0.0, place), (*rmse, place)], stalk))
-            .with(text(
-                model_name(&line.model, &line.title),
-                (0.012 * most, place + 0.42),
-            ))
-            .with(text(&format!("{rmse:.1}"), (rmse + 0.02 * most, place)));
+            .with(text(&format!("{rmse:.1}"), (rmse + 0.04 * most, place)));
     }
     let kinds: [Kind; 3] = [
         (

@@ -28,7 +28,7 @@ pub fn figure(group: &GroupInput, config: &Config) -> Option<(String, Figure)> {
     };
     let fitted = sheet.panel([c[2], c[3], c[4]], |l| new::f620(c[0], c[1], offset, l));
     let title = format!("Relative force along isobars, {}", group.fit.group.campaign);
-    let mut figure = Figure::new(&title, DOUBLE_MM, 86.0)
+    let mut figure = Figure::new(&title, DOUBLE_MM, 60.0)
         .grid(2)
         .shared_legend()
         .with(fitted.title("Fitted here"));

@@ -22,7 +22,7 @@ pub fn figure(group: &GroupInput, config: &Config) -> Option<(String, Figure)> {
         "Maximum force against resting length, {}",
         group.fit.group.campaign
     );
-    let figure = Figure::new(&title, SINGLE_MM, 68.0).with(plot.panel());
+    let figure = Figure::new(&title, SINGLE_MM, 60.0).with(plot.panel());
     Some((plot.caption(), figure))
 }
 

@@ -4,6 +4,7 @@
 //! A figure that cannot be built is left out and named ([`LeftOut`]); it takes no other with it.
 
 pub mod campaign_plan;
+pub mod common_readings;
 mod covariates;
 mod data;
 pub mod design;
@@ -97,15 +98,12 @@ impl Named {
 /// Makes a figure of a group with its caption; none for groups that lack the data.
 type OfGroup = fn(&GroupInput, &Config) -> Option<(String, Figure)>;
 
-/// Beginning of the names of the files of the isobars.
-pub(crate) const ISOBARS: &str = "isobars";
-
 /// Every figure that a group of rows may have, by the name of its files, in the order of the report: those of the paper, then those that
 /// look for what is left over.
 const OF_GROUP: &[(&str, OfGroup)] = &[
     ("f620", maximum_force::figure),
     ("rest", rest::figure),
-    (ISOBARS, isobars::figure),
+    ("isobars", isobars::figure),
     ("curves", models_at_lengths::figure),
     ("models", error_by_model::figure),
     ("predicted", predicted::figure),

@@ -29,7 +29,7 @@ pub fn figure(group: &GroupInput, _config: &Config) -> Option<(String, Figure)> 
         "Measured against predicted force, {}",
         group.fit.group.campaign
     );
-    let figure = Figure::new(&title, DOUBLE_MM, 82.0)
+    let figure = Figure::new(&title, DOUBLE_MM, 60.0)
         .grid(2)
         .shared_legend()
         .with(clouds.on(agreement, |point| point))

@@ -22,7 +22,7 @@ pub fn figure(group: &GroupInput, config: &Config) -> Option<(String, Figure)> {
         "Force at resting length and contraction at 620 kPa, {}",
         group.fit.group.campaign
     );
-    let mut figure = Figure::new(&title, DOUBLE_MM, 74.0).grid(2).shared_legend();
+    let mut figure = Figure::new(&title, DOUBLE_MM, 58.0).grid(2).shared_legend();
     let (mut letter, mut caption) = ("", String::new());
     if let Some(isoclines) = &isoclines {
         figure = figure.with(isoclines.panel());

@@ -19,7 +19,7 @@ const LABEL_GAP_MM: f64 = 1.6;
 /// How far labels and headings may reach beyond their panel, in millimetres.
 const BESIDE_MM: f64 = 10.0;
 /// Widest name of a tick, as a part of the panel's width: a longer one would leave no room for the data.
-const WIDEST_NAME: f64 = 0.4;
+const WIDEST_NAME: f64 = 0.5;
 /// Names of ticks below a panel take at least so much room, in millimetres, and have so much between them.
 const NAME_WIDTH_MM: f64 = 9.0;
 const NAME_GAP_MM: f64 = 1.5;

@@ -18,10 +18,12 @@ const THIN: &str = "0.3pt";
 const TEXT_EM: f64 = 55.0;
 const LETTER_EM: f64 = 0.44;
 const GUTTER_EM: f64 = 1.1;
+/// The same where a table would not fit otherwise.
+const NARROW_GUTTER_EM: f64 = 0.75;
 /// How much smaller than others a wide table may be set: 8 points in place of 9.
 const SMALLEST: f64 = 0.89;
 /// Rows from which on a table breaks across pages instead of floating.
-const LONG: usize = 30;
+pub const LONG: usize = 30;
 
 impl Renderer for Typst {
     fn extension(&self) -> &'static str {
@@ -47,7 +49,12 @@ impl Renderer for Typst {
             "    set text(number-type: \"lining\", number-width: \"tabular\")".into(),
             "    set block(above: 0.7em, below: 0.7em)".into(),
         ]);
-        let fits = fits(&printed);
+        let widely = fits(&printed, GUTTER_EM);
+        let (gutter, fits) = if widely < SMALLEST {
+            (NARROW_GUTTER_EM, fits(&printed, NARROW_GUTTER_EM))
+        } else {
+            (GUTTER_EM, widely)
+        };
         let size = fits.clamp(SMALLEST, 1.0);
         if size < 1.0 {
             lines.push(format!("    show table: set text(size: {size:.2}em)"));
@@ -56,9 +63,7 @@ impl Renderer for Typst {
             "    table(".into(),
             format!("      columns: {},", printed.heads.len()),
             format!("      align: ({},),", aligns.join(", ")),
-            format!(
-                "      stroke: none, inset: (x: 0pt, y: 0.34em), column-gutter: {GUTTER_EM}em,"
-            ),
+            format!("      stroke: none, inset: (x: 0pt, y: 0.34em), column-gutter: {gutter}em,"),
             format!("      table.hline(stroke: {HEAVY}),"),
         ]);
         lines.extend(header(&printed));
@@ -77,7 +82,7 @@ impl Renderer for Typst {
 
 /// The size of the letters at which the table keeps its cells on one line. An estimate from the number of letters, since
 /// Typst's own measure would lay out every table twice.
-fn fits(printed: &PrintedTable) -> f64 {
+fn fits(printed: &PrintedTable, gutter: f64) -> f64 {
     let widest = |k: usize| {
         let cells = printed.rows.iter().map(|row| letters(&row[k]));
         let heading = rich_letters(&printed.heads[k].heading);
@@ -85,7 +90,7 @@ fn fits(printed: &PrintedTable) -> f64 {
     };
     let columns = printed.heads.len();
     let letters: f64 = (0..columns).map(widest).sum();
-    let width = LETTER_EM * letters + GUTTER_EM * columns.saturating_sub(1) as f64;
+    let width = LETTER_EM * letters + gutter * columns.saturating_sub(1) as f64;
     TEXT_EM / width
 }
 

@@ -37,7 +37,7 @@ struct On<'a> {
 /// On all rows, and on both sides of the split by row.
 #[rustfmt::skip]
 pub fn statistics(groups: &[GroupInput]) -> Table {
-    Described::<On>::new("statistics", "Two sets of statistics: of the residuals themselves, and as a robust LAR fit prints them")
+    Described::<On>::new("statistics", "Statistics of the residuals, and as MATLAB prints them for a fit by least absolute residuals (LAR)")
         .group(|r| &r.group.fit.group)
         .equation(|r| &r.equation.id).once()
         .text("split", "Rows", |r| r.rows)
@@ -49,10 +49,10 @@ pub fn statistics(groups: &[GroupInput]) -> Table {
         .number("lar_rmse", "RMSE", One, Digits(4), |r| r.lar.map(|l| l.rmse))
         .number("lar_max_abs_error", "Max. error", One, Digits(3), |r| r.lar.map(|l| l.max_abs_error))
         .text("unit", "Unit", |r| &r.equation.unit)
-        .span("Honest", "adj_r2", "max_abs_error")
-        .span("LAR-compatible", "lar_adj_r2", "lar_max_abs_error")
+        .span("Residuals", "adj_r2", "max_abs_error")
+        .span("LAR print", "lar_adj_r2", "lar_max_abs_error")
         .note(
-            "The right-hand set is for comparison with the papers and is used nowhere else: its RMSE is a mixed scale, at \
+            "\\v{LAR print}, the right-hand set, is for comparison with the papers and is used nowhere else: its RMSE is a mixed scale, at \
              least \\v{s} \\v{p}/√(\\v{p}^2 + \\v{n}) \
              of the ordinary fit's \\v{s}, not a root mean square. Validation rows are the fifth of each session's rows that the split by \
              row kept out of the fit.",

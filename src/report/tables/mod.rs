@@ -6,6 +6,7 @@ use crate::figures::slug;
 use crate::input::{GroupInput, ReportInput};
 use crate::symbols;
 use crate::table::{Audience, Table};
+use crate::wording::name::uncapitalised;
 use crate::wording::number::error_rounding;
 use pipeline_base::group::Group;
 use pipeline_findings::CampaignFindings;
@@ -64,6 +65,20 @@ tables! {
     provenance: Report[provenance],
 }
 
+/// Tables that people read in another arrangement than programs, by id, and what is printed in their place.
+const IN_PRINT: [(&str, Of); 4] = [
+    ("table1", Of::Groups(paper::table1_in_print)),
+    ("table2", Of::Groups(paper::table2_in_print)),
+    ("intervals", Of::Groups(coefficients::intervals_in_print)),
+    ("knee_found", Of::Torque(knee::joints::found_in_print)),
+];
+
+/// What is printed of a table of everything there is.
+pub fn in_print(data: &Table, input: &ReportInput) -> Table {
+    let other = IN_PRINT.iter().find(|(id, _)| *id == data.id);
+    other.map_or_else(|| data.clone(), |(_, of)| of.all(input))
+}
+
 mod audit;
 pub mod knee;
 pub mod meanings;
@@ -88,8 +103,11 @@ pub fn supplementary(input: &ReportInput) -> [Table; 4] {
 
 /// The tables that the pages show of one group, named after it.
 pub fn of_group(group: &GroupInput) -> impl Iterator<Item = Table> {
-    let shown: [fn(&[GroupInput]) -> Table; 3] =
-        [paper::table1, paper::table2, comparison::models_in_print];
+    let shown: [fn(&[GroupInput]) -> Table; 3] = [
+        paper::table1_in_print,
+        paper::table2_in_print,
+        comparison::models_in_print,
+    ];
     of_one(shown, group, (slug(group), group_name(group)))
 }
 
@@ -104,7 +122,7 @@ pub fn supplementary_of_group(group: &GroupInput) -> impl Iterator<Item = Table>
     let shown: [fn(&[GroupInput]) -> Table; 5] = [
         specimens::specimens,
         coefficients::coefficients,
-        coefficients::intervals,
+        coefficients::intervals_in_print,
         goodness::statistics,
         comparison::by_length,
     ];
@@ -122,13 +140,6 @@ fn of_one<T, const N: usize>(
         table.caption = format!("{name}: {}", uncapitalised(&table.caption));
         table.named(&file)
     })
-}
-
-/// A caption that goes on behind a colon.
-fn uncapitalised(caption: &str) -> String {
-    let mut letters = caption.chars();
-    let first = letters.next().map(char::to_lowercase);
-    first.into_iter().flatten().chain(letters).collect()
 }
 
 impl<'a, R: Copy + 'a> Described<'a, R> {

@@ -387,6 +387,38 @@ pub fn split(id: &str) -> &str {
     }
 }
 
+/// A robust loss as a sentence calls it, by the name that the configuration has for it.
+pub fn loss(id: &str) -> &str {
+    match id {
+        "huber" => "Huber's robust loss",
+        "least_squares" => "ordinary least squares",
+        "lar" => "least absolute residuals",
+        "bisquare" => "Tukey's bisquare loss",
+        "cauchy" => "Cauchy's loss",
+        other => other,
+    }
+}
+
+/// A set of statistics or a method of intervals in a table, by the name that data files have for it.
+pub fn statistics(id: &str) -> &str {
+    match id {
+        "honest" => "residuals",
+        "LAR-compatible" => "LAR\u{a0}print",
+        other => other,
+    }
+}
+
+/// A human muscle by its name in OpenSim's models.
+pub fn muscle(id: &str) -> &str {
+    match id {
+        "bifemsh" => "biceps femoris, short head",
+        "vas_int" => "vastus intermedius",
+        "vas_lat" => "vastus lateralis",
+        "vas_med" => "vastus medialis",
+        other => other,
+    }
+}
+
 /// Words as a sentence lists them: `a, b and c`.
 pub fn listed<S: AsRef<str>>(words: &[S]) -> String {
     let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
@@ -416,4 +448,11 @@ pub fn capitalised(text: &str) -> String {
     letters.next().map_or_else(String::new, |first| {
         first.to_uppercase().chain(letters).collect()
     })
+}
+
+/// A text that goes on behind a colon.
+pub fn uncapitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(char::to_lowercase);
+    first.into_iter().flatten().chain(letters).collect()
 }

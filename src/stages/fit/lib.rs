@@ -222,7 +222,7 @@ fn held_in_folds(equations: &[EquationFit]) -> Option<String> {
     let names: Vec<&str> = held.into_iter().collect();
     Some(format!(
         "Without one of its specimens the others do not determine {}, which is held at its published value there, so that the error on \
-         specimens that were not seen (loso) is not of this campaign alone",
+         specimens that were not seen is not of this campaign alone",
         names.join(", ")
     ))
 }

@@ -9,7 +9,7 @@ use pipeline_torque::diagnose::fittings::LAWS;
 use pipeline_torque::point::Point;
 use pipeline_torque::{CampaignTorque, Configuration, Test};
 
-const HEIGHT_MM: f64 = 104.0;
+const HEIGHT_MM: f64 = 100.0;
 /// Dashes of the pressures, where there are several: as stated, and as fitted.
 const BY_PRESSURE: [(Dash, Dash); 3] = [
     (Dash::Dashed, Dash::Solid),
@@ -203,8 +203,8 @@ impl Plot<'_> {
         let solid = Stroke::new(Ink::Black, Dash::Solid);
         let dotted = Stroke::new(Ink::Orange, Dash::Dotted);
         panel = panel
-            .with(Series::line("−dL/dθ (Eq. 2)", slope, solid))
-            .with(Series::line("projection (Eq. 3)", projected, dotted));
+            .with(Series::line("arm, virtual work", slope, solid))
+            .with(Series::line("arm, projection", projected, dotted));
         let hand = self.marks(|p| p.by_hand.arm_m.map(|r| 1e3 * r));
         hand.into_iter().fold(panel, Panel::with)
     }

@@ -11,7 +11,7 @@ use pipeline_torque::reference::human::Compares;
 
 /// Name of its files.
 pub const NAME: &str = "knee-design";
-const HEIGHT_MM: f64 = 84.0;
+const HEIGHT_MM: f64 = 66.0;
 /// Every so manieth row of an export is marked.
 const EVERY: usize = 6;
 

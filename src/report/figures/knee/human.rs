@@ -4,12 +4,13 @@ use super::angle_axis;
 use crate::figures::Named;
 use crate::figures::formatting::{number, plain};
 use crate::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Mark, Panel, Series, Shape, Stroke};
+use crate::wording::name::muscle;
 use pipeline_torque::reference::Reference;
 use pipeline_torque::reference::human::{Compared, Compares, TARGET};
 
 /// Name of its files.
 pub const NAME: &str = "knee-human";
-const HEIGHT_MM: f64 = 112.0;
+const HEIGHT_MM: f64 = 100.0;
 /// Every so manieth row of an export is marked.
 const EVERY: usize = 6;
 
@@ -23,7 +24,7 @@ pub fn figure(reference: &Reference) -> Named {
     let title = "Human muscles against OpenSim";
     let panels = [
         panel(
-            "Bifemsh, moment arm",
+            "Biceps femoris, moment arm",
             of(Compares::Arm, false).filter(flexor),
         ),
         panel(
@@ -70,7 +71,7 @@ fn panel<'a>(title: &str, compared: impl Iterator<Item = &'a Compared>) -> Panel
         let line = (0..h.rows.len()).map(|k| at(k, h.rows[k].1)).collect();
         let marks = (0..h.rows.len()).step_by(EVERY);
         let marks = marks.map(|k| at(k, h.rows[k].2)).collect();
-        let name = plain(&h.muscle);
+        let name = plain(muscle(&h.muscle));
         let mark = Mark::open(shape, ink).wide(1.2);
         panel = panel
             .with(Series::line(&name, line, Stroke::new(ink, dash)))

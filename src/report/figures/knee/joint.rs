@@ -2,14 +2,15 @@
 
 use super::{angle_axis, configuration, over_angle};
 use crate::figures::Named;
-use crate::figures::formatting::largest;
+use crate::figures::formatting::{largest, listed};
 use crate::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Panel, SINGLE_MM, Series, Stroke};
 use pipeline_base::names::file_name;
 use pipeline_torque::diagnose::JointDiagnosis;
 use pipeline_torque::diagnose::curves::BeforeAfter;
 use pipeline_torque::{CampaignTorque, Configuration};
+use std::collections::BTreeSet;
 
-const ROW_MM: f64 = 54.0;
+const ROW_MM: f64 = 46.0;
 const LEGEND_MM: f64 = 12.0;
 
 /// Panels beyond these are left out, so that the figure fits on a page with its caption.
@@ -73,6 +74,8 @@ pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
     let width = if columns == 1 { SINGLE_MM } else { DOUBLE_MM };
     let empty = Figure::new(&title, width, height);
     let figure = panels.fold(empty, Figure::with);
+    let mut figure = figure.grid(columns).shared_legend();
+    figure.lettered = shown.len() > 1;
     let simulated = if campaign.simulated {
         "Simulated. "
     } else {
@@ -81,12 +84,35 @@ pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
     Named {
         name: name(campaign, joint),
         caption: format!(
-            "{simulated}{}, {} mm: measured torque (marks, one type per test; crosses are not fitted), the rigid leg and the leg with the effects \
-             found{held_out}.{others}",
+            "{simulated}{}, {} mm: measured torque (marks, one type per test; crosses are not fitted), the rigid leg with the published \
+             law, and the leg with the effects found{held_out}. {}{others}",
             configuration::capitalised(part),
-            found.diameter_mm
+            found.diameter_mm,
+            pressures(joint)
         ),
-        figure: figure.grid(columns).shared_legend(),
+        figure,
+    }
+}
+
+/// At which gauge pressures the curves are.
+fn pressures(joint: &JointDiagnosis) -> String {
+    let all = joint.curves.iter().map(|b| b.pressure_kpa.round() as i64);
+    let all: BTreeSet<i64> = all.collect();
+    let per_configuration = joint.curves.iter().map(|b| {
+        let same = |o: &&BeforeAfter| o.configuration == b.configuration;
+        joint.curves.iter().filter(same).count()
+    });
+    let words: Vec<String> = all.iter().map(i64::to_string).collect();
+    match (&words[..], per_configuration.max()) {
+        ([], _) => String::new(),
+        ([only], _) => format!("Curves: {only} kPa gauge."),
+        ([low, .., high], None | Some(0 | 1)) => {
+            format!("Curves: at the pressure of the tests, {low} to {high} kPa gauge.")
+        }
+        (several, _) => format!(
+            "Curves: {} kPa gauge, the torque the larger the higher the pressure.",
+            listed(several)
+        ),
     }
 }
 
@@ -122,7 +148,12 @@ fn panel(joint: &JointDiagnosis, c: &Configuration) -> Panel {
         .with(Layer::zero());
     for b in curves {
         for (name, torques, ink, dash) in [
-            ("rigid", &b.rigid, Ink::Black, Dash::Dashed),
+            (
+                "rigid leg, published law",
+                &b.rigid,
+                Ink::Black,
+                Dash::Dashed,
+            ),
             ("with the effects found", &b.after, Ink::Sky, Dash::Solid),
             (
                 "found without the actuator",

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 /// Name of its files.
 pub const NAME: &str = "knee-maximum-force";
-const HEIGHT_MM: f64 = 76.0;
+const HEIGHT_MM: f64 = 62.0;
 /// Isobars, kPa.
 const ISOBARS_KPA: [f64; 4] = [620.0, 450.0, 300.0, 150.0];
 /// Longest resting length drawn, mm.
@@ -47,7 +47,7 @@ fn force(input: &ReportInput) -> Panel {
     .legend(Legend::Above);
     let eq7 = line(&|l| new::f620(of("F_inf 2/pi"), of("b2"), offset, l));
     let stroke = Stroke::new(Ink::Black, Dash::Dotted);
-    panel = panel.with(Series::line("Eq. 7, 620 kPa", eq7, stroke));
+    panel = panel.with(Series::line("paper Eq. 7, 620 kPa", eq7, stroke));
     for (n, pressure) in ISOBARS_KPA.into_iter().enumerate() {
         let (ink, _, dash) = look(n);
         let curve = line(&|l| new::fmax(of("a1"), of("a2"), offset, l, pressure));

@@ -11,7 +11,7 @@ use pipeline_mechanics::models::{ForceModel, State, festo_tool::FestoTool, knee_
 
 /// Name of its files.
 pub const NAME: &str = "knee-surfaces";
-const HEIGHT_MM: f64 = 78.0;
+const HEIGHT_MM: f64 = 62.0;
 /// Isobars, kPa.
 const ISOBARS_KPA: [f64; 4] = [600.0, 400.0, 300.0, 200.0];
 /// Contraction at 620 kPa of the manufacturer's larger actuators.

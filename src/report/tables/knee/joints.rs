@@ -6,7 +6,7 @@ use crate::described::*;
 use crate::tables::findings::size;
 use crate::wording::name::{effect_with_form, verdict, verdict_id};
 use crate::wording::number::unit;
-use pipeline_findings::{CampaignFindings, EffectFinding};
+use pipeline_findings::{CampaignFindings, EffectFinding, Parameter};
 use pipeline_torque::CampaignTorque;
 use pipeline_torque::diagnose::JointDiagnosis;
 use pipeline_torque::diagnose::measurers::{ByHand, Reached};
@@ -43,6 +43,59 @@ pub fn found(campaigns: &[CampaignTorque]) -> Table {
         .text("class", "Alias set", |(_, e)| e.map(|e| e.class.join(" "))).machines()
         .note("\\v{p}: probability of a candidate as strong as this anywhere. RMS: of what it does to the torques.")
         .blocks(joints(campaigns).map(|j| rows(&j.findings)))
+}
+
+/// One size of an effect: which of how many.
+type Sized<'a> = (&'a CampaignFindings, Option<(&'a EffectFinding, usize)>);
+
+/// The same for people: one row a size, so that a shift in two directions has both.
+#[rustfmt::skip]
+pub fn found_in_print(campaigns: &[CampaignTorque]) -> Table {
+    let estimate = |row| size(parameter(row));
+    Described::<Sized>::new("knee_found", "Effects found by the loop, joint by joint")
+        .text("campaign", "Campaign", |(f, _)| &f.campaign).machines()
+        .text("joint", "Joint", |(f, _)| format!("{}, {} mm", joint(f), f.diameter_mm)).once()
+        .text("found", "Found", |row| match row.1 {
+            None => Some(verdict(row.0.verdict).to_owned()),
+            Some(_) => first(row).map(|e| effect_with_form(&e.id, &e.form)),
+        })
+        .symbol("direction", "", |(_, e)| e.map_or_else(String::new, direction))
+        .value("size", "Value", One, estimate)
+        .interval("interval", "95% interval", One, estimate)
+        .text("unit", "Unit", |row| Some(unit(&parameter(row)?.unit)))
+        .number("stiffness_n_m", "1/\\v{C}", NPerM, Digits(2), |row| finite(first(row).and_then(stiffness)))
+        .number("p_familywise", "\\v{p}", One, Digits(2), |row| finite(first(row).map(|e| e.p_familywise)))
+        .number("rms_nm", "RMS", Nm, Decimals(2), |row| finite(first(row).map(|e| e.rms)))
+        .note(
+            "\\v{p}: probability of a candidate as strong as this anywhere. RMS: of what it does to the torques. \\v{x} and \\v{y}: of a shift, in \
+             the frame of the bone that it is on.",
+        )
+        .blocks(joints(campaigns).map(|j| sizes(&j.findings)))
+}
+
+fn parameter<'a>((_, effect): Sized<'a>) -> Option<&'a Parameter> {
+    effect.and_then(|(e, k)| e.parameters.get(k))
+}
+
+/// The effect, in the row of its first size.
+fn first<'a>((_, effect): Sized<'a>) -> Option<&'a EffectFinding> {
+    effect.and_then(|(e, k)| (k == 0).then_some(e))
+}
+
+/// Which of several sizes this is; nothing for an effect with one.
+fn direction((effect, k): (&EffectFinding, usize)) -> String {
+    let name = effect.parameters.get(k).map(|p| p.name.replace('_', "\\_"));
+    let name = name.filter(|_| effect.parameters.len() > 1);
+    name.map_or_else(String::new, |name| format!("\\v{{{name}}}"))
+}
+
+fn sizes(found: &CampaignFindings) -> Vec<Sized<'_>> {
+    let mut sizes = Vec::new();
+    for (found, effect) in rows(found) {
+        let count = effect.map_or(1, |e| e.parameters.len().max(1));
+        sizes.extend((0..count).map(|k| (found, effect.map(|e| (e, k)))));
+    }
+    sizes
 }
 
 fn joint(found: &CampaignFindings) -> &str {
@@ -159,4 +212,33 @@ pub fn by_hand(campaigns: &[CampaignTorque]) -> Table {
              that neither effects nor sizes are based on the actuator.",
         )
         .rows(joints(campaigns).flat_map(|j| j.by_hand.iter().map(|b| (&j.findings, b))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wording::tests::example;
+
+    #[test]
+    fn a_shift_in_two_directions_has_two_rows() {
+        let mut found = example();
+        found.effects.truncate(1);
+        let effect = &mut found.effects[0];
+        let mut x = effect.parameters[0].clone();
+        x.name = "x".to_owned();
+        let y = Parameter {
+            name: "y".to_owned(),
+            ..x.clone()
+        };
+        effect.parameters = vec![x, y];
+        let rows = sizes(&found);
+        let directions: Vec<String> = rows
+            .iter()
+            .map(|r| r.1.map_or_else(String::new, direction))
+            .collect();
+        assert_eq!(directions, ["\\v{x}", "\\v{y}"]);
+        assert!(first(rows[0]).is_some() && first(rows[1]).is_none());
+        found.effects.clear();
+        assert_eq!(sizes(&found).len(), 1);
+    }
 }

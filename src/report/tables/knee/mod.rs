@@ -18,7 +18,8 @@ tables! {
 
 /// The tables that the pages show for one campaign, named after it.
 pub fn of_campaign(campaign: &CampaignTorque) -> impl Iterator<Item = Table> {
-    let shown: [fn(&[CampaignTorque]) -> Table; 3] = [tests::tests, joints::found, joints::by_hand];
+    let shown: [fn(&[CampaignTorque]) -> Table; 3] =
+        [tests::tests, joints::found_in_print, joints::by_hand];
     super::of_one(shown, campaign, names(campaign))
 }
 
