@@ -12,6 +12,7 @@ use pipeline::base::random::Stream;
 use pipeline::base::row::Row;
 use pipeline::config::FitOptions;
 use pipeline::effects;
+use pipeline::inference::decisions;
 use pipeline::inference::fit::Setting;
 use pipeline::inference::problem::Problem;
 use pipeline::inference::search::{Decision, Search};
@@ -20,7 +21,7 @@ use pipeline::simulate::rig_like::{Family, Scatter, Settings, campaign};
 use pipeline::stages::diagnose::base::Base;
 use pipeline::stages::diagnose::data::Data;
 use pipeline::stages::diagnose::library::{self, What};
-use pipeline::stages::diagnose::{settings, suited};
+use pipeline::stages::diagnose::suited;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
@@ -64,7 +65,7 @@ fn main() {
                 outcome
             })
             .collect();
-        let screened = outcomes.iter().filter(|o| o.screened < settings::LEVEL);
+        let screened = outcomes.iter().filter(|o| o.screened < decisions::LEVEL);
         let found = outcomes.iter().filter(|o| o.found);
         println!(
             "| {specimens} | {count} | {} | {} |",
@@ -87,9 +88,9 @@ fn tried(seed: u64, settings: &Settings, redrawn: bool) -> Outcome {
     let (problem, null) = suited(&base, &data, &library, &BTreeSet::new());
     let setting = Setting::new(&problem);
     let decision = Decision {
-        level: settings::LEVEL,
+        level: decisions::LEVEL,
         draws: 199,
-        alike: settings::ALIKE,
+        alike: decisions::ALIKE,
         most_terms: 5,
         thorough: true,
     };

@@ -33,7 +33,7 @@
 //! | [`cache`] | keys, objects by content, reasons for a rerun, what may go ([`cache::collect`]) | |
 //! | [`formats`] | `session.toml`, logs, finding sessions | a log format: one file, one line in `formats/lib.rs` |
 //! | [`models`] | one file a force model: pure equations, published coefficients, domain | one file, one line in `models/mod.rs` |
-//! | [`effects`] | one file an effect: what a force model or a rig may lack, as an operator on the forward model | one file, one line in `effects/mod.rs` |
+//! | [`effects`] | the one registry, a file an effect: what a force model, a rig or a joint may lack, with its operator on the force | one file, one line in `effects/mod.rs`; torque, simulator: `docs/effects.md` |
 //! | [`numerics`] | least squares, robust losses, statistics, plateaus: slices in, vectors out | |
 //! | [`knee`] | joints, routes, moment arms, torque of actuators and of human muscles | a knee: one TOML file |
 //! | [`inference`] | one mixed model and what is asked of it; knows neither force nor torque (a crate of its own) | |

@@ -271,7 +271,7 @@ fn main() {
                     tried += 1;
                     limits.push(limit.smallest);
                     let mut sizes = [0.0; SIZES];
-                    sizes[form.place] = size;
+                    sizes[form.first] = size;
                     let f = findings(route, &sizes, by_hand, 1000 + seed);
                     exact += usize::from(is_exact(&f, form.id));
                     with += usize::from(

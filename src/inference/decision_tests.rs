@@ -5,6 +5,7 @@
 //! constant, numbers 4, 8 and 12 differ between groups only (their variance is 1 + 4 x 1 = 5), all others within groups only (their variance is 1).
 //! A term along a unit vector u within groups therefore has the likelihood ratio (u'y)^2, the estimate u'y and the standard error 1.
 
+use crate::decisions::IDENTIFIABLE;
 use crate::fit::{Fitted, Setting};
 use crate::form::{Answer, Bootstrap, GRID, answers};
 use crate::heldout::Unseen;
@@ -12,7 +13,7 @@ use crate::power::{Power, strength};
 use crate::problem::{Coefficient, Component, Direction, Linearised, Point, Problem, Term};
 use crate::profile::{Profile, profile};
 use crate::query;
-use crate::screen::{IDENTIFIABLE, Normal, Screen};
+use crate::screen::{Normal, Screen};
 use crate::search::{Decision, Found, Search};
 use crate::statistic::{deviate, likelihood_ratio};
 use crate::system::Factor;

@@ -72,7 +72,7 @@ const ALTERNATES: usize = 3;
 /// After so many iterations steps are halved: readings that go slack and taut again in turn make the iteration alternate.
 const DAMPED_AFTER: usize = 8;
 /// Shortest part of a step that is tried.
-const SHORTEST: f64 = 1.0 / 256.0;
+pub(crate) const SHORTEST: f64 = 1.0 / 256.0;
 
 /// A problem, and the part of it that is fitted.
 #[derive(Clone)]

@@ -16,9 +16,10 @@
 //! What u is, is answered with tau averaged over its likelihood (a flat prior; Gelman, Bayesian Analysis 1 (2006) 515): at the maximum alone,
 //! which is often 0, a size that is hardly known would look like one that is known not to change.
 
+use crate::decisions::IDENTIFIABLE;
 use crate::fit::{Fitted, Setting};
 use crate::gram::{Design, Gram, Square};
-use crate::screen::{IDENTIFIABLE, Normal, draw};
+use crate::screen::{BATCH, Normal, draw};
 use crate::statistic::{deviate, is_decided, upper_tail};
 use crate::system::{Factor, Likelihood, Panel, Variances};
 use crate::tree::Block;
@@ -26,8 +27,6 @@ use crate::variance::{Effort, Maximum, Prior, Scale};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Draws that are made at once.
-const BATCH: usize = 40;
 /// Where the likelihood of tau is taken, as multiples of its estimate, or of the value that is as large as what is not known of u.
 pub(crate) const GRID: [f64; 10] = [0.0, 0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
 

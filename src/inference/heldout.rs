@@ -3,7 +3,7 @@
 //! Coefficients, amplitudes and common columns enter with their posterior mean and covariance given the readings that were fitted; random
 //! effects below the root as their components have them. The restricted likelihood gives the variances.
 
-use crate::fit::{Fitted, Setting, Shown};
+use crate::fit::{Fitted, SHORTEST, Setting, Shown};
 use crate::gram::{Design, Square};
 use crate::problem::Point;
 use crate::system::{Estimates, Factor, Likelihood, Variances, add_times, dot};
@@ -13,8 +13,6 @@ use std::sync::Arc;
 
 /// Most steps by which the mode of a group's random effects is found.
 const MOST_STEPS: usize = 12;
-/// Shortest part of a step that is tried.
-const SHORTEST: f64 = 1.0 / 256.0;
 /// Standard deviations by which starts are off, besides those from nothing.
 const AWAY: [f64; 2] = [-2.0, 2.0];
 /// A step by which the penalised sum of squares falls by less is the last.

@@ -7,6 +7,7 @@
 //!
 //! | module | idea |
 //! |---|---|
+//! | [`decisions`] | the numbers that decide what is answered |
 //! | [`problem`] | what a problem tells the engine: readings with their groups, forward model with derivatives, components, terms |
 //! | [`tree`], [`gram`], [`system`] | the hierarchy of groups, sums of products, and the factor from which likelihood, gradient, estimates and projections follow |
 //! | [`variance`] | maximum of the likelihood over the standard deviations |
@@ -28,6 +29,7 @@
 
 #[cfg(test)]
 mod decision_tests;
+pub mod decisions;
 #[cfg(test)]
 mod dense_tests;
 pub mod fit;

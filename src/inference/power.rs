@@ -8,6 +8,7 @@
 //! The coefficients of a nonlinear law take up more than its tangent says. [`strength`] puts a term into the readings and fits the model without
 //! it again.
 
+use crate::decisions::POWER_80;
 use crate::fit::{Fitted, Setting};
 use crate::problem::{Coefficient, Component, Direction, Linearised, Point, Problem, Term};
 use crate::system::{Likelihood, dot};
@@ -16,8 +17,6 @@ use crate::variance::{Maximiser, Scale};
 use pipeline_numerics::cholesky::Cholesky;
 use pipeline_numerics::matrix::Matrix;
 
-/// Normal deviate of a power of 80%.
-const POWER: f64 = 0.841_621_233_572_914;
 /// Step of a logarithm by which curvatures are differences of slopes.
 const STEP: f64 = 1e-3;
 
@@ -160,7 +159,7 @@ impl Problem for Altered<'_> {
 
 /// How many standard errors a term must show to be found with a probability of 80%, where likelihood ratios from `ratio` on are accepted.
 pub fn wanted(ratio: f64) -> f64 {
-    ratio.sqrt() + POWER
+    ratio.sqrt() + POWER_80
 }
 
 /// Size of a direction that is found with a probability of 80% where the variances are known.

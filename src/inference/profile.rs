@@ -5,6 +5,7 @@
 //! fitted model (Bartlett's correction by simulation; Rocke, JASA 84 (1989) 597): with a handful of groups it is wider. In the draws the model is
 //! linear.
 
+use crate::decisions::FALL_95;
 use crate::fit::{Fitted, Free, Setting};
 use crate::gram::{Design, Gram};
 use crate::screen::{Normal, draw};
@@ -25,8 +26,6 @@ pub struct Profile {
     pub points: Vec<(f64, f64)>,
 }
 
-/// Upper 5% point of chi-squared with one degree.
-const CHI_SQUARED: f64 = 3.841_458_820_694_124;
 /// How hard the variances are looked for in draws.
 const EFFORT: Effort = Effort {
     evaluations: 20,
@@ -61,7 +60,7 @@ pub fn profile(
     let along = Along::new(setting, model, term, value, place)?;
     let estimate = model.values(term)?[value];
     let (low, high) = setting.problem.terms()[term].bounds[value];
-    let cut = -0.5 * CHI_SQUARED * along.stretch(normal);
+    let cut = -FALL_95 * along.stretch(normal);
     let side = |sign: f64| -> (Vec<(f64, f64)>, Option<f64>) {
         let steps = STEPS
             .iter()

@@ -1,13 +1,12 @@
 //! Small questions to a fitted model, whatever the problem is about.
 
+use crate::decisions::FALL_95;
 use crate::fit::{Fitted, Setting};
 use crate::search::Found;
 use crate::statistic::deviate;
 use crate::system::{Factor, Likelihood, Variances};
 use crate::variance::{Effort, Prior};
 
-/// Half of the 95% point of chi-squared with one degree: by so much the log-likelihood falls at the ends of an interval.
-const CUT: f64 = 1.920_729_410_347_062;
 /// Step of the standard deviation by which the ends are looked for, as a factor.
 const STEP: f64 = 1.05;
 /// Standard deviations below this share of their usual size are none, and beyond this multiple unbounded.
@@ -44,11 +43,11 @@ pub fn interval(
     let (least, most) = (RANGE.0 * usual, RANGE.1 * usual);
     let best = at(sd);
     let mut high = sd.max(least);
-    while at(high) > best - CUT && high < most {
+    while at(high) > best - FALL_95 && high < most {
         high *= STEP;
     }
     let mut low = sd;
-    while low > least && at(low) > best - CUT {
+    while low > least && at(low) > best - FALL_95 {
         low /= STEP;
     }
     (
@@ -57,7 +56,7 @@ pub fn interval(
     )
 }
 
-/// Whether a standard deviation that is taken as known is too small: the restricted likelihood rises by [`CUT`] for a larger one.
+/// Whether a standard deviation that is taken as known is too small: the restricted likelihood rises by [`FALL_95`] for a larger one.
 pub fn is_too_small(
     setting: &Setting,
     model: &Fitted,
@@ -72,7 +71,7 @@ pub fn is_too_small(
         maximiser.value(&model.gram, &v)
     };
     let known = at(1.0);
-    LARGER.iter().any(|f| at(*f) > known + CUT)
+    LARGER.iter().any(|f| at(*f) > known + FALL_95)
 }
 
 /// Gain in restricted log-likelihood over a model without a component, the other variances estimated again.

@@ -4,6 +4,7 @@
 //! variances estimated again: an effect that acts between groups is otherwise hidden by the scatter that it inflates. The maximum over
 //! all candidates is compared with that of draws from the fitted null, for each of which the same is done.
 
+use crate::decisions::IDENTIFIABLE;
 use crate::fit::{Fitted, Setting};
 use crate::gram::{Gram, Square};
 use crate::problem::Direction;
@@ -13,13 +14,11 @@ use crate::variance::Effort;
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
-/// Least share of a whitened sensitivity that the fixed effects must leave.
-pub const IDENTIFIABLE: f64 = 0.01;
 /// How many of the strongest directions get their variances estimated again.
 const REFINED: usize = 4;
 
 /// Draws that are made at once where a decision may need fewer than all.
-const BATCH: usize = 40;
+pub(crate) const BATCH: usize = 40;
 
 /// A source of standard normal numbers for a draw.
 pub type Normal<'n> = dyn Fn(usize) -> Box<dyn FnMut() -> f64> + Sync + 'n;

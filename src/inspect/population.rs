@@ -486,7 +486,7 @@ fn mistakes(session: &Session, own: &[&Row], known: &Known) -> Vec<RecordingErro
             law.with(what, &values)
         });
     let data = Data::new(&rows).beside(&base);
-    let mut errors = recording::recording_errors(diameter_mm, &law, &data, settings::LEVEL);
+    let mut errors = recording::recording_errors(diameter_mm, &law, &data);
     let specimen = &first.specimen;
     errors.retain(|e| {
         e.group == session.id || e.group == *specimen || e.group.ends_with(&format!(" {specimen}"))

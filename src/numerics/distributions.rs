@@ -10,6 +10,9 @@ use std::f64::consts::{PI, SQRT_2};
 
 use super::special::{incomplete_beta, upper_incomplete_gamma};
 
+/// Two-sided 50% point of the normal distribution: the median of the size of a standard normal number.
+pub const NORMAL_50: f64 = 0.674_489_750_196_082;
+
 /// Relative error at which a quantile is final.
 const QUANTILE_TOLERANCE: f64 = 1e-15;
 const MAX_QUANTILE_STEPS: usize = 400;

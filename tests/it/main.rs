@@ -16,6 +16,7 @@ mod design;
 mod diameters;
 mod diff;
 mod documents;
+mod effects;
 mod explorer;
 mod findings_schema;
 mod finished;

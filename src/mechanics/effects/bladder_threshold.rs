@@ -2,8 +2,11 @@
 //!
 //! Above the threshold this is a zero error of the pressure sensor; only readings below it tell the two apart.
 
-use super::{Argument, Conditions, Effect, Form, Link, Parameter, Place, Subject};
+use super::{Argument, Conditions, Effect, Form, JointForm, Link, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
+
+/// Its id.
+pub const ID: &str = "bladder_threshold";
 
 /// P -> max(0, P - P_th).
 pub struct BladderThreshold;
@@ -37,9 +40,25 @@ const FORMS: &[Form] = &[
     },
 ];
 
+/// What it is about a joint.
+pub const JOINT_FORMS: &[JointForm] = &[JointForm {
+    name: "constant",
+    title: None,
+    place: Place::Input,
+    equation: "P -> max(0, P - P_th)",
+    symbols: &["P_th"],
+    unit: "kPa",
+    bounds: (0.0, 150.0),
+    usual: 60.0,
+    needs: None,
+    stands_for: &[],
+    measurement: "fill slowly at the resting length and read the pressure at which force sets in",
+    source: "pressure that stretches the bladder before the braid carries",
+}];
+
 impl Effect for BladderThreshold {
     fn id(&self) -> &'static str {
-        "bladder_threshold"
+        ID
     }
     fn title(&self) -> &'static str {
         "threshold pressure of the bladder"
@@ -49,6 +68,9 @@ impl Effect for BladderThreshold {
     }
     fn forms(&self) -> &'static [Form] {
         FORMS
+    }
+    fn joint_forms(&self) -> &'static [JointForm] {
+        JOINT_FORMS
     }
     fn measurement(&self) -> &'static str {
         "raise the pressure in steps of 5 kPa from 0 to 80 kPa at resting length and see where force begins"

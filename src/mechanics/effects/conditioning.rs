@@ -6,6 +6,9 @@ use super::{
 };
 use pipeline_numerics::real::Real;
 
+/// Its id.
+pub const ID: &str = "conditioning";
+
 /// F (1 - k (1 - exp(-N/N_0))), N cycles done; or F - h in the first filling of a set length.
 pub struct Conditioning;
 
@@ -48,7 +51,7 @@ const FORMS: &[Form] = &[
 
 impl Effect for Conditioning {
     fn id(&self) -> &'static str {
-        "conditioning"
+        ID
     }
     fn title(&self) -> &'static str {
         "change over cycles"

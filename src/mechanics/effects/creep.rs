@@ -3,6 +3,9 @@
 use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
 
+/// Its id.
+pub const ID: &str = "creep";
+
 /// F (1 + k ln(1 + t/tau)), t since the last step.
 pub struct Creep;
 
@@ -41,7 +44,7 @@ const FORMS: &[Form] = &[
 
 impl Effect for Creep {
     fn id(&self) -> &'static str {
-        "creep"
+        ID
     }
     fn title(&self) -> &'static str {
         "creep after a step"

@@ -3,6 +3,9 @@
 use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
 
+/// Its id.
+pub const ID: &str = "force_drift";
+
 /// F_meas = F + d t.
 pub struct ForceDrift;
 
@@ -37,7 +40,7 @@ const FORMS: &[Form] = &[
 
 impl Effect for ForceDrift {
     fn id(&self) -> &'static str {
-        "force_drift"
+        ID
     }
     fn title(&self) -> &'static str {
         "drift of the load cell"

@@ -3,8 +3,14 @@
 //! A gain common to all readings is taken up by b1 of the base model; it shows against a model whose coefficients are held. A gain
 //! that differs between sessions shows always, and one that differs between specimens cannot be told from their strengths.
 
-use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place, Subject};
+use super::{
+    Argument, Conditions, Effect, Form, Grouping, JointForm, Link, Parameter, Place, StandsFor,
+    Subject, misalignment, specimen_variation,
+};
 use pipeline_numerics::real::Real;
+
+/// Its id.
+pub const ID: &str = "force_gain";
 
 /// F_meas = g F.
 pub struct ForceGain;
@@ -23,9 +29,34 @@ const FORMS: &[Form] = &[Form {
     needs: &[],
 }];
 
+/// What it is about a joint.
+pub const JOINT_FORMS: &[JointForm] = &[JointForm {
+    name: "gain",
+    title: None,
+    place: Place::Actuator,
+    equation: "F = g A(l_m, P), reported is g - 1",
+    symbols: &["g - 1"],
+    unit: "1",
+    bounds: (-0.4, 0.4),
+    usual: 0.1,
+    needs: None,
+    stands_for: &[
+        StandsFor {
+            id: misalignment::ID,
+            where_negative: false,
+        },
+        StandsFor {
+            id: specimen_variation::ID,
+            where_negative: false,
+        },
+    ],
+    measurement: "measure the force of the same actuators on the isometric rig",
+    source: "force paper, scatter of the actuators' maximum force",
+}];
+
 impl Effect for ForceGain {
     fn id(&self) -> &'static str {
-        "force_gain"
+        ID
     }
     fn title(&self) -> &'static str {
         "gain of the load cell"
@@ -35,6 +66,9 @@ impl Effect for ForceGain {
     }
     fn forms(&self) -> &'static [Form] {
         FORMS
+    }
+    fn joint_forms(&self) -> &'static [JointForm] {
+        JOINT_FORMS
     }
     fn grouping(&self) -> Grouping {
         Grouping::Parts

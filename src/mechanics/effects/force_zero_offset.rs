@@ -1,7 +1,10 @@
 //! The load cell shows something without force.
 
-use super::{Conditions, Effect, Form, Grouping, Link, Need, Parameter, Place, Subject};
+use super::{Conditions, Effect, Form, Grouping, JointForm, Link, Need, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
+
+/// Its id.
+pub const ID: &str = "force_zero_offset";
 
 /// F_meas = F + z; or the zeros that were taken off were no zeros: F_meas = F - a (z_s - median z).
 pub struct ForceZeroOffset;
@@ -37,9 +40,25 @@ const FORMS: &[Form] = &[
     },
 ];
 
+/// What it is about a joint.
+pub const JOINT_FORMS: &[JointForm] = &[JointForm {
+    name: "torque",
+    title: None,
+    place: Place::Sensor,
+    equation: "M_meas = M + z",
+    symbols: &["z"],
+    unit: "N.m",
+    bounds: (-10.0, 10.0),
+    usual: 1.0,
+    needs: None,
+    stands_for: &[],
+    measurement: "log the torque at every angle with the actuator vented",
+    source: "data sheets of load cells: zero balance; weight of the leg",
+}];
+
 impl Effect for ForceZeroOffset {
     fn id(&self) -> &'static str {
-        "force_zero_offset"
+        ID
     }
     fn title(&self) -> &'static str {
         "zero of the load cell"
@@ -49,6 +68,9 @@ impl Effect for ForceZeroOffset {
     }
     fn forms(&self) -> &'static [Form] {
         FORMS
+    }
+    fn joint_forms(&self) -> &'static [JointForm] {
+        JOINT_FORMS
     }
     fn grouping(&self) -> Grouping {
         Grouping::Parts

@@ -13,6 +13,9 @@ use super::{
 use crate::models::P_620_KPA;
 use pipeline_numerics::real::Real;
 
+/// Its id.
+pub const ID: &str = "hysteresis";
+
 /// Half of the loop, with the sign of the direction.
 pub struct Hysteresis;
 
@@ -92,7 +95,7 @@ const FORMS: &[Form] = &[
 
 impl Effect for Hysteresis {
     fn id(&self) -> &'static str {
-        "hysteresis"
+        ID
     }
     fn title(&self) -> &'static str {
         "hysteresis between filling and venting"

@@ -3,8 +3,13 @@
 //! With d_r in place of d the error is in l_rest: the contraction (l_rest + d_r - l)/(l_rest + d_r) then changes nearly as by a length
 //! that is too short by d_r, so the two belong to one effect.
 
-use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place, Subject};
+use super::{
+    Argument, Conditions, Effect, Form, Grouping, JointForm, Link, Parameter, Place, Subject,
+};
 use pipeline_numerics::real::Real;
+
+/// Its id.
+pub const ID: &str = "length_offset";
 
 /// l_m = l_nominal + d.
 pub struct LengthOffset;
@@ -23,9 +28,25 @@ const FORMS: &[Form] = &[Form {
     needs: &[],
 }];
 
+/// What it is about a joint.
+pub const JOINT_FORMS: &[JointForm] = &[JointForm {
+    name: "constant",
+    title: None,
+    place: Place::Input,
+    equation: "l_m = L_MT - 2 l_fit - l_tendon - d",
+    symbols: &["d"],
+    unit: "mm",
+    bounds: (-60.0, 60.0),
+    usual: 20.0,
+    needs: None,
+    stands_for: &[],
+    measurement: "measure clamp to clamp with a caliper at every angle, loaded and unloaded",
+    source: "knee paper, fitted length of the end fittings",
+}];
+
 impl Effect for LengthOffset {
     fn id(&self) -> &'static str {
-        "length_offset"
+        ID
     }
     fn title(&self) -> &'static str {
         "offset of the length"
@@ -35,6 +56,9 @@ impl Effect for LengthOffset {
     }
     fn forms(&self) -> &'static [Form] {
         FORMS
+    }
+    fn joint_forms(&self) -> &'static [JointForm] {
+        JOINT_FORMS
     }
     fn grouping(&self) -> Grouping {
         Grouping::Parts

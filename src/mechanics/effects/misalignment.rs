@@ -3,8 +3,13 @@
 //! At first order in phi the sensitivity is 0, so the search looks for it near 10 degrees. It is a gain below one: an angle common to all
 //! readings hides in b1, one of a session or specimen is told from a gain by its sign alone.
 
-use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place, Subject};
+use super::{
+    Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place, Subject, force_gain,
+};
 use pipeline_numerics::real::Real;
+
+/// Its id.
+pub const ID: &str = "misalignment";
 
 /// F_meas = F cos(phi).
 pub struct Misalignment;
@@ -25,7 +30,7 @@ const FORMS: &[Form] = &[Form {
 
 impl Effect for Misalignment {
     fn id(&self) -> &'static str {
-        "misalignment"
+        ID
     }
     fn title(&self) -> &'static str {
         "angle between load cell and actuator"
@@ -47,6 +52,10 @@ impl Effect for Misalignment {
     }
     fn argument(&self, _form: usize) -> Option<Argument> {
         Some(Argument::Force)
+    }
+    fn joint_absorbed_by(&self) -> Option<&'static str> {
+        // A force that is not along the sensor shrinks as one of a weaker actuator.
+        Some(force_gain::ID)
     }
     fn near(&self) -> f64 {
         10.0

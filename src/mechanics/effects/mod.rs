@@ -12,18 +12,27 @@
 //! an **amplitude**, which is 0 where the effect is absent, and at most one **shape** parameter (a time constant), which means
 //! nothing while the amplitude is 0 and is therefore searched on a grid first.
 //!
-//! A new effect is one new file here and one line in the list below; search, detection limits, classes, report and documentation
-//! follow from the list. The joint's own effects (friction, kinking, wrapping) come with the knee.
+//! About a joint the same effect shows in a torque. What it is there stands in the same file ([`Effect::joint_forms`]); some effects
+//! are of a joint only.
+//!
+//! This is the one registry: what an effect is called, its equations, units, bounds, what would measure it and where it is described stand
+//! here and nowhere else. Its operator on the force is in its file, that on the torque in `stages::torque::diagnose::operator`, and the
+//! simulator's own equation in `simulate::effects`; both refer to the id that is given here.
+//!
+//! A new effect on the force is one new file here and one line in the list below; search, detection limits, classes, report and
+//! documentation follow from the list. `docs/effects.md` shows it by an example, and what a torque and the simulator take.
 //!
 //! Deliberately absent: data frames, fitting, statistics. `stages::diagnose` searches.
 
 mod chain;
 mod conditions;
+mod joint;
 #[cfg(test)]
 mod tests;
 
 pub use chain::{Actuator, Applied, force, scale};
 pub use conditions::{Argument, Conditions, Need};
+pub use joint::{JointForm, JointNeed, StandsFor};
 
 use pipeline_numerics::real::Real;
 
@@ -92,7 +101,7 @@ pub enum Grouping {
 pub enum Subject {
     /// Of the actuator: it goes with the muscle to another machine.
     Actuator,
-    /// Of the rig that measured it: sensors, frame, set-up.
+    /// Of what it was measured in: sensors, frame, set-up, joint.
     Rig,
 }
 
@@ -104,13 +113,23 @@ pub trait Effect: Sync {
     fn title(&self) -> &'static str;
     /// Of what it is: only an effect of the actuator is a part of a model that leaves the rig.
     fn subject(&self) -> Subject;
-    /// Its equations.
-    fn forms(&self) -> &'static [Form];
+    /// Its equations on the force; none of an effect of a joint.
+    fn forms(&self) -> &'static [Form] {
+        &[]
+    }
+    /// Its equations about a joint; none where it has no operator there.
+    fn joint_forms(&self) -> &'static [JointForm] {
+        &[]
+    }
+    /// Of an effect without an operator about a joint: the effect that takes it up wholly there.
+    fn joint_absorbed_by(&self) -> Option<&'static str> {
+        None
+    }
     /// On what it may act.
     fn grouping(&self) -> Grouping {
         Grouping::Whole
     }
-    /// What would measure it apart from the force.
+    /// What would measure it apart from the force, or the torque.
     fn measurement(&self) -> &'static str;
     /// Where it is described.
     fn source(&self) -> &'static str;
@@ -151,12 +170,16 @@ fn within_tension<R: Real>(change: R, tension: R, at: &Conditions) -> R {
 
 /// Declares the files and lists their effects, so that both stand in one line an effect.
 macro_rules! effects {
-    ($($file:ident :: $effect:ident,)+) => {
+    (
+        on the force: { $($file:ident :: $effect:ident,)+ }
+        of a joint only: { $($joint_file:ident :: $joint_effect:ident,)+ }
+    ) => {
         $(pub mod $file;)+
+        $(pub mod $joint_file;)+
 
-        /// Every effect, in the order in which operators at one place of the chain are applied.
+        /// Every effect: those on the force in the order in which operators at one place of the chain are applied, then those of a joint only.
         pub fn all() -> &'static [&'static dyn Effect] {
-            &[$(&$file::$effect),+]
+            &[$(&$file::$effect,)+ $(&$joint_file::$joint_effect),+]
         }
 
         /// Applies a form of the effect number `effect` of [`all`].
@@ -170,22 +193,30 @@ macro_rules! effects {
 
 // rustfmt does not follow modules declared by a macro: check them with `rustfmt --edition 2024 --check src/mechanics/effects/*.rs`.
 effects! {
-    pressure_gain::PressureGain,
-    pressure_zero_offset::PressureZeroOffset,
-    bladder_threshold::BladderThreshold,
-    length_offset::LengthOffset,
-    series_compliance::SeriesCompliance,
-    rest_length_scaling::RestLengthScaling,
-    specimen_variation::SpecimenVariation,
-    temperature::Temperature,
-    creep::Creep,
-    conditioning::Conditioning,
-    hysteresis::Hysteresis,
-    rate_dependence::RateDependence,
-    misalignment::Misalignment,
-    force_gain::ForceGain,
-    force_zero_offset::ForceZeroOffset,
-    force_drift::ForceDrift,
+    on the force: {
+        pressure_gain::PressureGain,
+        pressure_zero_offset::PressureZeroOffset,
+        bladder_threshold::BladderThreshold,
+        length_offset::LengthOffset,
+        series_compliance::SeriesCompliance,
+        rest_length_scaling::RestLengthScaling,
+        specimen_variation::SpecimenVariation,
+        temperature::Temperature,
+        creep::Creep,
+        conditioning::Conditioning,
+        hysteresis::Hysteresis,
+        rate_dependence::RateDependence,
+        misalignment::Misalignment,
+        force_gain::ForceGain,
+        force_zero_offset::ForceZeroOffset,
+        force_drift::ForceDrift,
+    }
+    of a joint only: {
+        kinking::Kinking,
+        wrapping_loss::WrappingLoss,
+        joint_friction::JointFriction,
+        attachment_shift::AttachmentShift,
+    }
 }
 
 /// The place in [`all`] of an effect.

@@ -6,6 +6,9 @@
 use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
 
+/// Its id.
+pub const ID: &str = "pressure_gain";
+
 /// P = g P_meas.
 pub struct PressureGain;
 
@@ -25,7 +28,7 @@ const FORMS: &[Form] = &[Form {
 
 impl Effect for PressureGain {
     fn id(&self) -> &'static str {
-        "pressure_gain"
+        ID
     }
     fn title(&self) -> &'static str {
         "gain of the pressure sensor"

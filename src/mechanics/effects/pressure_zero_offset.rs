@@ -1,7 +1,12 @@
 //! The pressure sensor shows something at no pressure.
 
-use super::{Argument, Conditions, Effect, Form, Grouping, Link, Parameter, Place, Subject};
+use super::{
+    Argument, Conditions, Effect, Form, Grouping, JointForm, Link, Parameter, Place, Subject,
+};
 use pipeline_numerics::real::Real;
+
+/// Its id.
+pub const ID: &str = "pressure_zero_offset";
 
 /// P = P_meas - p.
 pub struct PressureZeroOffset;
@@ -21,9 +26,25 @@ const FORMS: &[Form] = &[Form {
     needs: &[],
 }];
 
+/// What it is about a joint.
+pub const JOINT_FORMS: &[JointForm] = &[JointForm {
+    name: "constant",
+    title: None,
+    place: Place::Input,
+    equation: "P = P_meas - p",
+    symbols: &["p"],
+    unit: "kPa",
+    bounds: (-60.0, 60.0),
+    usual: 20.0,
+    needs: None,
+    stands_for: &[],
+    measurement: "log the pressure channel with the actuator vented",
+    source: "data sheets of pressure transducers: offset",
+}];
+
 impl Effect for PressureZeroOffset {
     fn id(&self) -> &'static str {
-        "pressure_zero_offset"
+        ID
     }
     fn title(&self) -> &'static str {
         "zero of the pressure sensor"
@@ -33,6 +54,9 @@ impl Effect for PressureZeroOffset {
     }
     fn forms(&self) -> &'static [Form] {
         FORMS
+    }
+    fn joint_forms(&self) -> &'static [JointForm] {
+        JOINT_FORMS
     }
     fn grouping(&self) -> Grouping {
         Grouping::Parts

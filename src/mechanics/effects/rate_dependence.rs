@@ -5,6 +5,9 @@ use super::{
 };
 use pipeline_numerics::real::Real;
 
+/// Its id.
+pub const ID: &str = "rate_dependence";
+
 /// F_meas = F - r dP/dt.
 pub struct RateDependence;
 
@@ -24,7 +27,7 @@ const FORMS: &[Form] = &[Form {
 
 impl Effect for RateDependence {
     fn id(&self) -> &'static str {
-        "rate_dependence"
+        ID
     }
     fn title(&self) -> &'static str {
         "dependence on the rate of the pressure"

@@ -6,6 +6,9 @@
 use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
 
+/// Its id.
+pub const ID: &str = "rest_length_scaling";
+
 /// F_620 grows with l_rest.
 pub struct RestLengthScaling;
 
@@ -37,7 +40,7 @@ const FORMS: &[Form] = &[
 
 impl Effect for RestLengthScaling {
     fn id(&self) -> &'static str {
-        "rest_length_scaling"
+        ID
     }
     fn title(&self) -> &'static str {
         "dependence of the force on the resting length"

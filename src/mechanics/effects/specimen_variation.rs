@@ -7,6 +7,9 @@
 use super::{Conditions, Effect, Form, Link, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
 
+/// Its id.
+pub const ID: &str = "specimen_variation";
+
 /// F_620 (1 + u), u a random effect of the specimen.
 pub struct SpecimenVariation;
 
@@ -26,10 +29,10 @@ const FORMS: &[Form] = &[Form {
 
 impl Effect for SpecimenVariation {
     fn id(&self) -> &'static str {
-        "specimen_variation"
+        ID
     }
     fn title(&self) -> &'static str {
-        "scatter of the specimens' gains"
+        "specimen gain"
     }
     fn subject(&self) -> Subject {
         Subject::Actuator

@@ -3,6 +3,9 @@
 use super::{Argument, Conditions, Effect, Form, Link, Need, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
 
+/// Its id.
+pub const ID: &str = "temperature";
+
 /// F_meas = F (1 + k (T - T_ref)), with T_ref the campaign's mean.
 pub struct Temperature;
 
@@ -41,7 +44,7 @@ const FORMS: &[Form] = &[
 
 impl Effect for Temperature {
     fn id(&self) -> &'static str {
-        "temperature"
+        ID
     }
     fn title(&self) -> &'static str {
         "temperature"

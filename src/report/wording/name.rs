@@ -8,16 +8,8 @@ use pipeline_findings::{
 use pipeline_fit::engine::CoefficientState;
 use pipeline_mechanics::effects;
 
-/// Effects that the registry of the force chain does not have or calls otherwise.
-const CALLED: [(&str, &str); 10] = [
-    ("specimen_variation", "specimen gain"),
-    ("kinking", "kinking of the actuator"),
-    ("joint_friction", "friction of the joint"),
-    ("wrapping_loss", "loss where the actuator wraps"),
-    ("origin_shift", "shift of the origin"),
-    ("insertion_shift", "shift of the insertion"),
-    ("attachment_shift", "shift of the attachments"),
-    ("torque_zero_offset", "zero of the torque sensor"),
+/// What stands among effects and is none of the library.
+const CALLED: [(&str, &str); 2] = [
     ("length_law", "dependence on the resting length"),
     ("placebo", "shuffled column"),
 ];
@@ -65,10 +57,13 @@ pub fn effect(id: &str) -> String {
 
 /// What an effect is called, with its form where the effect has several.
 pub fn effect_with_form(id: &str, form: &str) -> String {
-    if (id, form) == ("series_compliance", "loose") {
-        return "loose parts in series with the actuator".to_owned();
+    let known = effects::index(id).map(|k| effects::all()[k]);
+    let about_a_joint = known.map_or(&[][..], |e| e.joint_forms());
+    let titled = about_a_joint.iter().find(|f| f.name == form);
+    if let Some(title) = titled.and_then(|f| f.title) {
+        return title.to_owned();
     }
-    let only = effects::index(id).map_or(&[][..], |k| effects::all()[k].forms());
+    let only = known.map_or(&[][..], |e| e.forms());
     let one = matches!(only, [one] if one.name == form);
     if one || form.is_empty() || form == effect(id) {
         effect(id)

@@ -10,13 +10,14 @@
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
 use pipeline_base::session::Phase;
+use pipeline_mechanics::effects as library;
 
 const K: Parameter = Parameter::size("k", "1", -0.5, 0.5);
 const SCALE: Parameter = Parameter::other("cycles", "1", (0.1, 1e4), 5.0);
 
 /// The effect.
 pub static EFFECT: Effect = Effect {
-    id: "conditioning",
+    id: library::conditioning::ID,
     column: Column::None,
     per: Per::Session,
     forms: &[

@@ -9,12 +9,13 @@
 //! 91 (1854) 179 (stretched exponential).
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
+use pipeline_mechanics::effects as library;
 
 const K: Parameter = Parameter::size("k", "1", -0.5, 0.5);
 
 /// The effect.
 pub static EFFECT: Effect = Effect {
-    id: "creep",
+    id: library::creep::ID,
     column: Column::None,
     per: Per::Session,
     forms: &[

@@ -7,12 +7,13 @@
 //! The zero logs do not show it: they were taken before.
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
+use pipeline_mechanics::effects as library;
 
 const RATE: Parameter = Parameter::size("n_per_s", "N/s", -20.0, 20.0);
 
 /// The effect.
 pub static EFFECT: Effect = Effect {
-    id: "force_drift",
+    id: library::force_drift::ID,
     column: Column::None,
     per: Per::Session,
     forms: &[

@@ -5,12 +5,13 @@
 //! - `curved`: F + (g - 1) F (1 + q (F/F_620 - 1/2)).
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
+use pipeline_mechanics::effects as library;
 
 const GAIN: Parameter = Parameter::gain("gain");
 
 /// The effect.
 pub static EFFECT: Effect = Effect {
-    id: "force_gain",
+    id: library::force_gain::ID,
     column: Column::None,
     per: Per::Session,
     forms: &[

@@ -14,10 +14,11 @@
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
 use pipeline_base::session::Phase;
+use pipeline_mechanics::effects as library;
 
 /// The effect.
 pub static EFFECT: Effect = Effect {
-    id: "hysteresis",
+    id: library::hysteresis::ID,
     column: Column::None,
     per: Per::Session,
     forms: &[

@@ -4,12 +4,13 @@
 //! - `turning`: phi (1 + q eps*): the angle opens as the actuator shortens.
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
+use pipeline_mechanics::effects as library;
 
 const ANGLE: Parameter = Parameter::size("angle_deg", "deg", -45.0, 45.0);
 
 /// The effect.
 pub static EFFECT: Effect = Effect {
-    id: "misalignment",
+    id: library::misalignment::ID,
     column: Column::None,
     per: Per::Session,
     forms: &[

@@ -4,8 +4,8 @@
 //! operator of the library (`form = "operator"`, or its own name), the others are what nature might do instead. They differ from
 //! the plain one by some percent of the effect, so that a search that knows the plain operator only is not given its own formula.
 //!
-//! Architecture invariant: nothing here is shared with the search for effects. Both were written from the same list of ids, and
-//! agree only if both are right.
+//! Architecture invariant: nothing here but the ids is shared with the search for effects
+//! ([`library`](pipeline_mechanics::effects)). Both agree only if both are right.
 //!
 //! Throughout, F is in N, P in kPa, l in m, t in s; the sign s is -1 while filling and +1 while venting.
 
@@ -194,7 +194,7 @@ pub enum Per {
 /// An effect: id, the column it follows, its forms.
 #[derive(Debug)]
 pub struct Effect {
-    /// Id in the truth file; those of the library are its ids.
+    /// Id in the truth file: that of the library, where it has the effect.
     pub id: &'static str,
     /// The column that it follows.
     pub column: Column,

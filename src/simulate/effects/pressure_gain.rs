@@ -4,13 +4,14 @@
 //! - `curved`: P_shown = P/(1 + (g - 1)(1 + q (P/620 kPa - 1/2))).
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
+use pipeline_mechanics::effects as library;
 use pipeline_mechanics::models::P_620_KPA;
 
 const GAIN: Parameter = Parameter::gain("gain");
 
 /// The effect.
 pub static EFFECT: Effect = Effect {
-    id: "pressure_gain",
+    id: library::pressure_gain::ID,
     column: Column::None,
     per: Per::Session,
     forms: &[

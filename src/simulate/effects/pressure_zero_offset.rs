@@ -6,13 +6,14 @@
 //! Unlike an offset of the force, it also stands in the zero log, from which nobody takes it off.
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
+use pipeline_mechanics::effects as library;
 use pipeline_mechanics::models::P_620_KPA;
 
 const ZERO: Parameter = Parameter::size("zero_kpa", "kPa", -50.0, 50.0);
 
 /// The effect.
 pub static EFFECT: Effect = Effect {
-    id: "pressure_zero_offset",
+    id: library::pressure_zero_offset::ID,
     column: Column::None,
     per: Per::Session,
     forms: &[

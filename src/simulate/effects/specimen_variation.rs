@@ -6,12 +6,13 @@
 //! It comes on top of `specimen_scatter` of the rig, which is the same with a normal distribution.
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
+use pipeline_mechanics::effects as library;
 
 const STRENGTH: Parameter = Parameter::size("u", "1", -0.5, 0.5);
 
 /// The effect.
 pub static EFFECT: Effect = Effect {
-    id: "specimen_variation",
+    id: library::specimen_variation::ID,
     column: Column::None,
     per: Per::Specimen,
     forms: &[

@@ -10,6 +10,7 @@ use pipeline_findings::{
     ActsOn, Alternative, CoefficientChange, EffectFinding, Estimate, FreeForm, Level, Parameter,
     Residuals, Scatter, Tested, Unexplained,
 };
+use pipeline_inference::decisions;
 use pipeline_inference::fit::{Fitted, Free, Setting};
 use pipeline_inference::problem::{Point, Problem};
 use pipeline_inference::profile::profile;
@@ -19,13 +20,25 @@ use pipeline_inference::search::{Accepted, Found};
 use pipeline_inference::statistic::upper_tail;
 use pipeline_inference::system::Variances;
 use pipeline_inference::variance::Prior;
-use pipeline_mechanics::effects;
+use pipeline_mechanics::effects::{
+    self, force_gain, force_zero_offset, length_offset, specimen_variation,
+};
 use pipeline_mechanics::models::{ForceModel, new};
 use pipeline_numerics::statistics::median;
 use std::collections::BTreeMap;
 
-/// Two-sided 95% point of the normal distribution.
-pub const NORMAL_95: f64 = 1.959_963_984_540_054;
+/// The random effects as findings name them: component, id, level, unit.
+#[rustfmt::skip]
+const RANDOM_EFFECTS: [(usize, &str, Level, &str); 8] = [
+    (component::GAIN, specimen_variation::ID, Level::Specimen, "1"),
+    (component::SET_LENGTH, length_offset::ID, Level::Session, "mm"),
+    (component::DECLARED_LENGTH, length_offset::ID, Level::Session, "mm"),
+    (component::ZERO, force_zero_offset::ID, Level::Session, "N"),
+    (component::REST_LENGTH, "rest_length", Level::Specimen, "mm"),
+    (component::CONTRACTED_LENGTH, "contracted_length", Level::Specimen, "mm"),
+    (component::CAMPAIGN_GAIN, force_gain::ID, Level::Campaign, "1"),
+    (component::CAMPAIGN_ZERO, force_zero_offset::ID, Level::Campaign, "N"),
+];
 
 /// What the answers are made of.
 pub struct Work<'a> {
@@ -308,74 +321,20 @@ impl Work<'_> {
     pub fn scatter(&self, variances: &Variances) -> Vec<Scatter> {
         let data = self.data();
         let p = self.problem;
-        let groups = |names: &[String], nodes: &[usize]| -> Vec<(String, usize)> {
+        let groups = |level: Level| -> Vec<(String, usize)> {
+            let (names, nodes) = match level {
+                Level::Specimen => (&data.specimens, &p.specimens),
+                Level::Campaign => (&data.campaigns, &p.campaigns),
+                _ => (&data.sessions, &p.sessions),
+            };
             names.iter().cloned().zip(nodes.iter().copied()).collect()
         };
-        let specimens = groups(&data.specimens, &p.specimens);
-        let sessions = groups(&data.sessions, &p.sessions);
-        let campaigns = groups(&data.campaigns, &p.campaigns);
-        let list = [
-            (
-                component::GAIN,
-                "specimen_variation",
-                Level::Specimen,
-                "1",
-                &specimens,
-            ),
-            (
-                component::SET_LENGTH,
-                "length_offset",
-                Level::Session,
-                "mm",
-                &sessions,
-            ),
-            (
-                component::DECLARED_LENGTH,
-                "length_offset",
-                Level::Session,
-                "mm",
-                &sessions,
-            ),
-            (
-                component::ZERO,
-                "force_zero_offset",
-                Level::Session,
-                "N",
-                &sessions,
-            ),
-            (
-                component::REST_LENGTH,
-                "rest_length",
-                Level::Specimen,
-                "mm",
-                &specimens,
-            ),
-            (
-                component::CONTRACTED_LENGTH,
-                "contracted_length",
-                Level::Specimen,
-                "mm",
-                &specimens,
-            ),
-            (
-                component::CAMPAIGN_GAIN,
-                "force_gain",
-                Level::Campaign,
-                "1",
-                &campaigns,
-            ),
-            (
-                component::CAMPAIGN_ZERO,
-                "force_zero_offset",
-                Level::Campaign,
-                "N",
-                &campaigns,
-            ),
-        ];
         let predictive = self.found.model.predictive(self.setting);
-        list.into_iter()
-            .filter_map(|(c, id, level, unit, groups)| {
-                self.one_scatter([variances, &predictive], c, (id, level, unit), groups)
+        RANDOM_EFFECTS
+            .into_iter()
+            .filter_map(|(c, id, level, unit)| {
+                let named = (id, level, unit);
+                self.one_scatter([variances, &predictive], c, named, &groups(level))
             })
             .collect()
     }
@@ -563,7 +522,7 @@ pub fn alternative(
     let covariance = fit.covariance(&fit.variances);
     let number = |name: &str, unit: &str, value: f64, place: Option<usize>| {
         let error = place.map(|p| covariance.at(p, p).max(0.0).sqrt());
-        let end = |sign: f64| error.map(|e| value + sign * NORMAL_95 * e);
+        let end = |sign: f64| error.map(|e| value + sign * decisions::NORMAL_95 * e);
         Parameter {
             name: name.to_owned(),
             value,

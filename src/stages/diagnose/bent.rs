@@ -7,12 +7,11 @@
 use super::library::Term;
 use super::settings;
 use super::smooth::cosines;
+use pipeline_inference::decisions::FEWEST;
 use pipeline_mechanics::effects::{self, Argument, Conditions};
 
 /// Cosines of g, the constant among them.
 pub const COSINES: usize = 5;
-/// Fewest values of the argument: through two of them any size goes.
-const FEWEST_VALUES: usize = 3;
 
 /// The columns of one effect.
 pub struct Bent {
@@ -44,7 +43,7 @@ impl Bent {
         along.sort_by(f64::total_cmp);
         let range = (*along.first()?, *along.last()?);
         along.dedup();
-        if along.len() < FEWEST_VALUES || !(range.1 - range.0).is_finite() {
+        if along.len() < FEWEST || !(range.1 - range.0).is_finite() {
             return None;
         }
         let mut bent = Self {

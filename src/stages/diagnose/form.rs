@@ -3,7 +3,7 @@
 //!
 //! At the mode of the found model the effect changes reading i by s_i = phi dh_i/dphi. The free form is s_i (1 + g(x_i)), x the argument over
 //! the range of the readings on which the effect acts, g a Gaussian process in a cosine basis that bends over most of that range
-//! ([`settings::FORM_LENGTH`]). Its coefficients are one more component at the root ([`pipeline_inference::form`]); the constant is left out,
+//! ([`super::settings::FORM_LENGTH`]). Its coefficients are one more component at the root ([`pipeline_inference::form`]); the constant is left out,
 //! because phi is free beside g. The size at x is then (phi + its change) + phi g(x), whatever part of a constant size the cosines take.
 //!
 //! The argument is frozen, also where it is the force: that of the found model, with its random effects. Sensitivities are those of the found
@@ -16,11 +16,10 @@
 //! What a bent form does to the force, a misfit of the law may do as well. The model with g has the misfits too, and all variances are
 //! estimated again: only what is too large or too much of one shape for the law's misfit tells that the form differs.
 
-use super::answer::NORMAL_95;
 use super::bent::Bent;
 use super::problem::ForceProblem;
-use super::settings;
 use pipeline_findings::{FormPoint, FreeForm};
+use pipeline_inference::decisions;
 use pipeline_inference::fit::{Fitted, Setting};
 use pipeline_inference::form::{Answer, Bootstrap, answers};
 use pipeline_inference::screen::Normal;
@@ -57,7 +56,7 @@ pub fn free_forms(
         return BTreeMap::new();
     }
     let bootstrap = Bootstrap {
-        level: settings::LEVEL,
+        level: decisions::LEVEL,
         draws,
     };
     let answers = answers(setting, model, &sets, bootstrap, normal);
@@ -98,8 +97,8 @@ impl Asked {
             FormPoint {
                 at: self.bent.argument.unscaled(x),
                 amplitude,
-                low: amplitude - NORMAL_95 * sd,
-                high: amplitude + NORMAL_95 * sd,
+                low: amplitude - decisions::NORMAL_95 * sd,
+                high: amplitude + decisions::NORMAL_95 * sd,
             }
         });
         FreeForm {
@@ -107,7 +106,7 @@ impl Asked {
             unit: self.bent.argument.unit().to_owned(),
             log_likelihood_gain: answer.gain,
             p: answer.p,
-            differs: answer.p < settings::LEVEL,
+            differs: answer.p < decisions::LEVEL,
             curve: curve.collect(),
         }
     }
@@ -226,7 +225,7 @@ mod tests {
     #[test]
     fn a_frame_that_stiffens_is_told_from_one_that_does_not() {
         let plain = frame("", 30.0);
-        assert!(!plain.differs && plain.p > settings::LEVEL);
+        assert!(!plain.differs && plain.p > decisions::LEVEL);
         assert_eq!(
             (plain.argument.as_str(), plain.unit.as_str()),
             ("force_n", "N")
@@ -234,7 +233,7 @@ mod tests {
         let inside = plain.curve.iter().filter(|c| c.low < 30.0 && c.high > 30.0);
         assert!(inside.count() > STEPS / 2);
         let bent = frame("stiffening", 60.0);
-        assert!(bent.differs && bent.p < settings::LEVEL);
+        assert!(bent.differs && bent.p < decisions::LEVEL);
         let (first, last) = (&bent.curve[0], &bent.curve[STEPS]);
         assert!(last.high < first.low);
     }

@@ -2,11 +2,9 @@
 
 use super::data::{Data, Extra};
 use pipeline_base::row::{NO_LABEL, Row, label_names};
+use pipeline_inference::decisions::FEWEST;
 use pipeline_numerics::statistics::mean;
 use std::collections::BTreeSet;
-
-/// Fewest sessions for each group, on average.
-const FEWEST_A_GROUP: usize = 3;
 
 /// The columns of words that name groups of sessions, and remarks on those that do not.
 pub fn labels(rows: &[&Row], data: &Data) -> (Vec<Extra>, Vec<String>) {
@@ -29,7 +27,7 @@ pub fn labels(rows: &[&Row], data: &Data) -> (Vec<Extra>, Vec<String>) {
                 "The column {name} holds words that differ within a session (first in {}), and is not searched.",
                 data.sessions[*s]
             ));
-        } else if FEWEST_A_GROUP * distinct.len() > data.sessions.len() {
+        } else if FEWEST * distinct.len() > data.sessions.len() {
             notes.push(format!(
                 "The column {name} names {} groups in {} sessions, too many to be searched.",
                 distinct.len(),

@@ -13,7 +13,7 @@
 //! 5. [`form`]: whether one number is enough for the size of what was found.
 //! 6. [`limits`]: what could have been seen, and what is indistinguishable. [`answer`]: the [`pipeline_findings`], as values.
 //!
-//! The numbers on which decisions rest stand in [`settings`], each with its reason. No rule names an effect.
+//! The numbers that decide stand in [`decisions`], those that say what is plausible in [`settings`], each with its reason. No rule names an effect.
 //!
 //! Deliberately absent: sentences, and knowledge of how a campaign was made. The stage sees rows.
 
@@ -49,7 +49,9 @@ use pipeline_findings::{
     NotAssessed, RecordingError, Residuals, Verdict,
 };
 use pipeline_fit::{Group, is_fitted, is_usable};
+use pipeline_inference::decisions;
 use pipeline_inference::fit::{Fitted, Setting};
+use pipeline_inference::screen::Normal;
 use pipeline_inference::search::{Decision, Found, Search};
 use pipeline_mechanics::effects::{self, Conditions};
 use problem::ForceProblem;
@@ -68,9 +70,6 @@ pub struct Diagnosis {
     /// One entry a reading.
     pub residuals: Residuals,
 }
-
-/// Fewest readings that are searched: below, the model has hardly a reading to spare for each of its coefficients and groups.
-const FEWEST_READINGS: usize = 20;
 
 /// Searches the rows of a group; none where the base model has no value for any of them.
 pub fn diagnose(
@@ -130,10 +129,11 @@ fn is_part(mistakes: &[RecordingError], of: &[RecordingError]) -> bool {
 
 /// What looks mistaken beside a law among the sessions that are searched.
 fn mistakes_among(group: &Group, law: &Law, data: &Data) -> Vec<RecordingError> {
-    if data.len() < FEWEST_READINGS || data.specimens.len() < 2 {
+    if data.len() < decisions::FEWEST_READINGS || data.specimens.len() < decisions::FEWEST_SPECIMENS
+    {
         return Vec::new();
     }
-    recording::recording_errors(group.diameter_mm, law, data, settings::LEVEL)
+    recording::recording_errors(group.diameter_mm, law, data)
 }
 
 /// The readings whose sessions and specimens may be mistaken: those that are searched.
@@ -187,36 +187,15 @@ impl Campaign<'_> {
             .beside(self.base)
             .with_placebo(self.options.seed)
             .thinned(self.options.most_readings);
-        let kept_out: BTreeSet<&str> = rows
-            .iter()
-            .filter(|r| r.role == Some(Role::Holdout))
-            .map(|r| r.session.as_str())
-            .collect();
+        let held_out = rows.iter().filter(|r| r.role == Some(Role::Holdout));
+        let kept_out: BTreeSet<&str> = held_out.map(|r| r.session.as_str()).collect();
         let mut findings = unassessed(self.group, self.base, &data, self.outside, &kept_out);
         findings.recording_errors = mistakes.to_vec();
-        let train = data.session.iter();
-        let train = train.filter(|s| !kept_out.contains(data.sessions[**s].as_str()));
-        let reason = if train.count() < FEWEST_READINGS {
-            Some(NotAssessed::TooFewReadings)
-        } else if data.specimens.len() < 2 {
-            Some(NotAssessed::TooFewSpecimens)
-        } else {
-            None
-        };
-        let not_assessed = |reason, findings| {
-            Answer::Given(Box::new(Diagnosis {
-                findings: CampaignFindings {
-                    not_assessed: Some(reason),
-                    ..findings
-                },
-                residuals: Residuals::default(),
-            }))
-        };
-        if let Some(reason) = reason {
+        if let Some(reason) = too_few(&data, &kept_out) {
             return not_assessed(reason, findings);
         }
         let library = library::terms(&data);
-        let (mut problem, null) = suited(self.base, &data, &library, &kept_out);
+        let (problem, null) = suited(self.base, &data, &library, &kept_out);
         if !null.log_likelihood.is_finite() {
             return if again && groups_of(self.beside_law) != groups_of(mistakes) {
                 Answer::OtherMistakes(self.beside_law.to_vec())
@@ -224,49 +203,18 @@ impl Campaign<'_> {
                 not_assessed(NotAssessed::NoConvergence, findings)
             };
         }
-        let decision = Decision {
-            level: settings::LEVEL,
-            draws: self.options.draws,
-            alike: settings::ALIKE,
-            most_terms: self.options.most_effects,
-            thorough: true,
-        };
-        let seed = self.options.seed;
-        let normal = |k: usize| -> Box<dyn FnMut() -> f64> {
-            let mut stream = Stream::new(seed, &["draw", &k.to_string()]);
-            Box::new(move || stream.normal())
-        };
-        let searched = |problem: &ForceProblem, null: Fitted| {
-            let search = Search {
-                setting: &part_of(problem, &kept_out),
-                decision,
-                tried: None,
-            };
-            search.run(null, &normal, None)
-        };
-        let mut found = searched(&problem, null);
-        // An effect that was accepted beside too little scatter may be no more than the rest of that scatter.
-        if problem.contradicts_declared(&part_of(&problem, &kept_out), &found.model) {
-            problem = problem.with_declared_estimated();
-            let null = start(&part_of(&problem, &kept_out));
-            found = searched(&problem, null);
-        }
-        let setting = part_of(&problem, &kept_out);
-        let law = law_found(self.base, self.judged, &problem, &found);
+        let normal = draws("draw", self.options.seed);
+        let (problem, found) = self.searched(problem, null, &kept_out, &normal);
         if again {
-            let others = if law.is_bare() {
-                self.beside_law.to_vec()
-            } else {
-                mistakes_among(self.group, &law, self.judged)
-            };
+            let others = self.mistakes_beside(&problem, &found);
             if groups_of(&others) != groups_of(mistakes) {
                 return Answer::OtherMistakes(others);
             }
         }
         let searched = Searched {
             problem: &problem,
-            setting: &setting,
-            decision,
+            setting: &part_of(&problem, &kept_out),
+            decision: self.decision(),
             found: &found,
             normal: &normal,
         };
@@ -275,6 +223,84 @@ impl Campaign<'_> {
         let of = data.place.iter().map(|place| rows[*place]);
         (residuals.log, residuals.row) = of.map(|r| (r.log.clone(), r.first_row)).unzip();
         Answer::Given(Box::new(diagnosis))
+    }
+
+    fn decision(&self) -> Decision {
+        Decision {
+            level: decisions::LEVEL,
+            draws: self.options.draws,
+            alike: decisions::ALIKE,
+            most_terms: self.options.most_effects,
+            thorough: true,
+        }
+    }
+
+    /// What a search finds, and the problem that it was made of: with declared standard deviations estimated, if what was found contradicts them.
+    fn searched<'p>(
+        &self,
+        problem: ForceProblem<'p>,
+        null: Fitted,
+        kept_out: &BTreeSet<&str>,
+        normal: &Normal,
+    ) -> (ForceProblem<'p>, Found) {
+        let searched = |problem: &ForceProblem, null: Fitted| {
+            let search = Search {
+                setting: &part_of(problem, kept_out),
+                decision: self.decision(),
+                tried: None,
+            };
+            search.run(null, normal, None)
+        };
+        let found = searched(&problem, null);
+        // An effect that was accepted beside too little scatter may be no more than the rest of that scatter.
+        if !problem.contradicts_declared(&part_of(&problem, kept_out), &found.model) {
+            return (problem, found);
+        }
+        let problem = problem.with_declared_estimated();
+        let null = start(&part_of(&problem, kept_out));
+        let found = searched(&problem, null);
+        (problem, found)
+    }
+
+    /// What looks mistaken beside the law with what was found.
+    fn mistakes_beside(&self, problem: &ForceProblem, found: &Found) -> Vec<RecordingError> {
+        let law = law_found(self.base, self.judged, problem, found);
+        if law.is_bare() {
+            self.beside_law.to_vec()
+        } else {
+            mistakes_among(self.group, &law, self.judged)
+        }
+    }
+}
+
+/// Why readings are too few to be searched.
+fn too_few(data: &Data, kept_out: &BTreeSet<&str>) -> Option<NotAssessed> {
+    let searched = data.session.iter();
+    let searched = searched.filter(|s| !kept_out.contains(data.sessions[**s].as_str()));
+    if searched.count() < decisions::FEWEST_READINGS {
+        Some(NotAssessed::TooFewReadings)
+    } else if data.specimens.len() < decisions::FEWEST_SPECIMENS {
+        Some(NotAssessed::TooFewSpecimens)
+    } else {
+        None
+    }
+}
+
+fn not_assessed(reason: NotAssessed, findings: CampaignFindings) -> Answer {
+    Answer::Given(Box::new(Diagnosis {
+        findings: CampaignFindings {
+            not_assessed: Some(reason),
+            ..findings
+        },
+        residuals: Residuals::default(),
+    }))
+}
+
+/// Standard normal numbers by draw, for one question.
+fn draws(question: &'static str, seed: u64) -> impl Fn(usize) -> Box<dyn FnMut() -> f64> + Sync {
+    move |k| {
+        let mut stream = Stream::new(seed, &[question, &k.to_string()]);
+        Box::new(move || stream.normal())
     }
 }
 
@@ -300,7 +326,7 @@ struct Searched<'a> {
     setting: &'a Setting<'a>,
     decision: Decision,
     found: &'a Found,
-    normal: &'a (dyn Fn(usize) -> Box<dyn FnMut() -> f64> + Sync),
+    normal: &'a Normal<'a>,
 }
 
 /// Everything that is asked of the result of a search.
@@ -355,29 +381,38 @@ fn answered(
         rmse_train: Some(work.error_in_sample(&found.model)),
         ..held.after.clone()
     };
-    findings.design.held_out_by = held.by;
     findings.next_measurement = next::next(setting, problem, found, &held.budget);
-    findings.expected_rmse_heldout = expected(&held.budget);
-    findings.inside_50 = held.inside.map(|i| i.0);
-    findings.inside_95 = held.inside.map(|i| i.1);
-    findings.pit.clone_from(&held.pit);
     findings.noise = Some(problem.noise_of(&variances));
     findings.tested = work.tested();
-    findings.detection_limits = limits.smallest;
-    findings.not_measurable = limits.not_measurable;
-    // What cannot be seen while it is small may have been found, or stand beside what was.
-    let is_named = |id: &String| findings.effects.iter().any(|e| e.class.contains(id));
-    findings.not_measurable.retain(|n| !is_named(&n.id));
-    findings.aliases = limits.aliases;
     findings.coefficients = work.coefficients();
     findings.alternatives = alternatives(problem, setting, found, base);
     findings.black_box_rmse_heldout = unseen::black_box(setting, problem, &residuals.predicted);
-    findings.by_unit = held.units;
-    findings.budget = held.budget;
+    put_limits(&mut findings, limits);
+    put_held_out(&mut findings, held);
     Diagnosis {
         findings,
         residuals,
     }
+}
+
+/// What could have been seen. What cannot be seen while it is small may have been found, or stand beside what was.
+fn put_limits(findings: &mut CampaignFindings, limits: limits::Limits) {
+    findings.detection_limits = limits.smallest;
+    findings.not_measurable = limits.not_measurable;
+    let is_named = |id: &String| findings.effects.iter().any(|e| e.class.contains(id));
+    findings.not_measurable.retain(|n| !is_named(&n.id));
+    findings.aliases = limits.aliases;
+}
+
+/// What is known of unseen specimens, beside the errors.
+fn put_held_out(findings: &mut CampaignFindings, held: unseen::HeldOut) {
+    findings.design.held_out_by = held.by;
+    findings.expected_rmse_heldout = expected(&held.budget);
+    findings.inside_50 = held.inside.map(|i| i.0);
+    findings.inside_95 = held.inside.map(|i| i.1);
+    findings.pit = held.pit;
+    findings.by_unit = held.units;
+    findings.budget = held.budget;
 }
 
 /// Whether one number is enough for the size of each effect, by term; the draws are the question's own.
@@ -387,10 +422,7 @@ fn free_forms(
     model: &Fitted,
     options: &DiagnoseOptions,
 ) -> BTreeMap<usize, FreeForm> {
-    let normal = |k: usize| -> Box<dyn FnMut() -> f64> {
-        let mut stream = Stream::new(options.seed, &["form", &k.to_string()]);
-        Box::new(move || stream.normal())
-    };
+    let normal = draws("form", options.seed);
     form::free_forms(setting, problem, model, options.draws, &normal)
 }
 
@@ -419,7 +451,7 @@ pub fn suited<'a>(
     let stroked = plain.0.with_strokes().map(with_null);
     let gain = |(_, null): &(ForceProblem, Fitted)| null.log_likelihood - plain.1.log_likelihood;
     let mut best = match stroked {
-        Some(stroked) if gain(&stroked) > settings::ALIKE => stroked,
+        Some(stroked) if gain(&stroked) > decisions::ALIKE => stroked,
         _ => plain,
     };
     let others: Vec<(ForceProblem, Fitted)> = settings::OTHER_FLOORS
@@ -439,7 +471,8 @@ fn start(setting: &Setting) -> Fitted {
     setting.fit_afresh(&setting.problem.start())
 }
 
-fn verdict(effects: &[EffectFinding], unexplained: bool) -> Verdict {
+/// The verdict on what was found.
+pub fn verdict(effects: &[EffectFinding], unexplained: bool) -> Verdict {
     if effects.iter().any(|e| !e.negligible) {
         Verdict::EffectFound
     } else if unexplained {
@@ -449,7 +482,8 @@ fn verdict(effects: &[EffectFinding], unexplained: bool) -> Verdict {
     }
 }
 
-fn expected(budget: &[pipeline_findings::BudgetEntry]) -> Option<f64> {
+/// The error that a budget comes to; none without one.
+pub fn expected(budget: &[pipeline_findings::BudgetEntry]) -> Option<f64> {
     let total: f64 = budget.iter().map(|b| b.variance).sum();
     (!budget.is_empty()).then(|| total.sqrt())
 }

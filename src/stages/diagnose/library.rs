@@ -2,6 +2,7 @@
 //! or from a change point on; and smooth functions of every column.
 
 use super::data::Data;
+use pipeline_inference::decisions::{FEWEST, FEWEST_SPECIMENS};
 use pipeline_inference::problem;
 use pipeline_mechanics::effects::{self, Applied, Conditions, Form, Grouping, Need, Place};
 use pipeline_mechanics::models::P_620_KPA;
@@ -72,12 +73,6 @@ pub struct Term {
     pub amplitudes: usize,
 }
 
-/// Fewest sessions on either side of a change point: with fewer it is a value of single sessions, which is scatter or a recording error. The same holds
-/// of those sessions of which the specimens were measured on both sides.
-const FEWEST_ON_A_SIDE: usize = 3;
-/// Fewest specimens on either side that were not measured on the other one: what is said of one alone is its own value.
-const FEWEST_SPECIMENS: usize = 2;
-
 /// The terms that the search tries. Their number follows from the design of the campaign alone.
 pub fn terms(data: &Data) -> Vec<Term> {
     let mut terms = Vec::new();
@@ -116,9 +111,9 @@ fn parts(data: &Data) -> Vec<Scope> {
     let sessions = data.sessions.len();
     let specimens = data.specimen_of_session();
     let mut parts = Vec::new();
-    if !data.missing.contains_key(&Need::CampaignTime) && sessions >= 2 * FEWEST_ON_A_SIDE {
+    if !data.missing.contains_key(&Need::CampaignTime) && sessions >= 2 * FEWEST {
         // Which of the sessions of one day came first is not known.
-        let places = FEWEST_ON_A_SIDE..=sessions - FEWEST_ON_A_SIDE;
+        let places = FEWEST..=sessions - FEWEST;
         let places = places.filter(|k| data.dates[k - 1] != data.dates[*k]);
         let is_after = |first: usize| (0..sessions).map(move |s| s >= first).collect::<Vec<_>>();
         let places = places.filter(|k| shows_beside_scatter(&specimens, &is_after(*k)));
@@ -155,7 +150,7 @@ fn shows_beside_scatter(specimens: &[usize], is_there: &[bool]) -> bool {
     };
     let within = shared(&there, &elsewhere).min(shared(&elsewhere, &there));
     let between = own(&there, &elsewhere).min(own(&elsewhere, &there));
-    within >= FEWEST_ON_A_SIDE || between >= FEWEST_SPECIMENS
+    within >= FEWEST || between >= FEWEST_SPECIMENS
 }
 
 impl Term {

@@ -5,10 +5,11 @@ use super::data::Data;
 use super::library::{Scope, Term, What};
 use super::problem::ForceProblem;
 use pipeline_findings::{Alias, DetectionLimit, NotMeasurable, WhyNot};
+use pipeline_inference::decisions::{IDENTIFIABLE, PARALLEL};
 use pipeline_inference::fit::{Fitted, Setting};
 use pipeline_inference::power::{Power, strength, wanted};
 use pipeline_inference::problem::{Direction, Problem};
-use pipeline_inference::screen::{IDENTIFIABLE, Screen};
+use pipeline_inference::screen::Screen;
 use pipeline_inference::statistic::likelihood_ratio;
 use pipeline_inference::system::{Factor, Panel};
 use pipeline_mechanics::effects::{self, Need};
@@ -24,8 +25,6 @@ const REFITS: usize = 5;
 const REFOUND: f64 = 0.02;
 /// Share of a sensitivity below which it is: what other coefficients take up depends on the size.
 const TAKEN_UP: f64 = 0.7;
-/// Cosine from which two sensitivities are reported as nearly one.
-const NEARLY_ONE: f64 = 0.9;
 
 /// The answers.
 pub struct Limits {
@@ -263,7 +262,7 @@ fn aliases(
                 cosine: product / norm,
             }
         })
-        .filter(|a| a.cosine.abs() >= NEARLY_ONE)
+        .filter(|a| a.cosine.abs() >= PARALLEL)
         .collect();
     aliases.sort_by(|a, b| b.cosine.abs().total_cmp(&a.cosine.abs()));
     aliases

@@ -14,7 +14,7 @@
 //! A stroke is the filling or the venting of one log. On the laboratory's rig readings of one stroke are alike beyond everything else: most of
 //! all those of the first filling after the length was set, which is up to 15 N below the next ones.
 
-use super::base::Base;
+use super::base::{Base, BaseCoefficient};
 use super::bent::Bent;
 use super::data::Data;
 use super::library::{Term, What};
@@ -78,6 +78,12 @@ const ZERO: usize = GAIN + 2;
 const REST: usize = GAIN + 3;
 const CONTRACTED: usize = GAIN + 4;
 const TERMS: usize = GAIN + 5;
+
+/// Changes of the force, as shares of its root mean square, at which an effect that enters nonlinearly is looked at again; no larger than
+/// four fifths of its bounds. A sharp threshold has an optimum between any two pressures that were set: with two shares one of 150 kPa was missed.
+pub const LARGE_CHANGES: [f64; 3] = [0.08, 0.24, 0.72];
+/// Cosine above which two amplitudes of one effect show alike.
+pub const SAME_DIRECTION: f64 = 0.98;
 
 /// Cosines of a session's misfit along the pressure.
 const SESSION_COSINES: usize = 8;
@@ -160,6 +166,110 @@ impl LawSpan {
     }
 }
 
+/// The groups of some readings as nodes of a tree, and the node of each reading.
+struct Hierarchy {
+    tree: Tree,
+    node: Vec<usize>,
+    specimens: Vec<usize>,
+    sessions: Vec<usize>,
+    /// Of a pool.
+    campaigns: Vec<usize>,
+    /// Number of strokes that are nodes.
+    strokes: usize,
+}
+
+impl Hierarchy {
+    /// A specimen that was measured in two campaigns is one specimen in each.
+    fn of(data: &Data, by_stroke: bool) -> Self {
+        let root = vec![block(component::COMMON_MISFIT, common_pairs().count())];
+        let mut all = Self {
+            tree: Tree::new(root),
+            node: Vec::with_capacity(data.len()),
+            specimens: vec![usize::MAX; data.specimens.len()],
+            sessions: vec![usize::MAX; data.sessions.len()],
+            campaigns: Vec::new(),
+            strokes: 0,
+        };
+        if data.campaigns.len() > 1 {
+            let of = |_| {
+                let gain = block(component::CAMPAIGN_GAIN, 1);
+                let zero = block(component::CAMPAIGN_ZERO, 1);
+                all.tree.add(0, vec![gain, zero])
+            };
+            all.campaigns = (0..data.campaigns.len()).map(of).collect();
+        }
+        let mut nodes = BTreeMap::new();
+        for (i, stroke) in data.strokes().into_iter().enumerate() {
+            let session = all.session_of(data, i);
+            let node = if by_stroke {
+                let blocks = || vec![block(component::STROKE_MISFIT, STROKE_COSINES)];
+                let add = || all.tree.add(session, blocks());
+                *nodes.entry(stroke).or_insert_with(add)
+            } else {
+                session
+            };
+            all.node.push(node);
+        }
+        all.strokes = nodes.len();
+        all
+    }
+
+    /// The node of the session of reading `i`, which is added with its specimen where it is new.
+    fn session_of(&mut self, data: &Data, i: usize) -> usize {
+        let (k, s) = (data.specimen[i], data.session[i]);
+        if self.specimens[k] == usize::MAX {
+            let campaign = self.campaigns.get(data.campaign[i]);
+            let blocks = vec![
+                block(component::GAIN, 1),
+                block(component::REST_LENGTH, 1),
+                block(component::CONTRACTED_LENGTH, 1),
+            ];
+            self.specimens[k] = self.tree.add(campaign.copied().unwrap_or(0), blocks);
+        }
+        if self.sessions[s] == usize::MAX {
+            let length = if data.set_length_sd_mm[s].is_finite() {
+                component::DECLARED_LENGTH
+            } else {
+                component::SET_LENGTH
+            };
+            let blocks = vec![
+                block(length, 1),
+                block(component::ZERO, 1),
+                block(component::SESSION_MISFIT, SESSION_COSINES),
+            ];
+            self.sessions[s] = self.tree.add(self.specimens[k], blocks);
+        }
+        self.sessions[s]
+    }
+}
+
+fn block(component: usize, columns: usize) -> Block {
+    Block { component, columns }
+}
+
+/// The noise of each class of readings: of every campaign, which is estimated, and of the parts of the corner to slackness.
+fn noise(campaigns: usize, largest_n: f64) -> Vec<Scale> {
+    let in_corner = Prior::Held(settings::CORNER_WIDTH * largest_n);
+    let priors = vec![Prior::Free; campaigns].into_iter();
+    priors
+        .chain([in_corner; slack::BANDS])
+        .map(|prior| Scale {
+            prior,
+            usual: 0.01 * largest_n,
+            groups: 1,
+        })
+        .collect()
+}
+
+/// A coefficient of the law as the engine sees it.
+fn for_engine(c: &BaseCoefficient) -> Coefficient {
+    Coefficient {
+        start: c.start,
+        bounds: c.bounds,
+        free: c.free,
+    }
+}
+
 impl<'a> ForceProblem<'a> {
     /// The problem of some readings, the misfit of strokes left out.
     pub fn new(base: &'a Base, data: &'a Data, library: &'a [Term]) -> Self {
@@ -167,64 +277,14 @@ impl<'a> ForceProblem<'a> {
     }
 
     fn built(base: &'a Base, data: &'a Data, library: &'a [Term], by_stroke: bool) -> Self {
-        let block = |component, columns| Block { component, columns };
-        let common = common_pairs().count();
-        let mut tree = Tree::new(vec![block(component::COMMON_MISFIT, common)]);
-        let pooled = data.campaigns.len() > 1;
-        let campaigns: Vec<usize> = if pooled {
-            let of = |_| {
-                let blocks = vec![
-                    block(component::CAMPAIGN_GAIN, 1),
-                    block(component::CAMPAIGN_ZERO, 1),
-                ];
-                tree.add(0, blocks)
-            };
-            (0..data.campaigns.len()).map(of).collect()
-        } else {
-            Vec::new()
-        };
-        // A specimen that was measured in two campaigns is one specimen in each.
-        let mut specimens = vec![usize::MAX; data.specimens.len()];
-        let mut sessions = vec![usize::MAX; data.sessions.len()];
-        let mut node = Vec::with_capacity(data.len());
-        let strokes = data.strokes();
-        let mut nodes = BTreeMap::new();
-        for i in 0..data.len() {
-            let (k, s) = (data.specimen[i], data.session[i]);
-            if specimens[k] == usize::MAX {
-                let above = if pooled {
-                    campaigns[data.campaign[i]]
-                } else {
-                    0
-                };
-                let blocks = vec![
-                    block(component::GAIN, 1),
-                    block(component::REST_LENGTH, 1),
-                    block(component::CONTRACTED_LENGTH, 1),
-                ];
-                specimens[k] = tree.add(above, blocks);
-            }
-            if sessions[s] == usize::MAX {
-                let length = if data.set_length_sd_mm[s].is_finite() {
-                    component::DECLARED_LENGTH
-                } else {
-                    component::SET_LENGTH
-                };
-                let blocks = vec![
-                    block(length, 1),
-                    block(component::ZERO, 1),
-                    block(component::SESSION_MISFIT, SESSION_COSINES),
-                ];
-                sessions[s] = tree.add(specimens[k], blocks);
-            }
-            if by_stroke {
-                let blocks = || vec![block(component::STROKE_MISFIT, STROKE_COSINES)];
-                let add = || tree.add(sessions[s], blocks());
-                node.push(*nodes.entry(strokes[i]).or_insert_with(add));
-            } else {
-                node.push(sessions[s]);
-            }
-        }
+        let Hierarchy {
+            tree,
+            node,
+            specimens,
+            sessions,
+            campaigns,
+            strokes,
+        } = Hierarchy::of(data, by_stroke);
         let largest = data.force.iter().copied().fold(0.0, f64::max);
         let columns = data.extras.len();
         let forces = data.force.iter().zip(&data.conditions);
@@ -234,37 +294,19 @@ impl<'a> ForceProblem<'a> {
             Side::Corner => corner + slack::band(&data.conditions[i]),
             _ => data.campaign[i],
         };
-        let class = (0..data.len()).map(class_of).collect();
-        let in_corner = Prior::Held(settings::CORNER_WIDTH * largest);
         Self {
             base,
             data,
             library,
-            class,
+            class: (0..data.len()).map(class_of).collect(),
             tree,
             node,
             specimens,
             sessions,
+            components: components(base, data, !campaigns.is_empty(), strokes),
             campaigns,
-            components: components(base, data, pooled, nodes.len()),
-            noise: vec![Prior::Free; corner]
-                .into_iter()
-                .chain([in_corner; slack::BANDS])
-                .map(|prior| Scale {
-                    prior,
-                    usual: 0.01 * largest,
-                    groups: 1,
-                })
-                .collect(),
-            coefficients: base
-                .coefficients
-                .iter()
-                .map(|c| Coefficient {
-                    start: c.start,
-                    bounds: c.bounds,
-                    free: c.free,
-                })
-                .collect(),
+            noise: noise(corner, largest),
+            coefficients: base.coefficients.iter().map(for_engine).collect(),
             terms: library.iter().map(|t| t.for_engine(columns)).collect(),
             operators: Operators {
                 length: effects::index("length_offset").unwrap_or(0),
@@ -277,7 +319,7 @@ impl<'a> ForceProblem<'a> {
             } else {
                 vec![Vec::new(); data.len()]
             },
-            common_misfit: vec![vec![0.0; common]; data.len()],
+            common_misfit: vec![vec![0.0; common_pairs().count()]; data.len()],
             slopes: Vec::new(),
             reference: vec![0.0; data.len()],
             floor: settings::MISFIT_FLOOR * largest,
@@ -947,9 +989,9 @@ impl ForceProblem<'_> {
             }];
         }
         let mut directions: Vec<Direction> = Vec::new();
-        for amplitude in self.amplitudes(point, base, t, &settings::LARGE_CHANGES[..1]) {
+        for amplitude in self.amplitudes(point, base, t, &LARGE_CHANGES[..1]) {
             let change = self.change(point, base, t, &term.start(amplitude), amplitude);
-            let alike = |d: &Direction| cosine(&d.columns[0], &change) >= settings::SAME_DIRECTION;
+            let alike = |d: &Direction| cosine(&d.columns[0], &change) >= SAME_DIRECTION;
             if !directions.iter().any(alike) {
                 directions.push(Direction {
                     term: t,
@@ -992,10 +1034,10 @@ impl ForceProblem<'_> {
             let change = self.change(point, base, t, &term.start(amplitude), amplitude);
             span.left_of_forces(&change)
         };
-        let amplitudes = self.amplitudes(point, base, t, &settings::LARGE_CHANGES);
+        let amplitudes = self.amplitudes(point, base, t, &LARGE_CHANGES);
         let near = left(amplitudes[0]);
         let mut far = amplitudes[1..].to_vec();
-        far.retain(|a| cosine(&near, &left(*a)) < settings::SAME_DIRECTION);
+        far.retain(|a| cosine(&near, &left(*a)) < SAME_DIRECTION);
         far
     }
 

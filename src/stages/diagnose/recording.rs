@@ -22,10 +22,11 @@ use super::problem::{ForceProblem, component};
 use super::settings;
 use super::slack::{Side, Sided};
 use pipeline_findings::{ErrorKind, Level, RecordingError};
+use pipeline_inference::decisions::{EXPLAINS, LEVEL, MOST_MISTAKEN, MOST_MISTAKEN_SHARE};
 use pipeline_inference::fit::{Fitted, Setting};
 use pipeline_inference::problem::Problem;
 use pipeline_mechanics::effects::{self, Applied, Conditions};
-use pipeline_numerics::distributions::student_t_two_sided;
+use pipeline_numerics::distributions::{NORMAL_50, student_t_two_sided};
 use pipeline_numerics::statistics::{mean, median, standard_deviation};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -34,15 +35,9 @@ use std::collections::BTreeSet;
 const READINGS: usize = 16;
 /// Sessions that a fit to all puts furthest off, and that are then judged without themselves: the one that spoils that fit is among them.
 const SHORTLIST: usize = 4;
-/// Most groups, and the share of the sessions and of the specimens that can be mistaken: the others are who says what is right.
-const MOST: (usize, f64, f64) = (3, 1.0 / 3.0, 1.0 / 2.0);
-/// A mistake explains a group if what is left is within so many standard deviations of the others.
-const EXPLAINS: f64 = 2.0;
 /// Units that are taken for one another (lbf, kgf, psi, bar, and powers of ten), as factors; their inverses too.
 const UNITS: [f64; 6] = [4.448, 9.807, 6.895, 10.0, 100.0, 1000.0];
 
-/// Median of the size of a standard normal number.
-const MEDIAN_SIZE: f64 = 0.674_489_750_196_082;
 /// Least standard deviation, in usual ones: where the others happen to agree better, a specimen that is a few percent stronger than they is no mistake.
 const LEAST_SCALE: f64 = 0.5;
 
@@ -105,14 +100,9 @@ fn columns(problem: &ForceProblem, fit: &Fitted) -> Vec<(Column, [f64; 2])> {
     fit.point.terms.iter().filter_map(of).collect()
 }
 
-/// The sessions and specimens of a campaign that look mistaken beside a law, worst first: those with a family-wise probability below `level`.
+/// The sessions and specimens of a campaign that look mistaken beside a law, worst first: those with a family-wise probability below [`LEVEL`].
 /// They are to be set aside. Only readings of actuators of `group_diameter_mm` are judged.
-pub fn recording_errors(
-    group_diameter_mm: u32,
-    law: &Law,
-    data: &Data,
-    level: f64,
-) -> Vec<RecordingError> {
+pub fn recording_errors(group_diameter_mm: u32, law: &Law, data: &Data) -> Vec<RecordingError> {
     let of_group =
         |i: &usize| data.conditions[*i].diameter_mm.round() == f64::from(group_diameter_mm);
     let places: Vec<usize> = (0..data.len()).filter(of_group).collect();
@@ -120,11 +110,11 @@ pub fn recording_errors(
     let data = data.thinned(READINGS * data.sessions.len());
     let mut left = Left::all(&data);
     let mut errors = Vec::new();
-    if (left.sessions.len() as f64) * MOST.1 < 1.0 {
+    if (left.sessions.len() as f64) * MOST_MISTAKEN_SHARE.0 < 1.0 {
         return errors;
     }
     let mut ranked = Ranked::new(law, &data, &left);
-    while errors.len() < MOST.0 {
+    while errors.len() < MOST_MISTAKEN {
         let judged = Judged::new(law, &data, &left, ranked.shortlist(&left));
         let Some((group, seen, off)) = judged.worst(&left) else {
             break;
@@ -139,7 +129,7 @@ pub fn recording_errors(
             break;
         };
         let p = usual.p(off) * left.groups() as f64;
-        if p.is_nan() || p >= level {
+        if p.is_nan() || p >= LEVEL {
             break;
         }
         errors.push(seen.error(group, p.min(1.0), &usual));
@@ -200,8 +190,8 @@ impl Left {
     fn is_most_of(&self, data: &Data) -> bool {
         let all = Self::all(data);
         let gone = |now: usize, before: usize| (before - now) as f64 / before as f64;
-        gone(self.sessions.len(), all.sessions.len()) <= MOST.1
-            && gone(self.specimens().len(), all.specimens().len()) <= MOST.2
+        gone(self.sessions.len(), all.sessions.len()) <= MOST_MISTAKEN_SHARE.0
+            && gone(self.specimens().len(), all.specimens().len()) <= MOST_MISTAKEN_SHARE.1
     }
 }
 
@@ -256,7 +246,7 @@ impl Ranked {
     fn usual(&self) -> Option<Usual> {
         let off: Vec<f64> = self.sessions.iter().map(|(_, off)| *off).collect();
         (off.len() > 1).then(|| Usual {
-            scale: (median(&off) / MEDIAN_SIZE).max(LEAST_SCALE),
+            scale: (median(&off) / NORMAL_50).max(LEAST_SCALE),
             sessions: off.len() as f64,
         })
     }
@@ -718,7 +708,7 @@ mod tests {
     fn found(campaign: &Campaign) -> Vec<RecordingError> {
         let rows: Vec<_> = campaign.rows.iter().collect();
         let base = Base::new(DIAMETER_MM, true, 4, &FitOptions::default());
-        recording_errors(DIAMETER_MM, &Law::new(&base), &Data::new(&rows), 0.05)
+        recording_errors(DIAMETER_MM, &Law::new(&base), &Data::new(&rows))
     }
 
     fn assert_pointed_at(mistake: Mistake, kind: ErrorKind, quantity: Option<&str>) {
@@ -833,7 +823,7 @@ mod tests {
         let rows: Vec<_> = campaign.rows.iter().collect();
         let data = Data::new(&rows);
         let base = Base::new(DIAMETER_MM, true, 4, &FitOptions::default());
-        let judged = |law: &Law| recording_errors(DIAMETER_MM, law, &data, 0.05);
+        let judged = |law: &Law| recording_errors(DIAMETER_MM, law, &data);
         let bare = judged(&Law::new(&base));
         assert!(bare.iter().any(|e| e.group == id), "{bare:?}");
         let place = data.extras.iter().position(|e| e.name == "moisture");

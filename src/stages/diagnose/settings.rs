@@ -1,4 +1,5 @@
-//! The numbers on which decisions rest, each with its reason.
+//! What is plausible of a law, a rig and its actuators, each with its reason: scales of priors, length scales, where an actuator goes slack.
+//! What decides beside them is in [`pipeline_inference::decisions`].
 
 /// Prior scale of the misfit that all specimens share, share of the force: the law was fitted to such actuators to a few percent. It is one surface,
 /// and its prior counts once, however many specimens share it.
@@ -31,11 +32,6 @@ pub const MISFIT_FLOOR: f64 = 0.2;
 pub const OTHER_FLOORS: [f64; 3] = [0.02, 0.07, 0.4];
 /// Standard deviation of a length that was rounded to 1 mm, mm: 1/sqrt(12).
 pub const ROUNDING_SD_MM: f64 = 0.29;
-/// Changes of the force, as shares of its root mean square, at which an effect that enters nonlinearly is looked at again; no larger than four fifths of
-/// its bounds. A sharp threshold has an optimum between any two pressures that were set: with two shares one of 150 kPa was missed.
-pub const LARGE_CHANGES: [f64; 3] = [0.08, 0.24, 0.72];
-/// Cosine above which two amplitudes of one effect show alike.
-pub const SAME_DIRECTION: f64 = 0.98;
 /// Usual scatter of the gains of specimens: Festo states 10% tolerance, laboratories find 3 to 5%.
 pub const USUAL_GAIN: f64 = 0.04;
 /// Usual scatter of set lengths, mm.
@@ -44,10 +40,6 @@ pub const USUAL_SET_LENGTH_MM: f64 = 1.0;
 pub const USUAL_ZERO_N: f64 = 1.0;
 /// Scale of the priors of these scatters, as a multiple of the usual ones: weak, but no scatter takes the place of the law.
 pub const LARGEST_SCATTER: f64 = 5.0;
-/// Family-wise level of every test.
-pub const LEVEL: f64 = 0.05;
-/// Models whose log-likelihoods differ by less than this are indistinguishable: a ratio of likelihoods of 7.
-pub const ALIKE: f64 = 2.0;
 /// Precision of a caliper on the crossmember, mm: what "set lengths known" means where its worth is asked for.
 pub const CALIPER_MM: f64 = 0.2;
 /// Share of the largest force below which a reading may be of an actuator that is slack.

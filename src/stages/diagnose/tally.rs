@@ -1,14 +1,13 @@
 //! Errors on readings that took no part, summed over groups: what a model says of groups that it has not seen, for forces and torques.
 
 use pipeline_findings::{BudgetEntry, Errors, UnitErrors};
+use pipeline_inference::decisions::NORMAL_95;
 use pipeline_inference::heldout::Unseen;
-use pipeline_numerics::distributions::normal_cdf;
+use pipeline_numerics::distributions::{NORMAL_50, normal_cdf};
 use std::collections::BTreeMap;
 
 /// How many readings of each set-up are given, where a few are.
 const GIVEN: [usize; 4] = [1, 2, 3, 5];
-/// Two-sided 50 and 95% points of the normal distribution.
-const QUANTILES: (f64, f64) = (0.674_489_750_196_082, 1.959_963_984_540_054);
 /// Bins of the probability integral transform.
 const BINS: usize = 10;
 
@@ -83,8 +82,8 @@ impl Tally {
             tally.expected += sd * sd + misfit * misfit;
             tally.largest = tally.largest.max(alone.abs());
             tally.left.push((*i, alone));
-            tally.inside.0 += usize::from(e.abs() <= QUANTILES.0 * sd);
-            tally.inside.1 += usize::from(e.abs() <= QUANTILES.1 * sd);
+            tally.inside.0 += usize::from(e.abs() <= NORMAL_50 * sd);
+            tally.inside.1 += usize::from(e.abs() <= NORMAL_95 * sd);
             let bin = (normal_cdf(e / sd) * BINS as f64) as usize;
             tally.bins[bin.min(BINS - 1)] += 1;
         }

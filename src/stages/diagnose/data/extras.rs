@@ -3,6 +3,7 @@
 use super::Data;
 use pipeline_base::columns::TEMPERATURE;
 use pipeline_base::row::{Row, label_names};
+use pipeline_inference::decisions::{FEWEST, MOST_LEVELS};
 use pipeline_numerics::statistics::mean;
 use std::collections::BTreeSet;
 
@@ -142,8 +143,8 @@ fn column(data: &Data, name: &str, raw: Vec<f64>) -> Option<Extra> {
         constant_in_sessions: constant,
         names_groups: whole
             && constant
-            && distinct.len() <= 4
-            && 3 * distinct.len() <= data.sessions.len(),
+            && distinct.len() <= MOST_LEVELS
+            && FEWEST * distinct.len() <= data.sessions.len(),
         words: Vec::new(),
     })
 }

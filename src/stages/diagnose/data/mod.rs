@@ -13,12 +13,13 @@ use pipeline_base::columns::TEMPERATURE;
 use pipeline_base::random::Stream;
 use pipeline_base::row::Row;
 use pipeline_base::session::Phase;
+use pipeline_inference::decisions::STANDS_OUT;
 use pipeline_mechanics::effects::{Conditions, Need};
 use pipeline_numerics::statistics::{mean, median};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A zero that differs from the campaign's median by so many robust standard deviations, and by so many N, is no drift.
-const ZERO_STANDS_OUT: (f64, f64) = (5.0, 3.0);
+/// A zero that differs from the campaign's median by no more than this, N, is drift.
+const LARGEST_DRIFT_N: f64 = 3.0;
 
 /// The readings of a campaign.
 #[derive(Clone, Debug, Default)]
@@ -337,7 +338,7 @@ impl Data {
             zeros[*s] = c.zero_force_n.abs();
         }
         let usual = 1.4826 * median(&zeros);
-        let least = ZERO_STANDS_OUT.1.max(ZERO_STANDS_OUT.0 * usual);
+        let least = LARGEST_DRIFT_N.max(STANDS_OUT * usual);
         zeros.iter().any(|z| *z > least)
     }
 }

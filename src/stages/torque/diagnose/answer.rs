@@ -19,7 +19,18 @@ use pipeline_inference::screen::Normal;
 use pipeline_inference::search::{Accepted, Found};
 use pipeline_inference::statistic::upper_tail;
 use pipeline_inference::system::Variances;
+use pipeline_mechanics::effects::{force_zero_offset, length_offset, specimen_variation};
 use std::collections::BTreeMap;
+
+/// The random effects as findings name them: component, id, level, unit; and the class of readings without which it is not listed.
+#[rustfmt::skip]
+const RANDOM_EFFECTS: [(usize, &str, Level, &str, Option<usize>); 5] = [
+    (component::MOUNTING, length_offset::ID, Level::Test, "mm", None),
+    (component::GAIN, specimen_variation::ID, Level::Actuator, "1", None),
+    (component::ZERO, force_zero_offset::ID, Level::Test, "N.m", None),
+    (component::LENGTH_BIAS, "hand_length_bias", Level::Test, "mm", Some(class::LENGTH)),
+    (component::ARM_BIAS, "hand_arm_bias", Level::Test, "mm", Some(class::ARM)),
+];
 
 /// What the answers are made of.
 pub struct Work<'a> {
@@ -87,7 +98,8 @@ impl Work<'_> {
             .collect();
         let mut class = vec![form.id.to_owned()];
         let alike = in_its_place.iter().map(|(id, _)| id.as_str());
-        for id in alike.chain(shows_as(form.place, values[0]).iter().copied()) {
+        let stood_for: Vec<&str> = form.stands_for(values[0]).collect();
+        for id in alike.chain(stood_for) {
             if !class.iter().any(|c| c == id) {
                 class.push(id.to_owned());
             }
@@ -210,82 +222,43 @@ impl Work<'_> {
     /// The random effects with their standard deviations. Biases of what was taken by hand are listed where something was.
     pub fn scatter(&self, variances: &Variances) -> Vec<Scatter> {
         let data = self.problem.data;
-        let named = |names: &[&str], nodes: &[Option<usize>]| -> Vec<(String, usize)> {
+        let groups = |level: Level| -> Vec<(String, usize)> {
+            let (names, nodes) = match level {
+                Level::Actuator => (&data.actuators, &self.problem.actuators),
+                _ => (&data.tests, &self.problem.tests),
+            };
             let all = names.iter().zip(nodes);
             all.filter_map(|(n, node)| Some(((*n).to_owned(), (*node)?)))
                 .collect()
         };
-        let actuators = named(&data.actuators, &self.problem.actuators);
-        let tests = named(&data.tests, &self.problem.tests);
         let has = |c: usize| self.problem.class().contains(&c);
-        let mut list = vec![
-            (
-                component::MOUNTING,
-                "length_offset",
-                Level::Test,
-                "mm",
-                &tests,
-            ),
-            (
-                component::GAIN,
-                "specimen_variation",
-                Level::Actuator,
-                "1",
-                &actuators,
-            ),
-            (
-                component::ZERO,
-                "force_zero_offset",
-                Level::Test,
-                "N.m",
-                &tests,
-            ),
-        ];
-        if has(class::LENGTH) {
-            list.push((
-                component::LENGTH_BIAS,
-                "hand_length_bias",
-                Level::Test,
-                "mm",
-                &tests,
-            ));
-        }
-        if has(class::ARM) {
-            list.push((
-                component::ARM_BIAS,
-                "hand_arm_bias",
-                Level::Test,
-                "mm",
-                &tests,
-            ));
-        }
         let tree = self.problem.tree();
         let predictive = self.found.model.predictive(self.setting);
-        let one =
-            |(c, id, level, unit, groups): (usize, &str, Level, &str, &Vec<(String, usize)>)| {
-                let (low, high) = query::interval(self.setting, &self.found.model, variances, c);
-                let value = |node: usize| {
-                    let (k, _) = tree.columns_of(node, c)?;
-                    Some(self.found.model.point.random[k])
-                };
-                Scatter {
-                    id: id.to_owned(),
-                    level,
-                    sd: variances.components[c],
-                    sd_predictive: predictive.components[c],
-                    ci_low: Some(low),
-                    ci_high: high,
-                    unit: unit.to_owned(),
-                    declared: None,
-                    declared_contradicted: false,
-                    log_likelihood_gain: Some(query::gain_of(self.setting, &self.found.model, c)),
-                    values: groups
-                        .iter()
-                        .filter_map(|(name, node)| Some((name.clone(), value(*node)?)))
-                        .collect(),
-                }
+        let one = |(c, id, level, unit, _): (usize, &str, Level, &str, Option<usize>)| {
+            let (low, high) = query::interval(self.setting, &self.found.model, variances, c);
+            let value = |node: usize| {
+                let (k, _) = tree.columns_of(node, c)?;
+                Some(self.found.model.point.random[k])
             };
-        list.into_iter().map(one).collect()
+            Scatter {
+                id: id.to_owned(),
+                level,
+                sd: variances.components[c],
+                sd_predictive: predictive.components[c],
+                ci_low: Some(low),
+                ci_high: high,
+                unit: unit.to_owned(),
+                declared: None,
+                declared_contradicted: false,
+                log_likelihood_gain: Some(query::gain_of(self.setting, &self.found.model, c)),
+                values: groups(level)
+                    .into_iter()
+                    .filter_map(|(name, node)| Some((name, value(node)?)))
+                    .collect(),
+            }
+        };
+        let listed = RANDOM_EFFECTS.into_iter().filter(|e| e.4.is_none_or(has));
+        listed.map(one).collect()
     }
 
     /// The sizes of the misfit, and what of the answer rests on their priors.
@@ -412,7 +385,7 @@ impl Work<'_> {
         // A test at half the pressure separates an offset of the length, which stays, from what yields, which halves.
         let yields = ALL
             .iter()
-            .find(|f| f.place == place::AXIAL)
+            .find(|f| f.first == place::AXIAL)
             .map_or("", |f| f.id);
         let pair = [ALL[place::LENGTH].id, yields];
         let stands_for_both = |a: &Accepted| {
@@ -427,16 +400,5 @@ impl Work<'_> {
             );
         }
         list
-    }
-}
-
-/// What shows as an effect does and has no operator of its own about a knee.
-fn shows_as(place: usize, value: f64) -> &'static [&'static str] {
-    match place {
-        // A force that is not along the sensor shrinks as one of a weaker actuator.
-        place::GAIN => &["misalignment", "specimen_variation"],
-        // Where the joint drives the actuator, its own hysteresis is friction of the other sign.
-        place::FRICTION | place::LOADED_FRICTION if value < 0.0 => &["hysteresis"],
-        _ => &[],
     }
 }

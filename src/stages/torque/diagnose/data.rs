@@ -1,11 +1,11 @@
 //! The readings of one joint, with everything that is known of each.
 
 use super::operator::{At, Joint, Shown};
-use super::settings;
 use super::terms::SIZES;
 use crate::point::{ByHand, Point};
 use pipeline_base::random::Stream;
 use pipeline_diagnose::slack::Side;
+use pipeline_inference::decisions::FEWEST;
 use pipeline_numerics::statistics::{mean, median};
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -110,7 +110,7 @@ impl<'a> Data<'a> {
     /// Whether the joint turned both ways often enough for friction to show.
     pub fn turns_both_ways(&self) -> bool {
         let turned = |sense: f64| self.readings.iter().filter(|r| r.at.sense == sense).count();
-        turned(1.0).min(turned(-1.0)) >= settings::FEWEST_EACH_WAY
+        turned(1.0).min(turned(-1.0)) >= FEWEST
     }
 
     /// The angle is not among them: the misfit runs along it, and a second curve over it would carry over to actuators that it was not seen on.

@@ -219,7 +219,7 @@ impl Fits<'_> {
         if data.readings.len() < 2 {
             return None;
         }
-        let offset = ALL.iter().position(|f| f.place == place::LENGTH)?;
+        let offset = ALL.iter().position(|f| f.first == place::LENGTH)?;
         let library = [What::Effect(offset)];
         let problem = TorqueProblem::least_squares(&data, &library);
         let length = LeastSquares::new(&Setting::new(&problem))?;

@@ -2,8 +2,9 @@
 //! itself is not among them: at one pressure it is a function of the angle once more, and mimics whatever yields.
 
 use super::data::Data;
-use super::terms::{ALL, SIZES, Term as Form, place};
+use super::terms::{ALL, SIZES, Term as Form};
 use pipeline_inference::problem;
+use pipeline_mechanics::effects::JointNeed;
 use pipeline_numerics::real::Real;
 
 /// What is added.
@@ -22,9 +23,10 @@ const LARGEST_CORRECTION: f64 = 0.5;
 
 /// The terms that the search tries: their number follows from the design alone.
 pub fn terms(data: &Data) -> Vec<What> {
-    let has = |form: &Form| match form.place {
-        place::FRICTION | place::LOADED_FRICTION => data.turns_both_ways(),
-        other => data.readings.iter().all(|r| r.joint.has(other)),
+    let has = |form: &Form| match form.needs {
+        None => true,
+        Some(JointNeed::BothSenses) => data.turns_both_ways(),
+        Some(part) => data.readings.iter().all(|r| r.joint.has(part)),
     };
     let forms = ALL.iter().enumerate().filter(|(_, f)| has(f));
     let mut terms: Vec<What> = forms.map(|(k, _)| What::Effect(k)).collect();
@@ -79,7 +81,7 @@ impl What {
     pub fn add<R: Real>(self, values: [R; 2], sizes: &mut [R; SIZES]) {
         if let Some(form) = self.form() {
             for (k, value) in values.iter().take(form.symbols.len()).enumerate() {
-                sizes[form.place + k] = sizes[form.place + k] + *value;
+                sizes[form.first + k] = sizes[form.first + k] + *value;
             }
         }
     }

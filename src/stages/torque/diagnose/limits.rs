@@ -1,17 +1,16 @@
 //! What this joint could have shown: the smallest detectable size of every effect, effects that it cannot show, and pairs with nearly one trace.
 
 use super::problem::TorqueProblem;
-use super::terms::{ALL, Term, place};
+use super::terms::{ALL, Term};
 use pipeline_findings::{Alias, DetectionLimit, NotMeasurable, WhyNot};
+use pipeline_inference::decisions::{IDENTIFIABLE, PARALLEL};
 use pipeline_inference::fit::{Fitted, Setting};
 use pipeline_inference::power::at_known_variances;
 use pipeline_inference::problem::Problem;
-use pipeline_inference::screen::{IDENTIFIABLE, Screen, Shown};
+use pipeline_inference::screen::{Screen, Shown};
 use pipeline_inference::statistic::likelihood_ratio;
 use pipeline_inference::system::{Factor, Panel};
-
-/// Cosine from which two sensitivities are reported as nearly one.
-const NEARLY_ONE: f64 = 0.9;
+use pipeline_mechanics::effects::{self, JointNeed};
 
 /// The answers.
 pub struct Limits {
@@ -52,8 +51,8 @@ pub fn limits(setting: &Setting, problem: &TorqueProblem, model: &Fitted, critic
             });
         };
         if !problem.library.iter().any(|t| is(t.form())) {
-            let (reason, by) = missing(form);
-            refuse(reason, by);
+            let by = form.needs.and_then(JointNeed::column);
+            refuse(missing(form), by);
             continue;
         }
         let mine = shown.iter().filter(|s| is(form_of(s.direction)));
@@ -77,12 +76,14 @@ pub fn limits(setting: &Setting, problem: &TorqueProblem, model: &Fitted, critic
             }),
         }
     }
-    not_measurable.push(NotMeasurable {
-        id: "misalignment".to_owned(),
+    let absorbed = effects::all().iter();
+    let absorbed = absorbed.filter_map(|e| Some((e.id(), e.joint_absorbed_by()?)));
+    not_measurable.extend(absorbed.map(|(id, by)| NotMeasurable {
+        id: id.to_owned(),
         form: None,
         reason: WhyNot::Absorbed,
-        by: Some("force_gain".to_owned()),
-    });
+        by: Some(by.to_owned()),
+    }));
     Limits {
         smallest,
         not_measurable,
@@ -91,12 +92,10 @@ pub fn limits(setting: &Setting, problem: &TorqueProblem, model: &Fitted, critic
 }
 
 /// Why a form means nothing for the joint.
-fn missing(form: &Term) -> (WhyNot, Option<&'static str>) {
-    match form.place {
-        place::FRICTION | place::LOADED_FRICTION => (WhyNot::NoTrace, Some("sense_of_motion")),
-        place::ORIGIN => (WhyNot::NoColumn, Some("origin_bracket_foot")),
-        place::INSERTION => (WhyNot::NoColumn, Some("insertion_bracket_foot")),
-        _ => (WhyNot::NoTrace, None),
+fn missing(form: &Term) -> WhyNot {
+    match form.needs {
+        Some(JointNeed::OriginBracket | JointNeed::InsertionBracket) => WhyNot::NoColumn,
+        _ => WhyNot::NoTrace,
     }
 }
 
@@ -140,7 +139,7 @@ fn aliases(
         }
     };
     let mut aliases: Vec<Alias> = pairs.iter().enumerate().map(alias).collect();
-    aliases.retain(|a| a.cosine.abs() >= NEARLY_ONE);
+    aliases.retain(|a| a.cosine.abs() >= PARALLEL);
     aliases.sort_by(|a, b| b.cosine.abs().total_cmp(&a.cosine.abs()));
     aliases
 }

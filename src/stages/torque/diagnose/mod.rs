@@ -11,7 +11,7 @@
 //! | [`data`] | the readings of a joint, with everything that is known of each |
 //! | [`library`] | the terms that may be added: forms of effects, and smooth functions of columns |
 //! | [`problem`] | the joint as the engine sees it: groups, nuisance components, readings of torque, length and arm |
-//! | [`settings`] | the numbers on which decisions rest |
+//! | [`settings`] | what is plausible of a joint |
 //! | [`recording`] | mistakes of recording: torques of the other sign, tests that the others make too improbable |
 //! | [`unseen`] | the same search without each actuator; errors, predictive intervals, the budget of the expected error |
 //! | [`limits`] | what could have been seen, and what is indistinguishable |
@@ -50,14 +50,15 @@ use pipeline_base::session::Role;
 use pipeline_config::{DiagnoseOptions, FitOptions};
 use pipeline_diagnose::answer::rms;
 use pipeline_diagnose::base::Base;
-use pipeline_diagnose::settings as shared;
 use pipeline_diagnose::slack::Side;
+use pipeline_diagnose::{expected, verdict};
 use pipeline_findings::{
-    CampaignFindings, Design, EffectFinding, Errors, HeldOutBy, NotAssessed, RecordingError,
-    Residuals, Verdict,
+    CampaignFindings, Design, Errors, HeldOutBy, NotAssessed, RecordingError, Residuals, Verdict,
 };
+use pipeline_inference::decisions;
 use pipeline_inference::fit::Setting;
 use pipeline_inference::problem::Problem;
+use pipeline_inference::screen::Normal;
 use pipeline_inference::search::{Decision, Found, Search};
 use pipeline_mechanics::models::published;
 use problem::{MOST_TERMS, TorqueProblem};
@@ -67,9 +68,6 @@ use std::collections::BTreeSet;
 use terms::SIZES;
 use tests::{Predictors, TestErrors};
 use unseen::HeldOut;
-
-/// Most tests that are set aside.
-const MOST_ASIDE: usize = 2;
 
 /// What was found of one joint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -165,9 +163,9 @@ struct Searched<'s> {
 
 fn decision(options: &DiagnoseOptions) -> Decision {
     Decision {
-        level: shared::LEVEL,
+        level: decisions::LEVEL,
         draws: options.draws,
-        alike: shared::ALIKE,
+        alike: decisions::ALIKE,
         most_terms: options.most_effects.min(MOST_TERMS),
         thorough: true,
     }
@@ -178,7 +176,7 @@ fn searched<'s>(
     problem: &'s TorqueProblem<'s>,
     group: &Group,
     decision: Decision,
-    normal: &pipeline_inference::screen::Normal,
+    normal: &Normal,
 ) -> Searched<'s> {
     let mut setting = Setting::new(problem);
     for (test, node) in problem.tests.iter().enumerate() {
@@ -197,7 +195,7 @@ fn searched<'s>(
         let found = search.run_exchanging(null, normal, None);
         let outlier = recording::furthest_off(&setting, problem, &found.model);
         match outlier {
-            Some((test, error)) if aside.len() < MOST_ASIDE => {
+            Some((test, error)) if aside.len() < decisions::MOST_MISTAKEN_TESTS => {
                 if let Some(node) = problem.tests[test] {
                     setting.active[node] = false;
                 }
@@ -214,31 +212,49 @@ fn searched<'s>(
     }
 }
 
+/// The readings of a joint that are searched, the mistakes that were seen without a search, and whether they are enough.
+struct Chosen<'a> {
+    data: Data<'a>,
+    mistakes: Vec<RecordingError>,
+    enough: bool,
+}
+
+impl<'a> Chosen<'a> {
+    fn of(group: &Group<'a>) -> Self {
+        let whole = group.data(&|t| group.fitted[t] || group.held[t]);
+        let mut mistakes = recording::wrong_signs(&whole);
+        let wrong = |t: usize| mistakes.iter().any(|s| s.group == group.sessions[t]);
+        let right = group.data(&|t| (group.fitted[t] || group.held[t]) && !wrong(t));
+        let enough = |data: &Data| {
+            let fitted = data.readings.iter().filter(|r| group.fitted[r.test]);
+            fitted.count() >= decisions::FEWEST_READINGS_OF_KNOWN_LAW
+        };
+        // Where hardly a test has the sign of the route, the route is in doubt and not the tests.
+        let set_aside = !mistakes.is_empty() && enough(&right);
+        let mut data = if set_aside { right } else { whole };
+        for m in &mut mistakes {
+            m.set_aside = set_aside;
+        }
+        mistakes.extend(recording::without_odd_hands(&mut data));
+        Self {
+            enough: enough(&data),
+            data,
+            mistakes,
+        }
+    }
+}
+
 fn one(
     campaign: &str,
     simulated: bool,
     group: &Group,
     options: &DiagnoseOptions,
 ) -> JointDiagnosis {
-    let whole = group.data(&|t| group.fitted[t] || group.held[t]);
-    let signs = recording::wrong_signs(&whole);
-    let wrong = |t: usize| signs.iter().any(|s| s.group == group.sessions[t]);
-    let right = group.data(&|t| (group.fitted[t] || group.held[t]) && !wrong(t));
-    let searchable = |data: &Data| {
-        data.readings
-            .iter()
-            .filter(|r| group.fitted[r.test])
-            .count()
-            >= settings::FEWEST_READINGS
-    };
-    // Where hardly a test has the sign of the route, the route is in doubt and not the tests.
-    let set_aside = !signs.is_empty() && searchable(&right);
-    let mut data = if set_aside { right } else { whole };
-    let mut mistakes = signs;
-    for m in &mut mistakes {
-        m.set_aside = set_aside;
-    }
-    mistakes.extend(recording::without_odd_hands(&mut data));
+    let Chosen {
+        data,
+        mut mistakes,
+        enough,
+    } = Chosen::of(group);
     let mut findings = unassessed(campaign, simulated, group, &data);
     let not_assessed = |reason, mistakes, findings| JointDiagnosis {
         findings: CampaignFindings {
@@ -251,7 +267,7 @@ fn one(
         by_hand: Vec::new(),
         curves: group.curves(&[0.0; SIZES], &[]),
     };
-    if !searchable(&data) {
+    if !enough {
         return not_assessed(NotAssessed::TooFewReadings, mistakes, findings);
     }
     let library = library::terms(&data);
@@ -260,30 +276,37 @@ fn one(
         let mut stream = Stream::new(options.seed, &["torque draw", &k.to_string()]);
         Box::new(move || stream.normal())
     };
-    let decision = decision(options);
-    let searched = searched(&problem, group, decision, &normal);
-    let Searched {
-        setting,
-        found,
-        aside,
-    } = &searched;
-    mistakes.extend(aside.iter().map(|(_, error)| error.clone()));
-    if !found.null.log_likelihood.is_finite() {
+    let searched = searched(&problem, group, decision(options), &normal);
+    mistakes.extend(searched.aside.iter().map(|(_, error)| error.clone()));
+    if !searched.found.null.log_likelihood.is_finite() {
         return not_assessed(NotAssessed::NoConvergence, mistakes, findings);
     }
     findings.recording_errors = mistakes;
-    let held = unseen::held_out(setting, &problem, found, decision, &normal);
+    answered(group, &problem, &searched, options, &normal, findings)
+}
+
+/// Everything that is asked of the result of a search.
+fn answered(
+    group: &Group,
+    problem: &TorqueProblem,
+    searched: &Searched,
+    options: &DiagnoseOptions,
+    normal: &Normal,
+    mut findings: CampaignFindings,
+) -> JointDiagnosis {
+    let Searched { setting, found, .. } = searched;
+    let held = unseen::held_out(setting, problem, found, decision(options), normal);
     let work = Work {
-        problem: &problem,
+        problem,
         setting,
         found,
         held: &held,
         smallest_nm: options.smallest_effect_nm,
-        normal: &normal,
+        normal,
     };
     let residuals = work.residuals();
     let variances = found.model.restricted(setting);
-    let limits = limits::limits(setting, &problem, &found.model, found.critical);
+    let limits = limits::limits(setting, problem, &found.model, found.critical);
     findings.effects = work.effects();
     findings.unexplained = work.unexplained();
     findings.verdict = verdict(&findings.effects, !findings.unexplained.is_empty());
@@ -297,47 +320,42 @@ fn one(
         rmse_train: Some(rms(&residuals.after)),
         ..held.after.clone()
     };
-    findings.design.held_out_by = held.by;
     findings.next_measurement = work.next(&variances);
-    let expected: f64 = held.budget.iter().map(|b| b.variance).sum();
-    findings.expected_rmse_heldout = (!held.budget.is_empty()).then(|| expected.sqrt());
-    findings.inside_50 = held.inside.map(|i| i.0);
-    findings.inside_95 = held.inside.map(|i| i.1);
-    findings.pit.clone_from(&held.pit);
     findings.noise = Some(variances.noise[problem::class::TORQUE]);
     findings.tested = work.tested();
     findings.detection_limits = limits.smallest;
     findings.not_measurable = limits.not_measurable;
     findings.aliases = limits.aliases;
-    findings.by_unit.clone_from(&held.units);
-    findings.budget.clone_from(&held.budget);
     let sizes = problem.sizes(&found.model.point);
     let without = group.found_without(&held);
     let largest = group.largest().map(|own| {
-        let sizes = group.fitted_to(&searched, &problem, &own);
+        let sizes = group.fitted_to(searched, problem, &own);
         (own, sizes)
     });
+    put_held_out(&mut findings, held);
     let tests = group.tests(&sizes, &without, largest.as_ref());
     JointDiagnosis {
-        findings,
         residuals,
-        by_hand: match simulated {
-            true => Vec::new(),
-            false => measurers::beside(group, &tests),
+        by_hand: if findings.simulated {
+            Vec::new()
+        } else {
+            measurers::beside(group, &tests)
         },
+        findings,
         tests,
         curves: group.curves(&sizes, &without),
     }
 }
 
-fn verdict(effects: &[EffectFinding], unexplained: bool) -> Verdict {
-    if effects.iter().any(|e| !e.negligible) {
-        Verdict::EffectFound
-    } else if unexplained {
-        Verdict::Unexplained
-    } else {
-        Verdict::None
-    }
+/// What is known of unseen actuators, beside the errors.
+fn put_held_out(findings: &mut CampaignFindings, held: HeldOut) {
+    findings.design.held_out_by = held.by;
+    findings.expected_rmse_heldout = expected(&held.budget);
+    findings.inside_50 = held.inside.map(|i| i.0);
+    findings.inside_95 = held.inside.map(|i| i.1);
+    findings.pit = held.pit;
+    findings.by_unit = held.units;
+    findings.budget = held.budget;
 }
 
 /// The findings of a joint of which nothing is said yet.

@@ -13,7 +13,7 @@ use super::terms::{KINKS_FROM_RAD, SIZES, place};
 use crate::build::Build;
 use pipeline_diagnose::base::Base;
 use pipeline_diagnose::slack::{self, Side, Sided};
-use pipeline_mechanics::effects::{Actuator, Conditions};
+use pipeline_mechanics::effects::{Actuator, Conditions, JointNeed};
 use pipeline_mechanics::knee::{Bracket, Leg, Point, Series, data, route::Place};
 use pipeline_numerics::real::Real;
 
@@ -74,13 +74,13 @@ impl<'a> Joint<'a> {
         }
     }
 
-    /// Whether an effect with its sizes at `term` means anything for the joint.
-    pub fn has(&self, term: usize) -> bool {
-        match term {
-            place::ORIGIN => self.feet[0].is_some(),
-            place::INSERTION => self.feet[1].is_some(),
-            place::WRAPPING => self.wraps_below.is_some(),
-            _ => true,
+    /// Whether it has a part of a joint that an effect needs. In which sense it turned is of its readings.
+    pub fn has(&self, part: JointNeed) -> bool {
+        match part {
+            JointNeed::OriginBracket => self.feet[0].is_some(),
+            JointNeed::InsertionBracket => self.feet[1].is_some(),
+            JointNeed::Contact => self.wraps_below.is_some(),
+            JointNeed::BothSenses => true,
         }
     }
 

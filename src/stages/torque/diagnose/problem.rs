@@ -14,7 +14,7 @@ use super::library::What;
 use super::operator::Shown;
 use super::settings;
 use super::terms::{SIZES, place};
-use pipeline_diagnose::problem::cosine;
+use pipeline_diagnose::problem::{LARGE_CHANGES, SAME_DIRECTION, cosine};
 use pipeline_diagnose::settings as shared;
 use pipeline_diagnose::slack::Side;
 use pipeline_diagnose::smooth::cosines;
@@ -353,7 +353,7 @@ impl<'a> TorqueProblem<'a> {
         let size = self.rms_of_torques(&near);
         let mut directions = vec![direction(vec![near])];
         if size > 0.0 && size.is_finite() {
-            let target = shared::LARGE_CHANGES[0] * self.rms_of_torques(base);
+            let target = LARGE_CHANGES[0] * self.rms_of_torques(base);
             let large = (target / size).min(0.5 * high);
             let mut far = vec![large];
             if low < 0.0 {
@@ -361,8 +361,7 @@ impl<'a> TorqueProblem<'a> {
             }
             for amplitude in far {
                 let column = change(0, amplitude);
-                let alike =
-                    |d: &Direction| cosine(&d.columns[0], &column) >= shared::SAME_DIRECTION;
+                let alike = |d: &Direction| cosine(&d.columns[0], &column) >= SAME_DIRECTION;
                 if !directions.iter().any(alike) {
                     directions.push(direction(vec![column]));
                 }
@@ -422,7 +421,7 @@ fn components(data: &Data, actuators: usize, tests: usize) -> Vec<Component> {
     vec![
         misfit(settings::COMMON_MISFIT, tests),
         known(
-            of(settings::LARGEST_GAIN, settings::USUAL_GAIN, actuators),
+            of(settings::LARGEST_GAIN, shared::USUAL_GAIN, actuators),
             false,
         ),
         known(
@@ -434,7 +433,7 @@ fn components(data: &Data, actuators: usize, tests: usize) -> Vec<Component> {
             false,
         ),
         known(scatter(settings::USUAL_ZERO * data.largest_nm, tests), true),
-        misfit(settings::TEST_MISFIT, tests),
+        misfit(shared::SESSION_MISFIT, tests),
         bias(),
         bias(),
     ]
@@ -567,6 +566,7 @@ mod unit {
     use pipeline_base::random::Stream;
     use pipeline_config::FitOptions;
     use pipeline_diagnose::base::Base;
+    use pipeline_inference::decisions;
     use pipeline_inference::fit::Free;
     use pipeline_inference::search::{Decision, Found, Search};
     use pipeline_mechanics::knee::{Setup, choice::named};
@@ -652,9 +652,9 @@ mod unit {
     fn found(problem: &TorqueProblem) -> Found {
         let setting = Setting::new(problem);
         let decision = Decision {
-            level: shared::LEVEL,
+            level: decisions::LEVEL,
             draws: 59,
-            alike: shared::ALIKE,
+            alike: decisions::ALIKE,
             most_terms: 3,
             thorough: true,
         };
@@ -753,7 +753,7 @@ mod unit {
         let setting = Setting::new(&problem);
         let axial = library
             .iter()
-            .position(|t| t.form().is_some_and(|f| f.place == place::AXIAL));
+            .position(|t| t.form().is_some_and(|f| f.first == place::AXIAL));
         for from in [1.0, 20.0, 60.0, 150.0] {
             let mut point = problem.start();
             point.terms.push((axial.unwrap(), vec![from]));

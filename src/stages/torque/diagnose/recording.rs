@@ -10,18 +10,13 @@ use super::problem::TorqueProblem;
 use super::settings;
 use super::terms::SIZES;
 use super::tests::{self, Predictors, TestErrors};
-use pipeline_diagnose::settings as shared;
 use pipeline_findings::{ErrorKind, Level, RecordingError};
+use pipeline_inference::decisions::{EXPLAINS, FEWEST, LEVEL};
 use pipeline_inference::fit::{Fitted, Setting};
 use pipeline_inference::heldout::Unseen;
 use pipeline_numerics::distributions::student_t_two_sided;
 use pipeline_numerics::statistics::{mean, median, standard_deviation};
 use rayon::prelude::*;
-
-/// Fewest tests of which one can be told to be off.
-const FEWEST: usize = 4;
-/// A length of its own explains a test if it leaves no more than so many times what the others have in the median.
-const EXPLAINS: f64 = 2.0;
 
 /// The tests of which most torques have the sign that the route does not give. Flexion is negative; where all are, `muscle` may be wrong.
 pub fn wrong_signs(data: &Data) -> Vec<RecordingError> {
@@ -77,7 +72,7 @@ pub fn without_odd_hands(data: &mut Data) -> Vec<RecordingError> {
             .chunk_by(|a, b| a.test == b.test)
             .filter_map(of_test)
             .collect();
-        if tests.len() < FEWEST {
+        if tests.len() <= FEWEST {
             continue;
         }
         let off = |k: usize| {
@@ -91,7 +86,7 @@ pub fn without_odd_hands(data: &mut Data) -> Vec<RecordingError> {
             (k, by, p.min(1.0))
         };
         let worst = (0..tests.len()).map(off).min_by(|a, b| a.2.total_cmp(&b.2));
-        let Some((k, by, p)) = worst.filter(|(_, _, p)| *p < shared::LEVEL) else {
+        let Some((k, by, p)) = worst.filter(|(_, _, p)| *p < LEVEL) else {
             continue;
         };
         let (test, misses) = &tests[k];
@@ -139,7 +134,7 @@ pub fn furthest_off(
         .filter_map(|(test, node)| Some((test, (*node)?)))
         .filter(|(_, node)| setting.active[*node])
         .collect();
-    if tests.len() < FEWEST {
+    if tests.len() <= FEWEST {
         return None;
     }
     let off = |(test, node): &(usize, usize)| {
@@ -158,7 +153,7 @@ pub fn furthest_off(
     let (test, off, sizes) = all.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
     let others = tests.len() as f64 - 1.0;
     let p = (student_t_two_sided(off, others - 1.0) * tests.len() as f64).min(1.0);
-    if p > shared::LEVEL {
+    if p > LEVEL {
         return None;
     }
     let errors = |t: usize| own_errors(problem.data, t, &sizes);

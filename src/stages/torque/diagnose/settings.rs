@@ -1,13 +1,11 @@
-//! The numbers on which decisions about torque rest, each with its reason; level, likeness and the weakness of priors are those of the
-//! isometric loop ([`pipeline_diagnose::settings`]).
+//! What is plausible of a joint and its tests, each with its reason; the scatter of gains and the misfit of one set-up are those of the
+//! isometric loop ([`pipeline_diagnose::settings`]). What decides beside them is in [`pipeline_inference::decisions`].
 
 /// Usual scatter of how tests are mounted, mm: a tape measure on a leg.
 pub const USUAL_MOUNTING_MM: f64 = 1.0;
 /// Scale of the prior of that scatter, mm: a leg with one test or two has no scatter to show, and what all its tests share is no accident.
 pub const LARGEST_MOUNTING_MM: f64 = 3.0;
-/// Usual scatter of the gain of actuators.
-pub const USUAL_GAIN: f64 = 0.04;
-/// Scale of the prior of that scatter: the tolerance that the maker states. A knee cannot tell a gain from other factors well, and would take
+/// Scale of the prior of the scatter of gains: the tolerance that the maker states. A knee cannot tell a gain from other factors well, and would take
 /// for it whatever acts like one.
 pub const LARGEST_GAIN: f64 = 0.1;
 /// Usual scatter of the zero of the torque, share of the largest torque.
@@ -19,8 +17,6 @@ pub const USUAL_BIAS_MM: f64 = 3.0;
 /// Prior scale of the misfit that all tests of a joint share, share of the torque: a law that holds to 2% at a force, times an arm of some 60 mm that
 /// is drawn to 3 mm. At 3% the laboratory's extensors get two effects more, and the 40 cm actuator is predicted at 5.9 instead of 1.3 N.m.
 pub const COMMON_MISFIT: f64 = 0.05;
-/// Prior scale of the misfit of one test along the angle, share of the torque.
-pub const TEST_MISFIT: f64 = 0.02;
 /// Length scale of both, rad (30 degrees): shorter is noise, longer is a gain.
 pub const ANGLE_LENGTH_RAD: f64 = 0.5;
 /// Floor of the misfit's scale, share of the largest torque.
@@ -31,10 +27,6 @@ pub const LENGTH_SD_MM: f64 = 5.0;
 pub const ARM_SD_MM: f64 = 7.0;
 /// Fewest hand-measured values from which their noise is estimated; with fewer, or where it is declared, it is taken as known.
 pub const FEWEST_FOR_NOISE: usize = 10;
-/// Fewest readings that are searched.
-pub const FEWEST_READINGS: usize = 8;
-/// Fewest readings after the joint turned either way, for friction to be asked for.
-pub const FEWEST_EACH_WAY: usize = 3;
 /// Share of the largest torque below which a reading may be of an actuator that is slack, where the rigid leg would not pull; and the noise of a
 /// reading that may or may not be, which says no more than that.
 pub const NEAR_SLACK: f64 = 0.1;
