@@ -45,6 +45,15 @@ const SHIFT: f64 = 0.8;
 /// A letter beside it is at most so far away, in its sizes.
 const NEAR: f64 = 1.2;
 
+/// What was measured of one document.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Layout {
+    /// Its pages.
+    pub sheets: Vec<Sheet>,
+    /// What Typst warns of, as that the layout does not settle.
+    pub warnings: Vec<String>,
+}
+
 /// What was measured of one page.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sheet {

@@ -9,6 +9,7 @@ use crate::figures::found::Kind;
 use crate::figures::{self, Built, Composed, Drawn, common_readings};
 use crate::force::{self, force_pdf};
 use crate::knee::{self, knee_pdf};
+use crate::layout::Layout;
 use crate::left_out::{LeftOut, Part, Task, attempt};
 use crate::pages::date_of;
 use crate::render::{self, Renderer};
@@ -142,12 +143,16 @@ pub fn pages(input: &ReportInput, config: &Config) -> Result<Outputs> {
     left_out.extend(built.left_out);
     let made = documents(input, &built.pictures, config, &left_out);
     let mut outputs = below_figures(built.files);
-    let mut sheets = BTreeMap::new();
+    let mut layouts = BTreeMap::new();
     for (name, document) in made {
         match document {
             Ok(Some(pages)) => {
                 outputs.insert(format!("reports/{name}"), pages.bytes);
-                sheets.insert(name, pages.sheets);
+                let layout = Layout {
+                    sheets: pages.sheets,
+                    warnings: pages.warnings,
+                };
+                layouts.insert(name, layout);
             }
             Ok(None) => {}
             Err(failed) => left_out.push(failed),
@@ -163,7 +168,7 @@ pub fn pages(input: &ReportInput, config: &Config) -> Result<Outputs> {
     }
     left_out.sort();
     outputs.insert(LEFT_OUT.to_owned(), json_bytes(&left_out)?);
-    outputs.insert("derived/layout.json".to_owned(), json_bytes(&sheets)?);
+    outputs.insert("derived/layout.json".to_owned(), json_bytes(&layouts)?);
     let summary = summary(input, &left_out)?;
     outputs.insert("reports/summary.json".to_owned(), summary);
     Ok(outputs)

@@ -1,7 +1,7 @@
 //! The pages of the reports, as they are laid out: nothing outside the type area, no page nearly empty, no letters too small to read.
 
 use crate::support::{Bench, read_table};
-use pipeline::report::layout::Sheet;
+use pipeline::report::layout::{Layout, Sheet};
 use std::collections::BTreeMap;
 
 /// Half of a rule at the margin lies beyond it, mm.
@@ -15,11 +15,12 @@ const SMALLEST_PT: f64 = 8.0;
 /// What is wrong with the pages of a run.
 fn defects(bench: &Bench) -> Vec<String> {
     let layout = std::fs::read(bench.root().join("derived/layout.json")).unwrap();
-    let documents: BTreeMap<String, Vec<Sheet>> = serde_json::from_slice(&layout).unwrap();
+    let documents: BTreeMap<String, Layout> = serde_json::from_slice(&layout).unwrap();
     for name in ["force.pdf", "residual.pdf", "supplement.pdf"] {
         assert!(documents.contains_key(name), "{name} was not measured");
     }
-    let of_document = |(name, sheets): (&String, &Vec<Sheet>)| {
+    let of_document = |(name, layout): (&String, &Layout)| {
+        let Layout { sheets, warnings } = layout;
         let sheet = |k: usize| {
             let ends_chapter = sheets.get(k + 1).is_none_or(|next| next.opens_chapter);
             let place = format!("{name}, page {}", k + 1);
@@ -31,7 +32,10 @@ fn defects(bench: &Bench) -> Vec<String> {
             let found = of_sheet(&sheets[k], least, ends_chapter).into_iter();
             found.map(move |what| format!("{place}: {what}"))
         };
-        (0..sheets.len()).flat_map(sheet).collect::<Vec<_>>()
+        let warnings = warnings.iter().map(|w| format!("{name}: {w}"));
+        warnings
+            .chain((0..sheets.len()).flat_map(sheet))
+            .collect::<Vec<_>>()
     };
     documents.iter().flat_map(of_document).collect()
 }
