@@ -13,6 +13,8 @@ import pandas as pd
 from .errors import ReadingsError
 
 LENGTHS = ("rest_length", "contracted_length", "length")
+# No actuator is so long: 1 m read as 1000 m, or 100 cm.
+LONGEST_M = 10.0
 PHASES = ("pressurizing", "depressurizing")
 # Columns of derived/rows.parquet that a run makes itself.
 MADE_BY_A_RUN = {
@@ -60,7 +62,10 @@ def metres(frame: pd.DataFrame, quantity: str) -> pd.Series:
         raise ReadingsError(f"there are both {both[0]} and {both[1]}: keep one")
     if not both:
         raise ReadingsError(f"there is no column {quantity}_m or {quantity}_mm{_other_unit(frame, quantity)}")
-    return numbers(frame, quantity, "m") if both[0].endswith("_m") else numbers(frame, quantity, "mm") / 1000
+    lengths = numbers(frame, quantity, "m") if both[0].endswith("_m") else numbers(frame, quantity, "mm") / 1000
+    if lengths.max() > LONGEST_M:
+        raise ReadingsError(f"column {both[0]} reaches {frame[both[0]].max():g}: that is longer than any actuator, so the unit is probably another one")
+    return lengths
 
 
 def states(frame: pd.DataFrame, columns: Mapping[str, str] | None = None) -> pd.DataFrame:

@@ -237,8 +237,16 @@ fn print(args: &DesignArgs, read: &Read, found: &[Design]) {
     for text in aligned(&rows, &[right, right, left, right, right, left]) {
         line(text);
     }
-    if found.iter().any(|d| !d.meets) {
-        line("falls short: no measured length meets the curve; this one comes closest");
+    let short: Vec<String> = found
+        .iter()
+        .filter(|d| !d.meets)
+        .map(|d| format!("{} mm", d.diameter_mm))
+        .collect();
+    if !short.is_empty() {
+        line(format!(
+            "falls short: no measured length of {} meets the curve; the one shown comes closest",
+            short.join(" and ")
+        ));
     }
     let has_none = |d: &&Design| {
         let mut pulls = d.points.iter().filter(|p| p.available != 0.0).peekable();
@@ -257,8 +265,7 @@ fn print(args: &DesignArgs, read: &Read, found: &[Design]) {
     }
     let closest = || found.iter().max_by(|a, b| a.margin.total_cmp(&b.margin));
     if let Some(chosen) = found.iter().find(|d| d.meets).or_else(closest) {
-        let is_opposite = |p: &AtPoint| p.point.needed * p.available <= 0.0;
-        if chosen.points.iter().all(is_opposite) {
+        if chosen.points.iter().all(AtPoint::is_opposite) {
             line(
                 "no torque of this route has the sign of the curve: torques of flexors are negative, of extensors positive",
             );

@@ -1,13 +1,18 @@
 //! `pipeline export model`: a model as source code of other languages.
 
 use crate::args::ResultArgs;
+use crate::check_session::known;
+use crate::places::Places;
 use crate::print::{line, print_json};
 use crate::{DONE, predict, values};
 use clap::builder::PossibleValuesParser;
 use pipeline_base::error::{Error, Result};
 use pipeline_base::json;
+use pipeline_base::row::Row;
+use pipeline_base::session::Kind;
 use pipeline_findings::{CampaignFindings, Findings};
 use pipeline_fit::GroupFit;
+use pipeline_portable::domain::State;
 use pipeline_portable::languages::File;
 use pipeline_portable::{LANGUAGES, Model, effects, header, source};
 use serde_json::Value;
@@ -100,9 +105,118 @@ fn model(args: &ModelArgs) -> Result<Model> {
     if !args.effects {
         return source::of_fit(fit, &inputs);
     }
+    let of_loop = with_effects(fit, &places, &args.alias, &inputs)?;
+    let is_worse = of_loop.is_worse();
+    let WithEffects {
+        mut model, errors, ..
+    } = of_loop;
+    if let Some([with, without]) = errors {
+        model.provenance.insert(
+            1,
+            format!(
+                "On the {} readings of the fit, at the lengths and pressures recorded: {}; the fit without the loop's effects has {}",
+                with.readings,
+                with.words(),
+                without.words()
+            ),
+        );
+        if is_worse {
+            model.provenance.insert(
+                2,
+                "WARNING: larger with the effects: the coefficients assume effects of the rig that the function leaves out. Leave out --effects for this campaign"
+                    .to_owned(),
+            );
+        }
+    }
+    Ok(model)
+}
+
+/// The model of the loop with the effects of the actuator.
+pub(super) struct WithEffects {
+    pub model: Model,
+    /// Whether the loop found any effect.
+    pub has_effects: bool,
+    /// Its errors and those of the fit on the readings of the fit, where these are known.
+    errors: Option<[OnReadings; 2]>,
+}
+
+/// The least squares fit has the smallest error that the law can have on its readings; a model with further terms is worse if its own is larger by this
+/// factor.
+const WORSE: f64 = 1.1;
+
+impl WithEffects {
+    /// Whether it does worse than the fit: where effects of the rig are left out of the function that its coefficients assume.
+    pub fn is_worse(&self) -> bool {
+        let errors = self.errors.as_ref().filter(|_| self.has_effects);
+        errors.is_some_and(|[with, without]| with.rmse_n > WORSE * without.rmse_n)
+    }
+}
+
+pub(super) fn with_effects(
+    fit: &GroupFit,
+    places: &Places,
+    alias: &[String],
+    inputs: &str,
+) -> Result<WithEffects> {
     let findings = findings(&places.reports)?;
     let found = found(&findings, fit)?;
-    effects::of_findings(fit, found, &args.alias, &inputs)
+    let model = effects::of_findings(fit, found, alias, inputs)?;
+    let rows = known(&places.derived, &places.reports, &places.config)?.rows;
+    let plain = source::of_fit(fit, inputs)?;
+    let errors = on_readings(&model, &rows, fit).zip(on_readings(&plain, &rows, fit));
+    Ok(WithEffects {
+        model,
+        has_effects: !found.effects.is_empty(),
+        errors: errors.map(|(with, without)| [with, without]),
+    })
+}
+
+/// How a model does on the readings of a fit.
+struct OnReadings {
+    readings: usize,
+    rmse_n: f64,
+    /// Mean of measured minus predicted.
+    mean_n: f64,
+}
+
+impl OnReadings {
+    fn words(&self) -> String {
+        format!(
+            "RMSE {:.2} N, mean error (measured minus predicted) {:+.2} N",
+            self.rmse_n, self.mean_n
+        )
+    }
+}
+
+/// The errors on the readings of the campaign, or the pool, that no session excludes; none where there are none.
+fn on_readings(model: &Model, rows: &[Row], fit: &GroupFit) -> Option<OnReadings> {
+    let group = &fit.group;
+    let is_of_fit = |r: &&Row| {
+        let is_member = r.campaign == group.campaign || group.members.contains(&r.campaign);
+        let diameter_mm = r.diameter_mm.round() as u32;
+        is_member && diameter_mm == group.diameter_mm && r.kind == Kind::Isometric && !r.excluded
+    };
+    let errors: Vec<f64> = rows
+        .iter()
+        .filter(is_of_fit)
+        .map(|r| {
+            let at = State {
+                rest_length_m: r.rest_length_m,
+                contracted_length_m: r.contracted_length_m,
+                length_m: r.length_m,
+                pressure_kpa: r.pressure_kpa,
+            };
+            r.force_n - model.force(&at).force_n
+        })
+        .filter(|e| e.is_finite())
+        .collect();
+    let n = errors.len() as f64;
+    let squares: f64 = errors.iter().map(|e| e * e).sum();
+    (!errors.is_empty()).then(|| OnReadings {
+        readings: errors.len(),
+        rmse_n: (squares / n).sqrt(),
+        mean_n: errors.iter().sum::<f64>() / n,
+    })
 }
 
 /// The fit of a campaign and diameter.
@@ -158,7 +272,7 @@ fn inputs(reports: &Path) -> String {
     digest.unwrap_or_else(|| "not known, because there is no summary.json".to_owned())
 }
 
-pub(super) fn findings(reports: &Path) -> Result<Findings> {
+fn findings(reports: &Path) -> Result<Findings> {
     let path = reports.join("findings.json");
     let text = fs::read(&path).map_err(|e| {
         Error::Usage(format!(
@@ -174,7 +288,7 @@ pub(super) fn findings(reports: &Path) -> Result<Findings> {
     })
 }
 
-pub(super) fn found<'a>(findings: &'a Findings, fit: &GroupFit) -> Result<&'a CampaignFindings> {
+fn found<'a>(findings: &'a Findings, fit: &GroupFit) -> Result<&'a CampaignFindings> {
     let group = &fit.group;
     let same = |c: &&CampaignFindings| {
         c.campaign == group.campaign && c.diameter_mm == group.diameter_mm && c.part.is_none()

@@ -1,13 +1,14 @@
 //! `pipeline predict`.
 
 use crate::args::ResultArgs;
+use crate::places::Places;
 use crate::predict_leg::{self, LegArgs};
 use crate::{DONE, export_model, predict_calibrate, predict_print, summary, values};
 use pipeline_base::error::{Error, Result};
 use pipeline_base::units::Quantity;
 use pipeline_compare::NEW;
 use pipeline_fit::GroupFit;
-use pipeline_portable::{domain, effects};
+use pipeline_portable::domain;
 use pipeline_predict::answer::{Answer, Other};
 use pipeline_predict::inverse::{self, Wanted};
 use pipeline_predict::law::choose;
@@ -186,7 +187,7 @@ pub fn command(args: &PredictArgs) -> Result<u8> {
     match (args.sweep, args.table) {
         (Some(swept), _) => sweep_command(args, predictor, axis(swept), around)?,
         (None, true) => table_command(args, &predictor)?,
-        (None, false) => single(args, &predictor, around, &places.reports)?,
+        (None, false) => single(args, &predictor, around, &places)?,
     }
     Ok(DONE)
 }
@@ -213,7 +214,12 @@ fn wanted(args: &PredictArgs, around: Around) -> Result<Option<(Wanted, f64)>> {
     )))
 }
 
-fn single(args: &PredictArgs, predictor: &Predictor, around: Around, reports: &Path) -> Result<()> {
+fn single(
+    args: &PredictArgs,
+    predictor: &Predictor,
+    around: Around,
+    places: &Places,
+) -> Result<()> {
     no_file(args, "one state")?;
     let contraction = around.contraction.ok_or_else(|| {
         missing("a contraction: give --contraction, --length or --relative-contraction, or --sweep contraction")
@@ -222,23 +228,26 @@ fn single(args: &PredictArgs, predictor: &Predictor, around: Around, reports: &P
         .pressure_kpa
         .ok_or_else(|| missing("a pressure: give --pressure, or --sweep pressure"))?;
     let mut answer = predictor.at(contraction, pressure)?;
-    let of_loop = with_effects(predictor, &answer, reports);
+    let of_loop = with_effects(predictor, &answer, places);
     answer.others.splice(0..0, of_loop);
     predict_print::single(predictor, &answer, args.json)
 }
 
 /// What the model of the loop says, with the effects of the actuator that it found; none where there are none, or where it could not tell them from
-/// those of the rig.
-fn with_effects(predictor: &Predictor, answer: &Answer, reports: &Path) -> Option<Other> {
+/// those of the rig, or where it does worse than the fit without these.
+fn with_effects(predictor: &Predictor, answer: &Answer, places: &Places) -> Option<Other> {
     let Law::Fitted(fit, _) = predictor.choice.law else {
         return None;
     };
-    let findings = export_model::findings(reports).ok()?;
-    let found = export_model::found(&findings, fit).ok()?;
-    let has_effects = !found.effects.is_empty() && predictor.calibration.is_none();
-    let model = has_effects.then(|| effects::of_findings(fit, found, &[], ""))?;
+    if predictor.calibration.is_some() {
+        return None;
+    }
     let contraction_620 = answer.muscle.contraction_620?;
-    let of_loop = model.ok()?.force(&domain::State {
+    let of_loop = export_model::with_effects(fit, places, &[], "").ok()?;
+    if !of_loop.has_effects || of_loop.is_worse() {
+        return None;
+    }
+    let of_loop = of_loop.model.force(&domain::State {
         rest_length_m: answer.muscle.rest_length_m,
         contracted_length_m: answer.muscle.rest_length_m * (1.0 - contraction_620),
         length_m: answer.length_m,

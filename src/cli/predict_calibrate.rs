@@ -142,8 +142,7 @@ impl Read {
         let specimen = self.rows[0].specimen.as_str();
         Calibration::new(fit, joint, Some(specimen), self.sizes(fit), &readings).ok_or_else(|| {
             Error::Usage(format!(
-                "the fit of {} has {} specimens, too few to estimate how others scatter, and so what a reading of one implies: it takes more than \
-                 the length law has coefficients, three where both are fitted",
+                "--specimen and --calibrate need three specimens or more to know how muscles scatter; the fit of {} has {}",
                 fit.group.campaign,
                 fit.specimens.len()
             ))

@@ -125,7 +125,9 @@ fn is_mixed(e: &EffectFinding) -> bool {
 
 /// Which member of its alias set an effect is taken for.
 fn meant<'a>(e: &'a EffectFinding, named: &'a [String]) -> Result<&'a str> {
-    if !is_mixed(e) {
+    // Where the function holds no member of the set, it is the same whatever the effect is.
+    let matters = e.class.iter().any(|id| may_be_held(e, id));
+    if !is_mixed(e) || !matters {
         return Ok(&e.id);
     }
     let of_set = e.class.iter().find(|id| named.contains(id));
@@ -144,6 +146,26 @@ fn meant<'a>(e: &'a EffectFinding, named: &'a [String]) -> Result<&'a str> {
             e.measurement
         ))
     })
+}
+
+/// Effects, their forms, and where the law has the size of each.
+type Place = (&'static str, &'static str, fn(&mut Law) -> &mut f64);
+const PLACES: [Place; 4] = [
+    ("bladder_threshold", "sharp", |l| &mut l.threshold_sharp_kpa),
+    ("bladder_threshold", "gradual", |l| {
+        &mut l.threshold_gradual_kpa
+    }),
+    ("rest_length_scaling", "linear", |l| {
+        &mut l.length_linear_per_m
+    }),
+    ("rest_length_scaling", "saturating", |l| {
+        &mut l.length_saturating_per_m
+    }),
+];
+
+/// Whether the function may have a term for an effect, were it this member of its alias set.
+fn may_be_held(e: &EffectFinding, id: &str) -> bool {
+    e.acts_on == ActsOn::All && PLACES.iter().any(|(of, ..)| *of == id)
 }
 
 /// Puts an effect into a law, if it belongs there; a sentence about what was done.
@@ -167,19 +189,14 @@ fn put(law: &mut Law, e: &EffectFinding, named: &[String], fit: &GroupFit) -> Re
             "not: {title} ({id}), which depends on more than lengths and pressure: a static function cannot hold it"
         ));
     }
-    let place = match (id, form) {
-        ("bladder_threshold", "sharp") => &mut law.threshold_sharp_kpa,
-        ("bladder_threshold", "gradual") => &mut law.threshold_gradual_kpa,
-        ("rest_length_scaling", "linear") => &mut law.length_linear_per_m,
-        ("rest_length_scaling", "saturating") => &mut law.length_saturating_per_m,
-        _ => {
-            return Ok(format!(
-                "not: {title} ({id}), which is the scatter of muscles of {} and not a term of their mean",
-                fit.group.campaign
-            ));
-        }
+    let is_place = |(of, at, _): &&Place| (*of, *at) == (id, form);
+    let Some((.., place)) = PLACES.iter().find(is_place) else {
+        return Ok(format!(
+            "not: {title} ({id}), which is the scatter of muscles of {} and not a term of their mean",
+            fit.group.campaign
+        ));
     };
-    *place = size;
+    *place(law) = size;
     let equation = if id == e.id {
         e.equation.as_str()
     } else {

@@ -62,7 +62,7 @@ pub struct AtPoint {
     pub point: Point,
     /// Length of the muscle, m.
     pub length_m: f64,
-    /// Force or torque of the law, in the direction that is needed.
+    /// Force or torque of the law, with its sign.
     pub available: f64,
     /// Lower end of its interval.
     pub low: Option<f64>,
@@ -73,13 +73,27 @@ pub struct AtPoint {
 }
 
 impl AtPoint {
-    /// What counts, less what is needed.
+    /// What counts in the direction that is needed, less what is needed.
     pub fn margin(&self, surety: Surety) -> f64 {
+        let end = if self.direction() < 0.0 {
+            self.high
+        } else {
+            self.low
+        };
         let counts = match surety {
-            Surety::Interval => self.low.unwrap_or(self.available),
+            Surety::Interval => end.unwrap_or(self.available),
             Surety::Law => self.available,
         };
-        counts - self.point.needed.abs()
+        self.direction() * counts - self.point.needed.abs()
+    }
+
+    /// Whether the muscle turns the joint the other way, or not at all.
+    pub fn is_opposite(&self) -> bool {
+        self.direction() * self.available <= 0.0
+    }
+
+    fn direction(&self) -> f64 {
+        if self.point.needed < 0.0 { -1.0 } else { 1.0 }
     }
 }
 
@@ -208,7 +222,6 @@ fn at_point(
         ));
     }
     let answer = predictor.at(Contraction::Fraction(contraction.max(edge)), pressure_kpa)?;
-    // The arm with the sign of the torque that is needed: a muscle on the other side of the joint pulls against it.
     let turned = |force: f64| arm * force;
     found.available = answer.force_n.map_or(0.0, turned);
     let ends = answer.interval.map(|i| (turned(i.low_n), turned(i.high_n)));
@@ -227,7 +240,7 @@ fn edge(predictor: &Predictor) -> f64 {
 }
 
 impl Joint<'_> {
-    /// Length of the muscle, m, and arm in the direction of the torque that is needed, m.
+    /// Length of the muscle, m, and arm, m, with the sign of its torque.
     fn place(&self, predictor: &Predictor, point: Point) -> Result<(f64, f64)> {
         let (low, high) = self.leg.joint.range;
         let angle = point.at.to_radians();
@@ -253,10 +266,6 @@ impl Joint<'_> {
             fitting_m: self.fitting_m,
             tendon_m: self.tendon_m,
         };
-        let direction = if point.needed < 0.0 { -1.0 } else { 1.0 };
-        Ok((
-            setup.actuator_length(geometry.length_m),
-            direction * geometry.arm_m,
-        ))
+        Ok((setup.actuator_length(geometry.length_m), geometry.arm_m))
     }
 }

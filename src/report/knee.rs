@@ -231,7 +231,7 @@ fn joint(c: &CampaignTorque, found: &CampaignFindings) -> Joint {
 
 /// The root mean square error on the actuators of a joint, each with one length of the fittings that was fitted to all others, by the law of the loop; none
 /// where nothing was held out.
-fn one_length(c: &CampaignTorque, found: &CampaignFindings) -> Option<f64> {
+pub(crate) fn one_length(c: &CampaignTorque, found: &CampaignFindings) -> Option<f64> {
     let is_of_joint = |id: &str| {
         let of = c.configurations.iter().find(|c| c.id == id);
         of.is_some_and(|c| c.diameter_mm == found.diameter_mm && Some(c.joint()) == found.part)

@@ -211,8 +211,9 @@ fn pressures_that_pull(folder: &Path) -> (f64, f64) {
     })
 }
 
-/// `predict` has the force of the model exported beside its own.
-fn predicted_beside(bench: &Bench, folder: &Path) {
+/// The force of `predict` at the first point of an export that pulls, by the model with the effects, and that of the point; none where `predict` does
+/// not have that model.
+fn predicted_beside(bench: &Bench, folder: &Path) -> Option<[f64; 2]> {
     let points = crate::support::read_table(&folder.join("golden_vectors.csv"));
     let number = |text: &str| text.parse::<f64>().unwrap();
     let is_pulling =
@@ -229,12 +230,23 @@ fn predicted_beside(bench: &Bench, folder: &Path) {
     let said = bench.run(&[&["predict", "--diameter", "10", "--json"], &state[..]].concat());
     assert_eq!(said.code, 0, "{}", said.err);
     let value: Value = serde_json::from_str(&said.out).unwrap();
-    let first = &value["answer"]["others"][0];
-    assert_eq!(first["model"], "new, with effects", "{value}");
-    let (force, expected) = (
-        first["force_n"].as_f64().unwrap(),
+    let others = value["answer"]["others"].as_array().unwrap();
+    let of_loop = others.iter().find(|o| o["model"] == "new, with effects")?;
+    Some([
+        of_loop["force_n"].as_f64().unwrap(),
         number(&point["force_n"]),
-    );
+    ])
+}
+
+#[test]
+fn predict_has_the_force_of_the_exported_model_beside_its_own() {
+    let bench = Bench::quick_done();
+    let small = effect("bladder_threshold", &["bladder_threshold"], "sharp", 0.5);
+    with_effects(&bench, &[small]);
+    let said = export(&bench, "model", &["--campaign", "small", "--effects"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(!said.out.contains("WARNING"), "{}", said.out);
+    let [force, expected] = predicted_beside(&bench, &bench.root().join("model")).unwrap();
     assert!((force - expected).abs() < 1e-6, "{force} {expected}");
 }
 
@@ -264,7 +276,13 @@ fn effects_of_the_actuator_go_with_the_model_and_those_of_the_rig_stay() {
     ] {
         assert!(said.out.contains(part), "{part} is not in\n{}", said.out);
     }
-    predicted_beside(&bench, &bench.root().join("model"));
+    // These effects are not those of the readings: the export says that it does worse, and `predict` does not offer it.
+    assert!(
+        said.out.contains("WARNING: larger with the effects"),
+        "{}",
+        said.out
+    );
+    assert_eq!(predicted_beside(&bench, &bench.root().join("model")), None);
     let header = std::fs::read_to_string(bench.root().join("model/bpa_model.h")).unwrap();
     assert!(header.contains("which is of the rig"));
     let source = std::fs::read_to_string(bench.root().join("model/bpa_model.c")).unwrap();
@@ -293,6 +311,11 @@ fn an_alias_set_of_actuator_and_rig_is_refused_until_one_is_named() {
         let source = std::fs::read_to_string(bench.root().join(named).join("bpa_model.c")).unwrap();
         assert!(source.contains(threshold), "{named}");
     }
+    // A set of which the function could hold no member needs no choice.
+    let class = ["hysteresis", "force_drift"];
+    with_effects(&bench, &[effect(class[0], &class, "constant", 3.0)]);
+    let said = export(&bench, "neither", &source);
+    assert_eq!(said.code, 0, "{}", said.err);
     // No size of a gradual thing follows from that of another one.
     let class = ["force_gain", "rest_length_scaling"];
     with_effects(&bench, &[effect(class[0], &class, "gain", 0.1)]);

@@ -158,6 +158,7 @@ def inside(program):
     refused(wrong, ["DataFrame", "list"], lambda: bridge.fit([dict(readings.iloc[0])], program=program))
     refused(wrong, ["there is no column force_n"], trial(readings.drop(columns="force_n")))
     refused(wrong, ["length_m or length_mm"], trial(readings.drop(columns="length_m")))
+    refused(wrong, ["length_m reaches", "unit"], trial(readings.assign(length_m=1000 * readings.length_m)))
     refused(wrong, ["no column specimen"], trial(readings.drop(columns="specimen")))
     refused(wrong, ["no column diameter_mm"], trial(readings.drop(columns="diameter_mm")))
     refused(wrong, ["pressure_kpa", "pressure_psi", "convert"], trial(readings.rename(columns={"pressure_kpa": "pressure_psi"})))

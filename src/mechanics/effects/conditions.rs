@@ -81,7 +81,7 @@ impl Argument {
         match self {
             Argument::Force => "force_n",
             Argument::Pressure => "pressure_kpa",
-            Argument::Contraction => "contraction_rel",
+            Argument::Contraction => "contraction",
             Argument::RestLength => "rest_length_m",
             Argument::SinceStep => "since_step_s",
             Argument::LogTime => "time_s",

@@ -21,18 +21,12 @@ pub fn figure(label: &str, unit: &str, scale: f64, found: &[Design]) -> Named {
     let x = |p: &AtPoint| scale * p.point.at;
     for (k, design) in found.iter().enumerate() {
         let ink = look(k).0;
-        let signed = |p: &AtPoint, value: f64| {
-            if p.point.needed < 0.0 { -value } else { value }
-        };
-        let ends = |p: &AtPoint| {
-            let (low, high) = (signed(p, p.low?), signed(p, p.high?));
-            Some((x(p), low.min(high), low.max(high)))
-        };
+        let ends = |p: &AtPoint| Some((x(p), p.low?, p.high?));
         let band: Vec<(f64, f64, f64)> = design.points.iter().filter_map(ends).collect();
         if !band.is_empty() {
             panel = panel.with(Layer::band("", band, ink));
         }
-        let line = design.points.iter().map(|p| (x(p), signed(p, p.available)));
+        let line = design.points.iter().map(|p| (x(p), p.available));
         let short = if design.meets { "" } else { ", falls short" };
         let name = format!(
             "{} mm, {}{short}",

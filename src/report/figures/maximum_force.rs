@@ -197,7 +197,7 @@ impl<'a> Plot<'a> {
             ),
             None if self.sound().next().is_none() => String::new(),
             None if self.specimens == 2 => {
-                " Two specimens determine the two coefficients of the law exactly: there is no band.".to_owned()
+                " With two specimens there is no band.".to_owned()
             }
             None => {
                 " There is no band: not every refit without one specimen determines the coefficients."

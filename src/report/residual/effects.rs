@@ -54,7 +54,7 @@ fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, Stri
     ];
     if let Some(share) = e.found_in_folds {
         let unit = name::held_out_unit(found);
-        let searches = format!("{} of the searches without a {unit}", percent(share));
+        let searches = format!("{} of the searches without one {unit}", percent(share));
         facts.insert(1, ("selected in", searches));
     }
     if let Some(log_likelihood) = e.log_likelihood_gain {

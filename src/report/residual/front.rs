@@ -1,5 +1,6 @@
 //! What is said first: the answer in sentences, the errors in their three forms, the budget.
 
+use super::Simpler;
 use crate::wording::name::{self, nouns};
 use crate::wording::number::{NONE, error, error_or_none, error_with_unit, percent, unit};
 use crate::wording::sentence::{self, Answer, clauses, counted, has_terms};
@@ -78,6 +79,9 @@ pub(super) fn answer(found: &CampaignFindings) -> Said {
     sentence::full_answer(found).into()
 }
 
+/// Something simpler is named if its error is below this share of the model's.
+const CLEARLY: f64 = 0.98;
+
 /// For the first page.
 #[derive(Serialize)]
 pub(super) struct Brief {
@@ -86,16 +90,22 @@ pub(super) struct Brief {
     rest: Vec<(&'static str, String)>,
 }
 
-pub(super) fn in_brief(found: &CampaignFindings) -> Brief {
-    let sentence::Points {
-        found,
-        limits,
-        rest,
-    } = sentence::points(found);
+/// The points, and beside the errors something simpler that does better.
+pub(super) fn in_brief(found: &CampaignFindings, simpler: Option<Simpler>) -> Brief {
+    let points = sentence::points(found);
+    let own = found.after.rmse_heldout.or(found.before.rmse_heldout);
+    let better = simpler.filter(|s| own.is_some_and(|own| s.error < CLEARLY * own));
+    let beside = |(about, words): (&'static str, String)| match better {
+        Some(s) if about == sentence::ERROR => {
+            let error = error_with_unit(s.error, &found.unit);
+            (about, format!("{words}; {} has {error}", s.words))
+        }
+        _ => (about, words),
+    };
     Brief {
-        found,
-        limits,
-        rest,
+        found: points.found,
+        limits: points.limits,
+        rest: points.rest.into_iter().map(beside).collect(),
     }
 }
 

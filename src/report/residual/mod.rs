@@ -19,12 +19,15 @@ use crate::extent::{MOST_GROUPS, MOST_ROWS_ON_PAGES};
 use crate::figures::Drawn;
 use crate::figures::found::Kind;
 use crate::input::ReportInput;
+use crate::knee;
 use crate::pages::{PageData, Picture};
 use crate::typeset::Pdf;
 use crate::wording::name;
 use crate::wording::number::unit;
 use pipeline_base::error::Result;
+use pipeline_compare::NEW;
 use pipeline_findings::CampaignFindings;
+use pipeline_torque::CampaignTorque;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -126,6 +129,15 @@ impl Campaign {
 struct Entry<'a> {
     found: &'a CampaignFindings,
     figures: Option<&'a [(Kind, Drawn)]>,
+    /// The error of something simpler on the same unseen readings, where there is such.
+    simpler: Option<Simpler>,
+}
+
+/// Something simpler than the model with its effects, and its error on unseen units.
+#[derive(Clone, Copy)]
+struct Simpler {
+    words: &'static str,
+    error: f64,
 }
 
 /// What has a section, in the order of the pages, what was measured before what was simulated: its budget stands on the first page.
@@ -142,13 +154,30 @@ pub fn on_the_first_page(input: &ReportInput) -> Vec<&CampaignFindings> {
 fn entries<'a>(input: &'a ReportInput, figures: &'a Figures) -> Vec<Entry<'a>> {
     let groups = input.groups.iter().zip(&input.figures);
     let groups = groups.filter_map(|(group, drawn)| {
+        let comparisons = &group.comparison.comparisons;
+        let alone = comparisons
+            .iter()
+            .find(|c| c.model == NEW && c.split == "loso");
         Some(Entry {
             found: &group.diagnosis.as_ref()?.findings,
             figures: drawn.as_ref().map(|d| d.diagnosis.as_slice()),
+            simpler: alone.and_then(|c| c.rmse).map(|error| Simpler {
+                words: "the law alone, fitted by least squares,",
+                error,
+            }),
         })
     });
-    let joints = input.torque_findings().enumerate().map(|(k, found)| Entry {
+    let of_campaign = |c: &'a CampaignTorque| {
+        let found = c.diagnoses.iter().map(|d| &d.findings);
+        found.map(move |found| (knee::one_length(c, found), found))
+    };
+    let joints = input.torque().iter().flat_map(of_campaign);
+    let joints = joints.enumerate().map(|(k, (one_length, found))| Entry {
         found,
+        simpler: one_length.map(|error| Simpler {
+            words: "one length of the end fittings alone",
+            error,
+        }),
         figures: figures
             .joints
             .get(k)
@@ -198,12 +227,19 @@ pub fn residual_pdf(
 /// The sections, in the order of the pages.
 pub(crate) fn sections(input: &ReportInput, figures: &Figures) -> Vec<Campaign> {
     let entries = entries(input, figures);
-    let with_section = entries.iter().filter_map(|e| Some((e.found, e.figures?)));
-    let section = |(k, (found, figures))| campaign(k, found, figures);
+    let with_section = entries.iter().filter_map(|e| Some((e, e.figures?)));
+    let section = |(k, (e, figures)): (usize, (&Entry, &[(Kind, Drawn)]))| {
+        campaign(k, e.found, figures, e.simpler)
+    };
     with_section.enumerate().map(section).collect()
 }
 
-fn campaign(place: usize, found: &CampaignFindings, figures: &[(Kind, Drawn)]) -> Campaign {
+fn campaign(
+    place: usize,
+    found: &CampaignFindings,
+    figures: &[(Kind, Drawn)],
+    simpler: Option<Simpler>,
+) -> Campaign {
     let nouns = name::nouns(found);
     Campaign {
         key: place.to_string(),
@@ -214,7 +250,7 @@ fn campaign(place: usize, found: &CampaignFindings, figures: &[(Kind, Drawn)]) -
         unit: unit(&found.unit).to_owned(),
         nouns: [nouns.unit, nouns.units, nouns.setup, nouns.setups],
         answer: front::answer(found),
-        in_brief: front::in_brief(found),
+        in_brief: front::in_brief(found, simpler),
         design: front::design(found),
         budget: front::budget(found),
         expected: front::expected(found),

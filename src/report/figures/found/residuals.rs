@@ -8,6 +8,7 @@ use crate::plot::axis::{Span, Ticks};
 use crate::plot::{Axis, Figure, Ink, Layer, Mark, Panel, Series, Shape};
 use crate::wording::SIGNIFICANT;
 use crate::wording::number::equals_probability;
+use crate::wording::sentence::has_terms;
 use pipeline_base::row::{NO_LABEL, Row, label_names};
 use pipeline_findings::{Residuals, Tested};
 use std::collections::BTreeSet;
@@ -221,6 +222,7 @@ pub fn label(column: &str) -> String {
         "pressure_kpa" | "pressure" => "Pressure (kPa)",
         "order" => "Place in the test (first 0, last 1)",
         "contraction_rel" => "ε* (–)",
+        "contraction" => "ε (–)",
         "force_n" => "Predicted force (N)",
         "direction" => "Direction",
         "time_s" => "Time in the log (s)",
@@ -335,9 +337,14 @@ fn caption(shown: &Shown, rows: &[OneResidual]) -> String {
     } else {
         ""
     };
+    let (both, which) = if has_terms(shown.found) {
+        (", before and after the effects", "_Before_ and _after_")
+    } else {
+        ("", "Predicted by")
+    };
     format!(
-        "Residual (measured minus predicted) of {readings} readings, before and after the effects, against the most informative columns; _p_ is \
+        "Residual (measured minus predicted) of {readings} readings{both}, against the most informative columns; _p_ is \
          that of the family-wise test of a \
-         smooth dependence, where the column was tested. _Before_ and _after_: {misfit}.{own}{units}{drawn}"
+         smooth dependence, where the column was tested. {which}: {misfit}.{own}{units}{drawn}"
     )
 }

@@ -77,7 +77,7 @@ pub fn laws(campaigns: &[CampaignTorque]) -> Table {
 /// One row a test, one column a model.
 #[rustfmt::skip]
 pub fn models(campaigns: &[CampaignTorque]) -> Table {
-    let mut table = Described::<OfTest>::new("knee_models", "Root-mean-square error of torque by every force model, N.m: length and arm from the geometry of a rigid leg")
+    let mut table = Described::<OfTest>::new("knee_models", "Root-mean-square error of torque by every force model, N m: length and arm from the geometry of a rigid leg")
         .text("campaign", "Campaign", |(campaign, _)| &campaign.campaign).machines()
         .text("session", "Test", |(_, test)| &test.session);
     for model in published() {

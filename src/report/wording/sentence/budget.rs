@@ -11,6 +11,9 @@ const NAMED_SHARE: f64 = 0.02;
 /// Sources that the answer on a page and on the terminal names, beside noise; the table has all.
 const SOURCES_NAMED: usize = 3;
 
+/// Units from which the scatter that is stated is near those of the searches without one, which the expected error is of.
+const FEWEST_FOR_SCATTER: usize = 3;
+
 /// An expected error that is further than this factor from what came out is said to be.
 const FAR_FROM_EXPECTED: f64 = 1.25;
 
@@ -114,6 +117,10 @@ pub(super) fn came_out(found: &CampaignFindings) -> String {
 
 /// ` (0.9 mm)`: the scatter behind a source of error, where it is one random effect.
 fn scattered(found: &CampaignFindings, entry: &BudgetEntry) -> String {
+    // Without one of two units each search knows one alone, and its own scatter is another.
+    if found.design.specimens < FEWEST_FOR_SCATTER {
+        return String::new();
+    }
     let Some(scatter) = scatter_behind(found, &entry.source) else {
         return String::new();
     };

@@ -6,6 +6,9 @@ use super::{Clauses, clauses};
 use crate::wording::name::capitalised;
 use pipeline_findings::{CampaignFindings, Verdict};
 
+/// What the point of the errors is about.
+pub const ERROR: &str = "Error";
+
 /// What there is to say of a campaign, point by point; each is a sentence or two without a full stop.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Points {
@@ -29,7 +32,7 @@ pub fn points(found: &CampaignFindings) -> Points {
         ..
     } = clauses(found);
     let rest = [
-        ("Error", error_points(found)),
+        (ERROR, error_points(found)),
         ("Made of", budget_points(found)),
         ("Not named", unexplained),
         ("Declared", contradicted),
