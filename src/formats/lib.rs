@@ -6,7 +6,6 @@
 //! them may be compressed ([`gzip`]).
 
 mod columns;
-pub mod csv;
 mod dialect;
 pub mod discover;
 mod foreign;
@@ -15,10 +14,7 @@ mod gzip;
 mod leg;
 pub mod log;
 pub mod log_file;
-mod mat5;
-mod mat73;
 pub mod overview;
-mod parquet;
 mod session_checks;
 mod session_columns;
 mod session_joint;
@@ -30,18 +26,27 @@ pub mod table;
 pub mod text_format;
 mod words;
 mod workspace;
-mod xlsx;
 
 use table::LogFormat;
 
-/// Every log format; the first that knows the bytes as its own reads them, and text is what nobody else knows.
-pub const FORMATS: &[LogFormat] = &[
-    xlsx::FORMAT,
-    parquet::FORMAT,
-    mat5::FORMAT,
-    mat73::FORMAT,
-    csv::FORMAT,
-];
+/// Declares the files of the log formats and lists these, so that both stand in one line a format.
+macro_rules! log_formats {
+    ($($visibility:vis $file:ident,)+) => {
+        $($visibility mod $file;)+
+
+        /// Every log format; the first that knows the bytes as its own reads them, and text is what nobody else knows.
+        pub const FORMATS: &[LogFormat] = &[$($file::FORMAT),+];
+    };
+}
+
+// rustfmt does not follow modules declared by a macro: check them with `rustfmt --edition 2024 --check src/formats/*.rs`.
+log_formats! {
+    xlsx,
+    parquet,
+    mat5,
+    mat73,
+    pub csv,
+}
 
 /// The formats as a list for a message or a help text.
 pub fn list_of_formats() -> String {

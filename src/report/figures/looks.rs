@@ -40,7 +40,8 @@ pub fn of_model(id: &str, title: &str, place: usize) -> Look {
     Look {
         name: model_name(id, title).to_owned(),
         stroke: Stroke::new(ink, dash),
-        mark: if id == NEW {
+        // Listed models but the new one are open: one that is not listed differs from all with its dash.
+        mark: if id == NEW || listed.is_none() {
             Mark::filled(shape, ink)
         } else {
             Mark::open(shape, ink)
@@ -77,13 +78,14 @@ mod tests {
 
     #[test]
     fn every_model_has_its_own_dash_and_mark_whatever_the_colour() {
+        // Another one than those of the list as well.
         let ids = published().into_iter().map(|m| (m.id(), m.title()));
-        let all = ids.chain([(NEW, "")]).enumerate();
+        let all = ids.chain([(NEW, ""), ("another", "Another")]).enumerate();
         let looks: Vec<Look> = all.map(|(k, (id, title))| of_model(id, title, k)).collect();
         for (i, a) in looks.iter().enumerate() {
             for b in &looks[i + 1..] {
-                assert_ne!(a.stroke.dash, b.stroke.dash, "{} and {}", a.name, b.name);
-                assert_ne!(a.mark, b.mark);
+                let [of_a, of_b] = [a, b].map(|l| (l.stroke.dash, l.mark.shape, l.mark.filled));
+                assert_ne!(of_a, of_b, "{} and {}", a.name, b.name);
                 assert_ne!(a.name, b.name);
             }
         }

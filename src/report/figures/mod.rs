@@ -1,4 +1,4 @@
-//! The figures, one file each. A figure of a group is one new file and one line in [`OF_GROUP`], or in
+//! The figures, one file each. A figure of a group is one new file and one line in the list below, or in
 //! [`found`] if it shows what was found in the residual.
 //!
 //! A figure that cannot be built is left out and named ([`LeftOut`]); it takes no other with it.
@@ -8,26 +8,18 @@ pub mod common_readings;
 mod covariates;
 mod data;
 pub mod design;
-mod error_by_model;
-mod error_by_specimen;
 mod formatting;
 pub mod found;
 pub mod inspection;
-mod isobars;
 pub mod knee;
 mod laws;
 pub mod leg_prediction;
 pub mod log;
 mod looks;
-mod maximum_force;
 mod model_curves;
-mod models_at_lengths;
 mod plateaus;
-mod predicted;
 pub mod prediction;
 mod readings;
-mod residuals;
-mod rest;
 mod trend;
 
 use crate::input::{GroupInput, ReportInput};
@@ -98,18 +90,28 @@ impl Named {
 /// Makes a figure of a group with its caption; none for groups that lack the data.
 type OfGroup = fn(&GroupInput, &Config) -> Option<(String, Figure)>;
 
-/// Every figure that a group of rows may have, by the name of its files, in the order of the report: those of the paper, then those that
-/// look for what is left over.
-const OF_GROUP: &[(&str, OfGroup)] = &[
-    ("f620", maximum_force::figure),
-    ("rest", rest::figure),
-    ("isobars", isobars::figure),
-    ("curves", models_at_lengths::figure),
-    ("models", error_by_model::figure),
-    ("predicted", predicted::figure),
-    ("specimen-errors", error_by_specimen::figure),
-    ("residuals", residuals::figure),
-];
+/// Declares the files of the figures of a group and lists these, so that both stand in one line a figure.
+macro_rules! figures_of_group {
+    ($($name:literal: $file:ident,)+) => {
+        $(mod $file;)+
+
+        /// Every figure that a group of rows may have, by the name of its files, in the order of the report: those of the paper, then those that
+        /// look for what is left over.
+        const OF_GROUP: &[(&str, OfGroup)] = &[$(($name, $file::figure)),+];
+    };
+}
+
+// rustfmt does not follow modules declared by a macro: check them with `rustfmt --edition 2024 --check src/report/figures/*.rs`.
+figures_of_group! {
+    "f620": maximum_force,
+    "rest": rest,
+    "isobars": isobars,
+    "curves": models_at_lengths,
+    "models": error_by_model,
+    "predicted": predicted,
+    "specimen-errors": error_by_specimen,
+    "residuals": residuals,
+}
 
 /// Those of them that stand in the supplement.
 const SUPPLEMENTARY: [&str; 3] = ["curves", "specimen-errors", "residuals"];
