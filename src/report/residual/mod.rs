@@ -227,11 +227,13 @@ pub fn residual_pdf(
 /// The sections, in the order of the pages.
 pub(crate) fn sections(input: &ReportInput, figures: &Figures) -> Vec<Campaign> {
     let entries = entries(input, figures);
-    let with_section = entries.iter().filter_map(|e| Some((e, e.figures?)));
-    let section = |(k, (e, figures)): (usize, (&Entry, &[(Kind, Drawn)]))| {
-        campaign(k, e.found, figures, e.simpler)
-    };
-    with_section.enumerate().map(section).collect()
+    let with_section = entries
+        .iter()
+        .filter_map(|e| Some((e.found, e.figures?, e.simpler)));
+    with_section
+        .enumerate()
+        .map(|(k, (found, figures, simpler))| campaign(k, found, figures, simpler))
+        .collect()
 }
 
 fn campaign(
