@@ -9,9 +9,8 @@ use clap::builder::PossibleValuesParser;
 use pipeline_base::error::{Error, Result};
 use pipeline_base::json;
 use pipeline_base::row::Row;
-use pipeline_base::session::Kind;
 use pipeline_findings::{CampaignFindings, Findings};
-use pipeline_fit::GroupFit;
+use pipeline_fit::{GroupFit, is_fitted};
 use pipeline_portable::domain::State;
 use pipeline_portable::languages::File;
 use pipeline_portable::{LANGUAGES, Model, effects, header, source};
@@ -152,6 +151,10 @@ impl WithEffects {
     }
 }
 
+/// The model of the loop for a fit, with its errors.
+///
+/// # Errors
+/// There are no findings for the fit, or they cannot be exported without a choice (`alias`).
 pub(super) fn with_effects(
     fit: &GroupFit,
     places: &Places,
@@ -188,13 +191,13 @@ impl OnReadings {
     }
 }
 
-/// The errors on the readings of the campaign, or the pool, that no session excludes; none where there are none.
+/// The errors on the readings that the fit is of; none where there are none.
 fn on_readings(model: &Model, rows: &[Row], fit: &GroupFit) -> Option<OnReadings> {
     let group = &fit.group;
     let is_of_fit = |r: &&Row| {
         let is_member = r.campaign == group.campaign || group.members.contains(&r.campaign);
         let diameter_mm = r.diameter_mm.round() as u32;
-        is_member && diameter_mm == group.diameter_mm && r.kind == Kind::Isometric && !r.excluded
+        is_member && diameter_mm == group.diameter_mm && is_fitted(r)
     };
     let errors: Vec<f64> = rows
         .iter()

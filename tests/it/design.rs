@@ -171,6 +171,46 @@ fn a_curve_that_no_muscle_meets_has_the_one_that_comes_closest() {
 }
 
 #[test]
+fn a_torque_has_the_sign_of_its_route() {
+    let bench = bench("angle_deg,torque_nm\n-60,-2\n-50,-2\n");
+    let leg = [
+        "design",
+        "curve.csv",
+        "--knee",
+        "pinned",
+        "--tendon",
+        "80mm",
+    ];
+    let on =
+        |route: &str, more: &[&str]| bench.run(&[&leg[..], &["--route", route], more].concat());
+    let said = on("flexor", &["--json", "--nominal"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let found: Value = serde_json::from_str(&said.out).unwrap();
+    for point in found["designs"][0]["points"].as_array().unwrap() {
+        let of = |name: &str| point[name].as_f64().unwrap();
+        assert!(of("available") <= -2.0, "{point}");
+        assert!(
+            of("low") < of("available") && of("available") < of("high"),
+            "{point}"
+        );
+    }
+    // By the interval the weaker end counts, which is the upper one of a negative torque.
+    let said = on("flexor", &["--json"]);
+    let found: Value = serde_json::from_str(&said.out).unwrap();
+    let design = &found["designs"][0];
+    let points = design["points"].as_array().unwrap().iter();
+    let margins = points.map(|p| -p["high"].as_f64().unwrap() - 2.0);
+    let smallest = margins.fold(f64::INFINITY, f64::min);
+    assert!(
+        (design["margin"].as_f64().unwrap() - smallest).abs() < 1e-9,
+        "{design}"
+    );
+    let opposite = "has the sign of the curve";
+    assert!(!on("flexor", &[]).out.contains(opposite));
+    assert!(on("extensor", &[]).out.contains(opposite));
+}
+
+#[test]
 fn a_torque_takes_a_leg() {
     let bench = bench("angle_deg,torque_nm\n-60,-2\n-20,-4\n");
     let without = bench.run(&["design", "curve.csv"]);
@@ -196,7 +236,7 @@ fn a_torque_takes_a_leg() {
     assert_eq!(points.len(), 2);
     for point in points {
         // Nothing here pulls with more than 450 N on an arm of 70 mm, however far a law would go on.
-        assert!(point["available"].as_f64().unwrap() < 32.0, "{point}");
+        assert!(point["available"].as_f64().unwrap().abs() < 32.0, "{point}");
     }
     let beyond = bench.root().join("curve.csv");
     std::fs::write(beyond, "angle_deg,torque_nm\n-400,-2\n").unwrap();

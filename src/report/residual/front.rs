@@ -188,3 +188,29 @@ pub(super) fn expected(found: &CampaignFindings) -> String {
     let words = |e: f64| error_with_unit(e, &found.unit);
     found.expected_rmse_heldout.map_or_else(String::new, words)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wording::tests::example;
+
+    #[test]
+    fn something_simpler_is_named_where_it_does_better() {
+        let found = example();
+        let own = found.after.rmse_heldout.unwrap();
+        let said = |error: f64| {
+            let words = "the law alone";
+            let brief = in_brief(&found, Some(Simpler { words, error }));
+            let of_errors = brief.rest.into_iter().find(|r| r.0 == sentence::ERROR);
+            of_errors.unwrap().1
+        };
+        assert!(said(0.9 * own).contains("; the law alone has 14.2"));
+        assert!(!said(0.99 * own).contains("law alone"));
+        let nothing = in_brief(&found, None).rest;
+        assert!(
+            nothing
+                .iter()
+                .all(|(_, words)| !words.contains("law alone"))
+        );
+    }
+}
