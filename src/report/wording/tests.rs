@@ -34,8 +34,8 @@ fn the_answer_of_the_issue() {
              (12% of its variance).",
             "The 13.4 N error expected on an unseen specimen combines, in quadrature, 12.0 from set lengths (0.90 mm), 4.1 from specimen gain \
              (4.2%), 3.0 from \
-             estimation, 1.4 from other sources and 2.6 from noise; knowing set lengths to 0.2 mm would lower the error by 6.0 N; three readings per \
-             session of a new specimen reduce the error to 5.1 N.",
+             estimation, 1.4 from other sources and 2.6 from noise; knowing set lengths to 0.2 mm would lower the error by 6.0 N; three readings \
+             spread over each session of a new specimen reduce the error to 5.1 N.",
             "Recording error: session s05 (set length, \u{2212}10.0 mm; set aside here only).",
         ]
     );
@@ -194,7 +194,7 @@ fn a_joint_is_told_of_in_actuators_and_newton_metres() {
             .unwrap()
             .ends_with("unseen actuators falls from 18.70 to 15.80\u{a0}N\u{a0}m")
     );
-    assert!(c.readings.unwrap().contains("per test of a new actuator"));
+    assert!(c.readings.unwrap().contains("each test of a new actuator"));
 }
 
 #[test]
@@ -206,7 +206,7 @@ fn a_joint_of_which_little_was_computed_has_nothing_said_about_the_rest() {
     joint.scatter.clear();
     joint.budget.clear();
     joint.next_measurement.clear();
-    joint.after.rmse_heldout_after.clear();
+    joint.after.rmse_heldout_spread.clear();
     let c = clauses(&joint);
     assert_eq!((c.budget, c.worth, c.readings), (None, None, None));
     let half = NextMeasurement {
