@@ -124,18 +124,35 @@ fn an_error_that_falls_on_the_whole_is_said_to_grow_on_some() {
 }
 
 #[test]
-fn a_line_has_names_numbers_and_what_is_worth_most() {
-    let line = super::sentence::in_a_line(&example()).replace('\u{a0}', " ");
-    for part in [
-        "threshold pressure of the bladder 60.0 kPa; ",
-        "error on unseen specimens 18.7 → 15.8 N",
-        "largest source: set lengths, 12.0 of the 13.4 N expected",
-        "next: knowing",
-        "recording error",
+fn three_lines_have_names_numbers_and_what_is_worth_most() {
+    let lines = super::sentence::in_three_lines(&example());
+    let lines: Vec<String> = lines.iter().map(|l| l.replace('\u{a0}', " ")).collect();
+    assert_eq!(lines.len(), 3, "{lines:?}");
+    for (line, part) in [
+        (0, "threshold pressure of the bladder 60.0 kPa; "),
+        (0, "1 recording error"),
+        (1, "error on unseen specimens 18.7 → 15.8 N"),
+        (1, "5.1 N after three readings of each session"),
+        (
+            2,
+            "largest source: set lengths, 12.0 of the 13.4 N expected",
+        ),
+        (2, "next: knowing"),
     ] {
-        assert!(line.contains(part), "{part}: {line}");
+        assert!(lines[line].contains(part), "{part}: {lines:?}");
     }
-    assert!(!line.contains("indistinguishable"), "{line}");
+    assert!(!lines[0].contains("indistinguishable"), "{lines:?}");
+}
+
+#[test]
+fn a_line_with_nothing_to_say_is_not_there() {
+    let mut found = example();
+    found.before.rmse_heldout = None;
+    found.after.rmse_heldout = None;
+    (found.budget, found.next_measurement) = (Vec::new(), Vec::new());
+    let lines = super::sentence::in_three_lines(&found);
+    assert_eq!(lines.len(), 2, "{lines:?}");
+    assert!(lines[1].starts_with("not tested on another"), "{lines:?}");
 }
 
 #[test]

@@ -92,6 +92,19 @@ pub(super) fn few_readings(found: &CampaignFindings) -> Option<String> {
     ))
 }
 
+/// `3.4 N after three readings of each session`, where that is less than on units of which nothing is known.
+pub(super) fn error_after_few(found: &CampaignFindings) -> Option<String> {
+    let after = *found.after.rmse_heldout_spread.get(READINGS_GIVEN)?;
+    let falls = after < (1.0 - WORTH_SAYING) * found.after.rmse_heldout?;
+    falls.then(|| {
+        let error = error_with_unit(after, &found.unit);
+        format!(
+            "{error} after three readings of each {}",
+            nouns(found).setup
+        )
+    })
+}
+
 /// What to measure: `knowing set lengths to 0.2 mm`.
 pub fn measurement(next: &NextMeasurement, nouns: &Nouns) -> String {
     let number = |key: &str| next.at.get(key).copied();
