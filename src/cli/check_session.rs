@@ -3,7 +3,7 @@
 use crate::args::ResultArgs;
 use crate::columns::{Align, aligned};
 use crate::print::{line, print_json};
-use crate::{DONE, predict, watch};
+use crate::{DONE, doubts, predict, watch};
 use pipeline_base::columns::is_prediction;
 use pipeline_base::error::{Error, Result};
 use pipeline_base::frame::Frame;
@@ -270,14 +270,31 @@ fn said(seen: &Seen) -> String {
             newtons(*applied_n),
             newtons(*usual_n)
         ),
-        Seen::Gain { value, sd } => format!(
-            "specimen gain {:+.1}% relative to the law of others: {}",
-            100.0 * value,
-            deviations(*value, *sd)
+        Seen::Gain {
+            value,
+            sd,
+            by_law,
+            others,
+        } => relative(
+            ("specimen gain", &format!("{:+.1}%", 100.0 * value)),
+            &deviations(*value, *sd),
+            (
+                *others,
+                &format!("{:+.1}% relative to the law", 100.0 * by_law),
+            ),
         ),
-        Seen::SetLength { value_mm, sd_mm } => format!(
-            "set length {value_mm:+.2} mm relative to the one noted: {}",
-            deviations(*value_mm, *sd_mm)
+        Seen::SetLength {
+            value_mm,
+            sd_mm,
+            by_law_mm,
+            others,
+        } => relative(
+            ("set length", &format!("{value_mm:+.2} mm")),
+            &deviations(*value_mm, *sd_mm),
+            (
+                *others,
+                &format!("{by_law_mm:+.2} mm from the one noted, by the law"),
+            ),
         ),
         Seen::Misfit { rms_n, usual_n } => format!(
             "residual {} (root mean square); typically {}",
@@ -321,8 +338,26 @@ fn said(seen: &Seen) -> String {
             newtons(*rms_n),
             newtons(*usual_n)
         ),
+        Seen::Stretched(stretched) => format!(
+            "{}; an actuator bears 3%: check both lengths and their units",
+            doubts::in_words(stretched)
+        ),
         Seen::Excluded { why } => format!("excluded from every fit in session.toml: {why}"),
         Seen::NotCompared { why } => not_compared(*why).to_owned(),
+    }
+}
+
+/// A quantity of the session beside those of others, and what it is by the law alone.
+fn relative(
+    (quantity, value): (&str, &str),
+    deviations: &str,
+    (others, by_law): (usize, &str),
+) -> String {
+    match others {
+        0 => format!("{quantity} {by_law}: {deviations}"),
+        n => format!(
+            "{quantity} {value} from the median of {n} other sessions: {deviations} ({by_law})"
+        ),
     }
 }
 
@@ -338,6 +373,7 @@ fn noted(what: Noted) -> (&'static str, &'static str) {
 fn not_compared(why: NotCompared) -> &'static str {
     match why {
         NotCompared::NoReadings => "no reading to compare with other actuators",
+        NotCompared::NoLogs => "its logs are missing: there is nothing to check",
         NotCompared::Torque => "torques are not compared with other actuators",
         NotCompared::NoLaw => {
             "no law is known for this diameter: not compared with other actuators"
@@ -346,8 +382,9 @@ fn not_compared(why: NotCompared) -> &'static str {
 }
 
 /// Another description of the columns, as a message.
-fn described(otherwise: &Otherwise) -> String {
-    let column = otherwise.column.map_or_else(String::new, name::column);
+pub(super) fn described(otherwise: &Otherwise) -> String {
+    let column = otherwise.column.as_deref();
+    let column = column.map_or_else(String::new, name::column);
     match (otherwise.kind, &otherwise.units) {
         (ErrorKind::SwappedColumns, _) => {
             "force and pressure look exchanged in [columns]".to_owned()

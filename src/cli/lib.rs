@@ -16,6 +16,7 @@ mod design;
 mod design_curve;
 mod diff;
 mod diff_tables;
+mod doubts;
 mod explain;
 mod explore;
 mod export;
@@ -150,7 +151,9 @@ fn run_command(args: &RunArgs) -> Result<u8> {
     let progress = progress::Shown::new(json);
     let outcome = run::run(&options, &progress)?;
     progress.finish();
-    print::diagnostics(&outcome.diagnostics, verbose);
+    let mut messages = outcome.diagnostics.clone();
+    messages.extend(doubts::warnings(&outcome.doubtful));
+    print::diagnostics(&messages, verbose);
     if args.dry_run {
         print::status(&outcome, json)?;
         return Ok(DONE);

@@ -135,6 +135,8 @@ struct Population {
     left_n: f64,
     /// Gain and set length (mm) that other sessions have by this law, in the middle; and how they scatter about it.
     usual: [Usual; 2],
+    /// Other sessions of which that was learned; none where they are too few.
+    others: usize,
 }
 
 /// What is usual among other sessions.
@@ -201,6 +203,31 @@ pub(crate) fn suit(session: &Session, rows: &[Row], known: &Known) -> Option<Sui
     let rows: Vec<&Row> = rows.iter().filter(|r| is_readable(r)).collect();
     let population = population(session, &rows, known)?;
     Some(population.suit(&rows).1)
+}
+
+/// Measured forces and what the published law has for them.
+pub(crate) struct ByLaw {
+    pub diameter_mm: u32,
+    /// Measured, and by the law, N.
+    pub forces: Vec<(f64, f64)>,
+    /// F_620 of the resting length, N.
+    pub largest_n: f64,
+}
+
+/// The readings beside the published law; none where there are none, or no law of the diameter.
+pub(crate) fn by_law(rows: &[&Row], known: &Known) -> Option<ByLaw> {
+    let rows: Vec<&Row> = rows.iter().copied().filter(|r| is_readable(r)).collect();
+    let first = rows.first()?;
+    let diameter_mm = diameter_mm(first);
+    let cap_length_m = cap_length_m(diameter_mm, &known.fit);
+    let law = Population::published(first, cap_length_m)?;
+    let [b1, b2, ..] = law.coefficients;
+    let forces = rows.iter().map(|r| (r.force_n, law.force(r, [0.0; 3])));
+    Some(ByLaw {
+        diameter_mm,
+        forces: forces.collect(),
+        largest_n: new::f620(b1, b2, cap_length_m, first.rest_length_m),
+    })
 }
 
 /// A session may be looked at that its owner has left out of fits.
@@ -275,6 +302,7 @@ impl Population {
             zero_sd_n: settings::USUAL_ZERO_N,
             left_n: USUAL_LEFT * new::f620(b1, b2, cap_length_m, first.rest_length_m),
             usual: sds.map(|sd| Usual { middle: 0.0, sd }),
+            others: 0,
         })
     }
 
@@ -284,6 +312,7 @@ impl Population {
         if sessions.len() < FEWEST_SESSIONS {
             return self;
         }
+        self.others = sessions.len();
         let own: Vec<[f64; 3]> = sessions.values().map(|rows| self.mode(rows).0).collect();
         for (k, usual) in self.usual.iter_mut().enumerate() {
             let values: Vec<f64> = own.iter().map(|x| x[k]).collect();
@@ -303,7 +332,7 @@ impl Population {
         let gain_sd = found.scatter_sd("specimen_variation")?;
         let length_sd_mm = found.scatter_sd("length_offset")?;
         Some(Self {
-            name: format!("the null model of {}", found.campaign),
+            name: format!("the null model of {} (without effects)", found.campaign),
             coefficients: [
                 coefficient("b1")?,
                 1.0 / coefficient("1/b2")?,
@@ -315,6 +344,7 @@ impl Population {
             gain_sd,
             length_sd_mm,
             usual: [gain_sd, length_sd_mm].map(|sd| Usual { middle: 0.0, sd }),
+            others: 0,
             zero_sd_n: found.scatter_sd("force_zero_offset")?,
             left_n: found.before.rmse_heldout_calibrated?,
         })
@@ -358,10 +388,14 @@ impl Population {
         let gain = Seen::Gain {
             value: own[0] - self.usual[0].middle,
             sd: self.usual[0].sd,
+            by_law: own[0],
+            others: self.others,
         };
         let length = Seen::SetLength {
             value_mm: own[1] - self.usual[1].middle,
             sd_mm: self.usual[1].sd,
+            by_law_mm: own[1],
+            others: self.others,
         };
         let seen = [(gain, Own::SpecimenGain), (length, Own::SetLength)];
         let of_session = seen.into_iter().enumerate();
