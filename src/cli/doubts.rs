@@ -7,10 +7,16 @@ use pipeline_formats::discover::SESSION_FILE;
 use pipeline_inspect::otherwise::Otherwise;
 use pipeline_inspect::plausible::{Doubt, Stretched, Unlike};
 use pipeline_report::wording::number::percent;
-use pipeline_run::Doubtful;
+use pipeline_run::{Doubtful, Outcome};
+
+/// What is wrong with the inputs of a run, and what is doubtful.
+pub(super) fn messages(outcome: &Outcome) -> Vec<Diagnostic> {
+    let diagnostics = outcome.diagnostics.iter().cloned();
+    diagnostics.chain(warnings(&outcome.doubtful)).collect()
+}
 
 /// The warnings, in the order of the sessions.
-pub(super) fn warnings(all: &[Doubtful]) -> Vec<Diagnostic> {
+fn warnings(all: &[Doubtful]) -> Vec<Diagnostic> {
     let is_first = |k: usize| !all[..k].iter().any(|other| are_alike(other, &all[k]));
     let first = (0..all.len()).filter(|k| is_first(*k));
     first
@@ -111,13 +117,22 @@ fn of_forces(unlike: &Unlike) -> Words {
         }
         _ => off,
     };
-    let hint = unlike.columns.as_ref().map_or_else(
-        || {
+    let length = unlike.longer_mm.map(|longer_mm| {
+        format!(
+            "a length about {:.0} mm {} than noted would agree with the law (length_mm, rest_length_mm)",
+            longer_mm.abs(),
+            if longer_mm < 0.0 { "shorter" } else { "longer" }
+        )
+    });
+    let columns = unlike.columns.as_ref().map(mended);
+    let hint = match (columns, length) {
+        (Some(columns), Some(length)) => format!("{columns}; or {length}"),
+        (Some(one), None) | (None, Some(one)) => one,
+        (None, None) => {
             "check the columns with their units and signs, and the diameter and lengths of the specimen; an actuator of another make may differ so much"
                 .to_owned()
-        },
-        mended,
-    );
+        }
+    };
     (
         "columns",
         found,

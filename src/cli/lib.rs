@@ -151,9 +151,7 @@ fn run_command(args: &RunArgs) -> Result<u8> {
     let progress = progress::Shown::new(json);
     let outcome = run::run(&options, &progress)?;
     progress.finish();
-    let mut messages = outcome.diagnostics.clone();
-    messages.extend(doubts::warnings(&outcome.doubtful));
-    print::diagnostics(&messages, verbose);
+    print::diagnostics(&doubts::messages(&outcome), verbose);
     if args.dry_run {
         print::status(&outcome, json)?;
         return Ok(DONE);
@@ -194,7 +192,7 @@ fn nothing_usable(outcome: &Outcome) -> Result<()> {
 fn status_command(args: &PlaceArgs) -> Result<u8> {
     let options = options(&args.places()?, args.jobs, None, true)?;
     let outcome = run::run(&options, &progress::Shown::new(true))?;
-    print::diagnostics(&outcome.diagnostics, args.verbose);
+    print::diagnostics(&doubts::messages(&outcome), args.verbose);
     print::status(&outcome, args.json)?;
     Ok(if outcome.work.is_empty() && outcome.written.is_empty() {
         DONE

@@ -27,6 +27,10 @@ const CLEARLY: f64 = 0.5;
 const MORE: f64 = 1.2;
 /// Share of F_620 that a miss, and the scatter of the expected forces, have to exceed: a slack actuator shows its zero and nothing else.
 const OF_LARGEST: f64 = 0.1;
+/// Steps in which a length that would suit is looked for, and the largest contraction with it, of the resting length.
+const STEP: f64 = 0.005;
+/// See [`STEP`].
+const LARGEST: f64 = 0.35;
 /// Fewest readings of which a correlation says something.
 const FEWEST: usize = 5;
 
@@ -77,6 +81,8 @@ pub struct Unlike {
     pub correlation: Option<f64>,
     /// Columns with which the readings would suit the law, if any would.
     pub columns: Option<Otherwise>,
+    /// By how much the length would have to be longer than noted for the readings to suit the law, if they would, mm.
+    pub longer_mm: Option<f64>,
 }
 
 /// What is doubtful about a session with these readings, by the published law and its own lengths alone.
@@ -105,7 +111,11 @@ fn of_forces(located: &Located, rows: &[Row], config: &Config, known: &Known) ->
     let is_like: Suits = &|rows, _| unlike(rows, known, HALF).is_none();
     if let Some(found) = unlike(rows, known, HALF) {
         let columns = otherwise(found.readings, is_like).map(|(columns, _)| columns);
-        return Some(Doubt::Unlike(Unlike { columns, ..found }));
+        return Some(Doubt::Unlike(Unlike {
+            columns,
+            longer_mm: longer_mm(rows, known),
+            ..found
+        }));
     }
     let suit = population::suit(session, rows, known).unwrap_or_default();
     if !suit.tells_gain() {
@@ -170,5 +180,29 @@ fn unlike(rows: &[Row], known: &Known, share: f64) -> Option<Unlike> {
         force_n,
         correlation,
         columns: None,
+        longer_mm: None,
     })
+}
+
+/// The least change of length with which the readings suit the law, mm.
+fn longer_mm(rows: &[Row], known: &Known) -> Option<f64> {
+    let rest_length_m = rows.first()?.rest_length_m;
+    let longer = |steps: i32, sign: f64| {
+        let longer_m = sign * STEP * f64::from(steps) * rest_length_m;
+        let with = |row: &Row| {
+            let length_m = row.length_m + longer_m;
+            Row {
+                length_m,
+                contraction: 1.0 - length_m / row.rest_length_m,
+                ..row.clone()
+            }
+        };
+        let rows: Vec<Row> = rows.iter().map(with).collect();
+        let is_possible = rows.iter().all(|r| (0.0..LARGEST).contains(&r.contraction));
+        let suits = is_possible && unlike(&rows, known, QUARTER).is_none();
+        suits.then_some(1e3 * longer_m)
+    };
+    let steps = 1..=(LARGEST / STEP) as i32;
+    let mut both = steps.flat_map(|k| [longer(k, -1.0), longer(k, 1.0)]);
+    both.find_map(|found| found)
 }
