@@ -244,14 +244,13 @@ fn diameter_mm(row: &Row) -> u32 {
 }
 
 /// The law and scatter of others of the diameter: of the session's campaign, else of the pool, else of the campaign with most specimens; else the
-/// published law with usual scatter.
+/// published law with usual scatter. Measured actuators are not compared with simulated ones.
 fn population(session: &Session, rows: &[&Row], known: &Known) -> Option<Population> {
     let first = rows.first()?;
     let diameter_mm = diameter_mm(first);
     let cap = cap_length_m(diameter_mm, &known.fit);
-    let of_diameter = known.findings.iter().flat_map(|f| &f.campaigns);
-    let found = of_diameter
-        .filter(|c| c.diameter_mm == diameter_mm && c.part.is_none() && c.unit == "N")
+    let found = found(session, diameter_mm, known)
+        .filter(|c| c.part.is_none())
         .filter_map(|c| Some((c, Population::of(c, cap)?)))
         .max_by_key(|(c, _)| (c.campaign == session.campaign, c.design.specimens));
     let population = match found {
@@ -259,6 +258,18 @@ fn population(session: &Session, rows: &[&Row], known: &Known) -> Option<Populat
         None => Population::published(first, cap)?,
     };
     Some(population.among(&alike(session, first, known)))
+}
+
+/// What was found of forces of the diameter: of simulated actuators for a simulated session, of measured ones for any other.
+fn found<'k>(
+    session: &Session,
+    diameter_mm: u32,
+    known: &'k Known,
+) -> impl Iterator<Item = &'k CampaignFindings> {
+    let simulated = session.is_simulated();
+    let campaigns = known.findings.iter().flat_map(|f| &f.campaigns);
+    campaigns
+        .filter(move |c| c.diameter_mm == diameter_mm && c.unit == "N" && c.simulated == simulated)
 }
 
 /// The readings of other sessions that the session is compared with: of its campaign, or where these are few of its diameter.
@@ -510,8 +521,7 @@ fn mistakes(session: &Session, own: &[&Row], known: &Known) -> Vec<RecordingErro
     rows.extend(own);
     let lengths: BTreeSet<u64> = rows.iter().map(|r| r.rest_length_m.to_bits()).collect();
     let base = Base::new(diameter_mm, true, lengths.len(), &known.fit);
-    let found = known.findings.iter().flat_map(|f| &f.campaigns);
-    let found = found.filter(|c| c.diameter_mm == diameter_mm && c.unit == "N");
+    let found = found(session, diameter_mm, known);
     let found = found.max_by_key(|c| (c.campaign == session.campaign, c.design.specimens));
     let effects = found.iter().flat_map(|c| &c.effects);
     let law = effects

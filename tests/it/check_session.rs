@@ -123,6 +123,18 @@ fn a_set_length_says_to_what_it_is_relative() {
     }
 }
 
+#[test]
+fn a_measured_session_is_not_compared_with_simulated_ones() {
+    let bench = Bench::small_done();
+    let folder = copied(&bench, &[("simulated by pipeline simulate", "measured")]);
+    let (code, found) = inspected(&bench, &folder);
+    assert_eq!(code, 0, "{found}");
+    assert!(
+        found[0]["against"].as_str().unwrap().contains("published"),
+        "{found}"
+    );
+}
+
 /// What is named where the columns are described with a mistake: its kind, column and unit.
 fn named_of_columns(replaced: &[(&str, &str)]) -> [Value; 3] {
     let bench = Bench::small_done();
