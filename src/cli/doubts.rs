@@ -1,6 +1,6 @@
 //! What a run doubts about the readings of sessions, in words: a warning for each kind of doubt in a campaign, on the first session that has it.
 
-use crate::check_session::described;
+use crate::check_session_words::described;
 use crate::print::counted;
 use pipeline_base::diagnostics::{Diagnostic, Severity};
 use pipeline_formats::discover::SESSION_FILE;
