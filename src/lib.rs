@@ -61,7 +61,7 @@
 //!   cli       -> bundle, export, run, report, inspect, plan, portable, predict, draft, compare, fit, config, formats, simulate, cache, golden, mechanics, base, findings
 //!   bundle    -> run, config, formats, base
 //!   export    -> run, formats, base
-//!   run       -> report, torque, clean, compare, diagnose, fit, ingest, config, formats, cache, normalize, base, findings
+//!   run       -> report, inspect, torque, clean, compare, diagnose, fit, ingest, config, formats, cache, normalize, base, findings
 //!   report    -> audit, predict, torque, clean, compare, diagnose, draft, fit, ingest, config, formats, mechanics, base, findings, numerics
 //!   audit     -> compare, fit, mechanics, numerics
 //!   portable  -> fit, mechanics, base, findings, numerics

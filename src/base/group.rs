@@ -20,4 +20,10 @@ impl Group {
     pub fn is_pool(&self) -> bool {
         self.members.len() > 1
     }
+
+    /// Whether it takes in what was measured in a campaign on actuators of a diameter, mm.
+    pub fn takes_in(&self, campaign: &str, diameter_mm: f64) -> bool {
+        let is_member = self.members.iter().any(|member| member == campaign);
+        is_member && diameter_mm.round() as u32 == self.diameter_mm
+    }
 }

@@ -2,6 +2,7 @@
 
 use crate::{About, Bundle, Contents, Packed, RAW, contents, kinds};
 use pipeline_base::error::{Error, Result};
+use pipeline_run::STAGES;
 use serde_json::{Value, json};
 
 /// Name of the file, by the standard.
@@ -109,7 +110,7 @@ fn run(bundle: &Bundle) -> Value {
     let links = |files: Vec<&Packed>| files.into_iter().map(|f| link(&id(f))).collect::<Vec<_>>();
     json!({
         "@id": RUN, "@type": "CreateAction", "name": "pipeline run",
-        "description": "Ingest, clean, normalize, fit, compare, diagnose, torque, report",
+        "description": format!("Stages: {}", STAGES.join(", ")),
         "actionStatus": "http://schema.org/CompletedActionStatus",
         "instrument": link(PROGRAM), "object": links(inputs), "result": links(outputs),
     })

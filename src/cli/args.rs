@@ -16,6 +16,7 @@ use crate::new_session::NewSessionArgs;
 use crate::plan::PlanArgs;
 use crate::predict::PredictArgs;
 use clap::{ArgAction, Parser, Subcommand};
+use pipeline_run::STAGES;
 use pipeline_simulate::effects::EFFECTS;
 use std::path::PathBuf;
 
@@ -27,7 +28,7 @@ use std::path::PathBuf;
     about = "From raw test-rig sessions of braided pneumatic actuators to a paper's tables, figures and reports",
     subcommand_required = true,
     arg_required_else_help = true,
-    after_help = "Example:\n  pipeline run --raw my-sessions --reports my-reports\n\nStages, in order: ingest, clean, normalize, fit, compare, diagnose, torque, report. Results are cached by content in derived/; a second run does nothing."
+    after_help = program_help()
 )]
 pub struct Args {
     /// What to do.
@@ -142,6 +143,14 @@ pub enum Command {
     Config,
 }
 
+fn program_help() -> String {
+    format!(
+        "Example:\n  pipeline run --raw my-sessions --reports my-reports\n\nStages, in order: {}. Results are cached by content in derived/; a second \
+         run does nothing.",
+        STAGES.join(", ")
+    )
+}
+
 fn simulate_help() -> String {
     let ids: Vec<&str> = EFFECTS.iter().map(|e| e.id).collect();
     format!(
@@ -149,7 +158,7 @@ fn simulate_help() -> String {
          The truth file says what is measured (specimens, contractions, points or logs over time), on which rig, and what the models \
          lack:\n\n  [[effect]]\n  id = \"series_compliance\"\n  c_um_per_n = 6.0\n\nEffects: {}.\n\n\
          The session notes say that they are simulated, but nothing about effects. The values drawn (specimen gains, zeros, effect sizes) go to \
-         the file given with --truth-out, outside the campaign folder.",
+         the file given with --truth-out, outside the campaign folder. docs/simulate.md lists every key and the forms of each effect.",
         ids.join(", ")
     )
 }

@@ -3,7 +3,7 @@
 use crate::args::PlaceArgs;
 use crate::columns::{Align, aligned, shortened};
 use crate::print::{self, line, print_json};
-use crate::{DIFFERENCE, DONE, nothing_usable, options, progress};
+use crate::{DIFFERENCE, DONE, doubts, nothing_usable, options, progress};
 use pipeline_base::error::{Error, Result};
 use pipeline_golden as golden;
 use pipeline_golden::Findings;
@@ -57,7 +57,7 @@ pub fn command(args: &CheckArgs) -> Result<u8> {
     let progress = progress::Shown::new(json);
     let outcome = run::run(&options, &progress)?;
     progress.finish();
-    print::diagnostics(&outcome.diagnostics, verbose);
+    print::diagnostics(&doubts::messages(&outcome), verbose);
     nothing_usable(&outcome)?;
     print::left_out(&outcome.left_out);
     if args.init {

@@ -1,5 +1,6 @@
 //! What a check of a session showed, in words.
 
+use crate::doubts;
 use pipeline_findings::{ErrorKind, RecordingError};
 use pipeline_inspect::otherwise::Otherwise;
 use pipeline_inspect::{NotCompared, Noted, Own, Seen};
@@ -50,8 +51,18 @@ pub fn said(seen: &Seen) -> String {
             newtons(*applied_n),
             newtons(*usual_n)
         ),
-        Seen::Gain { value, sd } => gain(*value, *sd),
-        Seen::SetLength { value_mm, sd_mm } => set_length(*value_mm, *sd_mm),
+        Seen::Gain {
+            value,
+            sd,
+            by_law,
+            others,
+        } => gain(*value, *sd, (*others, *by_law)),
+        Seen::SetLength {
+            value_mm,
+            sd_mm,
+            by_law_mm,
+            others,
+        } => set_length(*value_mm, *sd_mm, (*others, *by_law_mm)),
         Seen::Misfit { rms_n, usual_n } => residual(*rms_n, *usual_n),
         Seen::Mistake { error } => mistake(error),
         Seen::Copy { of } => format!("the same bytes as {of}"),
@@ -70,6 +81,10 @@ pub fn said(seen: &Seen) -> String {
             "{}: {readings} readings would then agree with others, {}",
             described(otherwise),
             residual(*rms_n, *usual_n)
+        ),
+        Seen::Stretched(stretched) => format!(
+            "{}; an actuator bears 3%: check both lengths and their units",
+            doubts::in_words(stretched)
         ),
         Seen::Excluded { why } => format!("excluded from every fit in session.toml: {why}"),
         Seen::NotCompared { why } => not_compared(*why).to_owned(),
@@ -96,19 +111,40 @@ fn clock(step_s: f64, gaps: usize, longest_s: f64) -> String {
     }
 }
 
-fn gain(value: f64, sd: f64) -> String {
-    format!(
-        "specimen gain {:+.1}% relative to the law of others: {:.1} standard deviations",
-        100.0 * value,
-        value / sd
+/// The gain beside those of others, and by the law alone.
+fn gain(value: f64, sd: f64, (others, by_law): (usize, f64)) -> String {
+    let by_law = format!("{:+.1}% relative to the law", 100.0 * by_law);
+    let value_text = format!("{:+.1}%", 100.0 * value);
+    relative(
+        ("specimen gain", &value_text),
+        value / sd,
+        (others, &by_law),
     )
 }
 
-fn set_length(value_mm: f64, sd_mm: f64) -> String {
-    format!(
-        "set length {value_mm:+.2} mm relative to the one noted: {:.1} standard deviations",
-        value_mm / sd_mm
+/// The set length beside those of others, and by the law alone.
+fn set_length(value_mm: f64, sd_mm: f64, (others, by_law_mm): (usize, f64)) -> String {
+    let by_law = format!("{by_law_mm:+.2} mm from the one noted, by the law");
+    let value_text = format!("{value_mm:+.2} mm");
+    relative(
+        ("set length", &value_text),
+        value_mm / sd_mm,
+        (others, &by_law),
     )
+}
+
+/// A quantity of the session: relative to the median of others, where there are any, and to the law.
+fn relative(
+    (quantity, value): (&str, &str),
+    deviations: f64,
+    (others, by_law): (usize, &str),
+) -> String {
+    match others {
+        0 => format!("{quantity} {by_law}: {deviations:.1} standard deviations"),
+        n => format!(
+            "{quantity} {value} from the median of {n} other sessions: {deviations:.1} standard deviations ({by_law})"
+        ),
+    }
 }
 
 fn residual(rms_n: f64, usual_n: f64) -> String {
@@ -154,6 +190,7 @@ fn noted(what: Noted) -> (&'static str, &'static str) {
 fn not_compared(why: NotCompared) -> &'static str {
     match why {
         NotCompared::NoReadings => "no reading to compare with other actuators",
+        NotCompared::NoLogs => "its logs are missing: there is nothing to check",
         NotCompared::Torque => "torques are not compared with other actuators",
         NotCompared::NoLaw => {
             "no law is known for this diameter: not compared with other actuators"
@@ -162,8 +199,9 @@ fn not_compared(why: NotCompared) -> &'static str {
 }
 
 /// Another description of the columns, as a message.
-fn described(otherwise: &Otherwise) -> String {
-    let column = otherwise.column.map_or_else(String::new, name::column);
+pub fn described(otherwise: &Otherwise) -> String {
+    let column = otherwise.column.as_deref();
+    let column = column.map_or_else(String::new, name::column);
     match (otherwise.kind, &otherwise.units) {
         (ErrorKind::SwappedColumns, _) => {
             "force and pressure look exchanged in [columns]".to_owned()

@@ -3,7 +3,7 @@
 use crate::args::ResultArgs;
 use crate::columns::{Align, aligned, plain};
 use crate::diff_tables::sections;
-use crate::print::{line, print_json};
+use crate::print::{counted, line, print_json};
 use crate::summary::{GroupModels, models_of_run};
 use crate::{DONE, predict};
 use pipeline_base::error::{Error, Result};
@@ -12,7 +12,7 @@ use pipeline_findings::{CampaignFindings, Findings};
 use pipeline_fit::GroupFit;
 use pipeline_fit::engine::CoefficientFit;
 use pipeline_fit::equations::JOINT;
-use pipeline_predict::difference::{Difference, Outcome, Point, difference};
+use pipeline_predict::difference::{Difference, Measured, NotCompared, Outcome, Point, difference};
 use pipeline_predict::muscle::mm;
 use pipeline_report::wording::number::percent;
 use serde_json::{Value, json};
@@ -84,11 +84,11 @@ pub fn command(args: &DiffArgs) -> Result<u8> {
         let force = difference(first.fit, second.fit, margin);
         all_alike &= force
             .as_ref()
-            .is_some_and(|d| d.outcome == Outcome::Equivalent);
+            .is_ok_and(|d| d.outcome == Outcome::Equivalent);
         if args.json {
-            values.push(as_json(first, second, force.as_ref()));
+            values.push(as_json(first, second, force));
         } else {
-            print(args, [first, second], force.as_ref(), margin);
+            print(args, [first, second], force, margin);
         }
     }
     if args.json {
@@ -268,14 +268,20 @@ impl<'r> Side<'r> {
     }
 }
 
-fn print(args: &DiffArgs, sides: [&Side; 2], force: Option<&Difference>, margin: f64) {
+/// The comparison of the forces, or why there is none.
+type Force = std::result::Result<Difference, NotCompared>;
+
+fn print(args: &DiffArgs, sides: [&Side; 2], force: Force, margin: f64) {
     let [first, second] = sides;
     let mark = if args.markdown { "## " } else { "" };
     line(format!(
         "{mark}{} against {}, {} mm\n",
         second.name, first.name, first.fit.group.diameter_mm
     ));
-    line(conclusion(force, margin));
+    line(match &force {
+        Ok(difference) => conclusion(difference, sides, margin),
+        Err(why) => not_compared(why, sides),
+    });
     for section in sections(sides) {
         if args.markdown {
             line(format!("\n### {}\n", section.title));
@@ -309,11 +315,8 @@ fn markdown(rows: &[Vec<String>]) -> Vec<String> {
 }
 
 /// Whether the forces are alike, in a sentence or two.
-fn conclusion(force: Option<&Difference>, margin: f64) -> String {
+fn conclusion(d: &Difference, sides: [&Side; 2], margin: f64) -> String {
     let margin_text = percent(margin);
-    let Some(d) = force else {
-        return "The forces are not compared: no state was measured in both.".to_owned();
-    };
     let Point {
         rest_length_m,
         contraction_rel,
@@ -348,7 +351,61 @@ fn conclusion(force: Option<&Difference>, margin: f64) -> String {
         1 => " One specimen is in both fits.",
         _ => " Specimens that are in both fits are paired.",
     };
-    format!("{verdict} {place}{reach}{shared}")
+    let untested = without_interval(sides).filter(|_| d.freedom.is_none());
+    format!(
+        "{verdict}{} {place}{reach}{shared}",
+        untested.unwrap_or_default()
+    )
+}
+
+/// Why there is no interval about a difference: the refits without each specimen make it.
+fn without_interval(sides: [&Side; 2]) -> Option<String> {
+    let side = sides.into_iter().min_by_key(|s| s.fit.specimens.len())?;
+    Some(format!(
+        " There is no test, because {} has {}: how far actuators differ is seen from two or more in each.",
+        side.name,
+        counted(side.fit.specimens.len(), "specimen", "specimens")
+    ))
+}
+
+/// Why the forces are not compared, and what would help.
+fn not_compared(why: &NotCompared, sides: [&Side; 2]) -> String {
+    let names = sides.map(|side| side.name.as_str());
+    match why {
+        NotCompared::NoLaw { side } => format!(
+            "The forces are not compared: {} has no jointly fitted law; it has {} of {}.",
+            names[*side],
+            counted(sides[*side].fit.rows, "reading", "readings"),
+            counted(sides[*side].fit.specimens.len(), "specimen", "specimens")
+        ),
+        NotCompared::Apart {
+            quantity,
+            first,
+            second,
+        } => {
+            let (name, scale, decimals, unit) = match quantity {
+                Measured::RestLength => ("resting lengths", 1e3, 1, " mm"),
+                Measured::ContractionRel => ("relative contractions", 1.0, 2, ""),
+                Measured::Pressure => ("pressures", 1.0, 0, " kPa"),
+            };
+            let of = |(low, high): &(f64, f64)| {
+                let [low, high] = [low, high].map(|x| format!("{:.decimals$}", scale * x));
+                if low == high {
+                    format!("{low}{unit}")
+                } else {
+                    format!("{low} to {high}{unit}")
+                }
+            };
+            format!(
+                "The forces are not compared: the {name} that were measured do not overlap, {} in {} and {} in {}. Laws are compared only where both \
+                 were measured; a specimen within the range of the other, or several on both sides of it, would make that possible.",
+                of(first),
+                names[0],
+                of(second),
+                names[1]
+            )
+        }
+    }
 }
 
 /// A side as values.
@@ -373,10 +430,11 @@ fn side_as_json(side: &Side) -> Value {
     })
 }
 
-fn as_json(first: &Side, second: &Side, force: Option<&Difference>) -> Value {
+fn as_json(first: &Side, second: &Side, force: Force) -> Value {
     json!({
         "diameter_mm": first.fit.group.diameter_mm,
-        "force": force,
+        "not_compared": force.as_ref().err(),
+        "force": force.ok(),
         "first": side_as_json(first),
         "second": side_as_json(second),
     })

@@ -194,11 +194,7 @@ impl OnReadings {
 /// The errors on the readings that the fit is of; none where there are none.
 fn on_readings(model: &Model, rows: &[Row], fit: &GroupFit) -> Option<OnReadings> {
     let group = &fit.group;
-    let is_of_fit = |r: &&Row| {
-        let is_member = r.campaign == group.campaign || group.members.contains(&r.campaign);
-        let diameter_mm = r.diameter_mm.round() as u32;
-        is_member && diameter_mm == group.diameter_mm && is_fitted(r)
-    };
+    let is_of_fit = |r: &&Row| group.takes_in(&r.campaign, r.diameter_mm) && is_fitted(r);
     let errors: Vec<f64> = rows
         .iter()
         .filter(is_of_fit)

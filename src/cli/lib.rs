@@ -17,6 +17,7 @@ mod design;
 mod design_curve;
 mod diff;
 mod diff_tables;
+mod doubts;
 mod explain;
 mod explore;
 mod export;
@@ -151,7 +152,7 @@ fn run_command(args: &RunArgs) -> Result<u8> {
     let progress = progress::Shown::new(json);
     let outcome = run::run(&options, &progress)?;
     progress.finish();
-    print::diagnostics(&outcome.diagnostics, verbose);
+    print::diagnostics(&doubts::messages(&outcome), verbose);
     if args.dry_run {
         print::status(&outcome, json)?;
         return Ok(DONE);
@@ -192,7 +193,7 @@ fn nothing_usable(outcome: &Outcome) -> Result<()> {
 fn status_command(args: &PlaceArgs) -> Result<u8> {
     let options = options(&args.places()?, args.jobs, None, true)?;
     let outcome = run::run(&options, &progress::Shown::new(true))?;
-    print::diagnostics(&outcome.diagnostics, args.verbose);
+    print::diagnostics(&doubts::messages(&outcome), args.verbose);
     print::status(&outcome, args.json)?;
     Ok(if outcome.work.is_empty() && outcome.written.is_empty() {
         DONE

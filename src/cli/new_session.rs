@@ -4,6 +4,7 @@ use super::DONE;
 use super::columns::{Align, aligned};
 use super::predict::PNG_DPI;
 use super::print::{line, print_json};
+use pipeline_base::diagnostics::{Diagnostic, Severity};
 use pipeline_base::error::{Error, Result};
 use pipeline_base::session::{Encoding, Part, PartKind, TextFormat};
 use pipeline_draft::{Draft, Guess, text};
@@ -131,7 +132,10 @@ fn draft(args: &NewSessionArgs, file: &Path) -> Result<Draft> {
     let named = |kind, name: &Option<String>| name.clone().map(|name| Part { kind, name });
     let part = named(PartKind::Sheet, &args.sheet).or(named(PartKind::Variable, &args.variable));
     let shown = file.display().to_string();
-    let unreadable = |d| Error::Config(vec![d]);
+    if !file.exists() {
+        return Err(Error::Usage(missing(file)));
+    }
+    let unreadable = |d: Diagnostic| Error::Config(vec![d.with_severity(Severity::Error)]);
     let bytes = log_file::load(file, &shown).map_err(unreadable)?;
     let format = TextFormat {
         skip_rows: args.skip_rows,
@@ -146,6 +150,18 @@ fn draft(args: &NewSessionArgs, file: &Path) -> Result<Draft> {
     let mut draft = Draft::of(&name.to_string_lossy(), part, &columns);
     draft.format = format;
     Ok(draft)
+}
+
+/// That a log is missing, with where it was looked for.
+fn missing(file: &Path) -> String {
+    let shown = file.display();
+    let looked = match std::path::absolute(file) {
+        Ok(path) if path != file => format!(" (looked for {})", path.display()),
+        _ => String::new(),
+    };
+    format!(
+        "the log {shown} is missing{looked}; nothing was written: check the path, or quote it if it has spaces"
+    )
 }
 
 /// The name of a log without its endings: `test8` of `test8.csv.gz`.

@@ -259,7 +259,7 @@ fn is_of_readings(seen: &Seen) -> bool {
 pub fn head(calibration: &Calibration) {
     let (readings, sessions) = calibration.count();
     line(format!(
-        "readings {readings} of it in {}, combined with the law of {} others",
+        "readings {readings} of it in {}, combined with the law of {} others (least squares, without effects)",
         counted(sessions, "session", "sessions"),
         calibration.others()
     ));
@@ -273,7 +273,7 @@ pub fn head(calibration: &Calibration) {
     ));
     for length in calibration.set_lengths() {
         line(format!(
-            "         {}: {:.1} ± {:.1} mm {} than noted",
+            "         {}: {:.1} ± {:.1} mm {} than noted, by that law",
             length.session.unwrap_or_default(),
             length.value.abs(),
             length.sd,

@@ -6,7 +6,7 @@ use pipeline_base::error::{Error, Result};
 use pipeline_cache::reason::one_line;
 use pipeline_report::left_out::{self, LeftOut};
 use pipeline_run::step::Failure;
-use pipeline_run::{Outcome, Rejected, STAGES};
+use pipeline_run::{Doubtful, Outcome, Rejected, STAGES};
 use pipeline_simulate::Campaign;
 use serde_json::json;
 use std::io::Write;
@@ -116,14 +116,17 @@ pub(super) fn print_json(value: &serde_json::Value) -> Result<()> {
 
 /// The outcome of a run for other programs.
 pub fn run_as_json(outcome: &Outcome, answers: Option<&Answers>) -> Result<()> {
-    let session = |r: &Rejected| json!({ "session": r.session, "reason": r.reason });
+    let session = |r: &Rejected| json!({ "session": r.session, "reason": r.reason, "looked_for": paths(&r.looked_for) });
     let log = |r: &Rejected| json!({ "session": r.session, "log": r.log, "reason": r.reason });
+    let doubtful =
+        |d: &Doubtful| json!({ "session": d.session, "campaign": d.campaign, "doubt": d.doubt });
     let excluded = |(id, why): &(String, String)| json!({ "session": id, "reason": why });
     print_json(&json!({
         "sessions": outcome.sessions, "computed": work_json(outcome), "up_to_date": outcome.fresh,
         "failed": failed_json(outcome), "left_out": outcome.left_out,
         "rejected_sessions": outcome.rejected.iter().map(session).collect::<Vec<_>>(),
         "rejected_logs": outcome.rejected_logs.iter().map(log).collect::<Vec<_>>(),
+        "doubtful_sessions": outcome.doubtful.iter().map(doubtful).collect::<Vec<_>>(),
         "excluded_sessions": outcome.excluded.iter().map(excluded).collect::<Vec<_>>(),
         "files_written": paths(&outcome.written), "reports": paths(&outcome.pdfs),
         "findings": outcome.findings_file.as_ref().map(|f| f.display().to_string()),
@@ -181,12 +184,14 @@ fn inputs_left_out(outcome: &Outcome) {
         session,
         log,
         reason,
+        looked_for,
         ..
     } in unsaid.iter().take(SHOWN)
     {
-        line(match log.as_str() {
-            "" => format!("left out: session {session}: {reason}"),
-            log => format!("left out: log {log} of session {session}: {reason}"),
+        line(match (log.as_str(), &looked_for[..]) {
+            ("", []) => format!("left out: session {session}: {reason}"),
+            ("", paths) => format!("left out: session {session}: {}", missing(paths)),
+            (log, _) => format!("left out: log {log} of session {session}: {reason}"),
         });
     }
     let (logs, sessions) = (outcome.rejected_logs.len(), outcome.rejected.len());
@@ -209,6 +214,18 @@ fn inputs_left_out(outcome: &Outcome) {
             counted(outcome.sessions, "session", "sessions")
         ));
     }
+}
+
+/// Paths of missing logs that are named before the rest is counted.
+const PATHS: usize = 4;
+
+fn missing(looked_for: &[std::path::PathBuf]) -> String {
+    let named = paths(&looked_for[..looked_for.len().min(PATHS)]).join(", ");
+    let more = match looked_for.len().saturating_sub(PATHS) {
+        0 => String::new(),
+        n => format!(" and {n} more"),
+    };
+    format!("none of its logs is there; looked for {named}{more}")
 }
 
 /// Figures and documents that could not be built: a line for each of the first, and how many there are.

@@ -3,7 +3,7 @@
 use crate::session_toml::CAMPAIGN_FILE;
 use crate::{leg, session_toml, shared_logs};
 use pipeline_base::diagnostics::{Diagnostic, Severity};
-use pipeline_base::session::{Session, Specimen};
+use pipeline_base::session::{LogSpec, Session, Specimen};
 use pipeline_base::toml_reader::line_of_key;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -40,6 +40,11 @@ impl Located {
             .chain(self.campaign.as_deref())
             .chain(described.map(|d| d.file.as_str()))
             .chain(session.logs.iter().map(|log| log.file.as_str()))
+    }
+
+    /// Whether one of its logs is not there.
+    pub fn lacks(&self, log: &LogSpec) -> bool {
+        !self.directory.join(&log.file).exists()
     }
 }
 

@@ -12,9 +12,11 @@
 //! | [`zero`] | the zero of the force: whether it contradicts the slack actuator, and whether it is like those of other sessions |
 //! | [`population`] | the readings against a law and the scatter of other actuators: gain, set length, what is left; recording errors |
 //! | [`otherwise`] | where they do not suit: whether they would with exchanged columns, another unit or sign |
+//! | [`plausible`] | the readings against the published law alone: what no actuator does, for a run, which may have nothing else to compare with |
 
 pub mod logs;
 pub mod otherwise;
+pub mod plausible;
 pub mod population;
 pub mod zero;
 
@@ -28,6 +30,7 @@ use pipeline_findings::RecordingError;
 use pipeline_formats::discover::{Located, discover};
 use pipeline_formats::log_file;
 use pipeline_ingest::{Ingested, LogBytes};
+use plausible::Stretched;
 use population::{Known, Suit};
 use serde::Serialize;
 use std::path::Path;
@@ -147,17 +150,25 @@ pub enum Seen {
     },
     /// The gain of the actuator beside that of others.
     Gain {
-        /// Relative.
+        /// Relative, less the median of the other sessions.
         value: f64,
         /// Standard deviation of those of others.
         sd: f64,
+        /// Relative to the law itself.
+        by_law: f64,
+        /// Other sessions of which the median is; none where `value` is relative to the law.
+        others: usize,
     },
     /// The length at which the readings were taken, less the one noted.
     SetLength {
-        /// mm.
+        /// mm, less the median of the other sessions.
         value_mm: f64,
         /// Standard deviation of those of other sessions, mm.
         sd_mm: f64,
+        /// By the law itself, mm.
+        by_law_mm: f64,
+        /// See `Gain`.
+        others: usize,
     },
     /// What is left beside gain and set length.
     Misfit {
@@ -182,6 +193,8 @@ pub enum Seen {
         /// What is usual, N.
         usual_n: f64,
     },
+    /// The lengths noted stretch the actuator.
+    Stretched(Stretched),
     /// The session is kept out of fits.
     Excluded {
         /// Why, as `session.toml` has it.
@@ -227,6 +240,8 @@ pub enum Own {
 pub enum NotCompared {
     /// There are none.
     NoReadings,
+    /// There are none, for none of its logs is there.
+    NoLogs,
     /// They are torques.
     Torque,
     /// No law is known of the diameter.
@@ -291,13 +306,19 @@ pub fn log(located: &Located, file: &str, config: &Config, known: &Known) -> Ins
 /// The readings of the sessions in a folder or below it, as a run would have them, and the folders that cannot be read.
 pub fn readings(folder: &Path, config: &Config) -> (Vec<Row>, Vec<Diagnostic>) {
     let found = discover(&[folder.to_path_buf()]);
-    let of = |located: &Located| {
-        let session = &located.session;
-        normalized(located, session, files(located, session), config).rows
-    };
-    let rows = found.sessions.iter().flat_map(of).collect();
+    let rows = found
+        .sessions
+        .iter()
+        .flat_map(|l| rows(l, config))
+        .collect();
     let unusable = found.unusable.into_iter();
     (rows, unusable.flat_map(|u| u.diagnostics).collect())
+}
+
+/// The readings of a session, as a run would have them.
+pub fn rows(located: &Located, config: &Config) -> Vec<Row> {
+    let session = &located.session;
+    normalized(located, session, files(located, session), config).rows
 }
 
 /// A session after the stages that it goes through by itself.
@@ -310,7 +331,7 @@ struct Normalized {
 fn files(located: &Located, session: &Session) -> Vec<LogBytes> {
     let logs = session.logs.iter();
     logs.map(|log| {
-        let shown = format!("{}/{}", located.relative, log.name());
+        let shown = located.directory.join(log.name()).display().to_string();
         log_file::load(&located.directory.join(&log.file), &shown)
     })
     .collect()
@@ -322,7 +343,8 @@ fn normalized(
     files: Vec<LogBytes>,
     config: &Config,
 ) -> Normalized {
-    let ingested = pipeline_ingest::ingest(session, &located.relative, files);
+    let shown = located.directory.display().to_string();
+    let ingested = pipeline_ingest::ingest(session, &shown, files);
     let cleaned = pipeline_clean::clean(session, &ingested.logs, &config.clean);
     let (rows, _) = pipeline_normalize::normalize(session, &cleaned.readings);
     Normalized {
@@ -349,9 +371,22 @@ fn inspect(located: &Located, session: &Session, config: &Config, known: &Known)
     checks.extend(errors.map(described));
     checks.extend(copies(session, &files));
     checks.extend(noted(session, known));
+    let stretched = plausible::stretched(session, &rows);
+    checks.extend(stretched.map(|stretched| Check {
+        log: None,
+        state: State::Look,
+        seen: Seen::Stretched(stretched),
+    }));
     checks.extend(logs::checks(session, &ingested.logs, &cleaned));
     checks.extend(zero::checks(session, &cleaned, known));
     let mut compared = population::compared(session, &rows, known);
+    if session
+        .logs
+        .iter()
+        .all(|log| log.is_zero || located.lacks(log))
+    {
+        compared.checks.iter_mut().for_each(without_logs);
+    }
     if let Some(suit) = compared.suit.filter(is_doubtful) {
         let columns = otherwise::check((located, session), &files, &suit, config, known);
         if columns.is_some() {
@@ -367,6 +402,15 @@ fn inspect(located: &Located, session: &Session, config: &Config, known: &Known)
         checks,
         against: compared.against,
         expected: compared.expected,
+    }
+}
+
+/// There are no readings because there are no logs.
+fn without_logs(check: &mut Check) {
+    if let Seen::NotCompared { why } = &mut check.seen
+        && *why == NotCompared::NoReadings
+    {
+        *why = NotCompared::NoLogs;
     }
 }
 

@@ -7,6 +7,7 @@
 use crate::population::{Known, Suit};
 use crate::{Check, Seen, State, normalized, population};
 use pipeline_base::columns::{FORCE, PRESSURE};
+use pipeline_base::row::Row;
 use pipeline_base::session::{ColumnSpec, Session};
 use pipeline_base::units::Quantity;
 use pipeline_config::Config;
@@ -14,40 +15,59 @@ use pipeline_findings::ErrorKind;
 use pipeline_formats::discover::Located;
 use pipeline_ingest::LogBytes;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Another description of the columns.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Otherwise {
     /// The mistake that it takes back: exchanged columns, a sign or a unit.
     pub kind: ErrorKind,
     /// The column; none of exchanged ones.
-    pub column: Option<&'static str>,
+    pub column: Option<String>,
     /// Of a unit: as noted, and as it looks.
-    pub units: Option<(String, &'static str)>,
+    pub units: Option<(String, String)>,
+}
+
+/// Least share of the readings that another description has to keep: with force and pressure exchanged, other plateaus are steady.
+const KEPT: f64 = 0.5;
+
+/// Whether readings of a session suit others.
+pub(crate) type Suits<'a> = &'a (dyn Fn(&[Row], &Suit) -> bool + Sync);
+
+/// The description of the columns with which a session suits others best, among those with which it `suits` at all, and how. `readings`: those
+/// that there are as it is described.
+pub(crate) fn best(
+    (located, session): (&Located, &Session),
+    files: &[LogBytes],
+    (readings, suits): (usize, Suits),
+    config: &Config,
+    known: &Known,
+) -> Option<(Otherwise, Suit)> {
+    let with = |(otherwise, session): (Otherwise, Session)| {
+        let rows = normalized(located, &session, files.to_vec(), config).rows;
+        let suit = population::suit(&session, &rows, known)?;
+        let keeps = suit.readings as f64 >= KEPT * readings as f64;
+        (keeps && suit.tells_gain() && suits(&rows, &suit)).then_some((otherwise, suit))
+    };
+    let all: Vec<(Otherwise, Suit)> = descriptions(session)
+        .into_par_iter()
+        .filter_map(with)
+        .collect();
+    let by_misfit = |a: &(_, Suit), b: &(_, Suit)| a.1.off().total_cmp(&b.1.off());
+    all.into_iter().min_by(by_misfit)
 }
 
 /// The check of the columns of a session that does not suit others as it is described; none where no other description suits either.
 pub(crate) fn check(
-    (located, session): (&Located, &Session),
+    session: (&Located, &Session),
     files: &[LogBytes],
     as_described: &Suit,
     config: &Config,
     known: &Known,
 ) -> Option<Check> {
-    let suits = |(otherwise, session): (Otherwise, Session)| {
-        let rows = normalized(located, &session, files.to_vec(), config).rows;
-        let suit = population::suit(&session, &rows, known)?;
-        let is_no_less = suit.readings >= as_described.readings;
-        (is_no_less && suit.tells_gain() && !suit.is_unusual()).then_some((otherwise, suit))
-    };
-    let all: Vec<(Otherwise, Suit)> = descriptions(session)
-        .into_par_iter()
-        .filter_map(suits)
-        .collect();
-    let (otherwise, suit) = all
-        .into_iter()
-        .min_by(|a, b| a.1.off().total_cmp(&b.1.off()))?;
+    let suits: Suits = &|_, suit| !suit.is_unusual();
+    let described = (as_described.readings, suits);
+    let (otherwise, suit) = best(session, files, described, config, known)?;
     Some(Check {
         log: None,
         state: State::Bad,
@@ -84,7 +104,7 @@ fn descriptions(session: &Session) -> Vec<(Otherwise, Session)> {
     for name in [FORCE, PRESSURE] {
         let otherwise = Otherwise {
             kind: ErrorKind::Sign,
-            column: Some(name),
+            column: Some(name.to_owned()),
             units: None,
         };
         all.extend(with(&turned, name).map(|other| (otherwise, other)));
@@ -104,8 +124,8 @@ fn descriptions(session: &Session) -> Vec<(Otherwise, Session)> {
             };
             let otherwise = Otherwise {
                 kind: ErrorKind::Unit,
-                column: Some(name),
-                units: Some((symbol.clone(), unit.symbol)),
+                column: Some(name.to_owned()),
+                units: Some((symbol.clone(), unit.symbol.to_owned())),
             };
             all.extend(with(&scaled, name).map(|other| (otherwise, other)));
         }

@@ -133,6 +133,8 @@ struct Population {
     left_n: f64,
     /// Gain and set length (mm) that other sessions have by this law, in the middle; and how they scatter about it.
     usual: [Usual; 2],
+    /// Other sessions of which that was learned; none where they are too few.
+    others: usize,
 }
 
 /// What is usual among other sessions.
@@ -201,6 +203,31 @@ pub(crate) fn suit(session: &Session, rows: &[Row], known: &Known) -> Option<Sui
     Some(population.suit(&rows).1)
 }
 
+/// Measured forces and what the published law has for them.
+pub(crate) struct ByLaw {
+    pub diameter_mm: u32,
+    /// Measured, and by the law, N.
+    pub forces: Vec<(f64, f64)>,
+    /// F_620 of the resting length, N.
+    pub largest_n: f64,
+}
+
+/// The readings beside the published law; none where there are none, or no law of the diameter.
+pub(crate) fn by_law(rows: &[&Row], known: &Known) -> Option<ByLaw> {
+    let rows: Vec<&Row> = rows.iter().copied().filter(|r| is_readable(r)).collect();
+    let first = rows.first()?;
+    let diameter_mm = diameter_mm(first);
+    let cap_length_m = cap_length_m(diameter_mm, &known.fit);
+    let law = Population::published(first, cap_length_m)?;
+    let [b1, b2, ..] = law.coefficients;
+    let forces = rows.iter().map(|r| (r.force_n, law.force(r, [0.0; 3])));
+    Some(ByLaw {
+        diameter_mm,
+        forces: forces.collect(),
+        largest_n: new::f620(b1, b2, cap_length_m, first.rest_length_m),
+    })
+}
+
 /// A session may be looked at that its owner has left out of fits.
 fn is_readable(row: &Row) -> bool {
     let included = Row {
@@ -215,14 +242,13 @@ fn diameter_mm(row: &Row) -> u32 {
 }
 
 /// The law and scatter of others of the diameter: of the session's campaign, else of the pool, else of the campaign with most specimens; else the
-/// published law with usual scatter.
+/// published law with usual scatter. Measured actuators are not compared with simulated ones.
 fn population(session: &Session, rows: &[&Row], known: &Known) -> Option<Population> {
     let first = rows.first()?;
     let diameter_mm = diameter_mm(first);
     let cap = cap_length_m(diameter_mm, &known.fit);
-    let of_diameter = known.findings.iter().flat_map(|f| &f.campaigns);
-    let found = of_diameter
-        .filter(|c| c.diameter_mm == diameter_mm && c.part.is_none() && c.unit == "N")
+    let found = found(session, diameter_mm, known)
+        .filter(|c| c.part.is_none())
         .filter_map(|c| Some((c, Population::of(c, cap)?)))
         .max_by_key(|(c, _)| (c.campaign == session.campaign, c.design.specimens));
     let population = match found {
@@ -230,6 +256,18 @@ fn population(session: &Session, rows: &[&Row], known: &Known) -> Option<Populat
         None => Population::published(first, cap)?,
     };
     Some(population.among(&alike(session, first, known)))
+}
+
+/// What was found of forces of the diameter: of simulated actuators for a simulated session, of measured ones for any other.
+fn found<'k>(
+    session: &Session,
+    diameter_mm: u32,
+    known: &'k Known,
+) -> impl Iterator<Item = &'k CampaignFindings> {
+    let simulated = session.is_simulated();
+    let campaigns = known.findings.iter().flat_map(|f| &f.campaigns);
+    campaigns
+        .filter(move |c| c.diameter_mm == diameter_mm && c.unit == "N" && c.simulated == simulated)
 }
 
 /// The readings of other sessions that the session is compared with: of its campaign, or where these are few of its diameter.
@@ -273,6 +311,7 @@ impl Population {
             zero_sd_n: settings::USUAL_ZERO_N,
             left_n: USUAL_LEFT * new::f620(b1, b2, cap_length_m, first.rest_length_m),
             usual: sds.map(|sd| Usual { middle: 0.0, sd }),
+            others: 0,
         })
     }
 
@@ -282,6 +321,7 @@ impl Population {
         if sessions.len() < FEWEST_SESSIONS {
             return self;
         }
+        self.others = sessions.len();
         let own: Vec<[f64; 3]> = sessions.values().map(|rows| self.mode(rows).0).collect();
         for (k, usual) in self.usual.iter_mut().enumerate() {
             let values: Vec<f64> = own.iter().map(|x| x[k]).collect();
@@ -301,7 +341,7 @@ impl Population {
         let gain_sd = found.scatter_sd("specimen_variation")?;
         let length_sd_mm = found.scatter_sd("length_offset")?;
         Some(Self {
-            name: format!("the null model of {}", found.campaign),
+            name: format!("the null model of {} (without effects)", found.campaign),
             coefficients: [
                 coefficient("b1")?,
                 1.0 / coefficient("1/b2")?,
@@ -313,6 +353,7 @@ impl Population {
             gain_sd,
             length_sd_mm,
             usual: [gain_sd, length_sd_mm].map(|sd| Usual { middle: 0.0, sd }),
+            others: 0,
             zero_sd_n: found.scatter_sd("force_zero_offset")?,
             left_n: found.before.rmse_heldout_calibrated?,
         })
@@ -356,10 +397,14 @@ impl Population {
         let gain = Seen::Gain {
             value: own[0] - self.usual[0].middle,
             sd: self.usual[0].sd,
+            by_law: own[0],
+            others: self.others,
         };
         let length = Seen::SetLength {
             value_mm: own[1] - self.usual[1].middle,
             sd_mm: self.usual[1].sd,
+            by_law_mm: own[1],
+            others: self.others,
         };
         let seen = [(gain, Own::SpecimenGain), (length, Own::SetLength)];
         let of_session = seen.into_iter().enumerate();
@@ -474,8 +519,7 @@ fn mistakes(session: &Session, own: &[&Row], known: &Known) -> Vec<RecordingErro
     rows.extend(own);
     let lengths: BTreeSet<u64> = rows.iter().map(|r| r.rest_length_m.to_bits()).collect();
     let base = Base::new(diameter_mm, true, lengths.len(), &known.fit);
-    let found = known.findings.iter().flat_map(|f| &f.campaigns);
-    let found = found.filter(|c| c.diameter_mm == diameter_mm && c.unit == "N");
+    let found = found(session, diameter_mm, known);
     let found = found.max_by_key(|c| (c.campaign == session.campaign, c.design.specimens));
     let effects = found.iter().flat_map(|c| &c.effects);
     let law = effects

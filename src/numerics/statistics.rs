@@ -58,6 +58,15 @@ pub fn standard_deviation(values: &[f64]) -> f64 {
     (sum_of_squares_about_mean(values) / (values.len() - 1) as f64).sqrt()
 }
 
+/// Pearson's correlation of pairs; NaN where one of both does not vary.
+pub fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let centres = (mean(a), mean(b));
+    let products = a.iter().zip(b);
+    let products = products.map(|(x, y)| (x - centres.0) * (y - centres.1));
+    let size = (sum_of_squares_about_mean(a) * sum_of_squares_about_mean(b)).sqrt();
+    sum(&products.collect::<Vec<f64>>()) / size
+}
+
 /// The values in ascending order.
 fn sorted(values: &[f64]) -> Vec<f64> {
     let mut sorted = values.to_vec();
@@ -208,6 +217,16 @@ mod tests {
         assert_eq!(sum(&[1.0, 1e100, 1.0, -1e100]), 2.0);
         assert_eq!(sum(&[]), 0.0);
         assert_eq!(sum(&[f64::MAX, f64::MAX]), f64::INFINITY);
+    }
+
+    #[test]
+    fn correlations_are_those_of_lines_and_of_what_is_square_to_them() {
+        let x = [1.0, 2.0, 3.0, 4.0];
+        assert_eq!(correlation(&x, &x.map(|x| 7.0 - 2.0 * x)), -1.0);
+        assert_eq!(correlation(&x, &[1.0, -1.0, -1.0, 1.0]), 0.0);
+        // 3/sqrt(5 * 5), by hand.
+        assert!((correlation(&x, &[2.0, 1.0, 4.0, 3.0]) - 0.6).abs() < 1e-15);
+        assert!(correlation(&x, &[5.0; 4]).is_nan());
     }
 
     #[test]

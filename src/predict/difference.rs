@@ -76,6 +76,38 @@ pub struct Difference {
     pub points: usize,
 }
 
+/// Why two fits say nothing of each other.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "why", rename_all = "snake_case")]
+pub enum NotCompared {
+    /// A fit has no joint law.
+    NoLaw {
+        /// Which: 0 is the first.
+        side: usize,
+    },
+    /// The ranges that were measured do not overlap.
+    Apart {
+        /// In what.
+        quantity: Measured,
+        /// Range of the first: m, 1 or kPa.
+        first: (f64, f64),
+        /// Range of the second.
+        second: (f64, f64),
+    },
+}
+
+/// What was measured over a range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Measured {
+    /// l_rest, m.
+    RestLength,
+    /// eps*.
+    ContractionRel,
+    /// Gauge pressure, kPa.
+    Pressure,
+}
+
 /// A law at a state, for its coefficients b1, b2, c0, c1, c2.
 fn force(fit: &GroupFit, c: &[f64], [rest, contraction_rel, pressure]: [f64; 3]) -> f64 {
     let f620 = new::f620(c[0], c[1], fit.cap_length_m, rest);
@@ -92,19 +124,35 @@ fn scale(fit: &GroupFit, joint: &EquationFit, rest: f64) -> f64 {
     force(fit, &joint.values(), [rest, 0.0, P_620_KPA])
 }
 
-/// Compares two fits; none where one has no joint fit or no state was seen by both.
-pub fn difference(first: &GroupFit, second: &GroupFit, margin: f64) -> Option<Difference> {
-    let joints = [first.equation(JOINT)?, second.equation(JOINT)?];
+/// Compares two fits.
+///
+/// # Errors
+/// One has no joint fit, or no state was seen by both.
+pub fn difference(
+    first: &GroupFit,
+    second: &GroupFit,
+    margin: f64,
+) -> Result<Difference, NotCompared> {
     let fits = [first, second];
-    let common = |of: fn(&GroupFit) -> (f64, f64)| {
-        let [(a, b), (c, d)] = fits.map(of);
-        let (low, high) = (a.max(c), b.min(d));
-        (low <= high).then_some((low, high))
+    let law = |side: usize| {
+        let law = fits[side].equation(JOINT);
+        law.ok_or(NotCompared::NoLaw { side })
+    };
+    let joints = [law(0)?, law(1)?];
+    let common = |quantity, of: fn(&GroupFit) -> (f64, f64)| {
+        let [first, second] = fits.map(of);
+        let (low, high) = (first.0.max(second.0), first.1.min(second.1));
+        let apart = NotCompared::Apart {
+            quantity,
+            first,
+            second,
+        };
+        (low <= high).then_some((low, high)).ok_or(apart)
     };
     let ranges = [
-        common(|f| f.ranges.rest_length_m)?,
-        common(|f| f.ranges.contraction_rel)?,
-        common(|f| f.ranges.pressure_kpa)?,
+        common(Measured::RestLength, |f| f.ranges.rest_length_m)?,
+        common(Measured::ContractionRel, |f| f.ranges.contraction_rel)?,
+        common(Measured::Pressure, |f| f.ranges.pressure_kpa)?,
     ];
     let folds = joints.map(|j| j.folds.len());
     let both = shared([0, 1].map(|k| specimens(fits[k], joints[k])));
@@ -140,7 +188,7 @@ pub fn difference(first: &GroupFit, second: &GroupFit, margin: f64) -> Option<Di
             }
         }
     }
-    judged(points, margin, both.len(), freedom)
+    Ok(judged(points, margin, both.len(), freedom))
 }
 
 /// The specimens that are left out in turn, with their resting length and contraction at 620 kPa: ids alone may be those of other actuators elsewhere.
@@ -174,22 +222,18 @@ fn jackknife(without: &[Vec<f64>; 2], shared: &[[usize; 2]]) -> f64 {
     (apart - 2.0 * together.sum::<f64>()).max(0.0).sqrt()
 }
 
-fn judged(
-    points: Vec<Point>,
-    margin: f64,
-    shared: usize,
-    freedom: Option<usize>,
-) -> Option<Difference> {
+fn judged(points: Vec<Point>, margin: f64, shared: usize, freedom: Option<usize>) -> Difference {
     let reach = |p: &Point| {
         let (low, high) = p.interval.unwrap_or((p.share, p.share));
         low.abs().max(high.abs())
     };
     let most = |of: &dyn Fn(&Point) -> f64| {
         let all = points.iter().copied();
-        all.max_by(|a, b| of(a).total_cmp(&of(b)))
+        let most = all.max_by(|a, b| of(a).total_cmp(&of(b)));
+        most.expect("a grid has points")
     };
-    let furthest = most(&reach)?;
-    let largest = most(&|p: &Point| p.share.abs())?;
+    let furthest = most(&reach);
+    let largest = most(&|p: &Point| p.share.abs());
     let beyond = |p: &Point| {
         let test = freedom.zip(p.standard_error);
         test.is_some_and(|(df, error)| {
@@ -206,7 +250,7 @@ fn judged(
         Outcome::Undecided
     };
     let shares: Vec<f64> = points.iter().map(|p| p.share).collect();
-    Some(Difference {
+    Difference {
         outcome,
         margin,
         shared,
@@ -215,7 +259,7 @@ fn judged(
         largest,
         furthest,
         points: points.len(),
-    })
+    }
 }
 
 /// Points from end to end; one where both are the same.
@@ -247,7 +291,7 @@ mod tests {
 
     fn outcome(points: &[(f64, f64)]) -> Outcome {
         let points = points.iter().map(|(s, e)| point(*s, *e, 8)).collect();
-        judged(points, 0.1, 0, Some(8)).unwrap().outcome
+        judged(points, 0.1, 0, Some(8)).outcome
     }
 
     /// t(0.95; 8) = 1.8595, t(1 - 0.025/2; 8) = 2.7515.

@@ -79,10 +79,7 @@ fn range((low, high): (f64, f64), rounding: Rounding, unit: &str) -> String {
 fn dates(input: &ReportInput, group: &GroupInput) -> String {
     let of = &group.fit.group;
     let sessions = input.sessions.iter().map(|s| &s.ingest.session);
-    let is_of_group = |s: &&Session| {
-        let is_member = *s.campaign == of.campaign || of.members.contains(&s.campaign);
-        is_member && s.specimen.diameter_mm.round() as u32 == of.diameter_mm
-    };
+    let is_of_group = |s: &&Session| of.takes_in(&s.campaign, s.specimen.diameter_mm);
     let dates = sessions
         .filter(is_of_group)
         .filter_map(|s| s.date.as_deref());

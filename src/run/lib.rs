@@ -46,15 +46,16 @@ pub mod units;
 pub mod walk;
 
 use engine::Engine;
-use messages::Messages;
+use messages::{Described, Messages};
 use pipeline_base::diagnostics::Diagnostic;
 use pipeline_base::error::{Error, Result};
 use pipeline_base::reject::{Extent, Reject};
 use pipeline_config::Config;
-use pipeline_formats::discover::{Discovery, discover};
+use pipeline_formats::discover::{Discovery, Located, discover};
+use pipeline_inspect::plausible::Doubt;
 use pipeline_report::left_out::LeftOut;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use step::{Failure, Work};
 use unchanged::Watch;
@@ -126,6 +127,9 @@ pub struct Outcome {
     pub excluded: Vec<(String, String)>,
     /// What is wrong with the inputs.
     pub diagnostics: Vec<Diagnostic>,
+    /// Sessions whose readings no such actuator gives.
+    #[serde(default)]
+    pub doubtful: Vec<Doubtful>,
     /// Files written below `reports/` (or that would be), because they were missing or had other contents.
     #[serde(skip)]
     pub written: Vec<PathBuf>,
@@ -136,6 +140,21 @@ pub struct Outcome {
     pub left_out: Vec<LeftOut>,
     /// Where the findings are, of everything that was diagnosed.
     pub findings_file: Option<PathBuf>,
+}
+
+/// A session with readings that no such actuator gives.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Doubtful {
+    /// Id of the session.
+    pub session: String,
+    /// Its campaign.
+    pub campaign: String,
+    /// Its folder relative to its raw directory.
+    pub relative: String,
+    /// The same as the user reaches it.
+    pub folder: PathBuf,
+    /// What is doubtful.
+    pub doubt: Doubt,
 }
 
 /// A session or a log that was left out.
@@ -149,6 +168,9 @@ pub struct Rejected {
     pub reason: String,
     /// Whether one of the diagnostics says so.
     pub has_diagnostic: bool,
+    /// Where its logs were looked for; nothing unless it is a session of whose logs none is there.
+    #[serde(default)]
+    pub looked_for: Vec<PathBuf>,
 }
 
 impl Rejected {
@@ -158,8 +180,18 @@ impl Rejected {
             log: reject.log,
             reason: reject.reason,
             has_diagnostic,
+            looked_for: Vec::new(),
         }
     }
+}
+
+/// Where the logs of a session were looked for of which none is there.
+fn looked_for(located: &Located) -> Vec<PathBuf> {
+    let logs = located.session.logs.iter();
+    if logs.clone().any(|log| !located.lacks(log)) {
+        return Vec::new();
+    }
+    logs.map(|log| located.directory.join(&log.file)).collect()
 }
 
 impl Outcome {
@@ -293,7 +325,9 @@ fn drive(
         pool.install(|| reports::pages(engine, &done, &figures, tables, options))
     })?;
     let only_look = options.dry_run || options.only.is_some();
-    let messages = pool.install(|| messages::all(engine, made.of(Scope::Session), only_look))?;
+    let described = Described { discovery, config };
+    let sessions = made.of(Scope::Session);
+    let messages = pool.install(|| messages::all(engine, sessions, &described, only_look))?;
     let mut outcome = summary(discovery, messages);
     outcome.pdfs = written.pdfs;
     outcome.written = written.changed;
@@ -386,7 +420,7 @@ fn excluded(discovery: &Discovery) -> Vec<(String, String)> {
 }
 
 /// The messages about the inputs.
-fn summary(discovery: &Discovery, messages: Vec<Messages>) -> Outcome {
+fn summary(discovery: &Discovery, mut messages: BTreeMap<String, Messages>) -> Outcome {
     let mut outcome = Outcome {
         sessions: discovery.sessions.len(),
         unusable: discovery.unusable.len(),
@@ -404,19 +438,34 @@ fn summary(discovery: &Discovery, messages: Vec<Messages>) -> Outcome {
             log: String::new(),
             reason: why,
             has_diagnostic: true,
+            looked_for: Vec::new(),
         });
         outcome
             .diagnostics
             .extend(unusable.diagnostics.iter().cloned());
     }
-    for session in messages {
+    for located in &discovery.sessions {
+        let Some(session) = messages.remove(&located.session.id) else {
+            continue;
+        };
         outcome.diagnostics.extend(session.diagnostics);
+        let doubtful = session.doubts.into_iter().map(|doubt| Doubtful {
+            session: located.session.id.clone(),
+            campaign: located.session.campaign.clone(),
+            relative: located.relative.clone(),
+            folder: located.directory.clone(),
+            doubt,
+        });
+        outcome.doubtful.extend(doubtful);
         let unreadable = session.unreadable.into_iter();
         let logs = unreadable.map(|r| Rejected::of(r, true));
         outcome.rejected_logs.extend(logs);
         for r in session.rejects {
             match r.extent {
-                Extent::Session => outcome.rejected.push(Rejected::of(r, false)),
+                Extent::Session => outcome.rejected.push(Rejected {
+                    looked_for: looked_for(located),
+                    ..Rejected::of(r, false)
+                }),
                 _ => outcome.rejected_logs.push(Rejected::of(r, false)),
             }
         }

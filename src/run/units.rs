@@ -62,7 +62,7 @@ fn sessions(discovery: &Discovery) -> Vec<Unit> {
 }
 
 fn groups(discovery: &Discovery, config: &Config) -> Vec<Unit> {
-    let diameter_mm = |s: &Session| s.specimen.diameter_mm as u32;
+    let diameter_mm = |s: &Session| s.specimen.diameter_mm.round() as u32;
     let sessions = discovery.sessions.iter().map(|l| &l.session);
     let isometric = sessions.filter(|s| s.kind == Kind::Isometric);
     let members: Vec<(String, u32, bool)> = isometric
@@ -70,9 +70,7 @@ fn groups(discovery: &Discovery, config: &Config) -> Vec<Unit> {
         .collect();
     let unit = |group: Group| {
         let belongs = |s: &Session| {
-            s.kind == Kind::Isometric
-                && group.members.contains(&s.campaign)
-                && diameter_mm(s) == group.diameter_mm
+            s.kind == Kind::Isometric && group.takes_in(&s.campaign, s.specimen.diameter_mm)
         };
         Unit {
             name: format!("{} {} mm", group.campaign, group.diameter_mm),

@@ -177,6 +177,14 @@ impl Rig {
         rig
     }
 
+    /// Every number of the table as it may be written: key, smallest and largest value, unit.
+    pub fn ranges() -> Vec<(&'static str, (f64, f64), &'static str)> {
+        let mut rig = Self::rig_10mm();
+        let all = rig.numbers().into_iter();
+        all.map(|(key, _, range, unit)| (key, range, unit))
+            .collect()
+    }
+
     /// Every number of the table: key, place, smallest and largest value, unit.
     fn numbers(&mut self) -> [(&'static str, &mut f64, (f64, f64), &'static str); 23] {
         [

@@ -122,7 +122,8 @@ fn a_specimen_of_the_run_is_predicted_by_the_law_of_the_others_and_its_own_readi
         "for this muscle",
         "before",
         "next",
-        "than noted",
+        "than noted, by that law",
+        "(least squares, without effects)",
     ] {
         assert!(said.out.contains(part), "{part} is not in\n{}", said.out);
     }

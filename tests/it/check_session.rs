@@ -91,6 +91,50 @@ fn without_a_run_the_published_law_is_the_yardstick() {
     assert!(found[0]["against"].as_str().unwrap().contains("published"));
 }
 
+#[test]
+fn a_set_length_says_to_what_it_is_relative() {
+    // What is subtracted of the length by the law: nothing without a run, else the median of the others.
+    let subtracted = |bench: &Bench, error_mm: f64, others: usize| {
+        let (line, length) = set_length(bench);
+        let wrong = format!("length_mm = {}", length + error_mm);
+        let folder = copied(bench, &[(&line, &wrong)]);
+        let (_, found) = inspected(bench, &folder);
+        let of = checks(&found, "set_length")[0];
+        assert_eq!(of["others"], others, "{of}");
+        let said = bench.run(&["check-session", &folder]).out;
+        (
+            of["by_law_mm"].as_f64().unwrap() - of["value_mm"].as_f64().unwrap(),
+            said,
+        )
+    };
+    let (nothing, said) = subtracted(&Bench::small(), 9.0, 0);
+    assert_eq!(nothing, 0.0);
+    assert!(said.contains("from the one noted, by the law: "), "{said}");
+    let bench = Bench::small_done();
+    let (first, _) = subtracted(&bench, 9.0, 6);
+    let (second, said) = subtracted(&bench, 11.0, 6);
+    assert!((first - second).abs() < 1e-9, "{first} {second}");
+    for part in [
+        "from the median of 6 other sessions",
+        "from the one noted, by the law)",
+        "(without effects)",
+    ] {
+        assert!(said.contains(part), "{part} is not in\n{said}");
+    }
+}
+
+#[test]
+fn a_measured_session_is_not_compared_with_simulated_ones() {
+    let bench = Bench::small_done();
+    let folder = copied(&bench, &[("simulated by pipeline simulate", "measured")]);
+    let (code, found) = inspected(&bench, &folder);
+    assert_eq!(code, 0, "{found}");
+    assert!(
+        found[0]["against"].as_str().unwrap().contains("published"),
+        "{found}"
+    );
+}
+
 /// What is named where the columns are described with a mistake: its kind, column and unit.
 fn named_of_columns(replaced: &[(&str, &str)]) -> [Value; 3] {
     let bench = Bench::small_done();

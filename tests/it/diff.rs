@@ -102,3 +102,39 @@ fn a_run_is_equivalent_to_itself_and_what_is_not_there_is_named() {
     assert_eq!(wide.code, 2);
     wide.warns_of(&["write 10%"]);
 }
+
+/// A project with one specimen of the small campaign.
+fn of_one_specimen(specimen: &str) -> Bench {
+    let bench = Bench::quick();
+    for other in ["a", "b", "c"].iter().filter(|s| **s != specimen) {
+        std::fs::remove_dir_all(bench.raw().join("small").join(other)).unwrap();
+    }
+    bench.age();
+    let said = bench.run(&["run", "--config", FAST]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    bench
+}
+
+#[test]
+fn why_single_specimens_are_not_compared_or_not_tested_is_said() {
+    let [short, long] = ["a", "c"].map(of_one_specimen);
+    let long = long.root().to_str().unwrap();
+    let said = short.run(&["diff", ".", long]);
+    assert_eq!(said.code, 1, "{}", said.err);
+    for part in [
+        "The forces are not compared: the resting lengths that were measured do not overlap",
+        "112.0 mm",
+        "382.0 mm",
+    ] {
+        assert!(said.out.contains(part), "{part} is not in\n{}", said.out);
+    }
+    let values: Value =
+        serde_json::from_str(&short.run(&["diff", ".", long, "--json"]).out).unwrap();
+    assert_eq!(values[0]["force"], Value::Null);
+    assert_eq!(values[0]["not_compared"]["why"], "apart");
+    assert_eq!(values[0]["not_compared"]["quantity"], "rest_length");
+    let itself = short.run(&["diff", ".", "."]);
+    assert_eq!(itself.code, 1);
+    let part = "There is no test, because .:small has 1 specimen";
+    assert!(itself.out.contains(part), "{}", itself.out);
+}

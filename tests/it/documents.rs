@@ -2,6 +2,7 @@
 
 use crate::support::{Bench, outside_program};
 use pipeline::report::typeset::svg_to_pdf;
+use pipeline::run::STAGES;
 use std::path::Path;
 use std::process::Command;
 
@@ -25,6 +26,21 @@ fn the_readme_asks_for_the_rust_that_cargo_asks_for() {
         " or later)"
     );
     assert!(read("README.md").contains(asked));
+}
+
+#[test]
+fn the_stages_of_the_readme_and_the_help_are_those_of_the_registry() {
+    let stages = STAGES.join(", ");
+    let readme = read("README.md");
+    let row = readme.lines().find(|l| l.starts_with("| `pipeline run` |"));
+    assert!(row.unwrap().contains(&format!(": {stages};")), "{row:?}");
+    let help = Bench::empty().run(&["--help"]).out;
+    let help: Vec<&str> = help.split_whitespace().collect();
+    let help = help.join(" ");
+    assert!(
+        help.contains(&format!("Stages, in order: {stages}.")),
+        "{help}"
+    );
 }
 
 #[test]

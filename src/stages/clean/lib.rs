@@ -103,7 +103,11 @@ pub fn clean(session: &Session, logs: &[LogSamples], options: &CleanOptions) -> 
             last_row: None,
             count: 0,
             extent: Extent::Session,
-            reason: "no steady reading is left".to_owned(),
+            reason: match logs.iter().any(|log| !log.spec.is_zero) {
+                true => "no steady reading is left",
+                false => "none of its logs can be read",
+            }
+            .to_owned(),
         });
     }
     Cleaned {
