@@ -428,6 +428,11 @@ fn an_effect_that_few_searches_find_again_is_marked_where_it_is_stated() {
         assert!(said(&found).contains(words), "{}", said(&found));
         let line = super::sentence::in_a_line(&found).replace('\u{a0}', " ");
         assert!(line.contains(words), "{line}");
+        let short = super::sentence::answer_in_short(&found).join(" ");
+        assert!(
+            short.contains("(weak evidence; ") && !short.contains("searches"),
+            "{short}"
+        );
     }
     for share in [None, Some(0.5), Some(1.0)] {
         found.effects[0].found_in_folds = share;

@@ -15,6 +15,12 @@ pub(super) fn answer(found: &CampaignFindings) -> String {
     answer_with(found, &|e| weak(found, e).into_iter().collect())
 }
 
+/// The same with weak evidence called so, and not why.
+pub(super) fn short_answer(found: &CampaignFindings) -> String {
+    let is_weak = |e: &EffectFinding| weak(found, e).map(|_| "weak evidence".to_owned());
+    answer_with(found, &|e| is_weak(e).into_iter().collect())
+}
+
 /// The same with the strength of the evidence for every effect, and with the range of the units' own estimates where these differ.
 pub(super) fn graded_answer(found: &CampaignFindings) -> String {
     let graded = |e: &EffectFinding| {
