@@ -88,25 +88,30 @@ fn placebo(found: &CampaignFindings, e: &EffectFinding) -> Option<f64> {
     as_strong.then_some(shuffled.p_familywise)
 }
 
-fn in_words(found: &CampaignFindings, reason: Reason, of_searches: &str) -> String {
+/// A reason; none where the errors beside it say the same: that there is one unit only.
+fn in_words(found: &CampaignFindings, reason: Reason, of_searches: &str) -> Option<String> {
     let unit = nouns(found).unit;
-    match reason {
+    Some(match reason {
         Reason::Probability(p) => format!("p {}", equals_probability(p)),
         Reason::Shuffled(p) => format!("a shuffled column has p {}", equals_probability(p)),
         Reason::Again(0.0) => format!("found in none of the searches{of_searches}"),
         Reason::Again(share) => format!("found in {} of the searches{of_searches}", percent(share)),
-        Reason::NotRepeated if found.design.specimens < 2 => format!("one {unit} only"),
+        Reason::NotRepeated
+            if found.before.rmse_heldout.is_none() && found.design.specimens < 2 =>
+        {
+            return None;
+        }
         Reason::NotRepeated => format!("no search without one {unit}"),
-    }
+    })
 }
 
 /// What the words mean, for a page that has them.
 pub fn grades() -> String {
     let number = |x: f64, decimals| rounded(x, Rounding::Decimals(decimals));
     format!(
-        "Evidence is strong where p is at most {} and every search without one specimen (actuator) finds the effect again, weak where p is above {}, \
-         fewer than {} of these searches find it or a shuffled column does as well, else moderate. Specimens (actuators) differ where their own \
-         estimates do by more than their standard errors allow (Cochran's Q).",
+        "Evidence is strong where p ≤ {} and every search without one specimen (actuator) finds the effect again, weak where p > {}, fewer than {} of \
+         these searches find it or a shuffled column does as well, else moderate. Specimens (actuators) differ where their own estimates do by more \
+         than their standard errors allow (Cochran's Q).",
         number(CLEAR, 2),
         number(NEAR, 3),
         percent(SELDOM)
@@ -122,7 +127,7 @@ pub(super) fn grade(found: &CampaignFindings, e: &EffectFinding) -> String {
         Evidence::Weak => "weak",
     };
     let reasons: Vec<String> = { reasons.into_iter() }
-        .map(|r| in_words(found, r, ""))
+        .filter_map(|r| in_words(found, r, ""))
         .collect();
     if reasons.is_empty() {
         grade.to_owned()
@@ -136,7 +141,7 @@ pub(super) fn weak(found: &CampaignFindings, e: &EffectFinding) -> Option<String
     let (grade, reasons) = graded(found, e);
     let of_searches = format!(" without one {}", nouns(found).unit);
     let reasons: Vec<String> = { reasons.into_iter() }
-        .map(|r| in_words(found, r, &of_searches))
+        .filter_map(|r| in_words(found, r, &of_searches))
         .collect();
     (grade == Evidence::Weak).then(|| format!("weak evidence: {}", reasons.join(", ")))
 }
