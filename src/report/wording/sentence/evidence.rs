@@ -148,7 +148,7 @@ pub(super) fn weak(found: &CampaignFindings, e: &EffectFinding) -> Option<String
 
 /// `specimens differ: 5.2 to 17 N`, where their own estimates do by more than their standard errors allow: Cochran's Q, its p times the number of
 /// effects of the campaign of which that is asked.
-pub(super) fn differ(found: &CampaignFindings, e: &EffectFinding) -> Option<String> {
+pub fn differ(found: &CampaignFindings, e: &EffectFinding) -> Option<String> {
     let has_several = |e: &&EffectFinding| e.by_specimen.len() > 1;
     let asked = found.effects.iter().filter(has_several).count();
     let own: Vec<(f64, f64)> = { e.by_specimen.values() }
