@@ -358,7 +358,8 @@ fn group(input: &GroupInput, figures: &[Drawn]) -> Group {
 /// A fitted law that leaves more than this share of F_620 at the free length is said to.
 const LEFT_AT_FREE_LENGTH: f64 = 0.03;
 
-/// What the joint fit leaves of the force where there is none by definition, at eps* = 1 and 620 kPa, if that is much: a sentence without its full stop.
+/// What the joint fit leaves of the force where there is none by definition, at eps* = 1 and 620 kPa, if that is much: a sentence without its full
+/// stop.
 fn at_free_length(joint: &[f64]) -> Option<String> {
     let [_, _, c0, c1, c2] = *joint else {
         return None;

@@ -405,8 +405,8 @@ fn the_shipped_campaign_is_recovered() {
     assert_eq!(excluded["excluded"], "resting length uncertain");
 }
 
-/// The errors of a joint's tests make up those of the joint, without effects and with them; and the rigid leg, of which nothing is fitted, has one error
-/// on the same readings, held out or not. Both take an actuator that would push as slack.
+/// The errors of a joint's tests make up those of the joint, without effects and with them; and the rigid leg, of which nothing is fitted, has one
+/// error on the same readings, held out or not. Both take an actuator that would push as slack.
 #[test]
 fn a_joint_has_the_errors_of_its_tests() {
     let mut joints = 0;

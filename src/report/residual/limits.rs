@@ -89,8 +89,8 @@ pub(super) fn not_measurable(found: &CampaignFindings) -> Vec<Cannot> {
     reasons
 }
 
-/// Whether an effect that the coefficients of the law absorb is a part with which the law was refitted: beside the others it has no size of its own, in
-/// the place of one of them it has.
+/// Whether an effect that the coefficients of the law absorb is a part with which the law was refitted: beside the others it has no size of its own,
+/// in the place of one of them it has.
 fn is_absorbed_part(found: &CampaignFindings, one: &NotMeasurable) -> bool {
     let mut parts = found.alternatives.iter().flat_map(|a| &a.parts);
     one.reason == WhyNot::Absorbed && parts.any(|part| *part == one.id)

@@ -109,8 +109,8 @@ fn in_words(found: &CampaignFindings, reason: Reason, of_searches: &str) -> Opti
 pub fn grades() -> String {
     let number = |x: f64, decimals| rounded(x, Rounding::Decimals(decimals));
     format!(
-        "Evidence is strong where p ≤ {} and every search without one specimen (actuator) finds the effect again, weak where p > {}, fewer than {} of \
-         these searches find it or a shuffled column does as well, else moderate. Specimens (actuators) differ where their own estimates do by more \
+        "Evidence is strong where p ≤ {} and every search without one specimen (actuator) finds the effect again, weak where p > {}, fewer than {} \
+         of these searches find it or a shuffled column does as well, else moderate. Specimens (actuators) differ where their own estimates do by more \
          than their standard errors allow (Cochran's Q).",
         number(CLEAR, 2),
         number(NEAR, 3),

@@ -21,7 +21,8 @@ pub struct Points {
     pub rest: Vec<(&'static str, String)>,
 }
 
-/// What was found, and how strong the evidence is; the errors in their forms; what the expected error is made of; what would help; what in the records is wrong.
+/// What was found, and how strong the evidence is; the errors in their forms; what the expected error is made of; what would help; what in the records
+/// is wrong.
 pub fn points(found: &CampaignFindings) -> Points {
     let Clauses {
         recording_errors,
