@@ -2,7 +2,7 @@
 
 use pipeline_findings::CampaignFindings;
 use pipeline_report::wording::name;
-use pipeline_report::wording::sentence::{clauses, in_a_line};
+use pipeline_report::wording::sentence::{clauses, in_three_lines};
 use serde_json::{Value, json};
 
 /// Letters in a line.
@@ -11,6 +11,8 @@ const WIDTH: usize = 100;
 const MARGIN: usize = 11;
 /// Before the second and later lines of a paragraph.
 const INDENT: &str = "  ";
+/// Before what is left of a line that is one of several.
+const FURTHER: &str = "    ";
 /// The lines of a campaign of which nothing but a verdict is known: nothing was held out.
 const SHORT: [&str; 4] = ["found", "", "error", "next"];
 /// Between a number and its unit, where no line ends; a terminal gets a blank. Within a unit it gets nothing.
@@ -47,23 +49,33 @@ pub(super) fn lines(found: &CampaignFindings, models: Option<&str>) -> Vec<Strin
     let below: Vec<(&str, String)> = below.filter_map(|(l, text)| Some((l, text?))).collect();
     if found.before.rmse_heldout.is_none() && below.iter().all(|(l, _)| SHORT.contains(l)) {
         let texts: Vec<&str> = below.iter().map(|(_, text)| text.as_str()).collect();
-        return paragraph(&format!("{name}: {}", texts.join("; ")));
+        return indented(&format!("{name}: {}", texts.join("; ")), "", INDENT);
     }
     let below = below.iter().flat_map(|(l, text)| labelled(l, text));
     std::iter::once(name).chain(below).collect()
 }
 
-/// The same in a line or two.
+/// The same in three lines, each of which may be wrapped.
 pub(super) fn in_short(found: &CampaignFindings) -> Vec<String> {
-    paragraph(&format!("{}: {}", name::campaign(found), in_a_line(found)))
+    let mut said = in_three_lines(found);
+    if let Some(first) = said.first_mut() {
+        *first = format!("{}: {first}", name::campaign(found));
+    }
+    let lines = said.iter().enumerate();
+    let begin = |k: usize| if k == 0 { "" } else { INDENT };
+    lines
+        .flat_map(|(k, line)| indented(line, begin(k), FURTHER))
+        .collect()
 }
 
-/// A text in lines, all but the first indented.
-fn paragraph(text: &str) -> Vec<String> {
-    let mut lines = wrapped(text, WIDTH - INDENT.len());
-    lines[1..]
+/// A text in lines, with what stands before the first and before the others.
+fn indented(text: &str, first: &str, others: &str) -> Vec<String> {
+    let mut lines = wrapped(text, WIDTH - first.len().max(others.len()));
+    let before = std::iter::once(first).chain(std::iter::repeat(others));
+    lines
         .iter_mut()
-        .for_each(|line| line.insert_str(0, INDENT));
+        .zip(before)
+        .for_each(|(line, before)| line.insert_str(0, before));
     lines
 }
 

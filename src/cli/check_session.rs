@@ -1,6 +1,7 @@
 //! `pipeline check-session`: a session while the actuator is still on the rig.
 
 use crate::args::ResultArgs;
+use crate::check_session_words::said;
 use crate::columns::{Align, aligned};
 use crate::print::{line, print_json};
 use crate::{DONE, predict, watch};
@@ -10,14 +11,10 @@ use pipeline_base::frame::Frame;
 use pipeline_base::names::file_name;
 use pipeline_base::row::{self, Row};
 use pipeline_config::Config;
-use pipeline_findings::{ErrorKind, Findings};
-use pipeline_inspect::otherwise::Otherwise;
+use pipeline_findings::Findings;
 use pipeline_inspect::population::Known;
-use pipeline_inspect::{Check, Inspection, NotCompared, Noted, Own, Seen, State};
+use pipeline_inspect::{Check, Inspection, Seen, State};
 use pipeline_report::figures::inspection as drawing;
-use pipeline_report::wording::name;
-use pipeline_report::wording::number::{percent, with_unit};
-use pipeline_report::wording::sentence::recorded_size;
 use pipeline_run::check_outside;
 use std::path::{Path, PathBuf};
 
@@ -212,170 +209,4 @@ fn word(state: State) -> &'static str {
         State::Look => "look",
         State::Bad => "BAD",
     }
-}
-
-/// A check in words.
-fn said(seen: &Seen) -> String {
-    let newtons = |x: f64| with_unit(&format!("{x:.1}"), "N").replace('\u{a0}', " ");
-    let deviations = |value: f64, sd: f64| format!("{:.1} standard deviations", value / sd);
-    match seen {
-        Seen::Description { message } => message.clone(),
-        Seen::LeftOut { reason } => format!("the log is left out: {reason}"),
-        Seen::Rows {
-            rows,
-            left_out,
-            reason,
-        } => {
-            let why = reason
-                .as_ref()
-                .map_or_else(String::new, |r| format!(", most: {r}"));
-            format!("{left_out} of {rows} rows are not measurements{why}")
-        }
-        Seen::Clipping { share, at_pressure } => format!(
-            "{} of the samples of the force are at the limit of the converter, {} of those at high pressure",
-            percent(*share),
-            percent(*at_pressure)
-        ),
-        Seen::FlatTop { at_n, samples } => format!(
-            "the force stays at its highest value, {}, for {samples} samples in a row: it looks cut off by the amplifier or the converter",
-            newtons(*at_n)
-        ),
-        Seen::Clock {
-            step_s, gaps: 0, ..
-        } => format!("a sample every {:.3} ms, none missing", 1e3 * step_s),
-        Seen::Clock {
-            step_s,
-            gaps,
-            longest_s,
-        } => format!(
-            "samples are missing in {gaps} places, for {longest_s:.2} s at most (normally one every {:.1} ms)",
-            1e3 * step_s
-        ),
-        Seen::Plateaus { steady, unsettled } => format!(
-            "{steady} settled plateaus, {unsettled} in which pressure or force still drifts"
-        ),
-        Seen::Zero {
-            source,
-            applied_n,
-            clipped,
-            slack_n,
-        } => zero(source, *applied_n, *clipped, *slack_n),
-        Seen::ZeroOfOthers {
-            applied_n,
-            usual_n,
-            deviations,
-            sessions,
-        } => format!(
-            "a zero of {}; the median of {sessions} other sessions is {} ({deviations:.1} standard deviations)",
-            newtons(*applied_n),
-            newtons(*usual_n)
-        ),
-        Seen::Gain { value, sd } => format!(
-            "specimen gain {:+.1}% relative to the law of others: {}",
-            100.0 * value,
-            deviations(*value, *sd)
-        ),
-        Seen::SetLength { value_mm, sd_mm } => format!(
-            "set length {value_mm:+.2} mm relative to the one noted: {}",
-            deviations(*value_mm, *sd_mm)
-        ),
-        Seen::Misfit { rms_n, usual_n } => format!(
-            "residual {} (root mean square); typically {}",
-            newtons(*rms_n),
-            newtons(*usual_n)
-        ),
-        Seen::Mistake { error } => {
-            let size = recorded_size(error).map_or_else(String::new, |s| format!(" ({s})"));
-            format!(
-                "looks like a recording error: {}{}",
-                name::recording_error(error.kind, error.quantity.as_deref()),
-                size.replace('\u{a0}', " ")
-            )
-        }
-        Seen::Copy { of } => format!("the same bytes as {of}"),
-        Seen::Otherwise {
-            what,
-            here_mm,
-            others_mm,
-        } => {
-            let (quantity, of) = noted(*what);
-            format!(
-                "{quantity} is noted as {here_mm:.1} mm, and as {others_mm:.1} mm in other sessions of the {of}"
-            )
-        }
-        Seen::NotTold { quantity } => format!(
-            "the readings do not determine {}",
-            match quantity {
-                Own::SpecimenGain => "the specimen gain",
-                Own::SetLength => "whether the set length is the one noted",
-            }
-        ),
-        Seen::Columns {
-            otherwise,
-            readings,
-            rms_n,
-            usual_n,
-        } => format!(
-            "{}: {readings} readings would then agree with others, residual {}; typically {}",
-            described(otherwise),
-            newtons(*rms_n),
-            newtons(*usual_n)
-        ),
-        Seen::Excluded { why } => format!("excluded from every fit in session.toml: {why}"),
-        Seen::NotCompared { why } => not_compared(*why).to_owned(),
-    }
-}
-
-/// A quantity that other sessions share, and whose sessions they are.
-fn noted(what: Noted) -> (&'static str, &'static str) {
-    match what {
-        Noted::RestLength => ("the resting length of the specimen", "specimen"),
-        Noted::ContractedLength => ("the contracted length of the specimen", "specimen"),
-        Noted::Diameter => ("the diameter", "campaign"),
-    }
-}
-
-fn not_compared(why: NotCompared) -> &'static str {
-    match why {
-        NotCompared::NoReadings => "no reading to compare with other actuators",
-        NotCompared::Torque => "torques are not compared with other actuators",
-        NotCompared::NoLaw => {
-            "no law is known for this diameter: not compared with other actuators"
-        }
-    }
-}
-
-/// Another description of the columns, as a message.
-fn described(otherwise: &Otherwise) -> String {
-    let column = otherwise.column.map_or_else(String::new, name::column);
-    match (otherwise.kind, &otherwise.units) {
-        (ErrorKind::SwappedColumns, _) => {
-            "force and pressure look exchanged in [columns]".to_owned()
-        }
-        (_, Some((noted, looks))) => {
-            format!("the unit of the {column} looks like {looks}, not {noted}")
-        }
-        _ => format!("the sign of the {column} looks wrong (gain in [columns])"),
-    }
-}
-
-fn zero(source: &str, applied_n: f64, clipped: Option<f64>, slack_n: Option<f64>) -> String {
-    let from = match source {
-        "zero-log" => "from the zero log",
-        "slack" => "from the slack actuator",
-        "clipped-zero-log" => "the limit of a clipped zero log",
-        _ => "none: no zero log, and the actuator is never slack",
-    };
-    let clipped = clipped
-        .filter(|share| *share > 0.0)
-        .map_or_else(String::new, |share| {
-            format!(
-                "; {} of the zero log is at the limit of the converter",
-                percent(share)
-            )
-        });
-    let slack = slack_n.map_or_else(String::new, |n| {
-        format!("; the slack actuator shows {n:.1} N")
-    });
-    format!("zero of the force {applied_n:.1} N, {from}{clipped}{slack}")
 }

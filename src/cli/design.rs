@@ -200,7 +200,6 @@ fn diameters(args: &DesignArgs, fits: &[GroupFit]) -> Result<BTreeSet<u32>> {
 }
 
 fn print(args: &DesignArgs, read: &Read, found: &[Design]) {
-    let unit = read.unit();
     line(format!(
         "curve    {}: {} points, at {}",
         args.curve.display(),
@@ -214,11 +213,26 @@ fn print(args: &DesignArgs, read: &Read, found: &[Design]) {
         Surety::Law => "met by   the law, as by half of the muscles",
     });
     line("");
+    print_table(read, found);
+    print_remarks(args, found);
+    let closest = || found.iter().max_by(|a, b| a.margin.total_cmp(&b.margin));
+    if let Some(chosen) = found.iter().find(|d| d.meets).or_else(closest) {
+        if chosen.points.iter().all(AtPoint::is_opposite) {
+            line(
+                "no torque of this route has the sign of the curve: torques of flexors are negative, of extensors positive",
+            );
+        }
+        print_points(read, chosen, surety(args));
+    }
+}
+
+/// The muscle of every diameter.
+fn print_table(read: &Read, found: &[Design]) {
     let heads = [
         "⌀ (mm)",
         "l_rest (mm)",
         "",
-        &format!("margin ({unit})"),
+        &format!("margin ({})", read.unit()),
         "tightest at",
         "model",
     ];
@@ -237,40 +251,30 @@ fn print(args: &DesignArgs, read: &Read, found: &[Design]) {
     for text in aligned(&rows, &[right, right, left, right, right, left]) {
         line(text);
     }
-    let short: Vec<String> = found
-        .iter()
-        .filter(|d| !d.meets)
-        .map(|d| format!("{} mm", d.diameter_mm))
-        .collect();
+}
+
+/// Which diameters fall short, and which are judged without an interval.
+fn print_remarks(args: &DesignArgs, found: &[Design]) {
+    let diameters = |is: &dyn Fn(&Design) -> bool| {
+        let those = found.iter().filter(|d| is(d));
+        let those: Vec<String> = those.map(|d| format!("{} mm", d.diameter_mm)).collect();
+        those.join(" and ")
+    };
+    let short = diameters(&|d| !d.meets);
     if !short.is_empty() {
         line(format!(
-            "falls short: no measured length of {} meets the curve; the one shown comes closest",
-            short.join(" and ")
+            "falls short: no measured length of {short} meets the curve; the one shown comes closest"
         ));
     }
-    let has_none = |d: &&Design| {
+    let has_no_interval = |d: &Design| {
         let mut pulls = d.points.iter().filter(|p| p.available != 0.0).peekable();
         pulls.peek().is_some() && pulls.all(|p| p.low.is_none())
     };
-    let by_law: Vec<String> = found
-        .iter()
-        .filter(has_none)
-        .map(|d| format!("{} mm", d.diameter_mm))
-        .collect();
+    let by_law = diameters(&has_no_interval);
     if !args.nominal && !by_law.is_empty() {
         line(format!(
-            "no interval for {}: judged by the law itself, which half of the muscles fall short of",
-            by_law.join(" and ")
+            "no interval for {by_law}: judged by the law itself, which half of the muscles fall short of"
         ));
-    }
-    let closest = || found.iter().max_by(|a, b| a.margin.total_cmp(&b.margin));
-    if let Some(chosen) = found.iter().find(|d| d.meets).or_else(closest) {
-        if chosen.points.iter().all(AtPoint::is_opposite) {
-            line(
-                "no torque of this route has the sign of the curve: torques of flexors are negative, of extensors positive",
-            );
-        }
-        print_points(read, chosen, surety(args));
     }
 }
 

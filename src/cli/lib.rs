@@ -11,6 +11,7 @@ mod bundle;
 mod cell;
 mod check;
 mod check_session;
+mod check_session_words;
 mod columns;
 mod design;
 mod design_curve;

@@ -9,11 +9,13 @@ use pipeline_base::row::Row;
 use pipeline_base::session::Kind;
 use pipeline_findings::{CampaignFindings, Findings};
 use pipeline_fit::{GroupFit, is_usable};
-use pipeline_inspect::{Seen, State};
+use pipeline_inspect::population::Known;
+use pipeline_inspect::{Inspection, Seen, State};
 use pipeline_predict::calibration::{At, Calibration, Next, Reading, Sizes};
 use pipeline_predict::{Answer, Choice, FreeLength, Law, Muscle, Predictor};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
+use std::path::Path;
 
 /// Readings of a muscle, and what the last run knows of others.
 pub struct Read {
@@ -32,81 +34,103 @@ pub fn read(args: &PredictArgs, places: &Places) -> Result<Option<Read>> {
     let mut rows = Vec::new();
     let mut doubts = Vec::new();
     if let Some(id) = &args.specimen {
-        let own = known.rows.iter().filter(|r| r.specimen == *id);
-        rows.extend(own.cloned());
-        if rows.is_empty() {
-            let mut ids: Vec<&str> = known.rows.iter().map(|r| r.specimen.as_str()).collect();
-            ids.sort_unstable();
-            ids.dedup();
-            return Err(Error::Usage(format!(
-                "--specimen {id}: the last run has no readings of it; it has {}",
-                if ids.is_empty() {
-                    "none at all: `pipeline run` makes them".to_owned()
-                } else {
-                    ids.join(", ")
-                }
-            )));
-        }
+        rows.extend(of_specimen(&known, id)?);
     }
     for folder in &args.calibrate {
-        let (own, unusable) = pipeline_inspect::readings(folder, &places.config);
-        if !unusable.is_empty() {
-            return Err(Error::Config(unusable));
-        }
-        for found in pipeline_inspect::sessions(folder, &places.config, &known) {
-            let flagged = found.checks.iter().filter(|c| c.state != State::Fine);
-            // What is wrong with the readings themselves; logs that are left out are no part of them.
-            let of_readings = flagged.filter(|c| c.state == State::Bad || is_of_readings(&c.seen));
-            if of_readings.count() > 0 {
-                doubts.push(format!(
-                    "{}: `pipeline check-session {}` flags this session, and the answer depends on it: a wrong length passes for a specimen gain",
-                    found.session,
-                    folder.display()
-                ));
-            }
-        }
-        if own.is_empty() {
-            return Err(Error::Usage(format!(
-                "--calibrate {}: there is no session with readings in it; `pipeline check-session {0}` says more",
-                folder.display()
-            )));
-        }
-        rows.extend(own);
+        rows.extend(of_folder(folder, places)?);
+        doubts.extend(doubts_of(folder, places, &known));
     }
     let mut seen = BTreeSet::new();
     rows.retain(|r| seen.insert((r.session.clone(), r.log.clone(), r.first_row)));
     doubts.dedup();
-    let whole = rows.clone();
+    Ok(Some(Read {
+        doubts,
+        rows: of_one_muscle(rows)?,
+        findings: known.findings,
+    }))
+}
+
+/// What the last run has of a specimen.
+fn of_specimen(known: &Known, id: &str) -> Result<Vec<Row>> {
+    let own = known.rows.iter().filter(|r| r.specimen == *id);
+    let own: Vec<Row> = own.cloned().collect();
+    if !own.is_empty() {
+        return Ok(own);
+    }
+    let ids: BTreeSet<&str> = known.rows.iter().map(|r| r.specimen.as_str()).collect();
+    let ids: Vec<&str> = ids.into_iter().collect();
+    Err(Error::Usage(format!(
+        "--specimen {id}: the last run has no readings of it; it has {}",
+        if ids.is_empty() {
+            "none at all: `pipeline run` makes them".to_owned()
+        } else {
+            ids.join(", ")
+        }
+    )))
+}
+
+/// The readings of the sessions in a folder.
+fn of_folder(folder: &Path, places: &Places) -> Result<Vec<Row>> {
+    let (own, unusable) = pipeline_inspect::readings(folder, &places.config);
+    if !unusable.is_empty() {
+        return Err(Error::Config(unusable));
+    }
+    if own.is_empty() {
+        return Err(Error::Usage(format!(
+            "--calibrate {}: there is no session with readings in it; `pipeline check-session {0}` says more",
+            folder.display()
+        )));
+    }
+    Ok(own)
+}
+
+/// The sessions in a folder whose readings themselves are flagged; logs that are left out are no part of them.
+fn doubts_of(folder: &Path, places: &Places, known: &Known) -> Vec<String> {
+    let is_doubtful = |found: &Inspection| {
+        let mut flagged = found.checks.iter().filter(|c| c.state != State::Fine);
+        flagged.any(|c| c.state == State::Bad || is_of_readings(&c.seen))
+    };
+    let sessions = pipeline_inspect::sessions(folder, &places.config, known);
+    let doubtful = sessions.iter().filter(|found| is_doubtful(found));
+    let doubt = |found: &Inspection| {
+        format!(
+            "{}: `pipeline check-session {}` flags this session, and the answer depends on it: a wrong length passes for a specimen gain",
+            found.session,
+            folder.display()
+        )
+    };
+    doubtful.map(doubt).collect()
+}
+
+/// The readings that can be used, of which there have to be some, and of one muscle.
+fn of_one_muscle(rows: Vec<Row>) -> Result<Vec<Row>> {
+    let is_torque = rows.iter().all(|r| r.kind == Kind::KneeTorque);
+    let is_excluded = rows.iter().all(|r| r.excluded);
+    let mut rows = rows;
     rows.retain(|r| is_usable(r) && r.length_m.is_finite());
     let Some(first) = rows.first() else {
-        let is_torque = whole.iter().all(|r| r.kind == Kind::KneeTorque);
         return Err(Error::Usage(if is_torque {
             "these are torques about a joint: a calibration needs isometric forces".to_owned()
-        } else if whole.iter().all(|r| r.excluded) {
+        } else if is_excluded {
             "these sessions are excluded (`exclude` in session.toml)".to_owned()
         } else {
             "none of the readings can be used: `pipeline check-session` says why".to_owned()
         }));
     };
-    let other = rows
-        .iter()
-        .find(|r| r.diameter_mm != first.diameter_mm || r.rest_length_m != first.rest_length_m);
-    if let Some(other) = other {
-        return Err(Error::Usage(format!(
-            "the readings are of more than one muscle: {} of {} mm and {:.1} mm, {} of {} mm and {:.1} mm",
-            first.session,
-            first.diameter_mm,
-            1e3 * first.rest_length_m,
-            other.session,
-            other.diameter_mm,
-            1e3 * other.rest_length_m
-        )));
-    }
-    Ok(Some(Read {
-        doubts,
-        rows,
-        findings: known.findings,
-    }))
+    let is_other =
+        |r: &&Row| r.diameter_mm != first.diameter_mm || r.rest_length_m != first.rest_length_m;
+    let Some(other) = rows.iter().find(is_other) else {
+        return Ok(rows);
+    };
+    Err(Error::Usage(format!(
+        "the readings are of more than one muscle: {} of {} mm and {:.1} mm, {} of {} mm and {:.1} mm",
+        first.session,
+        first.diameter_mm,
+        1e3 * first.rest_length_m,
+        other.session,
+        other.diameter_mm,
+        1e3 * other.rest_length_m
+    )))
 }
 
 impl Read {

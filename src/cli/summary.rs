@@ -31,7 +31,7 @@ const PUBLISHED: &str = "new_published";
 /// How much is said.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Detail {
-    /// Everything of a few campaigns, a line or two of each of many.
+    /// Everything of a few campaigns, three lines of each of many.
     AsFits,
     /// Everything.
     Full,

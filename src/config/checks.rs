@@ -10,146 +10,147 @@ use toml::de::{DeTable, DeValue};
 /// Resolutions of the PNG figures: with fewer dots nothing can be seen, with more a figure fills the memory.
 const PNG_DPI: std::ops::RangeInclusive<f64> = 10.0..=1200.0;
 
-impl Config {
-    /// Values that are of the right type and make no sense.
-    pub(super) fn mistakes(&self, file: &str) -> Vec<Diagnostic> {
-        let c = &self.clean;
-        let positive = [
-            ("clean.bin_s", c.bin_s),
-            ("clean.step_rate_kpa_per_s", c.step_rate_kpa_per_s),
-            ("clean.window_s", c.window_s),
-            ("clean.shortest_window_s", c.shortest_window_s),
-            ("clean.longest_gap_s", c.longest_gap_s),
-            ("clean.spike_fraction", c.spike_fraction),
-            ("fit.at_rest", self.fit.at_rest),
-            ("fit.near_620_kpa", self.fit.near_620_kpa),
-            ("fit.huber_at_rmse", self.fit.huber_at_rmse),
-            ("torque.fitting_mm", self.torque.fitting_mm),
-        ];
-        let mut mistakes: Vec<Diagnostic> = positive
-            .iter()
-            .filter(|(_, x)| !(*x > 0.0 && x.is_finite()))
-            .map(|(key, x)| mistake(file, key, &x.to_string(), "a positive number"))
-            .collect();
-        mistakes.extend(self.mistakes_of_ranges(file));
-        let d = &self.diagnose;
-        let smallest = [
-            ("diagnose.smallest_effect_n", d.smallest_effect_n),
-            ("diagnose.smallest_effect_nm", d.smallest_effect_nm),
-        ];
-        let wrong = |(_, x): &&(&str, f64)| !(*x >= 0.0 && x.is_finite());
-        for (key, x) in smallest.iter().filter(wrong) {
-            mistakes.push(mistake(file, key, &x.to_string(), "0 or a positive number"));
-        }
-        let shares = [
-            ("fit.confidence", self.fit.confidence),
-            ("fit.train_fraction", self.fit.train_fraction),
-        ];
-        for (key, x) in shares.iter().filter(|(_, x)| !(*x > 0.0 && *x < 1.0)) {
-            mistakes.push(mistake(
-                file,
-                key,
-                &x.to_string(),
-                "a number between 0 and 1",
-            ));
-        }
-        if self
-            .fit
-            .loss
-            .parse::<pipeline_numerics::loss::Loss>()
-            .is_err()
-        {
-            mistakes.push(mistake(
-                file,
-                "fit.loss",
-                &self.fit.loss,
-                "huber, least_squares, lar, bisquare or cauchy",
-            ));
-        }
-        let ids: Vec<&str> = pipeline_mechanics::models::published()
-            .iter()
-            .map(|m| m.id())
-            .collect();
-        for id in self
-            .compare
-            .models
-            .iter()
-            .filter(|id| !ids.contains(&id.as_str()))
-        {
-            mistakes.push(mistake(
-                file,
-                "compare.models",
-                id,
-                &format!("ids among {}", ids.join(", ")),
-            ));
-        }
-        if d.base_model != "new" && !ids.contains(&d.base_model.as_str()) {
-            let expected = format!("new, or one of {}", ids.join(", "));
-            let mut unknown = mistake(file, "diagnose.base_model", &d.base_model, &expected);
-            if let Some(near) = nearest(&d.base_model, ids.iter().copied()) {
-                unknown.hint = format!("did you mean `{near}`?").into();
-            }
-            mistakes.push(unknown);
-        }
-        let counts = [
-            (
-                "diagnose.most_effects",
-                d.most_effects,
-                1,
-                crate::MOST_EFFECTS,
-            ),
-            ("diagnose.most_readings", d.most_readings, 100, 100_000),
-            ("diagnose.draws", d.draws, 19, 100_000),
-            ("diagnose.pooled_specimens", d.pooled_specimens, 0, 100),
-        ];
-        for (key, x, low, high) in counts {
-            if !(low..=high).contains(&x) {
-                let expected = format!("a whole number from {low} to {high}");
-                mistakes.push(mistake(file, key, &x.to_string(), &expected));
-            }
-        }
-        mistakes
+/// Numbers that make no sense unless a condition holds.
+struct Rule<'a> {
+    options: &'a [(&'static str, f64)],
+    holds: fn(f64) -> bool,
+    expected: &'static str,
+}
+
+impl Rule<'_> {
+    fn mistakes(&self, file: &str) -> Vec<Diagnostic> {
+        let wrong = self.options.iter().filter(|(_, x)| !(self.holds)(*x));
+        wrong
+            .map(|(key, x)| mistake(file, key, &x.to_string(), self.expected))
+            .collect()
     }
 }
 
 impl Config {
-    /// Numbers that have to lie in a range, ranges that have to ascend, and the date.
-    fn mistakes_of_ranges(&self, file: &str) -> Vec<Diagnostic> {
-        let mut mistakes = Vec::new();
-        let dpi = self.report.png_dpi;
-        if !PNG_DPI.contains(&dpi) {
-            let expected = format!(
-                "a number from {} to {} (dots per inch)",
-                PNG_DPI.start(),
-                PNG_DPI.end()
-            );
-            mistakes.push(mistake(file, "report.png_dpi", &dpi.to_string(), &expected));
-        }
-        let not_negative = [
-            ("clean.settle_s", self.clean.settle_s),
-            ("clean.distinct_kpa", self.clean.distinct_kpa),
-            ("clean.turning_kpa", self.clean.turning_kpa),
-            ("clean.largest_drift_kpa", self.clean.largest_drift_kpa),
-            ("clean.largest_force_drift", self.clean.largest_force_drift),
+    /// Values that are of the right type and make no sense.
+    pub(super) fn mistakes(&self, file: &str) -> Vec<Diagnostic> {
+        let parts = [
+            self.mistakes_of_numbers(file),
+            self.mistakes_of_counts(file),
+            self.mistakes_of_names(file),
+            self.mistakes_of_report(file),
+            self.mistakes_of_bundle(file),
         ];
-        for (key, x) in not_negative
-            .iter()
-            .filter(|(_, x)| !(*x >= 0.0 && x.is_finite()))
-        {
-            mistakes.push(mistake(file, key, &x.to_string(), "0 or a positive number"));
-        }
-        let [low, high] = self.clean.pressure_range_kpa;
+        parts.into_iter().flatten().collect()
+    }
+
+    /// Numbers that have to be positive, or shares, or ascend.
+    fn mistakes_of_numbers(&self, file: &str) -> Vec<Diagnostic> {
+        let (clean, fit, diagnose) = (&self.clean, &self.fit, &self.diagnose);
+        let rules = [
+            Rule {
+                options: &[
+                    ("clean.bin_s", clean.bin_s),
+                    ("clean.step_rate_kpa_per_s", clean.step_rate_kpa_per_s),
+                    ("clean.window_s", clean.window_s),
+                    ("clean.shortest_window_s", clean.shortest_window_s),
+                    ("clean.longest_gap_s", clean.longest_gap_s),
+                    ("clean.spike_fraction", clean.spike_fraction),
+                    ("fit.at_rest", fit.at_rest),
+                    ("fit.near_620_kpa", fit.near_620_kpa),
+                    ("fit.huber_at_rmse", fit.huber_at_rmse),
+                    ("torque.fitting_mm", self.torque.fitting_mm),
+                ],
+                holds: |x| x > 0.0 && x.is_finite(),
+                expected: "a positive number",
+            },
+            Rule {
+                options: &[
+                    ("clean.settle_s", clean.settle_s),
+                    ("clean.distinct_kpa", clean.distinct_kpa),
+                    ("clean.turning_kpa", clean.turning_kpa),
+                    ("clean.largest_drift_kpa", clean.largest_drift_kpa),
+                    ("clean.largest_force_drift", clean.largest_force_drift),
+                    ("diagnose.smallest_effect_n", diagnose.smallest_effect_n),
+                    ("diagnose.smallest_effect_nm", diagnose.smallest_effect_nm),
+                ],
+                holds: |x| x >= 0.0 && x.is_finite(),
+                expected: "0 or a positive number",
+            },
+            Rule {
+                options: &[
+                    ("fit.confidence", fit.confidence),
+                    ("fit.train_fraction", fit.train_fraction),
+                ],
+                holds: |x| x > 0.0 && x < 1.0,
+                expected: "a number between 0 and 1",
+            },
+        ];
+        let mut mistakes: Vec<Diagnostic> = rules.iter().flat_map(|r| r.mistakes(file)).collect();
+        let [low, high] = clean.pressure_range_kpa;
         if !(low < high && low.is_finite() && high.is_finite()) {
             let found = format!("[{low}, {high}]");
             let expected = "two numbers, the smaller first";
             mistakes.push(mistake(file, "clean.pressure_range_kpa", &found, expected));
+        }
+        mistakes
+    }
+
+    /// Whole numbers that have to lie in a range.
+    fn mistakes_of_counts(&self, file: &str) -> Vec<Diagnostic> {
+        let d = &self.diagnose;
+        let most = crate::MOST_EFFECTS;
+        let counts = [
+            ("diagnose.most_effects", d.most_effects, 1..=most),
+            ("diagnose.most_readings", d.most_readings, 100..=100_000),
+            ("diagnose.draws", d.draws, 19..=100_000),
+            ("diagnose.pooled_specimens", d.pooled_specimens, 0..=100),
+        ];
+        let wrong = counts.into_iter().filter(|(_, x, of)| !of.contains(x));
+        let said = wrong.map(|(key, x, of)| {
+            let expected = format!("a whole number from {} to {}", of.start(), of.end());
+            mistake(file, key, &x.to_string(), &expected)
+        });
+        said.collect()
+    }
+
+    /// Names of a loss and of models that are not known.
+    fn mistakes_of_names(&self, file: &str) -> Vec<Diagnostic> {
+        let mut mistakes = Vec::new();
+        let loss = &self.fit.loss;
+        if loss.parse::<pipeline_numerics::loss::Loss>().is_err() {
+            let expected = "huber, least_squares, lar, bisquare or cauchy";
+            mistakes.push(mistake(file, "fit.loss", loss, expected));
+        }
+        let models = pipeline_mechanics::models::published();
+        let ids: Vec<&str> = models.iter().map(|m| m.id()).collect();
+        let known = ids.join(", ");
+        let unknown = |id: &&String| !ids.contains(&id.as_str());
+        for id in self.compare.models.iter().filter(unknown) {
+            let expected = format!("ids among {known}");
+            mistakes.push(mistake(file, "compare.models", id, &expected));
+        }
+        let base = &self.diagnose.base_model;
+        if base != "new" && unknown(&base) {
+            let expected = format!("new, or one of {known}");
+            let mut unknown = mistake(file, "diagnose.base_model", base, &expected);
+            if let Some(near) = nearest(base, ids.iter().copied()) {
+                unknown.hint = format!("did you mean `{near}`?").into();
+            }
+            mistakes.push(unknown);
+        }
+        mistakes
+    }
+
+    /// Figures that nobody can see or that fill the memory; a date that does not exist.
+    fn mistakes_of_report(&self, file: &str) -> Vec<Diagnostic> {
+        let mut mistakes = Vec::new();
+        let dpi = self.report.png_dpi;
+        if !PNG_DPI.contains(&dpi) {
+            let (least, most) = (PNG_DPI.start(), PNG_DPI.end());
+            let expected = format!("a number from {least} to {most} (dots per inch)");
+            mistakes.push(mistake(file, "report.png_dpi", &dpi.to_string(), &expected));
         }
         let date = &self.report.date;
         if !date.is_empty() && !is_date(date) {
             let expected = "a day or a month that exists, in ISO 8601, such as \"2022-11-30\"";
             mistakes.push(mistake(file, "report.date", date, expected));
         }
-        mistakes.extend(self.mistakes_of_bundle(file));
         mistakes
     }
 

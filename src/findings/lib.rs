@@ -403,6 +403,10 @@ pub struct Errors {
     pub rmse_heldout_calibrated: Option<f64>,
     /// After the first 1, 2, 3, 5 readings of each session in time order, scored on the others.
     pub rmse_heldout_after: BTreeMap<String, f64>,
+    /// After 1, 2, 3, 5 readings of each session spread over it, scored on the others: the one of which the largest force (torque) is expected, and
+    /// evenly spaced ones below it.
+    #[serde(default)]
+    pub rmse_heldout_spread: BTreeMap<String, f64>,
     /// Joint log predictive density of the held-out readings of a specimen, summed over specimens, a reading.
     pub log_density_heldout: Option<f64>,
 }

@@ -270,6 +270,15 @@ impl<'a> Unseen<'a> {
         best
     }
 
+    /// The readings below a node with the sizes that are expected of them while nothing is known of it.
+    pub fn sizes(&self, node: usize, keep: impl Fn(usize) -> bool) -> Vec<(usize, f64)> {
+        let observed = self.setting.problem.observed();
+        let places = self.readings(node, keep).into_iter();
+        places
+            .map(|i| (i, (observed[i] - self.error(i)).abs()))
+            .collect()
+    }
+
     /// Errors on the readings below a node once some of them are known: measured less the mode of all readings given those at `known`.
     pub fn errors_after(&self, node: usize, known: &[usize]) -> Vec<(usize, f64)> {
         let places = self.below(node);

@@ -24,7 +24,7 @@ use pipeline_mechanics::models::P_620_KPA;
 use pipeline_mechanics::models::new;
 use pipeline_numerics::cholesky::Cholesky;
 use pipeline_numerics::matrix::Matrix;
-use pipeline_numerics::statistics::{median, sum_of_squares};
+use pipeline_numerics::statistics::{median, sd_by_median, sum_of_squares};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What a run knows of other sessions.
@@ -114,8 +114,6 @@ const TOLD: f64 = 0.5;
 const OWN: usize = 3;
 /// Standard error of a gain by which a unit or sign can be told: units of force differ by factors of 4 and more.
 const TELLS_A_UNIT: f64 = 0.2;
-/// Median of the size of a standard normal number.
-const MEDIAN_SIZE: f64 = 0.674_489_750_196_082;
 /// Scatter where no run says any: see [`settings`].
 const USUAL_LEFT: f64 = 0.03;
 /// Steps to the mode.
@@ -289,7 +287,7 @@ impl Population {
             let values: Vec<f64> = own.iter().map(|x| x[k]).collect();
             usual.middle = median(&values);
             let off: Vec<f64> = values.iter().map(|x| (x - usual.middle).abs()).collect();
-            usual.sd = usual.sd.max(median(&off) / MEDIAN_SIZE);
+            usual.sd = usual.sd.max(sd_by_median(&off));
         }
         self
     }

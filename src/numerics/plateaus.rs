@@ -14,6 +14,7 @@
 //! Whether the actuator was being filled or vented follows from the sequence of plateaus, by turning points with a hysteresis, so it
 //! is known for rigs that do not log it.
 
+use crate::distributions::NORMAL_50;
 use crate::statistics;
 use std::ops::Range;
 
@@ -117,7 +118,7 @@ fn steady_runs(centres: &[f64], medians: &[f64], step_rate: f64) -> Vec<Range<us
         })
         .collect();
     let absolute: Vec<f64> = rates.iter().map(|r| r.abs()).collect();
-    let limit = step_rate.max(5.0 * 1.4826 * median(&absolute));
+    let limit = step_rate.max(5.0 * median(&absolute) / NORMAL_50);
     let mut runs = Vec::new();
     let mut start = None;
     for (k, rate) in absolute.iter().enumerate() {

@@ -4,7 +4,7 @@
 //! order. A statistic that does not exist (of no values, of one value where two are needed) is NaN. NaN among the values makes
 //! sums NaN; order statistics put it last and so must not be given any.
 
-use super::distributions::chi_square_upper_tail;
+use crate::distributions::{NORMAL_50, chi_square_upper_tail};
 
 /// The median absolute deviation of a standard normal variable, to the four digits that robust regression has always used.
 pub const NORMAL_MAD: f64 = 0.6745;
@@ -101,6 +101,11 @@ pub fn median_absolute_deviation(values: &[f64]) -> f64 {
     let centre = median(values);
     let deviations: Vec<f64> = values.iter().map(|v| (v - centre).abs()).collect();
     median(&deviations)
+}
+
+/// Standard deviation of normal numbers about zero, by the median of their sizes: half of them may be anything.
+pub fn sd_by_median(sizes: &[f64]) -> f64 {
+    median(sizes) / NORMAL_50
 }
 
 /// Robust scale of residuals about zero: the median of `|r|` from the `parameters`-th smallest up, divided by 0.6745.

@@ -41,7 +41,7 @@ pub(super) fn errors(found: &CampaignFindings) -> Vec<ErrorRow> {
     }
     let words = |e: Option<f64>| error_or_none(e, &found.unit);
     let cells = |e: &Errors| {
-        let [one, two, three, five] = GIVEN.map(|k| words(e.rmse_heldout_after.get(k).copied()));
+        let [one, two, three, five] = GIVEN.map(|k| words(e.rmse_heldout_spread.get(k).copied()));
         let (unseen, known) = (words(e.rmse_heldout), words(e.rmse_heldout_calibrated));
         [unseen, one, two, three, five, known]
     };

@@ -22,7 +22,8 @@ struct Line<'a> {
 #[rustfmt::skip]
 pub fn residual_errors(input: &ReportInput) -> Table {
     let caption = "Held-out error, without effects and with those found without the unit";
-    let given = |l: Line, readings| l.errors.rmse_heldout_after.get::<str>(readings).copied();
+    let given = |l: Line, readings| l.errors.rmse_heldout_spread.get::<str>(readings).copied();
+    let first = |l: Line, readings| l.errors.rmse_heldout_after.get::<str>(readings).copied();
     Described::<(&CampaignFindings, Line)>::found("residual_errors", caption)
         .text("held_out", "Held out", |(_, l)| l.unit.map_or("all", |u| u.unit.as_str()))
         .count("readings", "Readings", One, |(found, l)| l.unit.map_or(found.design.readings, |u| u.readings))
@@ -30,21 +31,26 @@ pub fn residual_errors(input: &ReportInput) -> Table {
         .error("rmse_train", "Training", |(_, l)| l.errors.rmse_train)
         .error("rmse_heldout", "Unseen", |(_, l)| l.errors.rmse_heldout)
         .error("rmse_heldout_calibrated", "Own values", |(_, l)| l.errors.rmse_heldout_calibrated)
-        .error("rmse_heldout_after_1", "1", move |(_, l)| given(l, "1"))
-        .error("rmse_heldout_after_2", "2", move |(_, l)| given(l, "2"))
-        .error("rmse_heldout_after_3", "3", move |(_, l)| given(l, "3"))
-        .error("rmse_heldout_after_5", "5", move |(_, l)| given(l, "5"))
+        .error("rmse_heldout_spread_1", "1", move |(_, l)| given(l, "1"))
+        .error("rmse_heldout_spread_2", "2", move |(_, l)| given(l, "2"))
+        .error("rmse_heldout_spread_3", "3", move |(_, l)| given(l, "3"))
+        .error("rmse_heldout_spread_5", "5", move |(_, l)| given(l, "5"))
+        .error("rmse_heldout_after_1", "1", move |(_, l)| first(l, "1"))
+        .error("rmse_heldout_after_2", "2", move |(_, l)| first(l, "2"))
+        .error("rmse_heldout_after_3", "3", move |(_, l)| first(l, "3"))
+        .error("rmse_heldout_after_5", "5", move |(_, l)| first(l, "5"))
         .error("max_abs_error_heldout", "Largest", |(_, l)| l.errors.max_abs_error_heldout)
         .text("unit", "Unit", |(found, _)| &found.unit)
         .number("log_density_heldout", "Log density", One, Decimals(3), |(_, l)| finite(l.errors.log_density_heldout))
         .number("realised_over_expected", "Realised", One, Decimals(2), |(_, l)| finite(l.after.and_then(|u| u.realised_over_expected)))
         .number("inside_95", "Inside 95%", One, Percent(0), |(_, l)| finite(l.inside_95))
         .text("found", "Found without it", |(_, l)| l.after.map(|u| u.found.join(" ")))
-        .span("Readings used", "rmse_heldout_after_1", "rmse_heldout_after_5")
+        .span("Readings used, spread", "rmse_heldout_spread_1", "rmse_heldout_spread_5")
+        .span("First readings used", "rmse_heldout_after_1", "rmse_heldout_after_5")
         .note(
             "Root-mean-square errors. \\v{Own values}: gain, lengths and zeros of the held-out unit that best fit all its readings, so \
              in-sample. \\v{Readings used} from each session \
-             (test), scored on the others. \\v{Realised}: mean squared error divided by the expected one.",
+             (test), scored on the others: spread from the largest expected force (torque) down, or the first in time. \\v{Realised}: mean squared error divided by the expected one.",
         )
         .of_all(input, lines)
 }

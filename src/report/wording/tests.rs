@@ -35,8 +35,8 @@ fn the_answer_of_the_issue() {
              (12% of its variance).",
             "The 13.4 N error expected on an unseen specimen combines, in quadrature, 12.0 from set lengths (0.90 mm), 4.1 from specimen gain \
              (4.2%), 3.0 from \
-             estimation, 1.4 from other sources and 2.6 from noise; knowing set lengths to 0.2 mm would lower the error by 6.0 N; three readings per \
-             session of a new specimen reduce the error to 5.1 N.",
+             estimation, 1.4 from other sources and 2.6 from noise; knowing set lengths to 0.2 mm would lower the error by 6.0 N; three readings \
+             spread over each session of a new specimen reduce the error to 5.1 N.",
             "Recording error: session s05 (set length, \u{2212}10.0 mm; set aside here only).",
         ]
     );
@@ -125,18 +125,35 @@ fn an_error_that_falls_on_the_whole_is_said_to_grow_on_some() {
 }
 
 #[test]
-fn a_line_has_names_numbers_and_what_is_worth_most() {
-    let line = super::sentence::in_a_line(&example()).replace('\u{a0}', " ");
-    for part in [
-        "threshold pressure of the bladder 60.0 kPa; ",
-        "error on unseen specimens 18.7 → 15.8 N",
-        "largest source: set lengths, 12.0 of the 13.4 N expected",
-        "next: knowing",
-        "recording error",
+fn three_lines_have_names_numbers_and_what_is_worth_most() {
+    let lines = super::sentence::in_three_lines(&example());
+    let lines: Vec<String> = lines.iter().map(|l| l.replace('\u{a0}', " ")).collect();
+    assert_eq!(lines.len(), 3, "{lines:?}");
+    for (line, part) in [
+        (0, "threshold pressure of the bladder 60.0 kPa; "),
+        (0, "1 recording error"),
+        (1, "error on unseen specimens 18.7 → 15.8 N"),
+        (1, "5.1 N after three readings of each session"),
+        (
+            2,
+            "largest source: set lengths, 12.0 of the 13.4 N expected",
+        ),
+        (2, "next: knowing"),
     ] {
-        assert!(line.contains(part), "{part}: {line}");
+        assert!(lines[line].contains(part), "{part}: {lines:?}");
     }
-    assert!(!line.contains("indistinguishable"), "{line}");
+    assert!(!lines[0].contains("indistinguishable"), "{lines:?}");
+}
+
+#[test]
+fn a_line_with_nothing_to_say_is_not_there() {
+    let mut found = example();
+    found.before.rmse_heldout = None;
+    found.after.rmse_heldout = None;
+    (found.budget, found.next_measurement) = (Vec::new(), Vec::new());
+    let lines = super::sentence::in_three_lines(&found);
+    assert_eq!(lines.len(), 2, "{lines:?}");
+    assert!(lines[1].starts_with("not tested on another"), "{lines:?}");
 }
 
 #[test]
@@ -195,7 +212,7 @@ fn a_joint_is_told_of_in_actuators_and_newton_metres() {
             .unwrap()
             .ends_with("unseen actuators falls from 18.70 to 15.80\u{a0}N\u{a0}m")
     );
-    assert!(c.readings.unwrap().contains("per test of a new actuator"));
+    assert!(c.readings.unwrap().contains("each test of a new actuator"));
 }
 
 #[test]
@@ -207,7 +224,7 @@ fn a_joint_of_which_little_was_computed_has_nothing_said_about_the_rest() {
     joint.scatter.clear();
     joint.budget.clear();
     joint.next_measurement.clear();
-    joint.after.rmse_heldout_after.clear();
+    joint.after.rmse_heldout_spread.clear();
     let c = clauses(&joint);
     assert_eq!((c.budget, c.worth, c.readings), (None, None, None));
     let half = NextMeasurement {

@@ -19,7 +19,7 @@ use pipeline_base::columns::{FORCE, PRESSURE};
 use pipeline_base::reading::Reading;
 use pipeline_base::session::{ColumnSpec, Sampling};
 use pipeline_config::ZeroRule;
-use pipeline_numerics::statistics::{median, quantile_range};
+use pipeline_numerics::statistics::{median, quantile_range, sd_by_median};
 use serde::{Deserialize, Serialize};
 
 /// Where a zero came from.
@@ -54,8 +54,6 @@ pub const FAR_FROM_OTHERS: f64 = 4.0;
 const FEWEST_OTHERS: usize = 3;
 /// Zeros scatter by this much at least, N: what a load cell does from day to day.
 const LEAST_SD_N: f64 = 1.0;
-/// Standard deviation of normal numbers over the median of their sizes.
-const SD_OF_MEDIAN_SIZE: f64 = 1.482_602_218_505_602;
 
 /// A zero beside those of other sessions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,7 +72,7 @@ pub fn beside_others(applied_n: f64, others: &[f64]) -> Option<Beside> {
     }
     let middle = median(others);
     let sizes: Vec<f64> = others.iter().map(|z| (z - middle).abs()).collect();
-    let sd = (SD_OF_MEDIAN_SIZE * median(&sizes)).max(LEAST_SD_N);
+    let sd = sd_by_median(&sizes).max(LEAST_SD_N);
     Some(Beside {
         median: middle,
         deviations: (applied_n - middle) / sd,
@@ -219,7 +217,7 @@ mod tests {
 
     #[test]
     fn a_zero_is_far_from_others_in_their_own_deviations() {
-        let far = beside_others(1.0 + 5.0 * SD_OF_MEDIAN_SIZE, &[0.0, 1.0, 2.0]).unwrap();
+        let far = beside_others(1.0 + 5.0 * sd_by_median(&[1.0]), &[0.0, 1.0, 2.0]).unwrap();
         assert_eq!(far.median, 1.0);
         assert!((far.deviations - 5.0).abs() < 1e-12);
         // Others that agree to less than a load cell does from day to day.

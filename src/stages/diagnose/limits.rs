@@ -38,7 +38,6 @@ pub struct Limits {
 
 /// The limits beside a model, for a critical value of the family-wise test.
 pub fn limits(setting: &Setting, problem: &ForceProblem, model: &Fitted, critical: f64) -> Limits {
-    let power = Power::new(setting, model);
     let all: Vec<Direction> = problem
         .directions(&model.point)
         .into_iter()
@@ -48,7 +47,42 @@ pub fn limits(setting: &Setting, problem: &ForceProblem, model: &Fitted, critica
         })
         .collect();
     let screen = Screen::of(setting, model, all);
-    let mut sizes = sizes(&screen, &power, critical);
+    let sizes = settled(setting, problem, model, critical, &screen);
+    let mut smallest: Vec<DetectionLimit> = Vec::new();
+    let mut not_measurable = missing(problem.data);
+    for effect in 0..effects::all().len() {
+        match of_effect(effect, problem, model, &sizes) {
+            Shown::From(limits) => smallest.extend(limits),
+            Shown::Not(reason) => not_measurable.push(NotMeasurable {
+                id: effects::all()[effect].id().to_owned(),
+                reason,
+                by: None,
+                form: None,
+            }),
+            Shown::NotAsked => {}
+        }
+    }
+    let aliases = aliases(setting, problem, model, &screen);
+    Limits {
+        smallest,
+        not_measurable,
+        aliases,
+    }
+}
+
+/// The smallest size of a term that is found, and the share that the fixed effects leave of it, by term.
+type Sizes = BTreeMap<usize, (f64, f64)>;
+
+/// The sizes with the columns that the effects have at these very sizes.
+fn settled(
+    setting: &Setting,
+    problem: &ForceProblem,
+    model: &Fitted,
+    critical: f64,
+    screen: &Screen,
+) -> Sizes {
+    let power = Power::new(setting, model);
+    let mut sizes = sizes(screen, &power, critical);
     for _ in 0..SETTLING {
         let at = |(t, (size, _)): (&usize, &(f64, f64))| {
             let within = size.min(largest(&problem.library[*t]));
@@ -64,66 +98,64 @@ pub fn limits(setting: &Setting, problem: &ForceProblem, model: &Fitted, critica
         sizes = next;
     }
     refit(setting, problem, model, critical, &mut sizes);
-    let mut smallest: Vec<DetectionLimit> = Vec::new();
-    let mut not_measurable = missing(problem.data);
-    for (effect, e) in effects::all().iter().enumerate() {
-        let of = |term: &Term| matches!(term.what, What::Effect { effect: k, .. } if k == effect);
-        let mine: Vec<_> = sizes
-            .iter()
-            .filter(|(t, _)| of(&problem.library[**t]))
-            .collect();
-        let mut refuse = |reason| {
-            not_measurable.push(NotMeasurable {
-                id: e.id().to_owned(),
-                reason,
-                by: None,
-                form: None,
-            });
+    sizes
+}
+
+/// From which sizes on the forms of an effect show.
+enum Shown {
+    /// From these on; at least one.
+    From(Vec<DetectionLimit>),
+    /// Not at any possible size.
+    Not(WhyNot),
+    /// It is in the model, or its columns are missing.
+    NotAsked,
+}
+
+/// The smallest size of each form of an effect that is found, at the shape at which it shows most.
+fn of_effect(effect: usize, problem: &ForceProblem, model: &Fitted, sizes: &Sizes) -> Shown {
+    let of = |term: &Term| matches!(term.what, What::Effect { effect: k, .. } if k == effect);
+    let mine = sizes.iter().filter(|(t, _)| of(&problem.library[**t]));
+    let mine: Vec<_> = mine.collect();
+    if mine.is_empty() {
+        let asked = problem.library.iter().any(of);
+        let mut in_model = model.point.terms.iter().map(|(t, _)| *t);
+        return if asked && !in_model.any(|t| of(&problem.library[t])) {
+            Shown::Not(WhyNot::Absorbed)
+        } else {
+            Shown::NotAsked
         };
-        if mine.is_empty() {
-            let asked = problem.library.iter().any(of);
-            let mut in_model = model.point.terms.iter().map(|(t, _)| *t);
-            if asked && !in_model.any(|t| of(&problem.library[t])) {
-                refuse(WhyNot::Absorbed);
-            }
+    }
+    let mut smallest: Vec<DetectionLimit> = Vec::new();
+    for (t, (size, share)) in mine {
+        let term = &problem.library[*t];
+        let Some(form) = term.form() else { continue };
+        if *size > largest(term) {
             continue;
         }
-        let before = smallest.len();
-        for (t, (size, share)) in mine {
-            let term = &problem.library[*t];
-            let Some(form) = term.form() else { continue };
-            if *size > largest(term) {
-                continue;
-            }
-            let limit = DetectionLimit {
-                id: e.id().to_owned(),
-                form: form.name.to_owned(),
-                smallest: *size,
-                unit: form.amplitude.unit.to_owned(),
-                identifiable_share: *share,
-            };
-            match smallest[before..].iter_mut().find(|l| l.form == form.name) {
-                Some(known) if known.smallest > *size => *known = limit,
-                Some(_) => {}
-                None => smallest.push(limit),
-            }
-        }
-        if smallest.len() == before {
-            refuse(WhyNot::Bound);
+        let limit = DetectionLimit {
+            id: effects::all()[effect].id().to_owned(),
+            form: form.name.to_owned(),
+            smallest: *size,
+            unit: form.amplitude.unit.to_owned(),
+            identifiable_share: *share,
+        };
+        match smallest.iter_mut().find(|l| l.form == form.name) {
+            Some(known) if known.smallest > *size => *known = limit,
+            Some(_) => {}
+            None => smallest.push(limit),
         }
     }
-    let aliases = aliases(setting, problem, model, &screen);
-    Limits {
-        smallest,
-        not_measurable,
-        aliases,
+    if smallest.is_empty() {
+        Shown::Not(WhyNot::Bound)
+    } else {
+        Shown::From(smallest)
     }
 }
 
 /// The smallest size of every term that is found, by that of its directions in which it shows most, and the share that the fixed effects leave of
 /// it.
-fn sizes(screen: &Screen, power: &Power, critical: f64) -> BTreeMap<usize, (f64, f64)> {
-    let mut sizes: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
+fn sizes(screen: &Screen, power: &Power, critical: f64) -> Sizes {
+    let mut sizes = Sizes::new();
     for s in screen.shown(0) {
         let direction = &screen.directions[s.direction];
         let ratio = likelihood_ratio(critical, 1);
@@ -144,7 +176,7 @@ fn refit(
     problem: &ForceProblem,
     model: &Fitted,
     critical: f64,
-    sizes: &mut BTreeMap<usize, (f64, f64)>,
+    sizes: &mut Sizes,
 ) {
     let wanted = wanted(likelihood_ratio(critical, 1));
     let again = |t: usize, first: f64| {

@@ -38,6 +38,7 @@ pub struct Tally {
     largest: f64,
     log_density: f64,
     after: BTreeMap<usize, (f64, usize)>,
+    spread: BTreeMap<usize, (f64, usize)>,
     bins: [usize; BINS],
     /// Expected squares by component, estimation and noise.
     sources: Vec<f64>,
@@ -56,10 +57,14 @@ impl Tally {
             of.fold((0.0, 0), |(sum, n), (_, e)| (sum + e * e, n + 1))
         };
         tally.calibrated = squares(model.errors_calibrated(node), &[]).0;
+        let sizes = model.sizes(node, scored.takes);
+        let places: Vec<usize> = sizes.iter().map(|(i, _)| *i).collect();
         for k in GIVEN {
-            let known = first_readings(&model.readings(node, scored.takes), scored.setup, k);
-            let after = squares(model.errors_after(node, &known), &known);
-            tally.after.insert(k, after);
+            let after = |known: Vec<usize>| squares(model.errors_after(node, &known), &known);
+            let first = after(first_readings(&places, scored.setup, k));
+            tally.after.insert(k, first);
+            let spread = after(spread_readings(&sizes, scored.setup, k));
+            tally.spread.insert(k, spread);
         }
         tally
     }
@@ -113,11 +118,8 @@ impl Tally {
         for (a, b) in self.sources.iter_mut().zip(&other.sources) {
             *a += b;
         }
-        for (k, (squares, n)) in &other.after {
-            let sum = self.after.entry(*k).or_default();
-            sum.0 += squares;
-            sum.1 += n;
-        }
+        add_all(&mut self.after, &other.after);
+        add_all(&mut self.spread, &other.spread);
     }
 
     /// The errors, those on readings that took part not filled in.
@@ -125,15 +127,18 @@ impl Tally {
         let n = self.count as f64;
         let any = self.count > 0;
         let mean = |sum: f64| any.then(|| (sum / n).sqrt());
-        let after = self.after.iter().filter(|(_, (_, n))| *n > 0);
+        let means = |of: &BTreeMap<usize, (f64, usize)>| {
+            let any = of.iter().filter(|(_, (_, n))| *n > 0);
+            any.map(|(k, (squares, n))| (k.to_string(), (squares / *n as f64).sqrt()))
+                .collect()
+        };
         Errors {
             rmse_train: None,
             rmse_heldout: mean(self.squares),
             max_abs_error_heldout: any.then_some(self.largest),
             rmse_heldout_calibrated: mean(self.calibrated),
-            rmse_heldout_after: after
-                .map(|(k, (squares, n))| (k.to_string(), (squares / *n as f64).sqrt()))
-                .collect(),
+            rmse_heldout_after: means(&self.after),
+            rmse_heldout_spread: means(&self.spread),
             log_density_heldout: any.then(|| self.log_density / n),
         }
     }
@@ -208,4 +213,55 @@ fn first_readings(places: &[usize], setup: &dyn Fn(usize) -> usize, count: usize
         *n <= count
     };
     places.iter().filter(is_given).copied().collect()
+}
+
+/// Adds sums of squares and counts, by the number of readings given.
+fn add_all(sums: &mut BTreeMap<usize, (f64, usize)>, others: &BTreeMap<usize, (f64, usize)>) {
+    for (k, (squares, n)) in others {
+        let sum = sums.entry(*k).or_default();
+        sum.0 += squares;
+        sum.1 += n;
+    }
+}
+
+/// Readings of each set-up spread over what it shows: the one of which the largest size is expected, and evenly spaced ones below it in the order
+/// of these sizes. Somebody who takes few readings takes them so; the first ones in time are often of an actuator that hardly pulls.
+fn spread_readings(
+    sizes: &[(usize, f64)],
+    setup: &dyn Fn(usize) -> usize,
+    count: usize,
+) -> Vec<usize> {
+    let mut of_setup: BTreeMap<usize, Vec<(usize, f64)>> = BTreeMap::new();
+    for (i, size) in sizes {
+        of_setup.entry(setup(*i)).or_default().push((*i, *size));
+    }
+    let mut places = Vec::new();
+    for mut readings in of_setup.into_values() {
+        readings.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        let (n, taken) = (readings.len(), count.min(readings.len()));
+        places.extend((0..taken).map(|j| readings[j * n / taken].0));
+    }
+    places
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spread_readings_begin_with_the_largest_and_stand_evenly_below_it() {
+        let sizes: Vec<(usize, f64)> = (0..12).map(|i| (i, f64::from(i as u32 % 6))).collect();
+        let setup = |i: usize| i / 6;
+        assert_eq!(spread_readings(&sizes, &setup, 1), [5, 11]);
+        assert_eq!(spread_readings(&sizes, &setup, 2), [5, 2, 11, 8]);
+        assert_eq!(spread_readings(&sizes, &setup, 3), [5, 3, 1, 11, 9, 7]);
+        // No more than there are.
+        assert_eq!(spread_readings(&sizes[..2], &setup, 5), [1, 0]);
+    }
+
+    #[test]
+    fn readings_of_one_size_are_taken_in_their_order() {
+        let sizes = [(4, 1.0), (2, 1.0), (9, 1.0)];
+        assert_eq!(spread_readings(&sizes, &|_| 0, 1), [2]);
+    }
 }

@@ -19,7 +19,22 @@ struct Reading<'a> {
 
 /// One row a reading: measured, expected, and the torque of every model from the geometry and from what was measured by hand.
 pub fn frame<'a>(campaigns: impl Iterator<Item = &'a CampaignTorque>) -> Frame {
-    let mut all: Vec<Reading<'a>> = Vec::new();
+    let all = readings(campaigns);
+    let mut frame = measured(&all);
+    for (name, torques) in predicted(&all).into_iter().chain(of_searches(&all)) {
+        frame = frame.with(&name, Values::Number(torques));
+    }
+    let units: Vec<(String, String)> = frame
+        .columns
+        .iter()
+        .filter_map(|(name, _)| Some((name.clone(), unit_in(name)?.to_owned())))
+        .collect();
+    frame.with_units(units)
+}
+
+/// All readings, in the order of the campaigns, configurations and tests.
+fn readings<'a>(campaigns: impl Iterator<Item = &'a CampaignTorque>) -> Vec<Reading<'a>> {
+    let mut all = Vec::new();
     for campaign in campaigns {
         for configuration in &campaign.configurations {
             for test in &configuration.tests {
@@ -32,17 +47,25 @@ pub fn frame<'a>(campaigns: impl Iterator<Item = &'a CampaignTorque>) -> Frame {
             }
         }
     }
-    let texts = |f: fn(&Reading<'a>) -> &'a str| {
+    all
+}
+
+/// What belongs to each reading, what was measured, and what the geometry says of it.
+fn measured(all: &[Reading]) -> Frame {
+    let texts = |f: for<'r> fn(&'r Reading) -> &'r str| {
         Values::Text(all.iter().map(|r| Some(f(r).to_owned())).collect())
     };
     let integers =
         |f: fn(&Reading) -> i64| Values::Integer(all.iter().map(|r| Some(f(r))).collect());
-    let numbers = |f: &dyn Fn(&Point) -> Option<f64>| {
+    let numbers = |f: fn(&Point) -> Option<f64>| {
         let value = |r: &Reading| f(r.point).unwrap_or(f64::NAN);
         Values::Number(all.iter().map(value).collect())
     };
-    let expected = |f: fn(&Expected) -> f64| numbers(&move |p: &Point| p.expected.as_ref().map(f));
-    let mut frame = Frame::default()
+    let expected = |f: fn(&Expected) -> f64| {
+        let value = |r: &Reading| r.point.expected.as_ref().map_or(f64::NAN, f);
+        Values::Number(all.iter().map(value).collect())
+    };
+    Frame::default()
         .with(derived::SESSION, texts(|r| &r.test.session))
         .with(derived::CAMPAIGN, texts(|r| &r.campaign.campaign))
         .with("configuration", texts(|r| &r.configuration.id))
@@ -61,41 +84,48 @@ pub fn frame<'a>(campaigns: impl Iterator<Item = &'a CampaignTorque>) -> Frame {
         )
         .with("fitted", integers(|r| i64::from(r.test.is_fitted())))
         .with("simulated", integers(|r| i64::from(r.campaign.simulated)))
-        .with(ANGLE, numbers(&|p| Some(p.angle_rad)))
-        .with(PRESSURE, numbers(&|p| Some(p.pressure_kpa)))
-        .with(TORQUE, numbers(&|p| Some(p.torque_nm)))
-        .with(MUSCLE_LENGTH, numbers(&|p| p.by_hand.length_m))
-        .with(MOMENT_ARM, numbers(&|p| p.by_hand.arm_m))
+        .with(ANGLE, numbers(|p| Some(p.angle_rad)))
+        .with(PRESSURE, numbers(|p| Some(p.pressure_kpa)))
+        .with(TORQUE, numbers(|p| Some(p.torque_nm)))
+        .with(MUSCLE_LENGTH, numbers(|p| p.by_hand.length_m))
+        .with(MOMENT_ARM, numbers(|p| p.by_hand.arm_m))
         .with(
             derived::MUSCLE_LENGTH_SD,
-            numbers(&|p| p.by_hand.length_sd_m),
+            numbers(|p| p.by_hand.length_sd_m),
         )
-        .with(derived::MOMENT_ARM_SD, numbers(&|p| p.by_hand.arm_sd_m))
+        .with(derived::MOMENT_ARM_SD, numbers(|p| p.by_hand.arm_sd_m))
         .with(
             derived::CONTRACTION_REL,
-            numbers(&|p| p.by_hand.contraction_rel),
+            numbers(|p| p.by_hand.contraction_rel),
         )
         .with("expected_path_length_m", expected(|e| e.path_length_m))
         .with("expected_length_m", expected(|e| e.length_m))
         .with("expected_contraction_rel", expected(|e| e.contraction_rel))
         .with("expected_arm_m", expected(|e| e.arm_m))
-        .with("projected_arm_m", expected(|e| e.projected_arm_m));
-    for (k, model) in published().iter().enumerate() {
-        let predicted = numbers(&|p| p.predicted[k].torque_nm);
-        let back = numbers(&|p| p.back_calculated[k]);
-        frame = frame
-            .with(&format!("{}_{TORQUE}", model.id()), predicted)
-            .with(&format!("{}_by_hand_{TORQUE}", model.id()), back);
-    }
-    for (name, torques) in of_searches(&all) {
-        frame = frame.with(&name, Values::Number(torques));
-    }
-    let units: Vec<(String, String)> = frame
-        .columns
-        .iter()
-        .filter_map(|(name, _)| Some((name.clone(), unit_in(name)?.to_owned())))
-        .collect();
-    frame.with_units(units)
+        .with("projected_arm_m", expected(|e| e.projected_arm_m))
+}
+
+/// The torque of every published model, N.m, from the geometry and from what was measured by hand, by column; NaN where there is none.
+fn predicted(all: &[Reading]) -> Vec<(String, Vec<f64>)> {
+    let column = |f: &dyn Fn(&Point) -> Option<f64>| {
+        let value = |r: &Reading| f(r.point).unwrap_or(f64::NAN);
+        all.iter().map(value).collect()
+    };
+    let models = published();
+    let both = models.iter().enumerate().flat_map(|(k, model)| {
+        let id = model.id();
+        [
+            (
+                format!("{id}_{TORQUE}"),
+                column(&|p| p.predicted[k].torque_nm),
+            ),
+            (
+                format!("{id}_by_hand_{TORQUE}"),
+                column(&|p| p.back_calculated[k]),
+            ),
+        ]
+    });
+    both.collect()
 }
 
 /// What the residual search of each joint expects of its readings, N.m, by column: without effects, with them, after each in turn, with the

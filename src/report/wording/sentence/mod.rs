@@ -15,7 +15,7 @@ use crate::wording::number::rounded;
 use budget::{budget, largest_source};
 use errors::{errors, errors_in_numbers, errors_in_short};
 use found::{answer, beside, contradicted, in_names, short_answer};
-use next::{few_readings, worth};
+use next::{error_after_few, few_readings, worth};
 use pipeline_findings::{CampaignFindings, Verdict};
 use recording::recording_errors;
 
@@ -125,19 +125,19 @@ pub fn answer_in_short(found: &CampaignFindings) -> Vec<String> {
     sentences.map(|s| capitalised(&s) + ".").collect()
 }
 
-/// The campaign in a line or two: what was found without its remarks, the errors as numbers, what is worth measuring, how many mistakes.
-pub fn in_a_line(found: &CampaignFindings) -> String {
-    let next = worth(found).map(|worth| format!("next: {worth}"));
+/// The campaign in three lines: what was found without its remarks, and how many mistakes; the errors as numbers; where they come from and what is
+/// worth measuring. A line that has nothing to say is not there.
+pub fn in_three_lines(found: &CampaignFindings) -> Vec<String> {
     let n = found.recording_errors.len();
     let mistakes = (n > 0).then(|| counted(n, "recording error", "recording errors"));
-    let parts = [
-        Some(in_names(found)),
-        errors_in_numbers(found),
-        largest_source(found),
-        next,
-        mistakes,
+    let next = worth(found).map(|worth| format!("next: {worth}"));
+    let lines = [
+        [Some(in_names(found)), mistakes],
+        [errors_in_numbers(found), error_after_few(found)],
+        [largest_source(found), next],
     ];
-    parts.into_iter().flatten().collect::<Vec<_>>().join("; ")
+    let lines = lines.map(|parts| parts.into_iter().flatten().collect::<Vec<_>>().join("; "));
+    lines.into_iter().filter(|line| !line.is_empty()).collect()
 }
 
 /// A count with its noun: `1 reading`, `1,290 readings`.

@@ -75,10 +75,10 @@ fn worth_most(found: &CampaignFindings) -> Option<String> {
     said.then(|| format!("{} {words}", measurement(best, &nouns(found))))
 }
 
-/// `three readings of each session of a new specimen reduce the error to 5.1 N`.
+/// `three readings spread over each session of a new specimen reduce the error to 5.1 N`.
 pub(super) fn few_readings(found: &CampaignFindings) -> Option<String> {
     let nouns = nouns(found);
-    let after = found.after.rmse_heldout_after.get(READINGS_GIVEN)?;
+    let after = found.after.rmse_heldout_spread.get(READINGS_GIVEN)?;
     let unseen = found.after.rmse_heldout?;
     let error = error_with_unit(*after, &found.unit);
     let verb = if *after < (1.0 - WORTH_SAYING) * unseen {
@@ -87,9 +87,22 @@ pub(super) fn few_readings(found: &CampaignFindings) -> Option<String> {
         "leave it at"
     };
     Some(format!(
-        "three readings per {} of a new {} {verb} {error}",
+        "three readings spread over each {} of a new {} {verb} {error}",
         nouns.setup, nouns.unit
     ))
+}
+
+/// `3.4 N after three readings of each session`, where that is less than on units of which nothing is known.
+pub(super) fn error_after_few(found: &CampaignFindings) -> Option<String> {
+    let after = *found.after.rmse_heldout_spread.get(READINGS_GIVEN)?;
+    let falls = after < (1.0 - WORTH_SAYING) * found.after.rmse_heldout?;
+    falls.then(|| {
+        let error = error_with_unit(after, &found.unit);
+        format!(
+            "{error} after three readings of each {}",
+            nouns(found).setup
+        )
+    })
 }
 
 /// What to measure: `knowing set lengths to 0.2 mm`.

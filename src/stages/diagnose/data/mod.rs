@@ -15,7 +15,7 @@ use pipeline_base::row::Row;
 use pipeline_base::session::Phase;
 use pipeline_inference::decisions::STANDS_OUT;
 use pipeline_mechanics::effects::{Conditions, Need};
-use pipeline_numerics::statistics::{mean, median};
+use pipeline_numerics::statistics::{mean, median, sd_by_median};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A zero that differs from the campaign's median by no more than this, N, is drift.
@@ -337,8 +337,7 @@ impl Data {
         for (c, s) in self.conditions.iter().zip(&self.session) {
             zeros[*s] = c.zero_force_n.abs();
         }
-        let usual = 1.4826 * median(&zeros);
-        let least = LARGEST_DRIFT_N.max(STANDS_OUT * usual);
+        let least = LARGEST_DRIFT_N.max(STANDS_OUT * sd_by_median(&zeros));
         zeros.iter().any(|z| *z > least)
     }
 }
