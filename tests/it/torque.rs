@@ -418,7 +418,10 @@ fn a_joint_has_the_errors_of_its_tests() {
         });
         let own: Vec<_> = own.collect();
         for (when, column) in [("before", "rigid_rmse_nm"), ("after", "fitted_rmse_nm")] {
-            let squares = |t: &&_| number(t, "n") * number(t, column).powi(2);
+            let squares = |t: &&_| {
+                let error = number(t, column);
+                number(t, "n") * error * error
+            };
             let squares: f64 = own.iter().map(squares).sum();
             let readings: f64 = own.iter().map(|t| number(t, "n")).sum();
             let error = found[when]["rmse_train"].as_f64().unwrap();

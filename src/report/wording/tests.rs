@@ -443,7 +443,9 @@ fn an_effect_that_few_searches_find_again_is_marked_where_it_is_stated() {
     ] {
         found.effects[0].found_in_folds = share;
         assert!(said(&found).contains(words), "{}", said(&found));
-        let line = super::sentence::in_a_line(&found).replace('\u{a0}', " ");
+        let line = super::sentence::in_three_lines(&found)
+            .join(" ")
+            .replace('\u{a0}', " ");
         assert!(line.contains(words), "{line}");
         let short = super::sentence::answer_in_short(&found).join(" ");
         assert!(
