@@ -148,12 +148,20 @@ fn three_lines_have_names_numbers_and_what_is_worth_most() {
 #[test]
 fn a_line_with_nothing_to_say_is_not_there() {
     let mut found = example();
-    found.before.rmse_heldout = None;
-    found.after.rmse_heldout = None;
     (found.budget, found.next_measurement) = (Vec::new(), Vec::new());
     let lines = super::sentence::in_three_lines(&found);
     assert_eq!(lines.len(), 2, "{lines:?}");
+    assert!(
+        lines[1].starts_with("error on unseen specimens"),
+        "{lines:?}"
+    );
+    // Where nothing was held out there is always something to measure.
+    found.before.rmse_heldout = None;
+    found.after.rmse_heldout = None;
+    let lines = super::sentence::in_three_lines(&found);
+    assert_eq!(lines.len(), 3, "{lines:?}");
     assert!(lines[1].starts_with("not tested on another"), "{lines:?}");
+    assert!(lines[2].starts_with("next: another specimen"), "{lines:?}");
 }
 
 #[test]
@@ -443,9 +451,8 @@ fn an_effect_that_few_searches_find_again_is_marked_where_it_is_stated() {
     ] {
         found.effects[0].found_in_folds = share;
         assert!(said(&found).contains(words), "{}", said(&found));
-        let line = super::sentence::in_three_lines(&found)
-            .join(" ")
-            .replace('\u{a0}', " ");
+        let line = super::sentence::in_three_lines(&found).swap_remove(0);
+        let line = line.replace('\u{a0}', " ");
         assert!(line.contains(words), "{line}");
         let short = super::sentence::answer_in_short(&found).join(" ");
         assert!(
