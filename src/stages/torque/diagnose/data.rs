@@ -1,12 +1,13 @@
 //! The readings of one joint, with everything that is known of each.
 
 use super::operator::{At, Joint, Shown};
+use super::settings;
 use super::terms::SIZES;
 use crate::point::{ByHand, Point};
 use pipeline_base::random::Stream;
 use pipeline_diagnose::slack::Side;
 use pipeline_inference::decisions::FEWEST;
-use pipeline_numerics::statistics::{mean, median};
+use pipeline_numerics::statistics::{mean, median, sd_by_median};
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
@@ -75,6 +76,19 @@ pub struct Data<'a> {
     pub largest_nm: f64,
 }
 
+/// The torque up to which a reading may be of a slack actuator, N.m: a share of the largest, or what the readings show where the rigid leg would push by
+/// more than that.
+fn of_slack_nm(readings: &[Reading], largest_nm: f64) -> f64 {
+    let share = settings::NEAR_SLACK * largest_nm;
+    let is_slack = |r: &&Reading| r.joint.pushed_nm(&r.at).is_some_and(|push| push > share);
+    let slack = readings.iter().filter(is_slack);
+    let sizes: Vec<f64> = slack.map(|r| r.torque_nm.abs()).collect();
+    if sizes.len() < FEWEST {
+        return share;
+    }
+    share.max(settings::SLACK_DEVIATIONS * sd_by_median(&sizes))
+}
+
 impl<'a> Data<'a> {
     /// The rows of some tests.
     pub fn new(
@@ -85,8 +99,9 @@ impl<'a> Data<'a> {
         let largest_nm = readings
             .iter()
             .fold(0.0, |m: f64, r| m.max(r.torque_nm.abs()));
+        let slack_nm = of_slack_nm(&readings, largest_nm);
         for r in &mut readings {
-            r.side = r.joint.side(&r.at, r.torque_nm, largest_nm);
+            r.side = r.joint.side(&r.at, r.torque_nm, largest_nm, slack_nm);
         }
         let mut data = Self {
             readings,
@@ -195,4 +210,100 @@ pub fn senses(points: &[Point]) -> Vec<f64> {
         };
     }
     senses
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::build::Build;
+    use pipeline_config::FitOptions;
+    use pipeline_diagnose::base::Base;
+    use pipeline_mechanics::knee::{Setup, choice::named};
+
+    fn extensor() -> Build {
+        Build {
+            knee: named("pinned").unwrap(),
+            route: "extensor".to_owned(),
+            setup: Setup {
+                diameter_mm: 10.0,
+                rest_length_m: 0.485,
+                contracted_length_m: 0.398,
+                fitting_m: 0.0254,
+                tendon_m: 0.0,
+            },
+            remarks: Vec::new(),
+        }
+    }
+
+    fn at(degrees: f64) -> At {
+        At::still(degrees.to_radians(), 610.0)
+    }
+
+    fn reading<'a>(
+        joint: Joint<'a>,
+        degrees: f64,
+        torque_nm: f64,
+        none: &'a BTreeMap<String, f64>,
+    ) -> Reading<'a> {
+        Reading {
+            joint,
+            at: at(degrees),
+            side: Side::Pulls,
+            torque_nm,
+            by_hand: ByHand {
+                length_m: None,
+                contraction_rel: None,
+                arm_m: None,
+                length_sd_m: None,
+                arm_sd_m: None,
+            },
+            actuator: 0,
+            test: 0,
+            order: 0.0,
+            source: ("points.csv", 2),
+            extras: none,
+        }
+    }
+
+    /// An extensor that works at more than half of its contraction: its largest torque, 4 N.m, is a quarter of that at none.
+    #[test]
+    fn where_the_law_would_push_a_torque_is_noise_unless_nearer_to_the_push() {
+        let (build, law) = (extensor(), Base::new(10, false, 1, &FitOptions::default()));
+        let joint = Joint::new(&build, &law);
+        let push = joint.pushed_nm(&at(-5.0)).unwrap();
+        assert!(push > 1.0, "{push}");
+        for torque in [0.49 * push, -0.49 * push] {
+            assert_eq!(joint.side(&at(-5.0), torque, 4.0, 0.1), Side::Slack);
+        }
+        for torque in [0.51 * push, -0.51 * push] {
+            assert_eq!(joint.side(&at(-5.0), torque, 4.0, 0.1), Side::Pulls);
+        }
+        // Where it pulls, nothing is slack.
+        assert_eq!(joint.pushed_nm(&at(-90.0)), None);
+        assert_eq!(joint.side(&at(-90.0), 0.5, 4.0, 1.0), Side::Pulls);
+    }
+
+    #[test]
+    fn what_slack_actuators_show_is_no_pull_beside_the_corner() {
+        let (build, law) = (extensor(), Base::new(10, false, 1, &FitOptions::default()));
+        let joint = Joint::new(&build, &law);
+        let none = BTreeMap::new();
+        let slack = |torques: &[f64]| -> f64 {
+            let readings: Vec<Reading> = torques
+                .iter()
+                .map(|t| reading(joint, -5.0, *t, &none))
+                .collect();
+            of_slack_nm(&readings, 4.0)
+        };
+        // Two tell nothing of the noise; three with a median of 0.2 N.m do.
+        assert_eq!(slack(&[0.2, -0.2]), 0.4);
+        let three = slack(&[0.2, -0.2, 0.1]);
+        assert!((three - 3.0 * 0.2 / 0.674_489_750_196_082).abs() < 1e-12);
+        // Quiet ones leave the share of the largest torque.
+        assert_eq!(slack(&[0.01, -0.01, 0.01]), 0.4);
+        let corner = joint.pushed_nm(&at(-28.0)).unwrap();
+        assert!(corner < 0.4, "{corner}");
+        assert_eq!(joint.side(&at(-28.0), 0.6, 4.0, 0.4), Side::Pulls);
+        assert_ne!(joint.side(&at(-28.0), 0.6, 4.0, three), Side::Pulls);
+    }
 }

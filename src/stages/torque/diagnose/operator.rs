@@ -8,7 +8,6 @@
 //! On which side of the corner to slackness a reading is, is decided once ([`Joint::side`], [`pipeline_diagnose::slack`]): the law is then
 //! smooth in every size.
 
-use super::settings;
 use super::terms::{KINKS_FROM_RAD, SIZES, place};
 use crate::build::Build;
 use pipeline_diagnose::base::Base;
@@ -84,18 +83,24 @@ impl<'a> Joint<'a> {
         }
     }
 
-    /// On which side of the corner to slackness a reading of `torque_nm` is, where the largest of the joint is `largest_nm`. Where the rigid leg would
-    /// not pull, a small torque is noise or zero of the sensor, which beside its largest torque a leg has more of than a load cell has beside a force.
-    pub fn side(&self, at: &At, torque_nm: f64, largest_nm: f64) -> Side {
+    /// The torque by which the rigid leg would push at a reading, N.m; none where it pulls.
+    pub fn pushed_nm(&self, at: &At) -> Option<f64> {
+        let rigid = self.shown(at, Side::Pulls, &[0.0; SIZES]);
+        rigid.filter(|s| s.force < 0.0).map(|s| s.torque.abs())
+    }
+
+    /// On which side of the corner to slackness a reading of `torque_nm` is, where the largest of the joint is `largest_nm` and a slack actuator shows up
+    /// to `slack_nm`. Where the rigid leg would not pull, a torque is noise and zero of the sensor, unless it is larger than that and nearer to what the
+    /// law would push, which is no share of the largest torque: that may be one at half of the contraction.
+    pub fn side(&self, at: &At, torque_nm: f64, largest_nm: f64, slack_nm: f64) -> Side {
         let setup = &self.build.setup;
         let length = self
             .leg
             .length(at.angle_rad)
             .map_or(f64::NAN, |l| setup.actuator_length(l));
-        let rigid = self.shown(at, Side::Pulls, &[0.0; SIZES]);
-        let would_push = rigid.is_some_and(|s| s.force < 0.0);
-        let small = torque_nm.abs() < settings::NEAR_SLACK * largest_nm;
-        let torque_nm = if would_push && small { 0.0 } else { torque_nm };
+        let pushed = self.pushed_nm(at);
+        let is_slack = pushed.is_some_and(|pushed| torque_nm.abs() < slack_nm.max(pushed / 2.0));
+        let torque_nm = if is_slack { 0.0 } else { torque_nm };
         slack::side(torque_nm, largest_nm, &self.conditions(at, length))
     }
 

@@ -30,3 +30,6 @@ pub const FEWEST_FOR_NOISE: usize = 10;
 /// Share of the largest torque below which a reading may be of an actuator that is slack, where the rigid leg would not pull; and the noise of a
 /// reading that may or may not be, which says no more than that.
 pub const NEAR_SLACK: f64 = 0.1;
+/// The same in standard deviations of the torques of actuators that are surely slack, where these are larger: a reading of noise that is taken for
+/// one of an actuator that pushes bends the whole law.
+pub const SLACK_DEVIATIONS: f64 = 3.0;
