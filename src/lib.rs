@@ -95,7 +95,7 @@
 //!   ```
 //!   So `cache` knows no stage, and stages know neither cache nor command line; `mechanics`, `inference` and `numerics` do no I/O and see no data frame. Only
 //!   `report` knows plotters, Typst and HTML, and it computes no statistic: every number comes from a stage, every
-//!   curve, band and running median from `mechanics` and `numerics`.
+//!   curve, band and running median, and whether specimens' own estimates differ, from `mechanics` and `numerics`.
 //! - **Values, then words**: what was found travels as values ([`findings`]); [`report::wording`] makes names and sentences of them for pages, tables and the
 //!   terminal, and nothing reads a sentence back.
 //! - **Nothing below `raw/` is ever written**, and nothing is left out without a line in `rejects.csv`.

@@ -112,10 +112,15 @@ pub fn bless(golden: &Path, reports: &Path, reason: &str) -> Result<Blessing> {
         let file = format!("{name}.csv");
         let (from, to) = (reports.join("tables").join(&file), golden.join(&file));
         std::fs::copy(&from, &to).map_err(Error::io("write", &to))?;
+        let new = !old.contains_key(name);
+        // A table of what a project does not have, such as torque, is kept and not worth a word.
+        if new && changes == 0 {
+            continue;
+        }
         blessing.changed.push(Change {
             table: name.clone(),
             changed: changes,
-            new: !old.contains_key(name),
+            new,
         });
     }
     for name in old

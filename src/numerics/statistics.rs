@@ -4,7 +4,7 @@
 //! order. A statistic that does not exist (of no values, of one value where two are needed) is NaN. NaN among the values makes
 //! sums NaN; order statistics put it last and so must not be given any.
 
-use crate::distributions::NORMAL_50;
+use crate::distributions::{NORMAL_50, chi_square_upper_tail};
 
 /// The median absolute deviation of a standard normal variable, to the four digits that robust regression has always used.
 pub const NORMAL_MAD: f64 = 0.6745;
@@ -208,9 +208,55 @@ fn largest_size(values: &[f64]) -> f64 {
     )
 }
 
+/// The probability, were one number behind all of them, that independent estimates of it differ by as much as these; value and standard error each.
+/// NaN with fewer than two that have both, the error above 0.
+///
+/// Cochran's Q, the sum of squared deviations from the weighted mean in standard errors, is chi-square with one degree of freedom fewer than there
+/// are estimates (*Biometrics* 10, 1954, pp. 101-129).
+pub fn homogeneity(estimates: &[(f64, f64)]) -> f64 {
+    let usable =
+        |(value, error): &&(f64, f64)| value.is_finite() && error.is_finite() && *error > 0.0;
+    let all: Vec<&(f64, f64)> = estimates.iter().filter(usable).collect();
+    if all.len() < 2 {
+        return f64::NAN;
+    }
+    let weights: Vec<f64> = all.iter().map(|(_, error)| 1.0 / (error * error)).collect();
+    let weighted: Vec<f64> = all
+        .iter()
+        .zip(&weights)
+        .map(|((value, _), w)| w * value)
+        .collect();
+    let centre = sum(&weighted) / sum(&weights);
+    let deviations: Vec<f64> = all
+        .iter()
+        .map(|(value, error)| (value - centre) / error)
+        .collect();
+    let freedom = (all.len() - 1) as f64;
+    chi_square_upper_tail(sum_of_squares(&deviations), freedom)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn two_estimates_differ_as_their_difference_does() {
+        // Of two estimates Q is the square of the difference over its standard error, and its probability that of a normal variable.
+        let (a, b) = ((3.0, 0.6), (5.0_f64, 0.8_f64));
+        let z = (b.0 - a.0) / (0.36_f64 + b.1 * b.1).sqrt();
+        let expected = 2.0 * crate::distributions::normal_cdf(-z);
+        assert!((homogeneity(&[a, b]) - expected).abs() < 1e-12);
+        assert_eq!(homogeneity(&[a, a, a]), 1.0);
+        assert!(homogeneity(&[a]).is_nan());
+        assert!(homogeneity(&[a, (4.0, 0.0), (f64::NAN, 1.0)]).is_nan());
+    }
+
+    #[test]
+    fn three_equal_errors_give_the_exponential_tail() {
+        // With two degrees of freedom the tail is exp(-Q/2); here Q = (1 + 0 + 1) / 0.25.
+        let p = homogeneity(&[(1.0, 0.5), (2.0, 0.5), (3.0, 0.5)]);
+        assert!((p - libm::exp(-4.0)).abs() < 1e-12, "{p}");
+    }
 
     #[test]
     fn sums_keep_what_plain_addition_loses() {

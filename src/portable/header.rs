@@ -1,7 +1,7 @@
 //! What stands at the head of every file: the law, its coefficients, the box, the sign, the interval, where it comes from.
 
 use crate::domain::Range;
-use crate::model::{Model, Named};
+use crate::model::{BoxOf, Model, Named};
 
 /// The head, a line each.
 pub fn lines(model: &Model) -> Vec<String> {
@@ -48,8 +48,12 @@ fn domain(model: &Model) -> Vec<String> {
     let side = |name: &str, (low, high): Range, unit: &str| {
         format!("  {name} {low:.4} to {high:.4}{unit}")
     };
+    let whose = match model.box_of {
+        BoxOf::Readings => "Box of the readings fitted:",
+        BoxOf::Source => "Box for which the coefficients are published; nothing was fitted here:",
+    };
     vec![
-        "Box of the readings fitted:".to_owned(),
+        whose.to_owned(),
         side("resting length", fitted.rest_length_m, " m"),
         side("contraction at 620 kPa (l_rest - l_620)/l_rest", fitted.contraction_620, ""),
         side("relative contraction eps*", fitted.contraction_rel, ""),

@@ -29,6 +29,15 @@ pub struct Spread {
     pub freedom: usize,
 }
 
+/// Whose the box of a model is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BoxOf {
+    /// The readings to which it was fitted here.
+    Readings,
+    /// That for which its source publishes the coefficients: nothing was fitted here.
+    Source,
+}
+
 /// A model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
@@ -40,6 +49,8 @@ pub struct Model {
     pub law: Law,
     /// Its box, and the continuation.
     pub domain: Domain,
+    /// Whose box that is.
+    pub box_of: BoxOf,
     /// An eps_620 for examples: the middle of the box.
     pub usual_contraction_620: f64,
     /// The law as the paper writes it, a line each.

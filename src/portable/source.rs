@@ -2,7 +2,7 @@
 
 use crate::domain::{Domain, Fitted};
 use crate::law::Law;
-use crate::model::{Model, Named, Spread};
+use crate::model::{BoxOf, Model, Named, Spread};
 use pipeline_base::error::{Error, Result};
 use pipeline_fit::GroupFit;
 use pipeline_fit::engine::{CoefficientFit, EquationFit};
@@ -94,6 +94,7 @@ pub fn of_fit(fit: &GroupFit, inputs: &str) -> Result<Model> {
         title: format!("new model, fitted to {}", campaign(fit)),
         diameter_mm: fit.group.diameter_mm,
         domain: Domain::new(&law, fitted),
+        box_of: BoxOf::Readings,
         usual_contraction_620: middle(fitted.contraction_620),
         law,
         equations: NEW_EQUATIONS.to_vec(),
@@ -197,6 +198,7 @@ pub fn of_published(name: &str, diameter_mm: u32) -> Result<Model> {
         title: model.title().to_owned(),
         diameter_mm,
         domain: Domain::new(&law, fitted),
+        box_of: BoxOf::Source,
         usual_contraction_620: USUAL[usize::from(diameter_mm != 10)],
         law,
         equations: equations.to_vec(),

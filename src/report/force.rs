@@ -10,7 +10,7 @@ use crate::pages::{Included, PageData, Picture, date_of};
 use crate::tables;
 use crate::typeset::Pdf;
 use crate::wording::name::{capitalised, loss, model_name};
-use crate::wording::number::{error, error_or_none, rounded, with_unit};
+use crate::wording::number::{error, error_or_none, percent, rounded, with_unit};
 use crate::wording::sentence::in_doubt;
 use pipeline_base::error::Result;
 use pipeline_base::reject::Extent;
@@ -19,6 +19,7 @@ use pipeline_clean::zero::{FAR_FROM_OTHERS, ZeroSource, beside_others};
 use pipeline_compare::NEW;
 use pipeline_config::Config;
 use pipeline_fit::equations::JOINT;
+use pipeline_mechanics::models::new;
 use serde::Serialize;
 
 const TEMPLATE: &str = include_str!("templates/force.typ");
@@ -343,9 +344,48 @@ fn group(input: &GroupInput, figures: &[Drawn]) -> Group {
             .notes
             .iter()
             .cloned()
+            .chain(
+                fit.equation(JOINT)
+                    .and_then(|e| at_free_length(&e.values())),
+            )
             .chain(in_doubt(input.doubtful()).map(|s| capitalised(&s)))
             .collect(),
         tables: filled.map(|t| Included::new(&t)).collect(),
         figures: first.map(Picture::new).collect(),
+    }
+}
+
+/// A fitted law that leaves more than this share of F_620 at the free length is said to.
+const LEFT_AT_FREE_LENGTH: f64 = 0.03;
+
+/// What the joint fit leaves of the force where there is none by definition, at eps* = 1 and 620 kPa, if that is much: a sentence without its full
+/// stop.
+fn at_free_length(joint: &[f64]) -> Option<String> {
+    let [_, _, c0, c1, c2] = *joint else {
+        return None;
+    };
+    let left = new::surface([c0, c1, c2], 1.0, 1.0);
+    (left > LEFT_AT_FREE_LENGTH).then(|| {
+        format!(
+            "At eps* = 1 and 620 kPa, where no force is left by definition, the fitted law has {} of F_620: by it a free muscle contracts further \
+             than was measured",
+            percent(left)
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_law_that_leaves_force_at_the_free_length_says_so() {
+        let said = |c2: f64| {
+            // With c1 large the law leaves exp(-c2) - c0 there.
+            at_free_length(&[300.0, 20.0, 0.5, 1e3, c2])
+        };
+        assert_eq!(said(-libm::log(0.529)), None);
+        assert!(said(-libm::log(0.531)).unwrap().contains(" 3% of F_620"));
+        assert_eq!(at_free_length(&[]), None);
     }
 }

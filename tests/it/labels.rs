@@ -171,6 +171,21 @@ fn a_cell_that_is_no_number_says_what_becomes_of_its_row() {
 }
 
 #[test]
+fn words_of_several_kinds_in_one_column_are_one_warning() {
+    let log = "p,f,rh,bench\n100,40,50,A\n200,OVR,51,A\n300,150,52,B\n400,low,53,B\n500,OVR,54,B\n";
+    let bench = words(SESSION, log);
+    let said = bench.run(&["run"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let of_log: Vec<&str> = { said.err.lines() }
+        .filter(|l| l.contains("points.csv"))
+        .collect();
+    assert_eq!(of_log.len(), 1, "{}", said.err);
+    for part in ["points.csv:3", "\"OVR\", \"low\"", "(3 such cells"] {
+        assert!(of_log[0].contains(part), "{part}: {}", of_log[0]);
+    }
+}
+
+#[test]
 fn numbers_that_name_something_are_words_where_the_session_says_so() {
     let session = SESSION.replace("\"bench\" }", "\"bench\", text = true }");
     let log = "p,f,rh,bench\n100,40,50,007\n200,90,50,007\n300,150,50,007\n";

@@ -9,7 +9,7 @@ const HALF_A_RULE_MM: f64 = 0.5;
 const LEAST_FILLED: f64 = 1.0 / 3.0;
 /// Of documents whose blocks are packed.
 const LEAST_FILLED_IF_PACKED: f64 = 0.6;
-const PACKED: [&str; 3] = ["force.pdf", "knee.pdf", "supplement.pdf"];
+const PACKED: [&str; 4] = ["force.pdf", "knee.pdf", "residual.pdf", "supplement.pdf"];
 const SMALLEST_PT: f64 = 8.0;
 
 /// What is wrong with the pages of a run.

@@ -31,6 +31,11 @@ fn a_project_needs_no_paths_and_nothing_copied_from_elsewhere() {
     assert_eq!(run(&bench, &["status"]).code, 1);
     let said = run(&bench, &["check", "--init"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    assert!(
+        said.out.contains("coefficients") && !said.out.contains("knee"),
+        "{}",
+        said.out
+    );
     assert!(lab.join("reports/force.pdf").exists() && lab.join("golden/coefficients.csv").exists());
     assert!(!bench.root().join("reports").exists() && !bench.root().join("derived").exists());
     for command in [

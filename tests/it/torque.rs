@@ -367,6 +367,7 @@ type Table = Vec<BTreeMap<String, String>>;
 struct Shipped {
     fittings: Table,
     tests: Table,
+    effects: Table,
     findings: serde_json::Value,
 }
 
@@ -378,6 +379,7 @@ static SHIPPED: LazyLock<Shipped> = LazyLock::new(|| {
     Shipped {
         fittings: bench.table("knee_fittings"),
         tests: bench.table("knee_tests"),
+        effects: bench.table("knee_effects"),
         findings: findings(&bench),
     }
 });
@@ -401,6 +403,42 @@ fn the_shipped_campaign_is_recovered() {
     assert!(tests.iter().all(|t| t["simulated"] == "true"));
     let excluded = find(tests, &[("session", "sim-flxpin10-485-t4")]);
     assert_eq!(excluded["excluded"], "resting length uncertain");
+}
+
+/// The errors of a joint's tests make up those of the joint, without effects and with them; and the rigid leg, of which nothing is fitted, has one
+/// error on the same readings, held out or not. Both take an actuator that would push as slack.
+#[test]
+fn a_joint_has_the_errors_of_its_tests() {
+    let mut joints = 0;
+    for found in SHIPPED.findings["campaigns"].as_array().unwrap() {
+        let part = found["part"].as_str().unwrap();
+        let diameter = found["diameter_mm"].to_string();
+        let own = SHIPPED.effects.iter().filter(|t| {
+            t["joint"] == part && t["diameter_mm"] == diameter && t["takes_part"] == "true"
+        });
+        let own: Vec<_> = own.collect();
+        for (when, column) in [("before", "rigid_rmse_nm"), ("after", "fitted_rmse_nm")] {
+            let squares = |t: &&_| {
+                let error = number(t, column);
+                number(t, "n") * error * error
+            };
+            let squares: f64 = own.iter().map(squares).sum();
+            let readings: f64 = own.iter().map(|t| number(t, "n")).sum();
+            let error = found[when]["rmse_train"].as_f64().unwrap();
+            let of_tests = (squares / readings).sqrt();
+            assert!(
+                (error - of_tests).abs() < 1e-9 * of_tests,
+                "{part}, {when}: {error} {of_tests}"
+            );
+        }
+        let before = &found["before"];
+        if let Some(held_out) = before["rmse_heldout"].as_f64() {
+            let error = before["rmse_train"].as_f64().unwrap();
+            assert!((error - held_out).abs() < 1e-9 * error, "{part}: {before}");
+            joints += 1;
+        }
+    }
+    assert!(joints > 0);
 }
 
 /// Beside what the measurers reached by hand over years (the specification of the knee, section "Series stiffness"): their 2.12 N.m on the 45.7 cm

@@ -2,11 +2,11 @@ function [force_n, dforce_dlength_n_per_m, dforce_dpressure_n_per_kpa, inside] =
 %BPA_FORCE Force of a braided pneumatic actuator in N, tension positive.
 %   F = BPA_FORCE(REST_LENGTH_M, CONTRACTED_LENGTH_M, LENGTH_M, PRESSURE_KPA), element by element: scalars, or arrays of one size.
 %   [F, DL, DP, INSIDE] = ... also has its derivatives by the length (N/m) and the pressure (N/kPa), and whether the state is in the
-%   box of the readings fitted. F is NaN for arguments that describe no muscle. Also BPA_FORCE_GRADIENT, BPA_DOMAIN.
+%   box of the model. F is NaN for arguments that describe no muscle. Also BPA_FORCE_GRADIENT, BPA_DOMAIN.
 %
 @HEADER@
 
-  % The box of the readings to which the model was fitted.
+  % The box of the model; the head of this file says whose it is.
   REST = [@REST_MIN@, @REST_MAX@];
   FREE = [@FREE_MIN@, @FREE_MAX@];
   CONTRACTION = [@U_MIN@, @U_MAX@];

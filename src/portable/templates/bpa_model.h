@@ -6,7 +6,7 @@
 extern "C" {
 #endif
 
-/* The box of the readings to which the model was fitted. */
+/* The box of the model; the head of this file says whose it is. */
 #define BPA_DIAMETER_MM @DIAMETER_MM@
 #define BPA_REST_LENGTH_MIN_M @REST_MIN@
 #define BPA_REST_LENGTH_MAX_M @REST_MAX@

@@ -2,14 +2,14 @@
 """Force of a braided pneumatic actuator, for scalars and NumPy arrays of any shapes that broadcast.
 
 bpa_force(rest_length_m, contracted_length_m, length_m, pressure_kpa) in N, tension positive; bpa_force_gradient: its derivatives by
-the length (N/m) and the pressure (N/kPa); bpa_domain: whether a state is in the box of the readings fitted.
+the length (N/m) and the pressure (N/kPa); bpa_domain: whether a state is in the box of the model.
 """
 
 import numpy as np
 
 DIAMETER_MM = @DIAMETER_MM@
 
-# The box of the readings to which the model was fitted.
+# The box of the model; the head of this file says whose it is.
 REST_LENGTH_M = (@REST_MIN@, @REST_MAX@)
 CONTRACTION_620 = (@FREE_MIN@, @FREE_MAX@)
 CONTRACTION_REL = (@U_MIN@, @U_MAX@)

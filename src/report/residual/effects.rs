@@ -6,7 +6,7 @@ use crate::wording::name;
 use crate::wording::number::{
     NONE, error_with_unit, gain, gain_or_none, percent, plain, probability, rounded, size,
 };
-use crate::wording::sentence::{beyond_usual, plain_number};
+use crate::wording::sentence::{beyond_usual, differ, plain_number};
 use pipeline_findings::{CampaignFindings, EffectFinding, Tested, Unexplained};
 use serde::Serialize;
 
@@ -67,6 +67,7 @@ fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, Stri
             format!("such parts measure at most {most}"),
         )
     }));
+    facts.extend(differ(found, e).map(|words| ("own estimates", words)));
     let mut misfit = found.misfit.iter();
     if misfit.any(|m| m.sensitive.contains(&e.id)) {
         facts.push((

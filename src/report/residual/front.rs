@@ -109,6 +109,15 @@ pub(super) fn in_brief(found: &CampaignFindings, simpler: Option<Simpler>) -> Br
     }
 }
 
+/// What the words for the strength of the evidence mean, where they are said of any effect; else empty.
+pub(super) fn evidence<'a>(mut all: impl Iterator<Item = &'a CampaignFindings>) -> String {
+    if all.any(|found| !found.effects.is_empty()) {
+        sentence::grades()
+    } else {
+        String::new()
+    }
+}
+
 /// A campaign without a section: name and answer.
 pub(super) fn in_short(found: &CampaignFindings) -> [String; 2] {
     [

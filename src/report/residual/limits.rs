@@ -3,7 +3,9 @@
 use crate::number::Rounding;
 use crate::wording::name;
 use crate::wording::number::{self, error_rounding, error_with_unit, percent, plain};
-use crate::wording::sentence::{conditions, is_worth_credible, measurement, worth_words};
+use crate::wording::sentence::{
+    conditions, has_terms, is_worth_credible, measurement, worth_words,
+};
 use pipeline_findings::{
     CampaignFindings, DetectionLimit, EffectFinding, NextKind, NextMeasurement, NotMeasurable,
     WhyNot,
@@ -58,6 +60,8 @@ pub(super) fn possible(found: &CampaignFindings, id: &str, form: &str) -> (f64, 
 #[derive(Serialize)]
 pub(super) struct Cannot {
     why: String,
+    /// Whether the table of the law and its parts has it as a part.
+    is_part: bool,
     effects: Vec<String>,
 }
 
@@ -71,15 +75,35 @@ pub(super) fn not_measurable(found: &CampaignFindings) -> Vec<Cannot> {
     let mut reasons: Vec<Cannot> = Vec::new();
     for one in found.not_measurable.iter().filter(|n| !was_found(n)) {
         let (why, effect) = reason(found, one);
-        match reasons.iter_mut().find(|r| r.why == why) {
+        let is_part = is_absorbed_part(found, one);
+        let alike = |r: &&mut Cannot| r.why == why && r.is_part == is_part;
+        match reasons.iter_mut().find(alike) {
             Some(reason) => reason.effects.push(effect),
             None => reasons.push(Cannot {
                 why,
+                is_part,
                 effects: vec![effect],
             }),
         }
     }
     reasons
+}
+
+/// Whether an effect that the coefficients of the law absorb is a part with which the law was refitted: beside the others it has no size of its own,
+/// in the place of one of them it has.
+fn is_absorbed_part(found: &CampaignFindings, one: &NotMeasurable) -> bool {
+    let mut parts = found.alternatives.iter().flat_map(|a| &a.parts);
+    one.reason == WhyNot::Absorbed && parts.any(|part| *part == one.id)
+}
+
+/// Beside what the smallest sizes would have been found: the law, with the part that takes the place of others, and what was found.
+pub(super) fn beside(found: &CampaignFindings) -> &'static str {
+    match (found.alternatives.is_empty(), has_terms(found)) {
+        (false, false) => "the law with its dependence on the resting length",
+        (false, true) => "the law with its dependence on the resting length and the effects found",
+        (true, false) => "the law",
+        (true, true) => "the law and the effects found",
+    }
 }
 
 /// Why not, and the effect; what was not recorded stands behind the effect, so that all of these are one reason.
@@ -223,6 +247,27 @@ mod tests {
         found.expected_rmse_heldout = Some(10.0);
         found.next_measurement = points;
         next(&found).concat().concat().replace('\u{a0}', " ")
+    }
+
+    #[test]
+    fn a_part_of_the_law_that_is_absorbed_is_named_apart_from_the_other_effects() {
+        let mut found = example();
+        let absorbed = |id: &str| NotMeasurable {
+            id: id.to_owned(),
+            form: None,
+            reason: WhyNot::Absorbed,
+            by: None,
+        };
+        found.effects.clear();
+        found.not_measurable = ["series_compliance", "force_gain"].map(absorbed).into();
+        let parts: Vec<&String> = { found.alternatives.iter() }
+            .flat_map(|a| &a.parts)
+            .collect();
+        assert!(parts.contains(&&"series_compliance".to_owned()));
+        let apart: Vec<bool> = not_measurable(&found).iter().map(|c| c.is_part).collect();
+        assert_eq!(apart, [true, false]);
+        found.alternatives.clear();
+        assert_eq!(not_measurable(&found).len(), 1);
     }
 
     #[test]

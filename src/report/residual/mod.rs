@@ -68,6 +68,8 @@ struct Own {
     /// Those without a section: name, answer.
     others: Vec<[String; 2]>,
     budget: Option<Picture>,
+    /// What the words for the strength of the evidence mean; empty where nothing was found.
+    evidence: String,
 }
 
 /// A section.
@@ -112,6 +114,8 @@ pub(crate) struct Campaign {
     alternatives: Vec<[String; 6]>,
     alternatives_sentence: String,
     limits: Vec<[String; 4]>,
+    /// Beside what these would have been found.
+    limits_beside: &'static str,
     not_measurable: Vec<limits::Cannot>,
     next: Vec<[String; 2]>,
     worth_withheld: String,
@@ -215,6 +219,7 @@ pub fn residual_pdf(
             .map(|e| front::in_short(e.found))
             .collect(),
         budget: figures.budget.as_ref().map(Picture::new),
+        evidence: front::evidence(with_section().map(|(found, _)| found)),
     };
     let simulated = entries.iter().map(|e| e.found.simulated);
     let drawn = with_section().flat_map(|(_, f)| f.iter().map(|(_, drawn)| drawn));
@@ -298,6 +303,7 @@ fn campaign(
             .collect(),
         alternatives_sentence: held_out::alternatives_sentence(found),
         limits: found.detection_limits.iter().map(limits::limit).collect(),
+        limits_beside: limits::beside(found),
         not_measurable: limits::not_measurable(found),
         next: limits::next(found),
         worth_withheld: limits::worth_withheld(found),

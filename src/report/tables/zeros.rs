@@ -2,6 +2,7 @@
 
 use crate::described::*;
 use crate::input::ReportInput;
+use crate::wording::name;
 use pipeline_base::session::Session;
 use pipeline_clean::zero::Zero;
 
@@ -13,7 +14,8 @@ pub fn zeros(input: &ReportInput) -> Table {
     Described::<(&Session, &Zero)>::new("zeros", "The zero of the force channel")
         .text("session", "Session", |(s, _)| &s.id)
         .number("applied_n", "Subtracted", N, Decimals(2), |(_, z)| z.applied_n)
-        .text("source", "From", |(_, z)| z.source.name())
+        .text("source", "From", |(_, z)| z.source.name()).machines()
+        .text("source_words", "From", |(_, z)| name::zero_source(z.source)).people()
         .number("zero_log_n", "Zero log", N, Decimals(2), |(_, z)| z.zero_log_n)
         .number("zero_log_clipped", "clipped", One, Percent(0), |(_, z)| z.zero_log_clipped)
         .number("slack_n", "Slack state", N, Decimals(2), |(_, z)| z.slack_n)

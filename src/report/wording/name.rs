@@ -1,5 +1,6 @@
 //! What things are called: effects, columns, random effects, sources of error, reasons.
 
+use pipeline_clean::zero::ZeroSource;
 use pipeline_compare::NEW;
 use pipeline_findings::{
     ActsOn, CampaignFindings, EffectFinding, ErrorKind, HeldOutBy, Level, NotAssessed,
@@ -416,6 +417,36 @@ pub fn muscle(id: &str) -> &str {
         "vas_lat" => "vastus lateralis",
         "vas_med" => "vastus medialis",
         other => other,
+    }
+}
+
+/// A route by its id: the muscle, or the words of the id, `flexor, 10 mm`.
+pub fn route(id: &str) -> String {
+    let words = |word: &str| match word.strip_suffix("mm") {
+        Some(size) if size.parse::<u32>().is_ok() => format!("{size}\u{a0}mm"),
+        _ => word.to_owned(),
+    };
+    match muscle(id) {
+        same if same == id => id.split('_').map(words).collect::<Vec<_>>().join(", "),
+        known => known.to_owned(),
+    }
+}
+
+/// A knee by its id.
+pub fn knee(id: &str) -> &str {
+    match id {
+        "gait2392" => "OpenSim Gait2392",
+        other => other,
+    }
+}
+
+/// Where the zero of a force channel is from.
+pub fn zero_source(source: ZeroSource) -> &'static str {
+    match source {
+        ZeroSource::ZeroLog => "zero log",
+        ZeroSource::Slack => "slack state",
+        ZeroSource::ClippedZeroLog => "clipped zero log",
+        ZeroSource::None => "none",
     }
 }
 

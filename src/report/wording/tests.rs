@@ -5,7 +5,8 @@ use super::number::{amount, cells, equals_probability, error, percent, size};
 use super::sentence::{clauses, full_answer, measurement, sentences, worth_words};
 use crate::table::Cell;
 use pipeline_findings::{
-    CampaignFindings, Findings, NextKind, NextMeasurement, NotAssessed, Parameter, Verdict,
+    CampaignFindings, Estimate, Findings, HeldOutBy, NextKind, NextMeasurement, NotAssessed,
+    Parameter, Tested, Verdict,
 };
 
 /// Findings in which every field has a value, shared with `tests/it`.
@@ -448,9 +449,170 @@ fn an_effect_that_few_searches_find_again_is_marked_where_it_is_stated() {
         let line = super::sentence::in_three_lines(&found).swap_remove(0);
         let line = line.replace('\u{a0}', " ");
         assert!(line.contains(words), "{line}");
+        let short = super::sentence::answer_in_short(&found).join(" ");
+        assert!(
+            short.contains("(weak evidence; ") && !short.contains("searches"),
+            "{short}"
+        );
     }
     for share in [None, Some(0.5), Some(1.0)] {
         found.effects[0].found_in_folds = share;
         assert!(!said(&found).contains("searches"), "{}", said(&found));
     }
+}
+
+/// The effect in the points of a page: all that stands behind its size.
+fn remarks(found: &CampaignFindings) -> String {
+    let said = super::sentence::points(found).found.replace('\u{a0}', " ");
+    let from = said.find('(').unwrap();
+    said[from..].to_owned()
+}
+
+#[test]
+fn evidence_is_graded_by_p_by_searches_on_less_and_by_a_shuffled_column() {
+    let mut found = example();
+    found.effects.truncate(1);
+    found.effects[0].class.truncate(1);
+    let placebo = Tested {
+        id: "placebo".into(),
+        p_familywise: 1.0,
+        log_likelihood_gain: 9.0,
+        ..found.tested[0].clone()
+    };
+    found.tested = vec![placebo];
+    let said = |p: f64, share: Option<f64>, shuffled: f64| {
+        let mut found = found.clone();
+        let e = &mut found.effects[0];
+        (e.p_familywise, e.found_in_folds) = (p, share);
+        e.log_likelihood_gain = Some(10.0);
+        found.tested[0].p_familywise = shuffled;
+        remarks(&found)
+    };
+    let all = Some(1.0);
+    assert_eq!(said(0.01, all, 0.5), "(strong)");
+    assert_eq!(said(0.0101, all, 0.5), "(moderate: p = 0.010)");
+    assert_eq!(said(0.025, all, 0.5), "(moderate: p = 0.025)");
+    assert_eq!(said(0.0251, all, 0.5), "(weak: p = 0.025)");
+    assert_eq!(
+        said(0.005, Some(0.75), 0.5),
+        "(moderate: found in 75% of the searches)"
+    );
+    assert_eq!(
+        said(0.005, Some(0.5), 0.5),
+        "(moderate: found in 50% of the searches)"
+    );
+    assert_eq!(
+        said(0.005, Some(0.49), 0.5),
+        "(weak: found in 49% of the searches)"
+    );
+    assert_eq!(
+        said(0.03, Some(0.0), 0.5),
+        "(weak: p = 0.030, found in none of the searches)"
+    );
+    // A shuffled column with as small a p is as strong if its gain is no smaller: here it is.
+    assert_eq!(said(0.005, all, 0.005), "(strong)");
+    assert_eq!(
+        said(0.045, all, 0.035),
+        "(weak: p = 0.045, a shuffled column has p = 0.035)"
+    );
+    found.tested[0].log_likelihood_gain = 10.0;
+    let mut tied = found.clone();
+    tied.effects[0].log_likelihood_gain = Some(10.0);
+    tied.effects[0].p_familywise = 0.005;
+    tied.tested[0].p_familywise = 0.005;
+    assert_eq!(remarks(&tied), "(weak: a shuffled column has p = 0.0050)");
+}
+
+#[test]
+fn evidence_from_no_search_on_less_is_not_strong() {
+    let mut found = example();
+    found.effects[0].class.truncate(1);
+    found.effects[0].by_specimen.clear();
+    found.effects[0].found_in_folds = None;
+    found.design.held_out_by = HeldOutBy::None;
+    assert_eq!(
+        remarks(&found),
+        "(moderate: no search without one specimen)"
+    );
+    found.design.specimens = 1;
+    found.before.rmse_heldout = None;
+    // That there is one only is what the errors say.
+    assert_eq!(remarks(&found), "(moderate)");
+    // The holdout sessions take part in no search: it is the same one.
+    found.design.held_out_by = HeldOutBy::Holdout;
+    found.effects[0].found_in_folds = Some(1.0);
+    found.before.rmse_heldout = Some(9.0);
+    assert_eq!(
+        remarks(&found),
+        "(moderate: no search without one specimen)"
+    );
+}
+
+#[test]
+fn estimates_that_differ_more_than_chance_allows_are_said_to() {
+    let mut found = example();
+    let effect = &mut found.effects[0];
+    effect.class.truncate(1);
+    // Two estimates with equal errors: Q is the square of half their distance over half the variance, chi-square with one degree of freedom.
+    let estimate = |value| Estimate {
+        value,
+        standard_error: 1.0,
+    };
+    let mut with = |distance: f64| {
+        let own = [("a", 50.0), ("b", 50.0 + distance)];
+        let own = own.map(|(name, value)| (name.to_owned(), estimate(value)));
+        found.effects.truncate(1);
+        found.effects[0].by_specimen = own.into();
+        remarks(&found)
+    };
+    // 1.96 standard errors of a difference, which is the root of two.
+    assert_eq!(with(2.77), "(strong)");
+    assert_eq!(with(2.775), "(strong; specimens differ: 50.0 to 52.8 kPa)");
+    // With a second effect of which the same is asked, p counts twice: 2.24 standard errors.
+    let mut two = found.clone();
+    two.effects.push(two.effects[0].clone());
+    assert!(!remarks(&two).contains("differ"));
+    two.effects[0]
+        .by_specimen
+        .insert("b".to_owned(), estimate(53.18));
+    assert!(remarks(&two).starts_with("(strong; specimens differ: 50.0 to 53.2 kPa)"));
+}
+
+#[test]
+fn few_units_left_in_a_search_are_named_beside_an_expected_error_that_is_far_off() {
+    let mut found = example();
+    let said = |found: &CampaignFindings| {
+        let rest = super::sentence::points(found).rest;
+        let made_of = rest.into_iter().find(|(about, _)| *about == "Made of");
+        made_of.unwrap().1.replace('\u{a0}', " ")
+    };
+    found.after.rmse_heldout = Some(10.0);
+    found.expected_rmse_heldout = Some(12.5);
+    assert!(
+        said(&found).starts_with("12.5 N expected: "),
+        "{}",
+        said(&found)
+    );
+    found.expected_rmse_heldout = Some(12.6);
+    for (specimens, words) in [
+        (
+            2,
+            "(10.0 N observed; each search without one specimen rests on one other): ",
+        ),
+        (
+            3,
+            "(10.0 N observed; each search without one specimen rests on two others): ",
+        ),
+        (4, "(10.0 N observed): "),
+    ] {
+        found.design.specimens = specimens;
+        let said = said(&found);
+        assert!(
+            said.starts_with(&format!("12.6 N expected {words}")),
+            "{said}"
+        );
+    }
+    found.design.specimens = 2;
+    found.design.held_out_by = HeldOutBy::Holdout;
+    assert!(said(&found).starts_with("12.6 N expected (10.0 N observed): "));
 }

@@ -9,7 +9,7 @@ use pipeline_base::diagnostics::{Diagnostic, Severity};
 use pipeline_base::frame::{Frame, Values};
 use pipeline_base::reject::{Extent, Reject};
 use pipeline_base::session::{LogSpec, Session};
-use pipeline_formats::log::{RawLog, Request};
+use pipeline_formats::log::{BadCell, RawLog, Request};
 use pipeline_formats::text_format;
 use serde::{Deserialize, Serialize};
 
@@ -159,10 +159,10 @@ pub fn ingest(session: &Session, relative: &str, files: Vec<LogBytes>) -> Ingest
 
 fn keep(ingested: &mut Ingested, index: usize, spec: &LogSpec, file: &str, raw: RawLog) {
     let session = &ingested.header.session;
-    for cell in &raw.bad_cells {
+    for (cell, found) in by_column(&raw.bad_cells) {
         let (expected, hint) = what_follows(&cell.column, cell.of);
         ingested.header.diagnostics.push(
-            Diagnostic::error(file, cell.found.clone(), expected, hint)
+            Diagnostic::error(file, found, expected, hint)
                 .with_severity(Severity::Warning)
                 .at_row(cell.line)
                 .in_column(cell.column.as_str()),
@@ -192,6 +192,18 @@ fn keep(ingested: &mut Ingested, index: usize, spec: &LogSpec, file: &str, raw: 
         columns,
         labels,
     });
+}
+
+/// The first bad cell of each column, with everything that was quoted of the column: its number of bad cells is said once.
+fn by_column(cells: &[BadCell]) -> Vec<(&BadCell, String)> {
+    let mut columns: Vec<(&BadCell, String)> = Vec::new();
+    for cell in cells {
+        match columns.iter_mut().find(|(c, _)| c.column == cell.column) {
+            Some((_, found)) => *found += &format!(", {}", cell.found),
+            None => columns.push((cell, cell.found.clone())),
+        }
+    }
+    columns
 }
 
 /// What is expected of a cell that is no number, and what becomes of its row: without a force, torque, pressure, angle or length it is no reading,

@@ -6,6 +6,7 @@ use crate::figures::formatting::{number, plain};
 use crate::plot::{
     Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Legend, Mark, Panel, Series, Shape, Stroke,
 };
+use crate::wording::name::route;
 use pipeline_torque::Configuration;
 use pipeline_torque::reference::arms::Arms;
 
@@ -24,7 +25,7 @@ pub fn name(c: &Configuration) -> String {
 /// The figure.
 pub fn figure(c: &Configuration) -> Named {
     let arms = &c.arms;
-    let title = format!("{} knee, route {}", c.knee, c.route);
+    let title = format!("{} knee, route {}", c.knee, route(&c.route));
     let figure = Figure::new(&title, DOUBLE_MM, HEIGHT_MM)
         .with(drawing(arms))
         .with(methods(arms))
@@ -120,7 +121,7 @@ fn methods(arms: &Arms) -> Panel {
 
 fn caption(c: &Configuration) -> String {
     let (arms, parted) = (&c.arms, c.arms.apart);
-    let name = plain(&c.route).replace('\\', "");
+    let name = plain(&route(&c.route)).replace('\\', "");
     let mut caption = format!(
         "The {} knee with the route \"{name}\": points in the plane of the motion, and the moment arm. The two methods are at most {} mm apart, at {}°: {}.",
         c.knee,

@@ -4,7 +4,7 @@
 use super::mm;
 use crate::described::*;
 use crate::input::ReportInput;
-use crate::wording::name::muscle;
+use crate::wording::name::{knee, route};
 use pipeline_torque::reference::arms::{Arms, At};
 use pipeline_torque::reference::centres::Centres;
 
@@ -15,9 +15,10 @@ pub fn arms(input: &ReportInput) -> Table {
     let configurations = input.torque().iter().flat_map(|c| &c.configurations);
     let own = configurations.filter(|c| c.knee == "described").map(|c| &c.arms);
     Described::<&Arms>::new("knee_arms", "Where the projection (paper Eq. 3) and the slope of the length (paper Eq. 2) give different moment arms: the largest difference, and its knee angle")
-        .text("knee", "Knee", |a| &a.knee)
+        .text("knee", "Knee", |a| &a.knee).machines()
+        .text("knee_words", "Knee", |a| knee(&a.knee)).people()
         .text("route", "Route", |a| &a.route).machines()
-        .text("route_words", "Route", |a| muscle(&a.route)).people()
+        .text("route_words", "Route", |a| route(&a.route)).people()
         .number("apart_mm", "As printed", Mm, Decimals(2), |a| mm(a.apart.0))
         .number("apart_at_deg", "at", Degree, Decimals(0), |a| a.apart.1)
         .number("apart_in_plane_mm", "In the plane", Mm, Decimals(2), |a| mm(a.apart_in_plane.0))
@@ -35,9 +36,10 @@ pub fn switches(input: &ReportInput) -> Table {
     let shipped = input.knee.iter().flat_map(|k| &k.reference.arms);
     Described::<(&Arms, &At)>::new("knee_switches", "Points of a route that become active or inactive: the jump of length and moment arm, just \
          above the angle minus just below it")
-        .text("knee", "Knee", |(a, _)| &a.knee)
+        .text("knee", "Knee", |(a, _)| &a.knee).machines()
+        .text("knee_words", "Knee", |(a, _)| knee(&a.knee)).people()
         .text("route", "Route", |(a, _)| &a.route).machines()
-        .text("route_words", "Route", |(a, _)| muscle(&a.route)).people()
+        .text("route_words", "Route", |(a, _)| route(&a.route)).people()
         .number("angle_deg", "Angle", Degree, Decimals(1), |(_, s)| s.angle_rad.to_degrees())
         .number("length_jump_mm", "Length", Mm, Decimals(3), |(_, s)| mm(s.length_jump_m))
         .number("arm_jump_mm", "Arm", Mm, Decimals(2), |(_, s)| mm(s.arm_jump_m))

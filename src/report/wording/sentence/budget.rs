@@ -2,8 +2,8 @@
 
 use crate::number::Rounding;
 use crate::wording::name::{self, listed, nouns};
-use crate::wording::number::{error, error_with_unit, plain, rounded};
-use pipeline_findings::{BudgetEntry, CampaignFindings, Scatter};
+use crate::wording::number::{count, error, error_with_unit, plain, rounded};
+use pipeline_findings::{BudgetEntry, CampaignFindings, HeldOutBy, Scatter};
 
 /// A source that makes less than this share of the expected variance is summed up with others; noise is always named.
 const NAMED_SHARE: f64 = 0.02;
@@ -13,6 +13,9 @@ const SOURCES_NAMED: usize = 3;
 
 /// Units from which the scatter that is stated is near those of the searches without one, which the expected error is of.
 const FEWEST_FOR_SCATTER: usize = 3;
+
+/// Where a search without one unit has fewer others than this left, what it expects of an unseen one rests on these few, and it is said.
+const FEW_LEFT: usize = 3;
 
 /// An expected error that is further than this factor from what came out is said to be.
 const FAR_FROM_EXPECTED: f64 = 1.25;
@@ -84,7 +87,7 @@ pub(super) fn largest_source(found: &CampaignFindings) -> Option<String> {
     ))
 }
 
-/// `14.1 N expected: set lengths (0.67 mm) 9.6, estimation 6.6, specimen gain (4.0%) 5.0, others 6.1, noise 1.0`.
+/// `14.1 N expected (20.3 N observed): set lengths (0.67 mm) 9.6, estimation 6.6, specimen gain (4.0%) 5.0, others 6.1, noise 1.0`.
 pub(super) fn points(found: &CampaignFindings) -> Option<String> {
     let (named, left) = named_sources(found);
     let of = |b: &&BudgetEntry| {
@@ -97,10 +100,11 @@ pub(super) fn points(found: &CampaignFindings) -> Option<String> {
         parts.insert(before_noise, format!("others {}", error(left, &found.unit)));
     }
     let total = error_with_unit(found.expected_rmse_heldout?, &found.unit);
-    (!named.is_empty()).then(|| format!("{total} expected: {}", parts.join(", ")))
+    let came_out = came_out(found);
+    (!named.is_empty()).then(|| format!("{total} expected{came_out}: {}", parts.join(", ")))
 }
 
-/// ` (78.5 N came out)`, where that is far from what was expected.
+/// ` (78.5 N observed; each search without one specimen rests on one other)`, where that is far from what was expected.
 pub(super) fn came_out(found: &CampaignFindings) -> String {
     let expected = found.expected_rmse_heldout;
     let came_out = found.after.rmse_heldout.or(found.before.rmse_heldout);
@@ -108,11 +112,27 @@ pub(super) fn came_out(found: &CampaignFindings) -> String {
         return String::new();
     };
     let far = came_out > FAR_FROM_EXPECTED * expected || expected > FAR_FROM_EXPECTED * came_out;
-    if far {
-        format!(" ({} observed)", error_with_unit(came_out, &found.unit))
-    } else {
-        String::new()
+    if !far {
+        return String::new();
     }
+    let unit = nouns(found).unit;
+    let rests = few_left(found).map_or_else(String::new, |left| {
+        let others = if left == 1 { "other" } else { "others" };
+        let left = count(left);
+        format!("; each search without one {unit} rests on {left} {others}")
+    });
+    let came_out = error_with_unit(came_out, &found.unit);
+    format!(" ({came_out} observed{rests})")
+}
+
+/// How many units are left where one is held out in turn, if they are few.
+fn few_left(found: &CampaignFindings) -> Option<usize> {
+    let one_in_turn = matches!(
+        found.design.held_out_by,
+        HeldOutBy::Specimen | HeldOutBy::Actuator
+    );
+    let left = found.design.specimens.checked_sub(1)?;
+    (one_in_turn && (1..FEW_LEFT).contains(&left)).then_some(left)
 }
 
 /// ` (0.9 mm)`: the scatter behind a source of error, where it is one random effect.

@@ -1,5 +1,6 @@
 //! What was found: effects with their sizes, columns without a name, contradicted declarations.
 
+use super::evidence::{differ, grade, weak};
 use crate::wording::name::{self, listed};
 use crate::wording::number::{amounts, count, equals_probability, percent, plain, with_unit};
 use pipeline_findings::{ActsOn, CampaignFindings, EffectFinding, Level, Scatter, Verdict};
@@ -11,22 +12,36 @@ pub(super) const MOST_NAMED: usize = 3;
 
 /// What was found, without the errors; of an effect its name and size, and all remarks in one bracket.
 pub(super) fn answer(found: &CampaignFindings) -> String {
+    answer_with(found, &|e| weak(found, e).into_iter().collect())
+}
+
+/// The same with weak evidence called so, and not why.
+pub(super) fn short_answer(found: &CampaignFindings) -> String {
+    let is_weak = |e: &EffectFinding| weak(found, e).map(|_| "weak evidence".to_owned());
+    answer_with(found, &|e| is_weak(e).into_iter().collect())
+}
+
+/// The same with the strength of the evidence for every effect, and with the range of the units' own estimates where these differ.
+pub(super) fn graded_answer(found: &CampaignFindings) -> String {
+    let graded = |e: &EffectFinding| {
+        let all = [Some(grade(found, e)), differ(found, e)];
+        all.into_iter().flatten().collect()
+    };
+    answer_with(found, &graded)
+}
+
+fn answer_with(
+    found: &CampaignFindings,
+    evidence: &dyn Fn(&EffectFinding) -> Vec<String>,
+) -> String {
     let weighty: Vec<&EffectFinding> = found.effects.iter().filter(|e| !e.negligible).collect();
     let of_effect = |e: &EffectFinding| {
         let large = beyond_usual(found, e).map(|_| "implausibly large".to_owned());
-        let remarks = [
-            large,
-            of_one_group(found, e),
-            seldom_found(found, e),
-            indistinguishable(e),
-        ];
-        let remarks: Vec<String> = remarks.into_iter().flatten().collect();
-        let name = size_of(e);
-        if remarks.is_empty() {
-            name
-        } else {
-            format!("{name} ({})", remarks.join("; "))
-        }
+        let others = [large, of_one_group(found, e), indistinguishable(e)];
+        bracketed(
+            size_of(e),
+            evidence(e).into_iter().chain(others.into_iter().flatten()),
+        )
     };
     match found.verdict {
         Verdict::NotAssessed => format!("not assessed: {}", name::not_assessed(found)),
@@ -46,20 +61,23 @@ pub(super) fn answer(found: &CampaignFindings) -> String {
     }
 }
 
+/// `threshold pressure of the bladder 60 kPa (weak evidence: p = 0.045; implausibly large)`.
+fn bracketed(what: String, remarks: impl Iterator<Item = String>) -> String {
+    let remarks: Vec<String> = remarks.collect();
+    if remarks.is_empty() {
+        what
+    } else {
+        format!("{what} ({})", remarks.join("; "))
+    }
+}
+
 /// The same in fewer words: names and sizes, with a mark where a size is no such effect's.
 pub(super) fn in_names(found: &CampaignFindings) -> String {
     let weighty = found.effects.iter().filter(|e| !e.negligible);
     let marked = |e: &EffectFinding| {
         let large = beyond_usual(found, e).map(|_| "implausibly large".to_owned());
-        let remarks: Vec<String> = [large, seldom_found(found, e)]
-            .into_iter()
-            .flatten()
-            .collect();
-        if remarks.is_empty() {
-            size_of(e)
-        } else {
-            format!("{} ({})", size_of(e), remarks.join("; "))
-        }
+        let remarks = [large, weak(found, e)];
+        bracketed(size_of(e), remarks.into_iter().flatten())
     };
     let all: Vec<String> = weighty.map(marked).collect();
     match found.verdict {
@@ -99,25 +117,6 @@ fn of_one_group(found: &CampaignFindings, e: &EffectFinding) -> Option<String> {
     let own = found.scatter.iter().find(scatters)?;
     let (own, level) = (name::scatter(&own.id, own.level), name::level(own.level));
     (e.acts_on == ActsOn::All).then(|| format!("perhaps the {own} of the only {level}"))
-}
-
-/// Of an effect that hangs on single units: how many of the searches without one found it, if these are fewer than half.
-fn seldom_found(found: &CampaignFindings, e: &EffectFinding) -> Option<String> {
-    const SELDOM: f64 = 0.5;
-    let share = e.found_in_folds.filter(|share| *share < SELDOM)?;
-    let unit = if found.kind == "knee-torque" {
-        "actuator"
-    } else {
-        "specimen"
-    };
-    Some(if share == 0.0 {
-        format!("found in none of the searches without one {unit}")
-    } else {
-        format!(
-            "found in {} of the searches without one {unit}",
-            percent(share)
-        )
-    })
 }
 
 /// `indistinguishable from zero of the pressure sensor`; none where its alias set holds it alone.

@@ -2,6 +2,7 @@
 
 mod budget;
 mod errors;
+mod evidence;
 mod form;
 mod found;
 mod next;
@@ -13,13 +14,14 @@ use crate::wording::name::capitalised;
 use crate::wording::number::rounded;
 use budget::{budget, largest_source};
 use errors::{errors, errors_in_numbers, errors_in_short};
-use found::{answer, beside, contradicted, in_names};
+use found::{answer, beside, contradicted, in_names, short_answer};
 use next::{error_after_few, few_readings, worth};
 use pipeline_findings::{CampaignFindings, Verdict};
 use recording::recording_errors;
 
 pub use budget::{scatter_behind, scatter_size};
 pub use errors::black_box_beats;
+pub use evidence::{differ, grades};
 pub use form::form;
 pub use found::{alias_set, beyond_usual, called, has_terms};
 pub use next::{conditions, is_worth_credible, measurement, plain_number, worth_words};
@@ -116,7 +118,7 @@ fn said(c: Clauses) -> Answer {
 /// What was found with the errors, and what is worth measuring next, in sentences.
 pub fn answer_in_short(found: &CampaignFindings) -> Vec<String> {
     let all = clauses(found);
-    let first = [Some(all.found), all.errors_in_short];
+    let first = [Some(short_answer(found)), all.errors_in_short];
     let first: Vec<String> = first.into_iter().flatten().collect();
     let next = all.worth.map(|worth| format!("next: {worth}"));
     let sentences = [Some(first.join(": ")), next].into_iter().flatten();

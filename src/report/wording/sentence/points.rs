@@ -2,6 +2,7 @@
 
 use super::budget::points as budget_points;
 use super::errors::points as error_points;
+use super::found::graded_answer;
 use super::{Clauses, clauses};
 use crate::wording::name::capitalised;
 use pipeline_findings::{CampaignFindings, Verdict};
@@ -20,12 +21,12 @@ pub struct Points {
     pub rest: Vec<(&'static str, String)>,
 }
 
-/// What was found; the errors in their forms; what the expected error is made of; what would help; what in the records is wrong.
+/// What was found, and how strong the evidence is; the errors in their forms; what the expected error is made of; what would help; what in the records
+/// is wrong.
 pub fn points(found: &CampaignFindings) -> Points {
     let Clauses {
         recording_errors,
         contradicted,
-        found: what,
         limits,
         unexplained,
         worth,
@@ -43,7 +44,7 @@ pub fn points(found: &CampaignFindings) -> Points {
         found: if found.verdict == Verdict::None && found.effects.is_empty() {
             String::new()
         } else {
-            capitalised(&what)
+            capitalised(&graded_answer(found))
         },
         limits,
         rest: rest

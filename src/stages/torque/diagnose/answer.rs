@@ -63,13 +63,21 @@ impl Work<'_> {
         (0..self.problem.row.len()).filter(move |i| self.problem.is_torque(*i) && active(i))
     }
 
-    /// Predicted torques without random effects.
+    /// Predicted torques without random effects, each reading on the side of slackness on which it is fitted.
     fn unconditional(&self, point: &Point, without: Option<usize>) -> Vec<f64> {
         let mut bare = point.clone();
         bare.random.fill(0.0);
         bare.terms.retain(|(t, _)| Some(*t) != without);
         let all = self.problem.predict(&bare);
         self.torques().map(|i| all[i]).collect()
+    }
+
+    /// What law, effects and columns alone predict for the torques, an actuator that would push taken as slack: as unseen actuators are predicted.
+    fn alone(&self, point: &Point) -> Vec<f64> {
+        let torques = self.torques();
+        torques
+            .map(|i| self.problem.without_scatter(point, i))
+            .collect()
     }
 
     fn change(&self, term: usize) -> Vec<f64> {
@@ -286,8 +294,8 @@ impl Work<'_> {
     /// Residuals of the torques for the figures.
     pub fn residuals(&self) -> Residuals {
         let data = self.problem.data;
-        let without = self.unconditional(&self.found.null.point, None);
-        let with = self.unconditional(&self.found.model.point, None);
+        let without = self.alone(&self.found.null.point);
+        let with = self.alone(&self.found.model.point);
         let conditional = query::conditional(&self.found.model);
         let rows: Vec<usize> = self.torques().map(|i| self.problem.row[i]).collect();
         let named = |of: &dyn Fn(usize) -> usize, names: &[&str]| -> Vec<String> {
@@ -342,7 +350,7 @@ impl Work<'_> {
                     .fit(&from, std::slice::from_ref(&model.variances))
                     .point
             };
-            (name, self.residual(&self.unconditional(&point, None)))
+            (name, self.residual(&self.alone(&point)))
         };
         (0..order.len()).map(step).collect()
     }
