@@ -490,10 +490,10 @@ fn the_loop_finds_what_the_measurers_found(bench: &Bench) {
 
     let extensor = joint(&findings(bench), "pinned knee, extensor", 10);
     // Without the tests that their owner doubts, which were furthest off.
-    assert_eq!(
-        ids(&extensor)[..2],
-        ["series_compliance", "attachment_shift"]
-    );
+    // Which of the two comes in first is a matter of tenths in log-likelihood.
+    let mut first = ids(&extensor)[..2].to_vec();
+    first.sort_unstable();
+    assert_eq!(first, ["attachment_shift", "series_compliance"]);
     // Before this 1.72 N.m; a trial elsewhere came to 1.25.
     assert!(error(&extensor, "after") < 1.3, "{extensor}");
     let errors = extensor["recording_errors"].as_array().unwrap();

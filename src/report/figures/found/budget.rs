@@ -12,7 +12,7 @@ use crate::wording::number::{error, error_with_unit};
 use pipeline_findings::{BudgetEntry, CampaignFindings};
 
 /// Height of a campaign's band, of the axis and of the legend, mm.
-const BAND_MM: f64 = 4.4;
+const BAND_MM: f64 = 3.9;
 const AXIS_MM: f64 = 11.0;
 const LEGEND_MM: f64 = 10.0;
 /// Half the height of a bar, in bands.

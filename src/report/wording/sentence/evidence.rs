@@ -118,21 +118,17 @@ pub fn grades() -> String {
     )
 }
 
-/// `moderate: found in 75% of the searches`.
+/// `strong`, `moderate`, or `weak: found in 25% of the searches`: only of weak evidence it is said why.
 pub(super) fn grade(found: &CampaignFindings, e: &EffectFinding) -> String {
     let (grade, reasons) = graded(found, e);
-    let grade = match grade {
-        Evidence::Strong => "strong",
-        Evidence::Moderate => "moderate",
-        Evidence::Weak => "weak",
-    };
-    let reasons: Vec<String> = { reasons.into_iter() }
-        .filter_map(|r| in_words(found, r, ""))
-        .collect();
-    if reasons.is_empty() {
-        grade.to_owned()
-    } else {
-        format!("{grade}: {}", reasons.join(", "))
+    match grade {
+        Evidence::Strong => "strong".to_owned(),
+        Evidence::Moderate => "moderate".to_owned(),
+        Evidence::Weak => {
+            let reasons = reasons.into_iter();
+            let reasons: Vec<String> = reasons.filter_map(|r| in_words(found, r, "")).collect();
+            format!("weak: {}", reasons.join(", "))
+        }
     }
 }
 

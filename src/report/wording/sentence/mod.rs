@@ -130,10 +130,14 @@ pub fn answer_in_short(found: &CampaignFindings) -> Vec<String> {
 pub fn in_three_lines(found: &CampaignFindings) -> Vec<String> {
     let n = found.recording_errors.len();
     let mistakes = (n > 0).then(|| counted(n, "recording error", "recording errors"));
-    let next = worth(found).map(|worth| format!("next: {worth}"));
+    let worth = worth(found);
+    // That there is no error is said with what would give one.
+    let is_tested = found.before.rmse_heldout.is_some() || worth.is_none();
+    let errors = errors_in_numbers(found).filter(|_| is_tested);
+    let next = worth.map(|worth| format!("next: {worth}"));
     let lines = [
         [Some(in_names(found)), mistakes],
-        [errors_in_numbers(found), error_after_few(found)],
+        [errors, error_after_few(found)],
         [largest_source(found), next],
     ];
     let lines = lines.map(|parts| parts.into_iter().flatten().collect::<Vec<_>>().join("; "));

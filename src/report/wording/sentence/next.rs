@@ -41,11 +41,13 @@ fn separation(found: &CampaignFindings) -> Option<String> {
     ))
 }
 
-/// `another actuator would show whether the effects hold on it`, where there is but one.
+/// `another actuator would show whether the effects hold: there is none to test them on`, where there is but one.
 fn another_unit(found: &CampaignFindings) -> Option<String> {
     let is_untried = has_terms(found) && found.before.rmse_heldout.is_none();
     let unit = name::held_out_unit(found);
-    is_untried.then(|| format!("another {unit} would show whether the effects hold on it"))
+    is_untried.then(|| {
+        format!("another {unit} would show whether the effects hold: there is none to test them on")
+    })
 }
 
 /// Whether even the best readings tell the effects hardly apart.
