@@ -1,7 +1,7 @@
 //! The answers for a dozen fixed campaigns as one number, so that a test can say when the published table is out of date.
 //!
 //! The number is the SHA-256 of the findings with every number rounded to six significant digits; what the table does not judge is left out: the free
-//! forms of effects, and errors where gain and lengths of the unseen specimen are known.
+//! forms of effects, and errors where gain and lengths of the unseen specimen are known or a few readings of it that are spread over its sessions.
 
 use super::search::search;
 use pipeline::base::digest::Digest;
@@ -27,6 +27,7 @@ pub fn answers() -> String {
                 effect["free_form"] = Value::Null;
             }
             leave_out(&mut value, "rmse_heldout_calibrated");
+            leave_out(&mut value, "rmse_heldout_spread");
             canonical(&value, &mut text);
             text
         })
