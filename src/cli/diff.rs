@@ -328,9 +328,11 @@ fn conclusion(d: &Difference, sides: [&Side; 2], margin: f64) -> String {
     } = d.largest;
     let place = format!(
         "The largest difference of the fitted forces is {:+.1}% of the force at resting length and 620 kPa, at {}, relative contraction {contraction_rel:.2} and \
-         {pressure_kpa:.0} kPa ({first_n:.1} and {second_n:.1} N); root mean square {}.",
+         {pressure_kpa:.0} kPa ({} {first_n:.1} N, {} {second_n:.1} N); root mean square {}.",
         100.0 * share,
         mm(rest_length_m),
+        sides[0].name,
+        sides[1].name,
         percent(d.rms_share)
     );
     let reach = d.furthest.interval.map_or_else(String::new, |(low, high)| {

@@ -67,14 +67,19 @@ fn warning(doubtful: &Doubtful, sessions: usize) -> Diagnostic {
             doubtful.campaign
         ),
     };
+    // By itself a session of one muscle does not tell its length from its gain.
+    let more = match &doubtful.doubt {
+        Doubt::Unlike(unlike) if unlike.columns.is_none() => String::new(),
+        _ => format!(
+            "; `pipeline check-session {}` shows more",
+            doubtful.folder.display()
+        ),
+    };
     Diagnostic::error(
         format!("{}/{SESSION_FILE}", doubtful.relative),
         format!("{found}{others}"),
         expected,
-        format!(
-            "{hint}; `pipeline check-session {}` shows more",
-            doubtful.folder.display()
-        ),
+        format!("{hint}{more}"),
     )
     .in_column(key)
     .with_severity(Severity::Warning)
@@ -119,8 +124,7 @@ fn of_forces(unlike: &Unlike) -> Words {
     };
     let length = unlike.longer_mm.map(|longer_mm| {
         format!(
-            "a length about {:.0} mm {} than noted would agree with the law (length_mm, rest_length_mm)",
-            longer_mm.abs(),
+            "a {} length than noted would agree with the law: check length_mm and rest_length_mm",
             if longer_mm < 0.0 { "shorter" } else { "longer" }
         )
     });

@@ -125,8 +125,12 @@ pub(super) fn next(found: &CampaignFindings) -> Vec<[String; 2]> {
     let is_credible = |n: &NextMeasurement| n.worth.is_none_or(|w| is_worth_credible(found, w));
     let row = |n: &NextMeasurement| {
         let credible = n.kind == NextKind::Separate || is_credible(n);
-        let worth = worth_words(n).filter(|_| credible);
-        let worth = worth.map_or_else(String::new, |words| format!(" {words}"));
+        let worth = match worth_words(n) {
+            Some(words) if credible => format!(" {words}"),
+            Some(_) => ": by how much it would lower the error cannot be said, as the errors that came out are others than those expected"
+                .to_owned(),
+            None => String::new(),
+        };
         [name::capitalised(&measurement(n, &nouns)), worth]
     };
     let all = &found.next_measurement;

@@ -78,7 +78,8 @@ pub(super) fn budget(found: &CampaignFindings) -> Option<String> {
 
 /// `largest source: set lengths, 9.6 of the 14.1 N expected`.
 pub(super) fn largest_source(found: &CampaignFindings) -> Option<String> {
-    let largest = *named_sources(found).0.first()?;
+    let sources = found.budget.iter();
+    let largest = sources.max_by(|a, b| a.variance.total_cmp(&b.variance))?;
     Some(format!(
         "largest source: {}, {} of the {} expected",
         name::source(&largest.source),

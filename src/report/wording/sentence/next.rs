@@ -88,8 +88,10 @@ pub(super) fn few_readings(found: &CampaignFindings) -> Option<String> {
     } else {
         "leave it at"
     };
+    let without = less_without_effects(found, *after);
+    let without = without.map_or_else(String::new, |e| format!(" ({e} without the effects)"));
     Some(format!(
-        "three readings spread over each {} of a new {} {verb} {error}",
+        "three readings spread over each {} of a new {} {verb} {error}{without}",
         nouns.setup, nouns.unit
     ))
 }
@@ -98,13 +100,20 @@ pub(super) fn few_readings(found: &CampaignFindings) -> Option<String> {
 pub(super) fn error_after_few(found: &CampaignFindings) -> Option<String> {
     let after = *found.after.rmse_heldout_spread.get(READINGS_GIVEN)?;
     let falls = after < (1.0 - WORTH_SAYING) * found.after.rmse_heldout?;
+    let without = less_without_effects(found, after);
+    let without = without.map_or_else(String::new, |e| format!(" ({e} without the effects)"));
     falls.then(|| {
         let error = error_with_unit(after, &found.unit);
-        format!(
-            "{error} after three readings of each {}",
-            nouns(found).setup
-        )
+        let setup = nouns(found).setup;
+        format!("{error} after three readings of each {setup}{without}")
     })
+}
+
+/// The error after as many readings without the effects, where that is less than `after` with them.
+fn less_without_effects(found: &CampaignFindings, after: f64) -> Option<String> {
+    let before = *found.before.rmse_heldout_spread.get(READINGS_GIVEN)?;
+    let is_less = has_terms(found) && before < (1.0 - WORTH_SAYING) * after;
+    is_less.then(|| error_with_unit(before, &found.unit))
 }
 
 /// What to measure: `knowing set lengths to 0.2 mm`.
