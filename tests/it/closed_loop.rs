@@ -184,18 +184,7 @@ mod not_reached {
     use super::*;
 
     #[test]
-    #[ignore = "not reached yet: beside a base as far off as Hunt 2017, scatter and misfit take the place of the length law"]
-    fn the_dependence_on_resting_length_is_rediscovered_from_a_model_without_it() {
-        let settings = Settings {
-            specimens: Some(7),
-            ..Settings::default()
-        };
-        let found = search(&campaign(216, &settings).rows, "hunt2017");
-        assert!(has(&found, "rest_length_scaling"), "{:?}", names(&found));
-    }
-
-    #[test]
-    #[ignore = "not reached yet: as the test above"]
+    #[ignore = "not reached: on the seeds of docs/closed-loop.md in 1 of 4 campaigns; scatter and misfit take the place of the length law"]
     fn the_benchmark_rediscovers_the_resting_length() {
         keep_to_bars(&[bar(Part::Rediscovery, 0.9, |o| o.detected)], 2);
     }
@@ -204,6 +193,17 @@ mod not_reached {
 /// Minutes: run by `.ci/run`.
 mod long {
     use super::*;
+
+    #[test]
+    #[ignore = "long: 70 s of processor time"]
+    fn the_dependence_on_resting_length_is_rediscovered_from_a_model_without_it() {
+        let settings = Settings {
+            specimens: Some(7),
+            ..Settings::default()
+        };
+        let found = search(&campaign(216, &settings).rows, "hunt2017");
+        assert!(has(&found, "rest_length_scaling"), "{:?}", names(&found));
+    }
 
     #[test]
     #[ignore = "long: 42 s of processor time"]
