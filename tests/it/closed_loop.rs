@@ -63,31 +63,6 @@ fn scatter_alone_is_no_effect_and_is_reported_as_scatter() {
 }
 
 #[test]
-fn a_threshold_is_found_or_its_alias_and_both_are_named() {
-    let (found, _) = searched(213, put("bladder_threshold", "sharp", 55.0, 0.0));
-    assert!(has(&found, "bladder_threshold"), "{:?}", names(&found));
-    assert_eq!(found.effects.len(), 1, "{:?}", names(&found));
-}
-
-/// What the readings of the laboratory's rig show, in the simulator's own equations.
-#[test]
-fn friction_of_a_sliding_braid_and_a_first_filling_are_found_together() {
-    let mut effects = put("hysteresis", "sliding", 8.0, 0.0);
-    effects.extend(put("conditioning", "first_filling", 9.0, 0.0));
-    let (found, _) = searched(218, effects);
-    let mut found_names = names(&found);
-    found_names.sort_unstable();
-    assert_eq!(found_names, ["conditioning", "hysteresis"]);
-}
-
-#[test]
-fn what_the_library_does_not_know_is_unexplained_and_names_its_column() {
-    let (found, _) = searched(214, put("humidity", "gain", 0.01, 0.0));
-    assert_eq!(found.verdict, Verdict::Unexplained, "{:?}", names(&found));
-    assert!(found.unexplained.iter().any(|u| u.column == "humidity"));
-}
-
-#[test]
 fn a_wrong_resting_length_is_pointed_at() {
     let settings = Settings {
         specimens: Some(5),
@@ -193,6 +168,34 @@ mod not_reached {
 /// Minutes: run by `.ci/run`.
 mod long {
     use super::*;
+
+    /// What the readings of the laboratory's rig show, in the simulator's own equations.
+    #[test]
+    #[ignore = "long: 26 s of processor time"]
+    fn friction_of_a_sliding_braid_and_a_first_filling_are_found_together() {
+        let mut effects = put("hysteresis", "sliding", 8.0, 0.0);
+        effects.extend(put("conditioning", "first_filling", 9.0, 0.0));
+        let (found, _) = searched(218, effects);
+        let mut found_names = names(&found);
+        found_names.sort_unstable();
+        assert_eq!(found_names, ["conditioning", "hysteresis"]);
+    }
+
+    #[test]
+    #[ignore = "long: 10 s of processor time"]
+    fn what_the_library_does_not_know_is_unexplained_and_names_its_column() {
+        let (found, _) = searched(214, put("humidity", "gain", 0.01, 0.0));
+        assert_eq!(found.verdict, Verdict::Unexplained, "{:?}", names(&found));
+        assert!(found.unexplained.iter().any(|u| u.column == "humidity"));
+    }
+
+    #[test]
+    #[ignore = "long: 10 s of processor time"]
+    fn a_threshold_is_found_or_its_alias_and_both_are_named() {
+        let (found, _) = searched(213, put("bladder_threshold", "sharp", 55.0, 0.0));
+        assert!(has(&found, "bladder_threshold"), "{:?}", names(&found));
+        assert_eq!(found.effects.len(), 1, "{:?}", names(&found));
+    }
 
     #[test]
     #[ignore = "long: 70 s of processor time"]

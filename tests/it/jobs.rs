@@ -61,49 +61,6 @@ fn computed(said: &str) -> Vec<String> {
 }
 
 #[test]
-fn jobs_side_by_side_leave_a_run_the_report_alone() {
-    let bench = bench();
-    let right = of_one_run(&bench);
-    let tasks = tasks(&bench);
-    let stages = |stage: &str| tasks.iter().filter(|t| t["stage"] == stage).count();
-    assert_eq!(
-        ["normalize", "fit", "compare", "diagnose", "torque"].map(stages),
-        [6 + 10, 1, 1, 1, 2]
-    );
-    // All jobs of a stage at once, each of them twice, one killed in the middle of it.
-    // In the order in which they need each other, whatever stages there are.
-    let mut order: Vec<&str> = tasks.iter().filter_map(|t| t["stage"].as_str()).collect();
-    order.dedup();
-    order.retain(|stage| *stage != "report");
-    for stage in order {
-        let of_stage = tasks.iter().filter(|t| t["stage"] == stage);
-        let mut children: Vec<Child> = of_stage
-            .flat_map(|task| [start(&bench, task), start(&bench, task)])
-            .collect();
-        std::thread::sleep(Duration::from_millis(20));
-        children[0].kill().unwrap();
-        children[0].wait().unwrap();
-        for child in &mut children[1..] {
-            assert!(child.wait().unwrap().success());
-        }
-    }
-    assert!(
-        !bench.root().join("reports").exists(),
-        "jobs fill the cache only"
-    );
-    let said = bench.run(&["run", "--json", "--config", FAST]);
-    let left = computed(&said.out);
-    assert!(left.contains(&"report reports".to_owned()), "{left:?}");
-    let drawn = |unit: &String| unit.starts_with("report ");
-    assert!(left.iter().all(drawn), "{left:?}");
-    assert!(
-        bench.results() == right,
-        "other results than those of one run"
-    );
-    assert_eq!(bench.run(&["status", "--config", FAST]).code, 0);
-}
-
-#[test]
 fn a_job_computes_what_it_needs_and_keeps_the_last_run_in_mind() {
     let bench = Bench::quick();
     let job = ["run", "--json", "--config", FAST, "--only"];
@@ -197,5 +154,54 @@ exec "$PIPELINE" "$@"
         );
         let (success, said) = run();
         assert!(success && said.contains("Nothing to be done"), "{said}");
+    }
+}
+
+/// Minutes: run by `.ci/run`.
+mod long {
+    use super::*;
+
+    #[test]
+    #[ignore = "long: 15 s of processor time"]
+    fn jobs_side_by_side_leave_a_run_the_report_alone() {
+        let bench = bench();
+        let right = of_one_run(&bench);
+        let tasks = tasks(&bench);
+        let stages = |stage: &str| tasks.iter().filter(|t| t["stage"] == stage).count();
+        assert_eq!(
+            ["normalize", "fit", "compare", "diagnose", "torque"].map(stages),
+            [6 + 10, 1, 1, 1, 2]
+        );
+        // All jobs of a stage at once, each of them twice, one killed in the middle of it.
+        // In the order in which they need each other, whatever stages there are.
+        let mut order: Vec<&str> = tasks.iter().filter_map(|t| t["stage"].as_str()).collect();
+        order.dedup();
+        order.retain(|stage| *stage != "report");
+        for stage in order {
+            let of_stage = tasks.iter().filter(|t| t["stage"] == stage);
+            let mut children: Vec<Child> = of_stage
+                .flat_map(|task| [start(&bench, task), start(&bench, task)])
+                .collect();
+            std::thread::sleep(Duration::from_millis(20));
+            children[0].kill().unwrap();
+            children[0].wait().unwrap();
+            for child in &mut children[1..] {
+                assert!(child.wait().unwrap().success());
+            }
+        }
+        assert!(
+            !bench.root().join("reports").exists(),
+            "jobs fill the cache only"
+        );
+        let said = bench.run(&["run", "--json", "--config", FAST]);
+        let left = computed(&said.out);
+        assert!(left.contains(&"report reports".to_owned()), "{left:?}");
+        let drawn = |unit: &String| unit.starts_with("report ");
+        assert!(left.iter().all(drawn), "{left:?}");
+        assert!(
+            bench.results() == right,
+            "other results than those of one run"
+        );
+        assert_eq!(bench.run(&["status", "--config", FAST]).code, 0);
     }
 }

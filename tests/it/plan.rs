@@ -24,35 +24,6 @@ fn the_example_is_a_plan() {
 }
 
 #[test]
-fn a_small_campaign_is_foreseen_with_what_would_lower_its_error() {
-    let bench = Bench::empty();
-    let files = ["--csv", "limits.csv", "--plot", "plan.svg"];
-    let said = planned(&bench, SMALL, &[&["--json"], &files[..]].concat());
-    let drawn = std::fs::read_to_string(bench.root().join("plan.svg")).unwrap();
-    assert!(drawn.contains("Plan of"), "{}", &drawn[..300]);
-    assert_eq!(said.code, 0, "{}", said.err);
-    let value: Value = serde_json::from_str(&said.out).unwrap();
-    let foreseen = &value["foreseen"];
-    assert_eq!(foreseen["draws"][0], 3);
-    let error = foreseen["expected_rmse_n"].as_f64().unwrap();
-    assert!(error > 1.0, "{foreseen}");
-    let worth = foreseen["worth"].as_array().unwrap();
-    assert_eq!(worth.len(), 4);
-    let known = worth
-        .iter()
-        .find(|w| w["more"].get("lengths_known").is_some());
-    assert!(
-        known.unwrap()["less_n"].as_f64().unwrap() > 0.0,
-        "{foreseen}"
-    );
-    let limits = crate::support::read_table(&bench.root().join("limits.csv"));
-    assert_eq!(limits.len(), foreseen["limits"].as_array().unwrap().len());
-    assert!(limits.iter().any(|l| l["effect"] == "hysteresis"));
-    // The same plan has the same answer.
-    assert_eq!(planned(&bench, SMALL, &["--json"]).out, said.out);
-}
-
-#[test]
 fn mistakes_of_a_plan_are_named_with_their_line() {
     let bench = Bench::empty();
     for (from, to, parts) in [
@@ -87,6 +58,7 @@ fn mistakes_of_a_plan_are_named_with_their_line() {
 }
 
 mod long {
+    use super::*;
     use pipeline::base::row::Row;
     use pipeline::base::session::Phase;
     use pipeline::config::{DiagnoseOptions, FitOptions};
@@ -94,6 +66,36 @@ mod long {
     use pipeline::stages::diagnose::diagnose;
     use pipeline::stages::fit::Group;
     use rayon::prelude::*;
+
+    #[test]
+    #[ignore = "long: 43 s of processor time"]
+    fn a_small_campaign_is_foreseen_with_what_would_lower_its_error() {
+        let bench = Bench::empty();
+        let files = ["--csv", "limits.csv", "--plot", "plan.svg"];
+        let said = planned(&bench, SMALL, &[&["--json"], &files[..]].concat());
+        let drawn = std::fs::read_to_string(bench.root().join("plan.svg")).unwrap();
+        assert!(drawn.contains("Plan of"), "{}", &drawn[..300]);
+        assert_eq!(said.code, 0, "{}", said.err);
+        let value: Value = serde_json::from_str(&said.out).unwrap();
+        let foreseen = &value["foreseen"];
+        assert_eq!(foreseen["draws"][0], 3);
+        let error = foreseen["expected_rmse_n"].as_f64().unwrap();
+        assert!(error > 1.0, "{foreseen}");
+        let worth = foreseen["worth"].as_array().unwrap();
+        assert_eq!(worth.len(), 4);
+        let known = worth
+            .iter()
+            .find(|w| w["more"].get("lengths_known").is_some());
+        assert!(
+            known.unwrap()["less_n"].as_f64().unwrap() > 0.0,
+            "{foreseen}"
+        );
+        let limits = crate::support::read_table(&bench.root().join("limits.csv"));
+        assert_eq!(limits.len(), foreseen["limits"].as_array().unwrap().len());
+        assert!(limits.iter().any(|l| l["effect"] == "hysteresis"));
+        // The same plan has the same answer.
+        assert_eq!(planned(&bench, SMALL, &["--json"]).out, said.out);
+    }
 
     /// Campaigns for every effect, none of those from which the limits come.
     const SEEDS: std::ops::Range<u64> = 1000..1020;

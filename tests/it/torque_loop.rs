@@ -172,65 +172,6 @@ fn first(all: &[Value], campaign: &str, most: usize) -> (String, f64, [f64; 2]) 
 }
 
 #[test]
-fn one_effect_that_nobody_declares_is_found_with_its_size() {
-    let bench = Bench::empty();
-    let none = Missing::default();
-    for (campaign, missing) in [
-        (
-            "longer",
-            Missing {
-                length_m: 0.009,
-                ..none
-            },
-        ),
-        (
-            "yields",
-            Missing {
-                compliance_m_n: 60e-6,
-                ..none
-            },
-        ),
-        (
-            "stiffens",
-            Missing {
-                yields_m: 0.010,
-                ..none
-            },
-        ),
-        (
-            "rubs",
-            Missing {
-                friction_nm: 0.8,
-                ..none
-            },
-        ),
-        // Beyond what such a campaign can show: a common misfit of the law of 5% takes part of half as much.
-        ("kinks", Missing { kinks: 0.7, ..none }),
-    ] {
-        write(&bench, campaign, &missing);
-    }
-    let all = found(&bench);
-    for (campaign, id, size) in [
-        ("longer", "length_offset", Some(9.0)),
-        ("yields", "series_compliance", Some(60.0)),
-        ("stiffens", "series_compliance", None),
-        ("rubs", "joint_friction", Some(0.8)),
-        ("kinks", "kinking", None),
-    ] {
-        // What the form of the search cannot follow may take a second effect.
-        let most = if size.is_some() { 1 } else { 2 };
-        let (chosen, value, [low, high]) = first(&all, campaign, most);
-        assert_eq!(chosen, id, "{campaign}");
-        if let Some(size) = size {
-            assert!(
-                low < size && size < high,
-                "{campaign}: {value} [{low}, {high}]"
-            );
-        }
-    }
-}
-
-#[test]
 fn nothing_is_found_where_nothing_is_missing_and_no_physical_name_is_borrowed() {
     let bench = Bench::empty();
     let nulls = ["null-1", "null-2", "null-3", "null-4"];
@@ -426,6 +367,66 @@ fn a_kinking_of_half_the_size_is_found() {
 /// Minutes: run by `.ci/run`.
 mod long {
     use super::*;
+
+    #[test]
+    #[ignore = "long: 12 s of processor time"]
+    fn one_effect_that_nobody_declares_is_found_with_its_size() {
+        let bench = Bench::empty();
+        let none = Missing::default();
+        for (campaign, missing) in [
+            (
+                "longer",
+                Missing {
+                    length_m: 0.009,
+                    ..none
+                },
+            ),
+            (
+                "yields",
+                Missing {
+                    compliance_m_n: 60e-6,
+                    ..none
+                },
+            ),
+            (
+                "stiffens",
+                Missing {
+                    yields_m: 0.010,
+                    ..none
+                },
+            ),
+            (
+                "rubs",
+                Missing {
+                    friction_nm: 0.8,
+                    ..none
+                },
+            ),
+            // Beyond what such a campaign can show: a common misfit of the law of 5% takes part of half as much.
+            ("kinks", Missing { kinks: 0.7, ..none }),
+        ] {
+            write(&bench, campaign, &missing);
+        }
+        let all = found(&bench);
+        for (campaign, id, size) in [
+            ("longer", "length_offset", Some(9.0)),
+            ("yields", "series_compliance", Some(60.0)),
+            ("stiffens", "series_compliance", None),
+            ("rubs", "joint_friction", Some(0.8)),
+            ("kinks", "kinking", None),
+        ] {
+            // What the form of the search cannot follow may take a second effect.
+            let most = if size.is_some() { 1 } else { 2 };
+            let (chosen, value, [low, high]) = first(&all, campaign, most);
+            assert_eq!(chosen, id, "{campaign}");
+            if let Some(size) = size {
+                assert!(
+                    low < size && size < high,
+                    "{campaign}: {value} [{low}, {high}]"
+                );
+            }
+        }
+    }
 
     #[test]
     #[ignore = "long: 14 s of processor time"]
