@@ -122,10 +122,10 @@ fn of_forces(unlike: &Unlike) -> Words {
         }
         _ => off,
     };
-    let length = unlike.longer_mm.map(|longer_mm| {
+    let length = unlike.shorter.map(|shorter| {
         format!(
             "a {} length than noted would agree with the law: check length_mm and rest_length_mm",
-            if longer_mm < 0.0 { "shorter" } else { "longer" }
+            if shorter { "shorter" } else { "longer" }
         )
     });
     let columns = unlike.columns.as_ref().map(mended);

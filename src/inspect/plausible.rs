@@ -81,8 +81,9 @@ pub struct Unlike {
     pub correlation: Option<f64>,
     /// Columns with which the readings would suit the law, if any would.
     pub columns: Option<Otherwise>,
-    /// By how much the length would have to be longer than noted for the readings to suit the law, if they would, mm.
-    pub longer_mm: Option<f64>,
+    /// Whether a shorter length than noted would suit the law, or a longer one; none where neither does. By how much is not said: readings that suit
+    /// with the least change, mostly of an actuator that hardly pulls, do not tell the length.
+    pub shorter: Option<bool>,
 }
 
 /// What is doubtful about a session with these readings, by the published law and its own lengths alone.
@@ -113,7 +114,7 @@ fn of_forces(located: &Located, rows: &[Row], config: &Config, known: &Known) ->
         let columns = otherwise(found.readings, is_like).map(|(columns, _)| columns);
         return Some(Doubt::Unlike(Unlike {
             columns,
-            longer_mm: longer_mm(rows, known),
+            shorter: would_be_shorter(rows, known),
             ..found
         }));
     }
@@ -180,14 +181,14 @@ fn unlike(rows: &[Row], known: &Known, share: f64) -> Option<Unlike> {
         force_n,
         correlation,
         columns: None,
-        longer_mm: None,
+        shorter: None,
     })
 }
 
-/// The least change of length with which the readings suit the law, mm.
-fn longer_mm(rows: &[Row], known: &Known) -> Option<f64> {
+/// Whether the least change of length with which the readings suit the law makes it shorter.
+fn would_be_shorter(rows: &[Row], known: &Known) -> Option<bool> {
     let rest_length_m = rows.first()?.rest_length_m;
-    let longer = |steps: i32, sign: f64| {
+    let suits = |steps: i32, sign: f64| {
         let longer_m = sign * STEP * f64::from(steps) * rest_length_m;
         let with = |row: &Row| {
             let length_m = row.length_m + longer_m;
@@ -199,10 +200,10 @@ fn longer_mm(rows: &[Row], known: &Known) -> Option<f64> {
         };
         let rows: Vec<Row> = rows.iter().map(with).collect();
         let is_possible = rows.iter().all(|r| (0.0..LARGEST).contains(&r.contraction));
-        let suits = is_possible && unlike(&rows, known, QUARTER).is_none();
-        suits.then_some(1e3 * longer_m)
+        is_possible && unlike(&rows, known, QUARTER).is_none()
     };
     let steps = 1..=(LARGEST / STEP) as i32;
-    let mut both = steps.flat_map(|k| [longer(k, -1.0), longer(k, 1.0)]);
-    both.find_map(|found| found)
+    let mut both = steps.flat_map(|k| [(k, -1.0), (k, 1.0)]);
+    both.find(|(k, sign)| suits(*k, *sign))
+        .map(|(_, sign)| sign < 0.0)
 }

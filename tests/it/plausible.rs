@@ -334,7 +334,7 @@ mod rig {
         // Contracted by three quarters, an actuator that is longer by 15% is not stretched, but far from the law: by its length.
         let is_length = |d: &Doubt| match d {
             Doubt::Stretched(_) => true,
-            Doubt::Unlike(unlike) => unlike.longer_mm.is_some_and(|mm| mm < 0.0),
+            Doubt::Unlike(unlike) => unlike.shorter == Some(true),
             Doubt::Lost { .. } => false,
         };
         let [named, ..] = counted("lengths longer by 15%", stretched, is_length);

@@ -6,12 +6,10 @@ use crate::wording::name;
 use crate::wording::number::{
     NONE, error_with_unit, gain, gain_or_none, percent, plain, probability, rounded, size,
 };
-use crate::wording::sentence::{beyond_usual, differ, plain_number};
+use crate::wording::sentence::{PLACEBO, beyond_usual, differ, plain_number};
 use pipeline_findings::{CampaignFindings, EffectFinding, Tested, Unexplained};
 use serde::Serialize;
 
-/// The column whose values were shuffled.
-const PLACEBO: &str = "placebo";
 /// Most tested candidates in print; `tested.csv` has all.
 const TESTED: usize = 8;
 

@@ -146,6 +146,33 @@ fn three_lines_have_names_numbers_and_what_is_worth_most() {
 }
 
 #[test]
+fn fewer_newtons_without_the_effects_are_said_beside_those_with_them() {
+    let said = |before: f64| {
+        let mut found = example();
+        found.before.rmse_heldout_spread.insert("3".into(), before);
+        let of_line = super::sentence::in_three_lines(&found).swap_remove(1);
+        [of_line, clauses(&found).readings.unwrap()].map(|s| s.replace('\u{a0}', " "))
+    };
+    // With the effects 5.1 N; a difference of less than a twentieth is none.
+    for words in said(4.8) {
+        assert!(words.contains("(4.8 N without the effects)"), "{words}");
+    }
+    for words in said(4.9) {
+        assert!(!words.contains("without"), "{words}");
+    }
+}
+
+#[test]
+fn noise_is_the_largest_source_where_it_is() {
+    let mut found = example();
+    let noise = found.budget.iter_mut().find(|b| b.source == "noise");
+    let noise = noise.unwrap();
+    (noise.variance, noise.rmse) = (144.1, 12.004);
+    let line = super::sentence::in_three_lines(&found).swap_remove(2);
+    assert!(line.starts_with("largest source: noise, 12.0 of"), "{line}");
+}
+
+#[test]
 fn a_line_with_nothing_to_say_is_not_there() {
     let mut found = example();
     found.before.rmse_heldout = None;

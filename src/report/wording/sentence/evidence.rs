@@ -14,7 +14,7 @@ const NEAR: f64 = 0.5 * SIGNIFICANT;
 /// Evidence for an effect that a smaller share of the searches without one unit finds again is weak.
 const SELDOM: f64 = 0.5;
 /// The column whose values were shuffled.
-const PLACEBO: &str = "placebo";
+pub const PLACEBO: &str = "placebo";
 
 /// How strong the evidence for an effect is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

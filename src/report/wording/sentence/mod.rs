@@ -21,7 +21,7 @@ use recording::recording_errors;
 
 pub use budget::{scatter_behind, scatter_size};
 pub use errors::black_box_beats;
-pub use evidence::{differ, grades};
+pub use evidence::{PLACEBO, differ, grades};
 pub use form::form;
 pub use found::{alias_set, beyond_usual, called, has_terms};
 pub use next::{conditions, is_worth_credible, measurement, plain_number, worth_words};
