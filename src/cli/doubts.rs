@@ -16,7 +16,7 @@ pub(super) fn messages(outcome: &Outcome) -> Vec<Diagnostic> {
 }
 
 /// The warnings, in the order of the sessions.
-fn warnings(all: &[Doubtful]) -> Vec<Diagnostic> {
+pub(super) fn warnings(all: &[Doubtful]) -> Vec<Diagnostic> {
     let is_first = |k: usize| !all[..k].iter().any(|other| are_alike(other, &all[k]));
     let first = (0..all.len()).filter(|k| is_first(*k));
     first

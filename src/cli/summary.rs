@@ -4,8 +4,8 @@
 use crate::answers;
 use crate::args::SummaryArgs;
 use crate::columns::{Align, aligned};
-use crate::print::{counted, line, print_json};
-use crate::{DONE, options, progress};
+use crate::print::{self, counted, line, print_json};
+use crate::{DONE, doubts, options, progress};
 use pipeline_base::diagnostics::nearest;
 use pipeline_base::error::{Error, Result};
 use pipeline_compare::NEW;
@@ -89,6 +89,7 @@ pub(super) fn command(args: &SummaryArgs) -> Result<u8> {
     }
     let options = options(&places, args.places.jobs, None, true)?;
     let outcome = run::run(&options, &progress::Shown::new(true))?;
+    print::diagnostics(&doubts::warnings(&outcome.doubtful), false);
     let stale = outcome.work.len();
     if args.places.json {
         print_json(&json!({ "answers": answers.as_json(), "would_run": stale }))?;

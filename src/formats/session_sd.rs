@@ -12,6 +12,8 @@
 //! noise of what was measured by hand. 0 is refused: no length is measured exactly, and a model that believes one to be
 //! would put its error down to something else.
 
+use crate::session_toml::split_unit;
+use pipeline_base::columns;
 use pipeline_base::session::Kind;
 use pipeline_base::toml_reader::{Entry, Section};
 
@@ -72,6 +74,22 @@ fn millimetres(entry: &Entry) -> Option<f64> {
     None
 }
 
+/// Letters of the name of a quantity from which two of them may differ; of a shorter one only one, because other words are near it.
+const LONG_NAME: usize = 6;
+
+/// The key of `[setup]` of a known quantity that is meant by one like `lenght_mm`; a name with something added, as `length_below_mm`, is another name.
+fn slip_of_quantity(key: &str) -> Option<String> {
+    let (stem, unit) = key.rsplit_once('_')?;
+    columns::KNOWN.iter().find_map(|known| {
+        let name = known.quantity_name;
+        let slip = if name.len() < LONG_NAME { 1 } else { SLIP };
+        let meant = format!("{name}_{unit}");
+        let is_added_to = stem.starts_with(name) || stem.ends_with(name);
+        let is_near = !is_added_to && strsim::damerau_levenshtein(stem, name) <= slip;
+        (is_near && split_unit(&meant).is_some()).then_some(meant)
+    })
+}
+
 /// Expected and hint for a key of `[setup]` that is meant as one of these and would otherwise pass for a constant of the user's own.
 pub fn slip_in_setup(key: &str) -> Option<(String, String)> {
     let near = |(known, _): &&(&str, &str)| strsim::damerau_levenshtein(key, known) <= SLIP;
@@ -79,7 +97,13 @@ pub fn slip_in_setup(key: &str) -> Option<(String, String)> {
         key.starts_with("length_sd")
             .then_some(&(HELD_LENGTH, "setup"))
     };
-    let (known, table) = KEYS.iter().find(near).or_else(other_unit)?;
+    let Some((known, table)) = KEYS.iter().find(near).or_else(other_unit) else {
+        let meant = slip_of_quantity(key)?;
+        return Some((
+            format!("`{meant}`, or a constant of the set-up with a name of its own"),
+            format!("did you mean `{meant}`?"),
+        ));
+    };
     Some(match (*table, *known == key) {
         ("setup", _) => (
             format!("`{known}`, or a constant of the set-up with a name of its own"),

@@ -273,8 +273,17 @@ impl Inspection {
 /// The sessions in a folder or below it. `known`: what a run knows of others.
 pub fn sessions(folder: &Path, config: &Config, known: &Known) -> Vec<Inspection> {
     let found = discover(&[folder.to_path_buf()]);
+    // The one session whose folder this is has no path below it.
+    let named = |relative: &str| match relative {
+        "." | "" => folder
+            .file_name()
+            .unwrap_or(folder.as_os_str())
+            .to_string_lossy()
+            .into_owned(),
+        _ => relative.to_owned(),
+    };
     let unusable = found.unusable.iter().map(|u| Inspection {
-        session: u.relative.clone(),
+        session: named(&u.relative),
         checks: u.diagnostics.iter().map(described).collect(),
         against: None,
         expected: Vec::new(),

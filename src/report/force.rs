@@ -11,7 +11,7 @@ use crate::tables;
 use crate::typeset::Pdf;
 use crate::wording::name::{capitalised, loss, model_name};
 use crate::wording::number::{error, error_or_none, percent, rounded, with_unit};
-use crate::wording::sentence::in_doubt;
+use crate::wording::sentence::{implausible, in_doubt};
 use pipeline_base::error::Result;
 use pipeline_base::reject::Extent;
 use pipeline_base::session::{Kind, Session};
@@ -42,6 +42,8 @@ struct Own {
     /// Zeros that are far from those of the other sessions of their campaign.
     doubtful_zeros: Vec<DoubtfulZero>,
     more_doubtful_zeros: usize,
+    /// Sessions whose readings no such actuator gives, in a sentence; empty where there are none.
+    implausible: String,
     unusable: Vec<String>,
     more_unusable: usize,
     /// Figures that could not be built.
@@ -245,6 +247,7 @@ fn own(input: &ReportInput, config: &Config) -> Own {
             .collect(),
         further_groups: further_groups(input),
         trace: None,
+        implausible: implausible(&input.implausible).unwrap_or_default(),
         left_out: Vec::new(),
         more_left_out: 0,
         more_unusable: unusable.clone().skip(MOST_ROWS_ON_PAGES).count(),

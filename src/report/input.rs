@@ -135,6 +135,8 @@ pub struct ReportInput {
     pub tables: Vec<String>,
     /// Torque; none where nobody measured any.
     pub knee: Option<KneeInput>,
+    /// Ids of the sessions whose readings no such actuator gives; only the pages say so.
+    pub implausible: Vec<String>,
     /// The logs to draw.
     pub traces: Vec<Trace>,
     /// The logs of the page for a browser, thinned.

@@ -51,6 +51,7 @@ pub(crate) fn summary(input: &ReportInput, left_out: &[LeftOut]) -> Result<Vec<u
         "input": input.input_digest,
         "sessions_used": used.map(session).collect::<Vec<_>>(),
         "sessions_rejected": rejected.iter().map(|(id, why)| json!({ "session": id, "reasons": why })).collect::<Vec<_>>(),
+        "sessions_implausible": input.implausible,
         "logs_rejected": logs,
         "readings": input.rows.len(),
         "findings": "findings.json",

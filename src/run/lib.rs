@@ -321,13 +321,16 @@ fn drive(
             pool.install(|| figures::process(engine, group, config))
         })
     })?;
-    let written = watched(progress, (report, "documents"), || {
-        pool.install(|| reports::pages(engine, &done, &figures, tables, options))
-    })?;
     let only_look = options.dry_run || options.only.is_some();
     let described = Described { discovery, config };
     let sessions = made.of(Scope::Session);
     let messages = pool.install(|| messages::all(engine, sessions, &described, only_look))?;
+    let implausible = { messages.iter() }.filter(|(_, m)| !m.doubts.is_empty());
+    let implausible: Vec<String> = implausible.map(|(id, _)| id.clone()).collect();
+    let written = watched(progress, (report, "documents"), || {
+        let drawn = (figures.as_slice(), implausible.as_slice());
+        pool.install(|| reports::pages(engine, &done, drawn, tables, options))
+    })?;
     let mut outcome = summary(discovery, messages);
     outcome.pdfs = written.pdfs;
     outcome.written = written.changed;

@@ -86,14 +86,15 @@ fn look_at_sessions(shelf: &mut Shelf, done: &Done, options: &RunOptions) -> Res
     Ok(())
 }
 
-/// Brings the pages up to date, and puts them and the figures where people look for them.
+/// Brings the pages up to date, and puts them and the figures where people look for them. `implausible`: ids of sessions whose readings no such
+/// actuator gives.
 ///
 /// # Errors
 /// System errors, damaged entries.
 pub fn pages(
     engine: &Engine,
     done: &Done,
-    figures: &[Step],
+    (figures, implausible): (&[Step], &[String]),
     tables: Tables,
     options: &RunOptions,
 ) -> Result<Written> {
@@ -111,10 +112,13 @@ pub fn pages(
     let input_digest = Digest::of_named(inputs.iter());
     inputs.extend(drawn);
     inputs.insert(report::TABLES.to_owned(), listed);
+    let doubted = serde_json::to_vec(implausible).map_err(Error::internal)?;
+    inputs.insert("implausible sessions".to_owned(), Digest::of(&doubted));
     let part = options.config.part(OF_PAGES)?;
     let step = engine.step(STAGE.stage, PAGES, part.keyed, inputs, || {
         let input = gather(engine, done, &input_digest)?;
-        let input = with_figures(engine, input, (done, figures), &tables.step)?;
+        let mut input = with_figures(engine, input, (done, figures), &tables.step)?;
+        input.implausible = implausible.to_vec();
         report::pages(&input, &part.config)
     })?;
     if step.entry().is_none() {
@@ -253,6 +257,7 @@ pub(crate) fn gather(engine: &Engine, done: &Done, input_digest: &Digest) -> Res
         figures: Vec::new(),
         left_out: Vec::new(),
         tables: Vec::new(),
+        implausible: Vec::new(),
         knee: knee(engine, done)?,
         traces: Vec::new(),
         logs: Vec::new(),

@@ -43,7 +43,7 @@ use super::effect_places::Named;
 use super::effect_tables::{self, EffectTruth};
 use super::logged_columns::{self, ColumnTruth};
 use super::rig_settings::Rig;
-use super::schedule::Schedule;
+use super::schedule::{self, Schedule};
 use super::truth_lists;
 use pipeline_base::diagnostics::Diagnostic;
 use pipeline_base::session::{Role, Sampling};
@@ -172,8 +172,13 @@ fn truth(root: &Section) -> Option<Truth> {
     let rig = rig_table.map_or_else(|| Rig::for_diameter(mm), |t| Rig::read(&t, mm));
     let calendar = Calendar::read(root, date.is_some());
     let timing = sampling.zip(pressures).zip(runs.as_deref());
-    let schedule = timing
-        .and_then(|((sampling, pressures), runs)| Schedule::read(root, pressures, sampling, runs));
+    let schedule = match timing {
+        Some(((sampling, pressures), runs)) => Schedule::read(root, pressures, sampling, runs),
+        None => {
+            schedule::pass(root);
+            None
+        }
+    };
     let columns = logged_columns::columns(root);
     let named = Named {
         campaign: campaign.as_deref().unwrap_or_default(),

@@ -253,6 +253,20 @@ fn slips_and_keys_in_the_wrong_table_are_pointed_at() {
             "did you mean `contracted_length_sd_mm` of [specimen]?",
         ),
         (FORCE, "setup", "muscle_length_sd_mm", "move it to [joint]"),
+        (FORCE, "setup", "lenght_mm", "did you mean `length_mm`?"),
+        (FORCE, "setup", "lengh_mm", "did you mean `length_mm`?"),
+        (
+            FORCE,
+            "setup",
+            "temprature_c",
+            "did you mean `temperature_c`?",
+        ),
+        (
+            FORCE,
+            "setup",
+            "presure_kpa",
+            "did you mean `pressure_kpa`?",
+        ),
     ];
     for (text, table, key, hint) in cases {
         let said = refused(&with(text, table, &format!("{key} = 0.5")));
@@ -275,6 +289,9 @@ fn slips_and_keys_in_the_wrong_table_are_pointed_at() {
         "pressure_sd_kpa",
         "sd_of_force",
         "length_by",
+        "length_below_mm",
+        "supply_pressure_kpa",
+        "width_mm",
     ] {
         let session = read(&with(FORCE, "setup", &format!("{own} = 0.5")));
         assert_eq!(session.setup_number(own), Some(0.5), "{own}");

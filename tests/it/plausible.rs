@@ -62,6 +62,10 @@ fn exchanged_columns_of_a_single_specimen_are_named_with_what_to_do_and_again_by
     let again = run(&bench);
     assert!(again.out.contains("nothing to do"), "{}", again.out);
     again.warns_of(&parts);
+    bench.run(&["summary"]).warns_of(&parts);
+    let summary = std::fs::read(bench.root().join("reports/summary.json")).unwrap();
+    let summary: Value = serde_json::from_slice(&summary).unwrap();
+    assert_eq!(summary["sessions_implausible"].as_array().unwrap().len(), 1);
     let outcome = bench.outcome(&["run", "--config", FAST]);
     let doubt = &outcome["doubtful_sessions"][0]["doubt"];
     assert_eq!(doubt["doubt"], "unlike", "{outcome}");

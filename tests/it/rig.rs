@@ -35,9 +35,12 @@ fn all_campaigns_go_through_and_the_corrupt_run_is_left_out() {
     intervals(&bench);
     for campaign in ["iso10-2022-11", "pooled-10mm"] {
         let measured = measured(bench.root(), campaign);
-        let table = calibrated(&measured);
+        let table = calibrated(&measured, evenly);
+        let spread = calibrated(&measured, by_pressure);
         let sessions = sessions_left_out(&measured);
-        println!("{campaign}: {table:.2?}, sessions left out {sessions:.2?}");
+        println!(
+            "{campaign}: {table:.2?}, by pressure {spread:.2?}, sessions left out {sessions:.2?}"
+        );
         assert!(sessions.0 < table[0].0 && sessions.1 > 0.7, "{sessions:?}");
         for pair in table.windows(2) {
             assert!(
@@ -45,7 +48,15 @@ fn all_campaigns_go_through_and_the_corrupt_run_is_left_out() {
                 "each reading lowers the error: {table:?}"
             );
         }
-        assert!(table.iter().all(|(_, inside)| *inside > 0.8), "{table:?}");
+        let both = || table.iter().chain(&spread);
+        assert!(
+            both().all(|(_, inside)| *inside > 0.8),
+            "{table:?} {spread:?}"
+        );
+        assert!(
+            spread[3].0 < table[3].0,
+            "three readings: {table:?} {spread:?}"
+        );
     }
     assert!(
         run(&bench, &rig).out.contains("nothing to do"),
@@ -384,6 +395,22 @@ fn t_of(fit: &GroupFit) -> f64 {
     student_t_quantile(0.975, fit.scatter.as_ref().unwrap().freedom as f64)
 }
 
+/// So many readings of a session, in their order: evenly spaced.
+fn evenly(readings: &[Reading], count: usize) -> BTreeSet<usize> {
+    let n = readings.len();
+    (0..count).map(|j| (2 * j + 1) * n / (2 * count)).collect()
+}
+
+/// The same in the order of their pressures: the highest, and evenly spaced ones below it.
+fn by_pressure(readings: &[Reading], count: usize) -> BTreeSet<usize> {
+    let mut order: Vec<usize> = (0..readings.len()).collect();
+    let pressure = |k: usize| readings[k].at.pressure_kpa;
+    order.sort_by(|a, b| pressure(*b).total_cmp(&pressure(*a)).then(a.cmp(b)));
+    (0..count)
+        .map(|j| order[j * readings.len() / count])
+        .collect()
+}
+
 /// Every actuator by the law of the others and a few readings a session of its own, for 0, 1, 2, 3 and 5 readings a session: the errors on its
 /// further readings.
 fn calibrated(
@@ -392,6 +419,7 @@ fn calibrated(
         sizes,
         actuators,
     }: &Measured,
+    chosen: impl Fn(&[Reading], usize) -> BTreeSet<usize>,
 ) -> Vec<(f64, f64)> {
     let joint = fit.equation(JOINT).unwrap();
     let t = t_of(fit);
@@ -399,13 +427,11 @@ fn calibrated(
     for count in [0, 1, 2, 3, 5] {
         let mut score = Score::default();
         for (specimen, sessions) in actuators {
-            let is_given =
-                |k: usize, n: usize| (0..count).any(|j| (2 * j + 1) * n / (2 * count) == k);
             let (mut given, mut asked) = (Vec::new(), Vec::new());
             for readings in sessions.values() {
+                let is_given = chosen(readings, count);
                 for (k, reading) in readings.iter().enumerate() {
-                    let n = readings.len();
-                    let to = if n > 5 && is_given(k, n) {
+                    let to = if readings.len() > 5 && is_given.contains(&k) {
                         &mut given
                     } else {
                         &mut asked

@@ -112,6 +112,9 @@ impl Effect for Hysteresis {
     fn source(&self) -> &'static str {
         "Chou and Hannaford 1996 (Coulomb friction of the braid); Vo-Minh et al., IEEE/ASME Trans. Mechatron. 16 (2011) 177"
     }
+    fn if_negative(&self) -> Option<&'static str> {
+        Some("a lag, not of friction")
+    }
     fn argument(&self, _form: usize) -> Option<Argument> {
         Some(Argument::Pressure)
     }

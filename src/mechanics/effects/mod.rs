@@ -133,6 +133,10 @@ pub trait Effect: Sync {
     fn measurement(&self) -> &'static str;
     /// Where it is described.
     fn source(&self) -> &'static str;
+    /// Of what a negative size is a sign, where its source expects a positive one; none where either is usual.
+    fn if_negative(&self) -> Option<&'static str> {
+        None
+    }
     /// Value of the amplitude near which its sensitivity is taken; other than 0 only where the trace vanishes to first order at 0.
     fn near(&self) -> f64 {
         0.0

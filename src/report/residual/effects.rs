@@ -51,7 +51,7 @@ fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, Stri
         ("RMS on its readings", error_with_unit(e.rms, &found.unit)),
     ];
     if let Some(share) = e.found_in_folds {
-        let unit = name::held_out_unit(found);
+        let unit = name::without_one(found);
         let searches = format!("{} of the searches without one {unit}", percent(share));
         facts.insert(1, ("selected in", searches));
     }

@@ -24,6 +24,7 @@ use crate::pages::{PageData, Picture};
 use crate::typeset::Pdf;
 use crate::wording::name;
 use crate::wording::number::unit;
+use crate::wording::sentence::implausible;
 use pipeline_base::error::Result;
 use pipeline_compare::NEW;
 use pipeline_findings::CampaignFindings;
@@ -68,6 +69,8 @@ struct Own {
     /// Those without a section: name, answer.
     others: Vec<[String; 2]>,
     budget: Option<Picture>,
+    /// Sessions whose readings no such actuator gives, in a sentence; empty where there are none.
+    implausible: String,
     /// What the words for the strength of the evidence mean; empty where nothing was found.
     evidence: String,
 }
@@ -106,8 +109,6 @@ pub(crate) struct Campaign {
     units: Vec<[String; 8]>,
     /// Whether the units have errors with their own values and a predictive distribution.
     predictive: bool,
-    /// One of the units.
-    held_out_unit: &'static str,
     units_left_out: usize,
     black_box: String,
     coefficients: Vec<[String; 5]>,
@@ -210,6 +211,7 @@ pub fn residual_pdf(
     let without = entries.iter().filter(|e| e.figures.is_none());
     let own = Own {
         campaigns: sections(input, figures),
+        implausible: implausible(&input.implausible).unwrap_or_default(),
         not_assessed: front::not_assessed(with_section().map(|(found, _)| found)),
         errors: with_section()
             .flat_map(|(found, _)| front::errors(found))
@@ -288,7 +290,6 @@ fn campaign(
             .map(|u| held_out::unit(found, u))
             .collect(),
         predictive: held_out::is_predictive(found),
-        held_out_unit: name::held_out_unit(found),
         units_left_out: found.by_unit.len().saturating_sub(MOST_ROWS),
         black_box: held_out::black_box(found),
         coefficients: found

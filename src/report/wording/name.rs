@@ -234,9 +234,12 @@ pub fn held_out(found: &CampaignFindings) -> String {
     }
 }
 
-/// One of what is held out in turn.
-pub fn held_out_unit(found: &CampaignFindings) -> &'static str {
-    nouns(found).unit
+/// What each of the searches is without whose errors are held out: `specimen`, or where there are many, `group of specimens`.
+pub fn without_one(found: &CampaignFindings) -> &'static str {
+    match found.design.held_out_by {
+        HeldOutBy::SpecimenGroups => "group of specimens",
+        _ => nouns(found).unit,
+    }
 }
 
 /// How the held-out errors were made.

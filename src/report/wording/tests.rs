@@ -2,11 +2,11 @@
 
 use super::name::{self, listed};
 use super::number::{amount, cells, equals_probability, error, percent, size};
-use super::sentence::{clauses, full_answer, measurement, sentences, worth_words};
+use super::sentence::{clauses, full_answer, implausible, measurement, sentences, worth_words};
 use crate::table::Cell;
 use pipeline_findings::{
-    CampaignFindings, Estimate, Findings, HeldOutBy, NextKind, NextMeasurement, NotAssessed,
-    Parameter, Tested, Verdict,
+    CampaignFindings, Estimate, Findings, FormPoint, FreeForm, HeldOutBy, NextKind,
+    NextMeasurement, NotAssessed, Parameter, Tested, Verdict,
 };
 
 /// Findings in which every field has a value, shared with `tests/it`.
@@ -473,7 +473,7 @@ fn an_effect_that_few_searches_find_again_is_marked_where_it_is_stated() {
         assert!(said(&found).contains(words), "{}", said(&found));
         let line = super::sentence::in_three_lines(&found).swap_remove(0);
         let line = line.replace('\u{a0}', " ");
-        assert!(line.contains(words), "{line}");
+        assert!(line.contains("(weak evidence)"), "{line}");
         let short = super::sentence::answer_in_short(&found).join(" ");
         assert!(
             short.contains("(weak evidence; ") && !short.contains("searches"),
@@ -562,6 +562,63 @@ fn evidence_from_no_search_on_less_is_not_strong() {
 }
 
 #[test]
+fn evidence_from_doubtful_tests_alone_is_weak() {
+    let mut found = example();
+    found.effects[0].class.truncate(1);
+    found.effects[0].by_specimen.clear();
+    assert!(remarks(&found).starts_with("(strong)"));
+    found.design.doubtful_only = true;
+    assert!(remarks(&found).starts_with("(weak: all sessions are marked as doubtful)"));
+}
+
+#[test]
+fn a_size_that_changes_and_one_of_the_wrong_sign_are_said_beside_it() {
+    let mut found = example();
+    found.effects.truncate(1);
+    let e = &mut found.effects[0];
+    e.class.truncate(1);
+    e.by_specimen.clear();
+    let point = |at, amplitude| FormPoint {
+        at,
+        amplitude,
+        low: amplitude - 1.0,
+        high: amplitude + 1.0,
+    };
+    let free = FreeForm {
+        argument: "pressure_kpa".into(),
+        unit: "kPa".into(),
+        log_likelihood_gain: 9.0,
+        p: 0.01,
+        differs: true,
+        curve: vec![point(186.0, -44.0), point(620.0, 5.5)],
+    };
+    let with = |found: &CampaignFindings, differs, to: f64| {
+        let mut found = found.clone();
+        let mut free = free.clone();
+        free.differs = differs;
+        free.curve[1].at = to;
+        found.effects[0].free_form = Some(free);
+        remarks(&found)
+    };
+    let said =
+        "(strong; its size changes with the pressure: −44 kPa at 190 kPa to 5.5 kPa at 620 kPa)";
+    assert_eq!(with(&found, true, 620.0), said);
+    assert_eq!(with(&found, false, 620.0), "(strong)");
+    // Over a range that is too short nothing can be said.
+    assert_eq!(with(&found, true, 200.0), "(strong)");
+    found.effects[0].id = "hysteresis".into();
+    found.effects[0].class = vec!["hysteresis".into()];
+    found.effects[0].parameters[0].value = -2.7;
+    let said = remarks(&found);
+    assert!(
+        said.contains("(strong; its sign is that of a lag, not of friction)"),
+        "{said}"
+    );
+    found.effects[0].parameters[0].value = 2.7;
+    assert!(!remarks(&found).contains("sign"));
+}
+
+#[test]
 fn estimates_that_differ_more_than_chance_allows_are_said_to() {
     let mut found = example();
     let effect = &mut found.effects[0];
@@ -628,4 +685,15 @@ fn few_units_left_in_a_search_are_named_beside_an_expected_error_that_is_far_off
     found.design.specimens = 2;
     found.design.held_out_by = HeldOutBy::Holdout;
     assert!(said(&found).starts_with("12.6 N expected (10.0 N observed): "));
+}
+
+#[test]
+fn implausible_sessions_are_named_and_many_counted() {
+    let ids = |n: usize| (1..=n).map(|k| format!("s{k}")).collect::<Vec<_>>();
+    assert_eq!(implausible(&ids(0)), None);
+    let said = implausible(&ids(5)).unwrap();
+    assert!(
+        said.starts_with("No such actuator gives the readings of s1, s2, s3 and two more: "),
+        "{said}"
+    );
 }

@@ -37,6 +37,21 @@ fn every_mistake_of_a_truth_file_is_reported_with_line_and_hint() {
 }
 
 #[test]
+fn a_mistake_that_hides_the_schedule_does_not_make_its_keys_unknown() {
+    let points = "sampling = \"points\"\ndwell_s = [2]\ndirections = \"up-down\"\npressures_kpa = [100, 300]\nruns = []";
+    let without = |key: &str| !key.starts_with("runs") && !key.starts_with("sampling");
+    let kept: Vec<&str> = SMALL.lines().filter(|l| without(l)).collect();
+    let text = format!("{points}\n{}", kept.join("\n"));
+    let said = read_truth("t", &text).expect_err("no run");
+    let found: Vec<&str> = said.iter().map(|d| &*d.found).collect();
+    assert!(!found.contains(&"an unknown key"), "{said:?}");
+    assert!(
+        said.iter().any(|d| d.to_string().contains("[runs]")),
+        "{said:?}"
+    );
+}
+
+#[test]
 fn what_the_rig_cannot_measure_is_refused() {
     let mistake = |text: &str| read_truth("t", text).expect_err("a mistake")[0].to_string();
     let strong = "coefficients = { b1 = 3000, b2 = 19, l_0 = 0.0075, c0 = 0.5, c1 = 4, c2 = 0.5 }";

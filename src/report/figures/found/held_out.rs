@@ -3,7 +3,7 @@
 use super::super::formatting::largest;
 use super::{HALF_MM, Shown, group_names};
 use crate::plot::{Axis, Dash, Figure, Ink, Layer, Legend, Mark, Panel, Series, Shape, Stroke};
-use crate::wording::name::held_out_unit;
+use crate::wording::name::nouns;
 use crate::wording::sentence::has_terms;
 use pipeline_findings::{Errors, UnitErrors};
 
@@ -57,7 +57,7 @@ pub fn figure(shown: &Shown) -> Option<(String, Figure)> {
     let height = AROUND_MM + BAND_MM * units.len() as f64;
     let caption = format!(
         "Root-mean-square error on each {} by models that have not seen it: the whole search was repeated without it.{others}",
-        held_out_unit(found)
+        nouns(found).unit
     );
     Some((caption, Figure::new(&title, HALF_MM, height).with(panel)))
 }

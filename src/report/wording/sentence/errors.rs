@@ -278,6 +278,6 @@ pub(super) fn points(found: &CampaignFindings) -> Option<String> {
 
 /// `not tried on another actuator, since there is none`, of effects that could not be.
 fn untried(found: &CampaignFindings) -> Option<String> {
-    let unit = name::held_out_unit(found);
+    let unit = nouns(found).unit;
     has_terms(found).then(|| format!("not tested on another {unit}, since there is none"))
 }

@@ -2,7 +2,7 @@
 
 use crate::number::Rounding;
 use crate::wording::SIGNIFICANT;
-use crate::wording::name::nouns;
+use crate::wording::name::{nouns, without_one};
 use crate::wording::number::{equals_probability, percent, rounded, with_unit};
 use pipeline_findings::{CampaignFindings, EffectFinding, HeldOutBy, Tested};
 use pipeline_numerics::statistics::homogeneity;
@@ -19,7 +19,8 @@ pub const PLACEBO: &str = "placebo";
 /// How strong the evidence for an effect is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Evidence {
-    /// A p near the level, found again in few of the searches without one unit, or no stronger than a shuffled column.
+    /// A p near the level, found again in few of the searches without one unit, no stronger than a shuffled column, or from tests that their owner
+    /// doubts.
     Weak,
     /// Neither.
     Moderate,
@@ -47,12 +48,18 @@ fn graded(found: &CampaignFindings, e: &EffectFinding) -> (Evidence, Vec<Reason>
         Some(share) => Reason::Again(share),
         None => Reason::NotRepeated,
     };
+    let by_owner = if found.design.doubtful_only {
+        Evidence::Weak
+    } else {
+        Evidence::Strong
+    };
     let reasons = [
+        (by_owner, Reason::Doubtful),
         (by_p, Reason::Probability(e.p_familywise)),
         (by_placebo, Reason::Shuffled(placebo.unwrap_or_default())),
         (by_folds, fold),
     ];
-    let grade = by_p.min(by_folds).min(by_placebo);
+    let grade = by_owner.min(by_p).min(by_folds).min(by_placebo);
     let lacking = reasons.into_iter().filter(|r| r.0 < Evidence::Strong);
     (grade, lacking.map(|r| r.1).collect())
 }
@@ -60,6 +67,8 @@ fn graded(found: &CampaignFindings, e: &EffectFinding) -> (Evidence, Vec<Reason>
 /// Why evidence is not strong.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Reason {
+    /// There are no readings but those that their owner doubts.
+    Doubtful,
     /// The family-wise p.
     Probability(f64),
     /// That of a shuffled column, which is as strong.
@@ -92,6 +101,7 @@ fn placebo(found: &CampaignFindings, e: &EffectFinding) -> Option<f64> {
 fn in_words(found: &CampaignFindings, reason: Reason, of_searches: &str) -> Option<String> {
     let unit = nouns(found).unit;
     Some(match reason {
+        Reason::Doubtful => format!("all {} are marked as doubtful", nouns(found).setups),
         Reason::Probability(p) => format!("p {}", equals_probability(p)),
         Reason::Shuffled(p) => format!("a shuffled column has p {}", equals_probability(p)),
         Reason::Again(0.0) => format!("found in none of the searches{of_searches}"),
@@ -110,7 +120,7 @@ pub fn grades() -> String {
     let number = |x: f64, decimals| rounded(x, Rounding::Decimals(decimals));
     format!(
         "Evidence is strong where p ≤ {} and every search without one specimen (actuator) finds the effect again, weak where p > {}, fewer than {} \
-         of these searches find it or a shuffled column does as well, else moderate. Specimens (actuators) differ where their own estimates do by more \
+         of these searches find it, a shuffled column does as well or all tests are marked as doubtful, else moderate. Specimens (actuators) differ where their own estimates do by more \
          than their standard errors allow (Cochran's Q).",
         number(CLEAR, 2),
         number(NEAR, 3),
@@ -135,7 +145,7 @@ pub(super) fn grade(found: &CampaignFindings, e: &EffectFinding) -> String {
 /// `weak evidence: p = 0.045, found in none of the searches without one specimen`, of weak evidence alone.
 pub(super) fn weak(found: &CampaignFindings, e: &EffectFinding) -> Option<String> {
     let (grade, reasons) = graded(found, e);
-    let of_searches = format!(" without one {}", nouns(found).unit);
+    let of_searches = format!(" without one {}", without_one(found));
     let reasons: Vec<String> = { reasons.into_iter() }
         .filter_map(|r| in_words(found, r, &of_searches))
         .collect();

@@ -1,6 +1,7 @@
 //! What was found: effects with their sizes, columns without a name, contradicted declarations.
 
 use super::evidence::{differ, grade, weak};
+use super::form::changing;
 use crate::wording::name::{self, listed};
 use crate::wording::number::{amounts, count, equals_probability, percent, plain, with_unit};
 use pipeline_findings::{ActsOn, CampaignFindings, EffectFinding, Level, Scatter, Verdict};
@@ -17,14 +18,18 @@ pub(super) fn answer(found: &CampaignFindings) -> String {
 
 /// The same with weak evidence called so, and not why.
 pub(super) fn short_answer(found: &CampaignFindings) -> String {
-    let is_weak = |e: &EffectFinding| weak(found, e).map(|_| "weak evidence".to_owned());
-    answer_with(found, &|e| is_weak(e).into_iter().collect())
+    answer_with(found, &|e| called_weak(found, e).into_iter().collect())
 }
 
-/// The same with the strength of the evidence for every effect, and with the range of the units' own estimates where these differ.
+fn called_weak(found: &CampaignFindings, e: &EffectFinding) -> Option<String> {
+    weak(found, e).map(|_| "weak evidence".to_owned())
+}
+
+/// The same with the strength of the evidence for every effect, with how its size changes where one value is not enough, and with the range of the
+/// units' own estimates where these differ.
 pub(super) fn graded_answer(found: &CampaignFindings) -> String {
     let graded = |e: &EffectFinding| {
-        let all = [Some(grade(found, e)), differ(found, e)];
+        let all = [Some(grade(found, e)), changing(e), differ(found, e)];
         all.into_iter().flatten().collect()
     };
     answer_with(found, &graded)
@@ -37,7 +42,12 @@ fn answer_with(
     let weighty: Vec<&EffectFinding> = found.effects.iter().filter(|e| !e.negligible).collect();
     let of_effect = |e: &EffectFinding| {
         let large = beyond_usual(found, e).map(|_| "implausibly large".to_owned());
-        let others = [large, of_one_group(found, e), indistinguishable(e)];
+        let others = [
+            large,
+            opposed(e),
+            of_one_group(found, e),
+            indistinguishable(e),
+        ];
         bracketed(
             size_of(e),
             evidence(e).into_iter().chain(others.into_iter().flatten()),
@@ -76,7 +86,7 @@ pub(super) fn in_names(found: &CampaignFindings) -> String {
     let weighty = found.effects.iter().filter(|e| !e.negligible);
     let marked = |e: &EffectFinding| {
         let large = beyond_usual(found, e).map(|_| "implausibly large".to_owned());
-        let remarks = [large, weak(found, e)];
+        let remarks = [large, called_weak(found, e)];
         bracketed(size_of(e), remarks.into_iter().flatten())
     };
     let all: Vec<String> = weighty.map(marked).collect();
@@ -117,6 +127,14 @@ fn of_one_group(found: &CampaignFindings, e: &EffectFinding) -> Option<String> {
     let own = found.scatter.iter().find(scatters)?;
     let (own, level) = (name::scatter(&own.id, own.level), name::level(own.level));
     (e.acts_on == ActsOn::All).then(|| format!("perhaps the {own} of the only {level}"))
+}
+
+/// `its sign is that of a lag, not of friction`, of a size with the sign that its source does not expect.
+fn opposed(e: &EffectFinding) -> Option<String> {
+    let size = e.parameters.first()?;
+    let known = effects::all()[effects::index(&e.id)?];
+    let words = known.if_negative().filter(|_| size.value < 0.0)?;
+    Some(format!("its sign is that of {words}"))
 }
 
 /// `indistinguishable from zero of the pressure sensor`; none where its alias set holds it alone.

@@ -26,7 +26,7 @@ pub use form::form;
 pub use found::{alias_set, beyond_usual, called, has_terms};
 pub use next::{conditions, is_worth_credible, measurement, plain_number, worth_words};
 pub use points::{ERROR, Points, points};
-pub use recording::{in_doubt, recorded_size, set_aside};
+pub use recording::{implausible, in_doubt, recorded_size, set_aside};
 
 /// What there is to say of a campaign; the report says all of it, the command line as much as fits.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -44,7 +44,7 @@ fn separation(found: &CampaignFindings) -> Option<String> {
 /// `another actuator would show whether the effects hold: there is none to test them on`, where there is but one.
 fn another_unit(found: &CampaignFindings) -> Option<String> {
     let is_untried = has_terms(found) && found.before.rmse_heldout.is_none();
-    let unit = name::held_out_unit(found);
+    let unit = nouns(found).unit;
     is_untried.then(|| {
         format!("another {unit} would show whether the effects hold: there is none to test them on")
     })

@@ -57,6 +57,20 @@ pub fn in_doubt<'a>(all: impl Iterator<Item = &'a RecordingError>) -> Option<Str
     })
 }
 
+/// Sessions whose readings no such actuator gives, and what to do, a sentence; none where there are none.
+pub fn implausible(sessions: &[String]) -> Option<String> {
+    let mut named: Vec<String> = sessions.iter().take(MOST_NAMED).cloned().collect();
+    if sessions.len() > MOST_NAMED {
+        named.push(format!("{} more", count(sessions.len() - MOST_NAMED)));
+    }
+    (!sessions.is_empty()).then(|| {
+        format!(
+            "No such actuator gives the readings of {}: check the columns, units and lengths in session.toml (`pipeline status` says why).",
+            listed(&named)
+        )
+    })
+}
+
 /// What of a group was set aside where that is not all of its readings: lengths or arms that were measured by hand beside its torques.
 pub fn set_aside(e: &RecordingError) -> Option<&'static str> {
     match e.quantity.as_deref() {
