@@ -98,7 +98,7 @@ pub(super) fn in_brief(found: &CampaignFindings, simpler: Option<Simpler>) -> Br
     let beside = |(about, words): (&'static str, String)| match better {
         Some(s) if about == sentence::ERROR => {
             let error = error_with_unit(s.error, &found.unit);
-            (about, format!("{words}; {} has {error}", s.words))
+            (about, format!("{words}; {} {error}", s.words))
         }
         _ => (about, words),
     };
@@ -213,7 +213,7 @@ mod tests {
             let of_errors = brief.rest.into_iter().find(|r| r.0 == sentence::ERROR);
             of_errors.unwrap().1
         };
-        assert!(said(0.9 * own).contains("; the law alone has 14.2"));
+        assert!(said(0.9 * own).contains("; the law alone 14.2"));
         assert!(!said(0.99 * own).contains("law alone"));
         let nothing = in_brief(&found, None).rest;
         assert!(

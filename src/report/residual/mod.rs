@@ -167,7 +167,7 @@ fn entries<'a>(input: &'a ReportInput, figures: &'a Figures) -> Vec<Entry<'a>> {
             found: &group.diagnosis.as_ref()?.findings,
             figures: drawn.as_ref().map(|d| d.diagnosis.as_slice()),
             simpler: alone.and_then(|c| c.rmse).map(|error| Simpler {
-                words: "the law alone, fitted by least squares,",
+                words: "the law alone (least squares)",
                 error,
             }),
         })

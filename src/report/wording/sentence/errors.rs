@@ -234,8 +234,8 @@ pub(super) fn errors_in_numbers(found: &CampaignFindings) -> Option<String> {
     Some(format!("error on {on} {from} → {to}{on_some}{density}"))
 }
 
-/// `22.3 → 15.6 N on unseen specimens (larger on 1 of the 4 specimens), 4.3 → 3.4 N after three readings spread over each session,
-/// 3.6 → 2.6 N with its gain and lengths known; a black-box smoother on the residual reaches 11.0 N`.
+/// `22.3 → 15.6 N on unseen specimens (larger on 1 of the 4 specimens), 4.3 → 3.4 N after three readings,
+/// 3.6 → 2.6 N with its own gain and lengths; black-box smoother 11.0 N`.
 pub(super) fn points(found: &CampaignFindings) -> Option<String> {
     if found.before.rmse_heldout.is_none() {
         return untried(found);
@@ -259,21 +259,26 @@ pub(super) fn points(found: &CampaignFindings) -> Option<String> {
     let worse = density_change(found).is_some_and(|(.., change)| change == Change::Worse);
     let unseen =
         sizes(&|e| e.rmse_heldout).map(|s| format!("{s} on {}{on_some}", name::held_out(found)));
-    let known = sizes(&|e| e.rmse_heldout_calibrated)
-        .map(|s| format!("{s} with its gain and lengths known"));
-    let after = sizes(&|e| e.rmse_heldout_spread.get(READINGS_GIVEN).copied()).map(|s| {
-        format!(
-            "{s} after three readings spread over each {}",
-            nouns(found).setup
-        )
-    });
+    let known =
+        sizes(&|e| e.rmse_heldout_calibrated).map(|s| format!("{s} with its own gain and lengths"));
+    let after = sizes(&|e| e.rmse_heldout_spread.get(READINGS_GIVEN).copied())
+        .map(|s| format!("{s} after three readings"));
     let forms: Vec<String> = [unseen, after, known].into_iter().flatten().collect();
     let worse = if worse {
-        "; the stated uncertainty gets worse"
+        "; stated uncertainty worse"
     } else {
         ""
     };
-    Some(forms.join(", ") + worse + &beside_black_box(found))
+    let black_box = found
+        .black_box_rmse_heldout
+        .filter(|_| black_box_beats(found));
+    let black_box = black_box.map_or_else(String::new, |error| {
+        format!(
+            "; black-box smoother {}",
+            error_with_unit(error, &found.unit)
+        )
+    });
+    Some(forms.join(", ") + worse + &black_box)
 }
 
 /// `not tried on another actuator, since there is none`, of effects that could not be.

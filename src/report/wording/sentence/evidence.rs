@@ -101,7 +101,7 @@ fn placebo(found: &CampaignFindings, e: &EffectFinding) -> Option<f64> {
 fn in_words(found: &CampaignFindings, reason: Reason, of_searches: &str) -> Option<String> {
     let unit = nouns(found).unit;
     Some(match reason {
-        Reason::Doubtful => format!("all {} are marked as doubtful", nouns(found).setups),
+        Reason::Doubtful => format!("doubtful {}", nouns(found).setups),
         Reason::Probability(p) => format!("p {}", equals_probability(p)),
         Reason::Shuffled(p) => format!("a shuffled column has p {}", equals_probability(p)),
         Reason::Again(0.0) => format!("found in none of the searches{of_searches}"),
@@ -120,7 +120,7 @@ pub fn grades() -> String {
     let number = |x: f64, decimals| rounded(x, Rounding::Decimals(decimals));
     format!(
         "Evidence is strong where p ≤ {} and every search without one specimen (actuator) finds the effect again, weak where p > {}, fewer than {} \
-         of these searches find it, a shuffled column does as well or all tests are marked as doubtful, else moderate. Specimens (actuators) differ where their own estimates do by more \
+         of these searches find it, a shuffled column does as well or all tests are doubtful, else moderate. Specimens (actuators) differ where their own estimates do by more \
          than their standard errors allow (Cochran's Q).",
         number(CLEAR, 2),
         number(NEAR, 3),

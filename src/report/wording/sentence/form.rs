@@ -32,25 +32,25 @@ pub fn form(effect: &EffectFinding) -> Option<String> {
     })
 }
 
-/// `its size changes with the pressure: −44 N at 186 kPa to 5.5 N at 620 kPa`, beside a size that stands for all of them.
-pub(super) fn changing(effect: &EffectFinding) -> Option<String> {
+/// `varies with the pressure: −44 to 5.5 N`, of a size that varies by more than itself, so that one value beside its name would mislead.
+pub(super) fn varying(effect: &EffectFinding) -> Option<String> {
     let free = effect.free_form.as_ref().filter(|free| free.differs)?;
     let size = effect.parameters.first()?;
-    let (first, last) = free.curve.first().zip(free.curve.last())?;
-    (!is_narrow((first.at, last.at))).then(|| {
+    let sizes = || free.curve.iter().map(|point| point.amplitude);
+    let (low, high) = (
+        sizes().fold(f64::MAX, f64::min),
+        sizes().fold(f64::MIN, f64::max),
+    );
+    let is_misleading = high - low > size.value.abs() && !is_narrow(range_of(free)?);
+    is_misleading.then(|| {
+        let rounding = Rounding::ByInterval { low, high };
         format!(
-            "its size changes with the {}: {} to {}",
+            "varies with the {}: {} to {}",
             name::column(&free.argument),
-            end(first, &size.unit, &free.unit),
-            end(last, &size.unit, &free.unit)
+            rounded(low, rounding),
+            with_unit(&rounded(high, rounding), &size.unit)
         )
     })
-}
-
-/// `−44 N at 186 kPa`.
-fn end(point: &FormPoint, unit: &str, unit_of_argument: &str) -> String {
-    let at = with_unit(&rounded(point.at, Rounding::Digits(2)), unit_of_argument);
-    format!("{} at {at}", plain(point.amplitude, unit))
 }
 
 /// `, from 101 kPa at 38 kPa to 309 kPa at 625 kPa, everything else refitted`: the sizes at the ends of the range, and between them where it is largest
@@ -60,7 +60,10 @@ fn between_ends(effect: &EffectFinding, free: &FreeForm) -> String {
     let (Some((first, last)), Some(size)) = (ends, effect.parameters.first()) else {
         return String::new();
     };
-    let end = |point: &FormPoint| end(point, &size.unit, &free.unit);
+    let end = |point: &FormPoint| {
+        let at = with_unit(&rounded(point.at, Rounding::Digits(2)), &free.unit);
+        format!("{} at {at}", plain(point.amplitude, &size.unit))
+    };
     let between =
         beyond(&free.curve).map_or(String::new(), |point| format!(" through {}", end(point)));
     let (first, last) = (end(first), end(last));

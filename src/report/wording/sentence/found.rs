@@ -1,8 +1,8 @@
 //! What was found: effects with their sizes, columns without a name, contradicted declarations.
 
 use super::evidence::{differ, grade, weak};
-use super::form::changing;
-use crate::wording::name::{self, listed};
+use super::form::varying;
+use crate::wording::name::{self, listed, nouns};
 use crate::wording::number::{amounts, count, equals_probability, percent, plain, with_unit};
 use pipeline_findings::{ActsOn, CampaignFindings, EffectFinding, Level, Scatter, Verdict};
 use pipeline_mechanics::effects;
@@ -25,11 +25,12 @@ fn called_weak(found: &CampaignFindings, e: &EffectFinding) -> Option<String> {
     weak(found, e).map(|_| "weak evidence".to_owned())
 }
 
-/// The same with the strength of the evidence for every effect, with how its size changes where one value is not enough, and with the range of the
-/// units' own estimates where these differ.
+/// The same with the strength of the evidence for every effect, with the range of its size where one value would mislead, and with whether the units'
+/// own estimates differ.
 pub(super) fn graded_answer(found: &CampaignFindings) -> String {
     let graded = |e: &EffectFinding| {
-        let all = [Some(grade(found, e)), changing(e), differ(found, e)];
+        let differ = differ(found, e).map(|_| format!("{} differ", nouns(found).units));
+        let all = [Some(grade(found, e)), varying(e), differ];
         all.into_iter().flatten().collect()
     };
     answer_with(found, &graded)
