@@ -1,7 +1,7 @@
 #![warn(missing_docs)]
 //! `pipeline`: from raw test-rig sessions of braided pneumatic actuators to a paper's tables, figures and reports.
 //!
-//! This page is the map. Every folder's `mod.rs` goes on from here.
+//! This page is the map. The `lib.rs` or `mod.rs` of every folder goes on from here.
 //!
 //! # What happens to a session
 //! ```text

@@ -56,7 +56,7 @@ fn warning(doubtful: &Doubtful, sessions: usize) -> Diagnostic {
                 ),
             },
             format!("{readings} readings, which there would be otherwise"),
-            mended(columns),
+            remedy(columns),
         ),
     };
     let others = match sessions - 1 {
@@ -128,7 +128,7 @@ fn of_forces(unlike: &Unlike) -> Words {
             if shorter { "shorter" } else { "longer" }
         )
     });
-    let columns = unlike.columns.as_ref().map(mended);
+    let columns = unlike.columns.as_ref().map(remedy);
     let hint = match (columns, length) {
         (Some(columns), Some(length)) => format!("{columns}; or {length}"),
         (Some(one), None) | (None, Some(one)) => one,
@@ -145,7 +145,7 @@ fn of_forces(unlike: &Unlike) -> Words {
     )
 }
 
-fn mended(columns: &Otherwise) -> String {
+fn remedy(columns: &Otherwise) -> String {
     format!(
         "{}: the readings would then agree with the law",
         described(columns)

@@ -301,7 +301,7 @@ fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
     })
 }
 
-/// `RMSE on unseen specimens, laws alone by least squares: New model, fitted 13.2, Hunt 2017 18.1, Festo tool 25.6 N (on the 1290 of 1675
+/// `RMSE on unseen specimens, laws alone by least squares: New model, fitted 13.2; Hunt 2017 18.1; Festo tool 25.6 N (on the 1290 of 1675
 /// readings that all of them cover)`.
 fn models_text(models: &GroupModels) -> String {
     let one = |m: &ModelError| {
@@ -318,7 +318,7 @@ fn models_text(models: &GroupModels) -> String {
     };
     format!(
         "RMSE on unseen specimens, laws alone by least squares: {} N (on the {}{of} readings that all of them cover){better}",
-        all.join(", "),
+        all.join("; "),
         models.readings
     )
 }

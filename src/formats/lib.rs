@@ -34,7 +34,7 @@ macro_rules! log_formats {
     ($($visibility:vis $file:ident,)+) => {
         $($visibility mod $file;)+
 
-        /// Every log format; the first that knows the bytes as its own reads them, and text is what nobody else knows.
+        /// Every log format; the first that recognises the bytes reads them, and what none recognises is read as text.
         pub const FORMATS: &[LogFormat] = &[$($file::FORMAT),+];
     };
 }

@@ -83,7 +83,7 @@ pub fn check(golden: &Path, reports: &Path) -> Result<Findings> {
     let blessed = blessed(golden)?;
     if blessed.is_empty() {
         return Err(Error::Usage(format!(
-            "no golden tables in {}: look at {}, and if the results are right, write them with --bless --reason \"why\"",
+            "no golden tables in {}: look at {}, and if the results are right, `pipeline check --init` writes them",
             golden.display(),
             reports.join("tables").display()
         )));

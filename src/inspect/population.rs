@@ -109,7 +109,7 @@ const FAR: f64 = 3.0;
 /// What is left, in usual ones, from which somebody should look, and from which the session is of no use.
 const LEFT: (f64, f64) = (2.0, 5.0);
 /// Share of the standard deviation among others that readings may leave open of what they tell.
-const TOLD: f64 = 0.5;
+const LEFT_OPEN: f64 = 0.5;
 /// Numbers that are estimated of a session.
 const OWN: usize = 3;
 /// Standard error of a gain by which a unit or sign can be told: units of force differ by factors of 4 and more.
@@ -412,7 +412,7 @@ impl Population {
             .map(|(k, (seen, quantity))| Check {
                 log: None,
                 state: state(suit.deviations[k]),
-                seen: if suit.open[k] < TOLD || suit.deviations[k].abs() > FAR {
+                seen: if suit.open[k] < LEFT_OPEN || suit.deviations[k].abs() > FAR {
                     seen
                 } else {
                     Seen::NotTold { quantity }

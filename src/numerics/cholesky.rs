@@ -72,7 +72,7 @@ impl Cholesky {
         x
     }
 
-    /// Whether no direction was passed over.
+    /// Whether no direction was left out.
     pub fn is_definite(&self) -> bool {
         (0..self.lower.rows()).all(|j| self.lower[(j, j)] > 0.0)
     }

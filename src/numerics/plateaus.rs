@@ -56,7 +56,7 @@ pub struct Plateaus {
 }
 
 /// Finds the plateaus of a log. `time` (s, not decreasing) and `pressure` (kPa) have one length; samples at which the pressure is
-/// not finite are passed over.
+/// not finite are ignored.
 pub fn find_plateaus(time: &[f64], pressure: &[f64], options: &PlateauOptions) -> Plateaus {
     let mut found = Plateaus::default();
     for stretch in stretches(time, options.longest_gap_s) {

@@ -25,7 +25,7 @@ pub enum Scope {
 pub struct Unit {
     /// As people name it.
     pub name: String,
-    /// Its sessions, as places in [`Discovery::sessions`]; of the shipped knees, the one that says that they are asked for.
+    /// Its sessions, as places in [`Discovery::sessions`]; of the shipped knees, the torque session because of which they are needed.
     pub sessions: Vec<usize>,
     /// Which rows, if it is a group.
     pub group: Option<Group>,

@@ -9,7 +9,7 @@
 //! |---|---|
 //! | [`truth`], `truth_lists`, [`coefficients`], [`rig_settings`] | the truth file, strictly read |
 //! | [`calendar`], [`schedule`], [`logged_columns`], [`effect_tables`], [`effect_places`] | its optional parts: dates, points, columns, effects |
-//! | [`draw`], [`effect_draws`] | strengths, zeros, pressures and sizes of effects, session by session |
+//! | [`draw`], [`effect_draws`] | gains, zeros, pressures and sizes of effects, session by session |
 //! | [`staircase`] | pressure over time |
 //! | [`effects`] | one file an effect: operators on the chain |
 //! | [`moment`], [`setting`], [`chain`] | length, pressure, force, sensor: where effects work |

@@ -114,8 +114,12 @@ fn every_crate_uses_the_crates_that_the_map_allows_and_no_others() {
             let only = |a: &Names, b: &Names| a.difference(b).cloned().collect::<Vec<String>>();
             let (beyond, stale) = (only(found, allowed), only(allowed, found));
             assert!(
-                beyond.is_empty() && stale.is_empty(),
-                "{name} {uses} {beyond:?}, which src/lib.rs does not allow, and not {stale:?}, which it does"
+                beyond.is_empty(),
+                "{name} {uses} {beyond:?}, which src/lib.rs does not allow"
+            );
+            assert!(
+                stale.is_empty(),
+                "src/lib.rs says that {name} {uses} {stale:?}, and it does not"
             );
         }
     }
@@ -131,6 +135,96 @@ fn every_line_of_the_map_names_crates_of_lines_below_it() {
             upward.is_empty(),
             "{name} names {upward:?}, which is not below it"
         );
+    }
+}
+
+/// Crates that compute and nothing else: values in, values out.
+const PURE: [&str; 18] = [
+    "audit",
+    "draft",
+    "findings",
+    "inference",
+    "inspect",
+    "mechanics",
+    "numerics",
+    "plan",
+    "portable",
+    "predict",
+    "stages/clean",
+    "stages/compare",
+    "stages/diagnose",
+    "stages/fit",
+    "stages/ingest",
+    "stages/normalize",
+    "stages/torque",
+    "report",
+];
+/// What they leave to others: files, the environment, clocks, the terminal.
+const IMPURE: [&str; 7] = [
+    "std::fs",
+    "std::env",
+    "std::time",
+    "std::io",
+    "std::process",
+    "println!",
+    "print!(",
+];
+
+/// The Rust files below a folder that are part of the program.
+fn sources(folder: &Path, files: &mut Vec<std::path::PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap();
+        if path.is_dir() && name != "tests" {
+            sources(&path, files);
+        } else if name.ends_with(".rs") && !name.ends_with("tests.rs") {
+            files.push(path);
+        }
+    }
+}
+
+#[test]
+fn pure_crates_touch_no_file_clock_environment_or_terminal() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    PURE.iter().for_each(|c| sources(&root.join(c), &mut files));
+    assert!(files.len() > 100, "{}", files.len());
+    for file in files {
+        let text = std::fs::read_to_string(&file).unwrap();
+        let program = text.split("#[cfg(test)]\nmod ").next().unwrap();
+        let lines = program.lines().enumerate();
+        let code = lines.filter(|(_, line)| !line.trim_start().starts_with("//"));
+        for (k, line) in code {
+            let found = IMPURE.iter().find(|what| line.contains(*what));
+            assert!(
+                found.is_none(),
+                "{}:{}: {} in a crate that only computes: its inputs are arguments, its results return values",
+                file.display(),
+                k + 1,
+                found.unwrap()
+            );
+        }
+    }
+}
+
+/// The key of a stage's code follows `[dependencies]` alone (`src/run/fingerprint.rs`).
+#[test]
+fn no_manifest_has_dependencies_where_the_keys_do_not_look_for_them() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let members = read(&root.join("Cargo.toml"))["workspace"]["members"].clone();
+    for folder in members.as_array().unwrap() {
+        let file = root.join(folder.as_str().unwrap()).join("Cargo.toml");
+        let text = std::fs::read_to_string(&file).unwrap();
+        for line in text.lines().filter(|line| line.starts_with('[')) {
+            let known = [
+                "[package]",
+                "[lib]",
+                "[dependencies]",
+                "[build-dependencies]",
+                "[dev-dependencies]",
+            ];
+            assert!(known.contains(&line), "{}: {line}", file.display());
+        }
     }
 }
 

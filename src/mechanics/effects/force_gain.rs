@@ -1,7 +1,7 @@
 //! The load cell's gain is wrong.
 //!
 //! A gain common to all readings is taken up by b1 of the base model; it shows against a model whose coefficients are held. A gain
-//! that differs between sessions shows always, and one that differs between specimens cannot be told from their strengths.
+//! that differs between sessions shows always, and one that differs between specimens cannot be told from specimen gains.
 
 use super::{
     Argument, Conditions, Effect, Form, Grouping, JointForm, Link, Parameter, Place, StandsFor,

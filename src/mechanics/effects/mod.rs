@@ -105,7 +105,7 @@ pub enum Subject {
     Rig,
 }
 
-/// Who an effect is.
+/// What an effect is: names, equations, bounds, source.
 pub trait Effect: Sync {
     /// Name in files; never changes.
     fn id(&self) -> &'static str;

@@ -126,7 +126,7 @@ fn named<'a>(figures: &'a [Named], kind: &str) -> &'a Named {
 fn figures_of_five_and_of_a_thousand_specimens_fit_on_a_page() {
     for (count, equal, group) in pools() {
         let mut figures = composed(&group);
-        assert_eq!(figures.len(), 8);
+        assert!(figures.len() >= 8, "{count}, {equal}: {}", figures.len());
         let of_diagnosis = composed_of_diagnosis(&group);
         assert!(of_diagnosis.len() >= 3, "{count}, {equal}");
         figures.extend(of_diagnosis);

@@ -74,7 +74,7 @@ pub fn intervals(groups: &[GroupInput]) -> Table {
         .note(
             "The methods by specimen let readings of one specimen depend on each other; profile and linearised intervals, like those \
              that MATLAB prints for least absolute residuals (LAR) and the published ones, count every reading as independent and are too \
-             narrow. An empty end is unbounded.",
+             narrow. Where an end is empty, the interval is unbounded on that side.",
         )
         .blocks(equations(groups).flat_map(|(g, e)| (0..e.coefficients.len()).map(move |k| by_every_method(g, e, k))))
 }

@@ -57,7 +57,7 @@ pub fn readings(
         reason: reason.to_owned(),
     };
     let column = session.column(FORCE);
-    let drift_n = series.force_drift_limit(options);
+    let drift_n = drift_limit(&series.force, options);
     let (mut used, mut counted) = (Vec::new(), 0);
     for plateau in &found.plateaus {
         match series.defect(&plateau.window, column, options, drift_n) {
@@ -86,6 +86,15 @@ pub fn readings(
     );
 }
 
+/// By how much the force may drift within a window of a log with these forces, N.
+fn drift_limit(force: &[f64], options: &CleanOptions) -> f64 {
+    if force.is_empty() {
+        return f64::INFINITY;
+    }
+    let range = quantile_range(force, 0.01, 0.99);
+    FORCE_DRIFT_N.max(options.largest_force_drift * range)
+}
+
 impl<'a> Series<'a> {
     fn new(log: &'a Screened<'a>) -> Self {
         let named = [TIME, PRESSURE, FORCE, PHASE];
@@ -104,14 +113,6 @@ impl<'a> Series<'a> {
             phase: log.column(PHASE),
             others,
         }
-    }
-
-    fn force_drift_limit(&self, options: &CleanOptions) -> f64 {
-        if self.force.is_empty() {
-            return f64::INFINITY;
-        }
-        let range = quantile_range(&self.force, 0.01, 0.99);
-        FORCE_DRIFT_N.max(options.largest_force_drift * range)
     }
 
     /// Why a window cannot be used.
@@ -246,4 +247,23 @@ fn drift(time: &[f64], values: &[f64]) -> f64 {
     let span = time[time.len() - 1] - time[0];
     let slope = sum(&products) / sum(&squares).max(f64::MIN_POSITIVE);
     (slope * span).abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn force_may_drift_by_two_newtons_or_a_share_of_its_range() {
+        let options = CleanOptions {
+            largest_force_drift: 0.01,
+            ..CleanOptions::default()
+        };
+        let up_to = |force: f64| (0..=100).map(|k| f64::from(k) * force / 98.0).collect();
+        let limit = |force: Vec<f64>| drift_limit(&force, &options);
+        assert_eq!(limit(up_to(196.0)), 2.0);
+        // From the 1st to the 99th percentile it is 400 N.
+        assert!((limit(up_to(400.0)) - 4.0).abs() < 1e-9);
+        assert_eq!(limit(Vec::new()), f64::INFINITY);
+    }
 }

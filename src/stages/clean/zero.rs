@@ -118,7 +118,7 @@ pub fn determine(
     let some = |values: &[f64]| (!values.is_empty()).then(|| median(values));
     let clipped = forces.iter().filter(|f| is_clipped(column, **f)).count();
     let share = clipped as f64 / forces.len().max(1) as f64;
-    let tolerance = TOLERANCE_N.max(TOLERANCE_FRACTION * force_range(readings));
+    let tolerance = tolerance(readings);
     // Points were zeroed by whoever wrote them down. What they show of a zero is for the residual search: taken off in the sessions in which
     // the actuator happens to go slack, and in no others, it would look like anything.
     let slack = match sampling {
@@ -166,6 +166,11 @@ fn force_range(readings: &[Reading]) -> f64 {
         return 0.0;
     }
     quantile_range(&forces, 0.0, 1.0)
+}
+
+/// By how much zero log and slack state may differ, and a slack state in itself, N.
+fn tolerance(readings: &[Reading]) -> f64 {
+    TOLERANCE_N.max(TOLERANCE_FRACTION * force_range(readings))
 }
 
 /// The force along the longest run of plateaus from the lowest pressure upwards in which it stays within `tolerance`; `None` if that
@@ -224,6 +229,14 @@ mod tests {
         let near = beside_others(3.0, &[0.0, 0.0, 0.0]).unwrap();
         assert_eq!(near.deviations, 3.0);
         assert_eq!(beside_others(9.0, &[0.0, 0.0]), None);
+    }
+
+    #[test]
+    fn slack_states_may_differ_by_three_newtons_or_a_hundredth_of_the_range() {
+        let up_to = |force: f64| [reading(0.0, 0.0), reading(600.0, force)];
+        assert_eq!(tolerance(&[]), 3.0);
+        assert_eq!(tolerance(&up_to(299.0)), 3.0);
+        assert_eq!(tolerance(&up_to(500.0)), 5.0);
     }
 
     #[test]

@@ -180,8 +180,8 @@ fn percentiles<const N: usize>(draws: &[[f64; N]], k: usize, level: f64) -> [Opt
         .map(|d| d[k])
         .filter(|x| x.is_finite())
         .collect();
-    let lost = 1.0 - known.len() as f64 / draws.len() as f64;
-    if lost > MOST_UNDETERMINED {
+    let lost = draws.len() - known.len();
+    if lost as f64 > MOST_UNDETERMINED * draws.len() as f64 {
         return [None; 2];
     }
     [1.0 - level, level].map(|p| Some(quantile(&known, p)))
@@ -290,5 +290,23 @@ impl<'a, 'e, const N: usize> Profile<'a, 'e, N> {
         *start = solution.values;
         let rise = (solution.fit.sse - self.lowest).max(0.0);
         Some((rise / self.variance).sqrt())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_percentile_interval_is_open_where_more_than_one_refit_in_twenty_does_not_determine_the_coefficient()
+     {
+        let draws = |lost: usize| -> Vec<[f64; 1]> {
+            let of = |k: usize| if k < lost { f64::NAN } else { k as f64 };
+            (0..100).map(|k| [of(k)]).collect()
+        };
+        let ends = percentiles(&draws(5), 0, 0.9);
+        let [low, high] = ends.map(|end| end.unwrap());
+        assert!(low > 5.0 && high < 99.0 && high > low + 70.0, "{ends:?}");
+        assert_eq!(percentiles(&draws(6), 0, 0.9), [None; 2]);
     }
 }

@@ -179,7 +179,7 @@ pub fn groups(rows: &[(String, u32, bool)], pool: bool) -> Vec<Group> {
     single.chain(pooled).collect()
 }
 
-/// Fits every equation to the rows of a group (all of one diameter; rows of other kinds are passed over).
+/// Fits every equation to the rows of a group (all of one diameter; rows of other kinds are ignored).
 pub fn fit_group(group: &Group, rows: &[Row], options: &FitOptions) -> GroupFit {
     let usable: Vec<&Row> = rows.iter().filter(|r| is_usable(r)).collect();
     let fitted: Vec<&Row> = usable.iter().copied().filter(|r| is_fitted(r)).collect();
