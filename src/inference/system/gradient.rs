@@ -4,7 +4,7 @@ use super::kernels::{add_combination, add_products, add_times, dot};
 use super::triangular::inverse_of;
 use super::{Factor, Likelihood, scales};
 use crate::gram::{Part, Square};
-use crate::tree::Tree;
+use crate::tree::{Block, Tree};
 
 impl Factor<'_> {
     /// Derivatives of the log-likelihood by the logarithms of the standard deviations: components, then noise.
@@ -20,14 +20,8 @@ impl Factor<'_> {
         let mut by_components = vec![0.0; self.variances.components.len()];
         // The first class of noise is what is left of all: only the readings of the others are looked at themselves.
         let mut by_noise: Vec<f64> = self.gram.counts.iter().map(|_| 0.0).collect();
-        let mut others: Vec<Vec<&Part>> = vec![Vec::new(); tree.len()];
-        for part in self.gram.parts.iter().filter(|p| p.class > 0) {
-            others[part.node].push(part);
-        }
-        let mut is_parent = vec![false; tree.len()];
-        for node in 1..tree.len() {
-            is_parent[tree.parent(node)] = true;
-        }
+        let others = self.parts_of_other_classes();
+        let is_parent = parents(tree);
         let mut expected: Vec<Option<Square>> = Vec::with_capacity(tree.len());
         let mut sums: Vec<Option<Below>> = Vec::with_capacity(tree.len());
         for node in 0..tree.len() {
@@ -35,14 +29,7 @@ impl Factor<'_> {
             let first = tree.above(node);
             let above = expected_of(&expected, tree, node).unwrap_or(&at_root);
             for part in &others[node] {
-                let scales = scales(tree, self.variances, part, self.gram.fixed);
-                let rows = part.rows.chunks_exact(scales.len());
-                by_noise[part.class] += rows
-                    .map(|row| {
-                        let row: Vec<f64> = row.iter().zip(&scales).map(|(x, s)| x * s).collect();
-                        own.expected_square(&row, above, first) - 1.0
-                    })
-                    .sum::<f64>();
+                by_noise[part.class] += self.by_noise_of(part, &own, above, first);
             }
             if node == 0 || is_parent[node] {
                 let here = own.expected(above, first);
@@ -61,31 +48,51 @@ impl Factor<'_> {
             let Some(below) = &mut sums[tree.parent(node)] else {
                 continue;
             };
-            let mut from = 0;
-            for block in tree.blocks(node) {
-                let rows = &own.a[from * own.n..(from + block.columns) * own.n];
-                add_products(below.component(block.component), rows, block.columns);
-                from += block.columns;
-            }
+            below.take(&own, tree.blocks(node));
         }
         for (below, here) in sums.iter().zip(&expected) {
             if let (Some(below), Some(here)) = (below, here) {
                 below.add_to(here, &mut by_components);
             }
         }
-        let estimated = match likelihood {
-            Likelihood::Full => 0,
-            Likelihood::Restricted => {
-                let pivots = (0..fixed.len()).filter(|k| self.fixed_lower.at(*k, *k) > 0.0);
-                pivots.count()
-            }
-        };
         // All readings together: y'P y less the squares of the random effects, and the trace of (covariance times products) = columns - what is
         // left open.
-        let all = self.quadratic - by_components.iter().sum::<f64>() + estimated as f64
+        let all = self.quadratic - by_components.iter().sum::<f64>()
+            + self.estimated(likelihood) as f64
             - self.gram.count() as f64;
         by_noise[0] = all - by_noise.iter().sum::<f64>();
         (by_components, by_noise)
+    }
+
+    /// By node, the parts of all classes of noise but the first.
+    fn parts_of_other_classes(&self) -> Vec<Vec<&Part>> {
+        let mut others: Vec<Vec<&Part>> = vec![Vec::new(); self.tree.len()];
+        for part in self.gram.parts.iter().filter(|p| p.class > 0) {
+            others[part.node].push(part);
+        }
+        others
+    }
+
+    /// What the readings of a part add to the derivative by their noise.
+    fn by_noise_of(&self, part: &Part, own: &OwnEffects, above: &Square, first: usize) -> f64 {
+        let scales = scales(self.tree, self.variances, part, self.gram.fixed);
+        let rows = part.rows.chunks_exact(scales.len());
+        rows.map(|row| {
+            let row: Vec<f64> = row.iter().zip(&scales).map(|(x, s)| x * s).collect();
+            own.expected_square(&row, above, first) - 1.0
+        })
+        .sum::<f64>()
+    }
+
+    /// How many fixed effects the likelihood counts as estimated.
+    fn estimated(&self, likelihood: Likelihood) -> usize {
+        match likelihood {
+            Likelihood::Full => 0,
+            Likelihood::Restricted => {
+                let pivots = (0..self.gram.fixed).filter(|k| self.fixed_lower.at(*k, *k) > 0.0);
+                pivots.count()
+            }
+        }
     }
 
     /// E of the fixed effects and the response.
@@ -205,6 +212,16 @@ impl Below {
         self.components[component].get_or_insert_with(|| Square::zeros(self.n))
     }
 
+    /// Adds what the own effects of a node are to be multiplied with.
+    fn take(&mut self, own: &OwnEffects, blocks: &[Block]) {
+        let mut from = 0;
+        for block in blocks {
+            let rows = &own.a[from * own.n..(from + block.columns) * own.n];
+            add_products(self.component(block.component), rows, block.columns);
+            from += block.columns;
+        }
+    }
+
     fn add_to(&self, expected: &Square, by_components: &mut [f64]) {
         for (matrix, sum) in self.components.iter().zip(by_components) {
             *sum += matrix
@@ -212,6 +229,15 @@ impl Below {
                 .map_or(0.0, |m| product_of_upper(m, expected));
         }
     }
+}
+
+/// For each node whether there are others below it.
+fn parents(tree: &Tree) -> Vec<bool> {
+    let mut is_parent = vec![false; tree.len()];
+    for node in 1..tree.len() {
+        is_parent[tree.parent(node)] = true;
+    }
+    is_parent
 }
 
 /// E of the parent of a node; none of the root's.
