@@ -64,44 +64,11 @@ impl Search<'_> {
         let model = found.model.clone();
         let screen = self.screen(self.setting, &model, way);
         let shown = screen.shown(2 * Screen::refined_in_draws());
-        let first = shown.first().map_or(f64::NEG_INFINITY, Shown::deviate);
-        let mut draws = found.draws.clone();
-        let close = (CLOSE.0 * self.decision.level, CLOSE.1 * self.decision.level);
-        let p = upper_tail(&draws, first);
-        let is_first = found.accepted.is_empty();
-        let redrawn = match way.drawn {
-            // Draws of more groups than there are here have lighter tails: they decide what is clear, no more.
-            Drawn::IfDoubtful => first >= found.critical && first < CLEAR * found.critical,
-            Drawn::IfClose => !is_first && p > close.0 && p < close.1,
-            Drawn::Always => !is_first && p > close.0,
-        };
-        if redrawn {
-            let (most, level) = (self.decision.draws, self.decision.level);
-            draws = if self.decision.thorough {
-                screen.draws(most, normal)
-            } else {
-                screen.draws_to_decide(most, normal, level, first)
-            };
-        }
+        let first = strongest(&shown);
+        let draws = self.draws_beside(found, &screen, normal, way, first);
         let limit = critical(&draws, self.decision.level);
-        let mut fits = self.fits_tried(&model);
-        if first >= limit {
-            let others = self.fits(&screen, &model, &shown, &fits);
-            fits.extend(others);
-        }
-        if self.decision.thorough && (found.accepted.is_empty() || fits.is_empty()) {
-            fits.extend(self.fits_afresh(&model, way));
-        }
-        let passes =
-            |(f, t): &(Fitted, usize)| self.statistic(f, *t, model.log_likelihood) >= limit;
-        if self.decision.thorough {
-            let least = self.least_of_use(&fits, &model, limit, way);
-            fits.extend(self.fits_far(&model, way, least));
-        }
-        // What would not be accepted keeps nothing out.
-        if fits.iter().any(passes) {
-            fits.retain(passes);
-        }
+        let is_first = found.accepted.is_empty();
+        let fits = self.fits_beside((&model, is_first), (&screen, &shown), limit, way);
         let Some((fitted, term)) = self.preferred(&fits, way) else {
             return Step::Nothing;
         };
@@ -129,6 +96,64 @@ impl Search<'_> {
         }
     }
 
+    /// The draws that decide on the strongest candidate: those from the null, or from the model itself where these could change the answer.
+    fn draws_beside(
+        &self,
+        found: &Found,
+        screen: &Screen,
+        normal: &Normal,
+        way: Way,
+        first: f64,
+    ) -> Vec<f64> {
+        let close = (CLOSE.0 * self.decision.level, CLOSE.1 * self.decision.level);
+        let p = upper_tail(&found.draws, first);
+        let is_first = found.accepted.is_empty();
+        let redrawn = match way.drawn {
+            // Draws of more groups than there are here have lighter tails: they decide what is clear, no more.
+            Drawn::IfDoubtful => first >= found.critical && first < CLEAR * found.critical,
+            Drawn::IfClose => !is_first && p > close.0 && p < close.1,
+            Drawn::Always => !is_first && p > close.0,
+        };
+        if !redrawn {
+            return found.draws.clone();
+        }
+        let (most, level) = (self.decision.draws, self.decision.level);
+        if self.decision.thorough {
+            screen.draws(most, normal)
+        } else {
+            screen.draws_to_decide(most, normal, level, first)
+        }
+    }
+
+    /// The candidates that are worth a comparison, fitted in full: those that would be accepted, if there are any.
+    fn fits_beside(
+        &self,
+        (model, is_first): (&Fitted, bool),
+        (screen, shown): (&Screen, &[Shown]),
+        limit: f64,
+        way: Way,
+    ) -> Vec<(Fitted, usize)> {
+        let mut fits = self.fits_tried(model);
+        if strongest(shown) >= limit {
+            let others = self.fits(screen, model, shown, &fits);
+            fits.extend(others);
+        }
+        if self.decision.thorough && (is_first || fits.is_empty()) {
+            fits.extend(self.fits_afresh(model, way));
+        }
+        let passes =
+            |(f, t): &(Fitted, usize)| self.statistic(f, *t, model.log_likelihood) >= limit;
+        if self.decision.thorough {
+            let least = self.least_of_use(&fits, model, limit, way);
+            fits.extend(self.fits_far(model, way, least));
+        }
+        // What would not be accepted keeps nothing out.
+        if fits.iter().any(passes) {
+            fits.retain(passes);
+        }
+        fits
+    }
+
     /// What a fit gains by a term, on the scale of [`deviate`].
     fn statistic(&self, fitted: &Fitted, term: usize, below: f64) -> f64 {
         let amplitudes = self.setting.problem.terms()[term].amplitudes;
@@ -146,4 +171,9 @@ impl Search<'_> {
             least.max(self.worth(f, *t, way) - self.decision.alike)
         })
     }
+}
+
+/// What the strongest of some candidates promises, on the scale of [`deviate`].
+fn strongest(shown: &[Shown]) -> f64 {
+    shown.first().map_or(f64::NEG_INFINITY, Shown::deviate)
 }

@@ -26,59 +26,92 @@ impl Search<'_> {
                 continue;
             }
             found.accepted[place].gain = gain;
-            let is_named = |t: usize| self.setting.problem.terms()[t].named;
-            let mut others = if self.decision.thorough {
-                self.others(&found.model, &without, term, gain)
-            } else {
-                Vec::new()
-            };
-            // What no tangent shows has alternatives that none shows either.
-            if self.decision.thorough && !(is_named(term) && self.shows(&without, term)) {
-                let own = self.worth(&found.model, term, way) - self.decision.alike;
-                let way_of_names = Way {
-                    named_only: true,
-                    ..way
-                };
-                let far = self.fits_far(&without, way_of_names, own);
-                let far = far
-                    .into_iter()
-                    .filter(|(f, t)| *t != term && self.worth(f, *t, way) > own);
-                others.extend(far.map(|(f, t)| (t, f)));
-            }
-            let own = self.worth(&found.model, term, way);
-            // A name gives way to none only where they are not alike.
-            let least = |other: usize| match (is_named(term), is_named(other)) {
-                (true, false) => self.decision.alike,
-                (false, true) => -self.decision.alike,
-                _ => WORTH_A_SWAP,
-            };
-            let better = others
-                .iter()
-                .map(|(t, f)| (self.worth(f, *t, way), t, f))
-                .filter(|(worth, t, _)| *worth > own + least(**t))
-                .max_by(|a, b| a.0.total_cmp(&b.0));
-            if let (Some((_, other, fit)), true) = (better, swaps > 0) {
+            let others = self.instead_of(&found.model, &without, term, gain, way);
+            let better = self.better(&others, &found.model, term, way);
+            if let (Some((other, fit)), true) = (better, swaps > 0) {
                 swaps -= 1;
                 found.accepted[place].term = *other;
                 found.model = self.estimated(fit);
                 place = 0;
                 continue;
             }
-            let kind = self.setting.problem.terms()[term].kind;
-            found.accepted[place].in_its_place = others
-                .into_iter()
-                .filter(|(t, f)| {
-                    self.setting.problem.terms()[*t].kind != kind
-                        && f.log_likelihood > found.model.log_likelihood - self.decision.alike
-                })
-                .map(|(term, f)| Instead {
-                    term,
-                    log_likelihood: f.log_likelihood - found.model.log_likelihood,
-                    point: f.point,
-                })
-                .collect();
+            found.accepted[place].in_its_place = self.alike(others, &found.model, term);
             place += 1;
         }
+    }
+
+    fn is_named(&self, term: usize) -> bool {
+        self.setting.problem.terms()[term].named
+    }
+
+    /// Fits of other terms in the place of one, also of those that no tangent shows.
+    fn instead_of(
+        &self,
+        model: &Fitted,
+        without: &Fitted,
+        term: usize,
+        gain: f64,
+        way: Way,
+    ) -> Vec<(usize, Fitted)> {
+        let mut others = if self.decision.thorough {
+            self.others(model, without, term, gain)
+        } else {
+            Vec::new()
+        };
+        // What no tangent shows has alternatives that none shows either.
+        if self.decision.thorough && !(self.is_named(term) && self.shows(without, term)) {
+            let own = self.worth(model, term, way) - self.decision.alike;
+            let way_of_names = Way {
+                named_only: true,
+                ..way
+            };
+            let far = self.fits_far(without, way_of_names, own);
+            let far = far
+                .into_iter()
+                .filter(|(f, t)| *t != term && self.worth(f, *t, way) > own);
+            others.extend(far.map(|(f, t)| (t, f)));
+        }
+        others
+    }
+
+    /// The best of the fits with another term in the place of one, if that is worth a swap.
+    fn better<'f>(
+        &self,
+        others: &'f [(usize, Fitted)],
+        model: &Fitted,
+        term: usize,
+        way: Way,
+    ) -> Option<(&'f usize, &'f Fitted)> {
+        let own = self.worth(model, term, way);
+        // A name gives way to none only where they are not alike.
+        let least = |other: usize| match (self.is_named(term), self.is_named(other)) {
+            (true, false) => self.decision.alike,
+            (false, true) => -self.decision.alike,
+            _ => WORTH_A_SWAP,
+        };
+        let better = others
+            .iter()
+            .map(|(t, f)| (self.worth(f, *t, way), t, f))
+            .filter(|(worth, t, _)| *worth > own + least(**t))
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        better.map(|(_, other, fit)| (other, fit))
+    }
+
+    /// Those of the fits with a term of another kind in the place of one that do as well.
+    fn alike(&self, others: Vec<(usize, Fitted)>, model: &Fitted, term: usize) -> Vec<Instead> {
+        let kind = self.setting.problem.terms()[term].kind;
+        others
+            .into_iter()
+            .filter(|(t, f)| {
+                self.setting.problem.terms()[*t].kind != kind
+                    && f.log_likelihood > model.log_likelihood - self.decision.alike
+            })
+            .map(|(term, f)| Instead {
+                term,
+                log_likelihood: f.log_likelihood - model.log_likelihood,
+                point: f.point,
+            })
+            .collect()
     }
 
     /// Fits of the terms that would explain nearly as much in the place of one, the best form of each kind.
