@@ -33,9 +33,10 @@ pub use setting::Setting;
 pub use shown::Shown;
 pub(crate) use step::SHORTEST;
 
+use crate::gram::{Design, Gram};
 use crate::problem::Point;
-use crate::system::{Factor, Likelihood, Variances};
-use crate::variance::{Effort, Maximum};
+use crate::system::{Estimates, Factor, Likelihood, Variances};
+use crate::variance::{Effort, Maximiser, Maximum};
 use goal::Goal;
 use linear::short_of;
 
@@ -95,66 +96,107 @@ impl Setting<'_> {
         let mut stayed = 0;
         let mut iteration = 0;
         loop {
-            let mut linear = self.problem.linearise(&point);
-            let free = self.free(&point, &held);
-            let design = self.design(&point, &mut linear, &free);
-            let gram = self.sums(&design);
-            let maximum = match &known {
-                None => maximiser.best(&gram, starts, Effort::FIRST),
-                Some(k) => {
-                    maximiser.maximise_with(&gram, &k.variances, Effort::STEP, Some(&k.inverse))
-                }
-            };
-            let factor = Factor::new(&design.tree, &gram, &maximum.variances);
-            let estimates = factor.estimates();
-            let covariance = factor.fixed_covariance();
-            let to_gain = short_of(&covariance, &estimates.fixed);
-            let gained = maximum.log_likelihood - before;
+            let here = self.linear_model(&point, &held, &maximiser, known.as_ref(), starts);
+            let gained = here.maximum.log_likelihood - before;
             let settled = gained.abs() < goal.settled;
-            before = maximum.log_likelihood;
+            before = here.maximum.log_likelihood;
             iteration += 1;
             // Readings in the corner to slackness may leave and enter it in turn while nothing else moves: it ends at the better of the two.
             let alternates = stayed >= ALTERNATES && gained >= 0.0;
-            stayed = if to_gain < goal.rest { stayed + 1 } else { 0 };
+            stayed = if here.to_gain < goal.rest {
+                stayed + 1
+            } else {
+                0
+            };
             let converged = stayed > 0 && (settled || alternates);
             let ends = iteration >= goal.iterations
-                || goal.is_out_of_reach(iteration, before, gained.max(to_gain));
-            let pressed = self.pressed(&point, &free, &estimates);
+                || goal.is_out_of_reach(iteration, before, gained.max(here.to_gain));
+            let pressed = self.pressed(&point, &here.free, &here.estimates);
             if converged && !ends && !pressed.is_empty() {
                 // What stands at its bound and would go on is no estimate, however little it would gain.
                 held.extend(pressed);
-                known = Some(maximum);
+                known = Some(here.maximum);
                 continue;
             }
             if converged || ends {
-                let at_bound = self.at_bound(&point);
-                let mut last = point.clone();
-                last.random = estimates.random;
-                return Fitted {
-                    point: last,
-                    log_likelihood: maximum.log_likelihood - to_gain,
-                    variances: maximum.variances,
-                    design,
-                    gram,
-                    free,
-                    inverse: maximum.inverse,
-                    predicted: linear.predicted,
-                    converged,
-                    at_bound,
-                };
+                return here.fitted(&point, self.at_bound(&point), converged);
             }
             let longest = if iteration > DAMPED_AFTER { 0.5 } else { 1.0 };
             let moved = self.step(
-                (&point, &linear.predicted),
-                (&design, &gram),
-                &free,
-                &estimates,
-                &maximum.variances,
+                (&point, &here.predicted),
+                (&here.design, &here.gram),
+                &here.free,
+                &here.estimates,
+                &here.maximum.variances,
                 longest,
             );
             held.extend(moved.stopped);
             point = moved.point;
-            known = Some(maximum);
+            known = Some(here.maximum);
+        }
+    }
+
+    /// The linear model at a point, its variances from where those of the point before it are known, or else from some starts.
+    fn linear_model(
+        &self,
+        point: &Point,
+        held: &[Free],
+        maximiser: &Maximiser,
+        known: Option<&Maximum>,
+        starts: &[Variances],
+    ) -> LinearModel {
+        let mut linear = self.problem.linearise(point);
+        let free = self.free(point, held);
+        let design = self.design(point, &mut linear, &free);
+        let gram = self.sums(&design);
+        let maximum = match known {
+            None => maximiser.best(&gram, starts, Effort::FIRST),
+            Some(k) => maximiser.maximise_with(&gram, &k.variances, Effort::STEP, Some(&k.inverse)),
+        };
+        let factor = Factor::new(&design.tree, &gram, &maximum.variances);
+        let estimates = factor.estimates();
+        let covariance = factor.fixed_covariance();
+        let to_gain = short_of(&covariance, &estimates.fixed);
+        LinearModel {
+            predicted: linear.predicted,
+            free,
+            design,
+            gram,
+            maximum,
+            estimates,
+            to_gain,
+        }
+    }
+}
+
+/// The linear model at a point, with its variances and estimates.
+struct LinearModel {
+    predicted: Vec<f64>,
+    free: Vec<Free>,
+    design: Design,
+    gram: Gram,
+    maximum: Maximum,
+    estimates: Estimates,
+    /// What a whole step would gain.
+    to_gain: f64,
+}
+
+impl LinearModel {
+    /// The model that is fitted where the iteration ends at its point.
+    fn fitted(self, point: &Point, at_bound: Vec<bool>, converged: bool) -> Fitted {
+        let mut last = point.clone();
+        last.random = self.estimates.random;
+        Fitted {
+            point: last,
+            log_likelihood: self.maximum.log_likelihood - self.to_gain,
+            variances: self.maximum.variances,
+            design: self.design,
+            gram: self.gram,
+            free: self.free,
+            inverse: self.maximum.inverse,
+            predicted: self.predicted,
+            converged,
+            at_bound,
         }
     }
 }
