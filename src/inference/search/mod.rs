@@ -49,7 +49,7 @@ pub struct Accepted {
     pub term: usize,
     /// Family-wise probability, at the step where it came in.
     pub p: f64,
-    /// The value of [`deviate`] from which it was accepted.
+    /// The value of [`crate::statistic::deviate`] from which it was accepted.
     pub critical: f64,
     /// Gain in log-likelihood over the final model without it.
     pub gain: f64,
@@ -85,7 +85,7 @@ pub struct Found {
     pub tested: Vec<(usize, Shown)>,
     /// Maxima of the draws from the null.
     pub draws: Vec<f64>,
-    /// The value of [`deviate`] from which a candidate is accepted.
+    /// The value of [`crate::statistic::deviate`] from which a candidate is accepted.
     pub critical: f64,
 }
 

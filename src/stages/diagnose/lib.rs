@@ -16,7 +16,8 @@
 //! `campaign` goes through these steps with what is left when the mistakes are gone (`aside`): the problem that suits the readings (`suited`), its
 //! search, and everything that is asked of the result (`asked`, `alternatives`; before that nothing is said, `unassessed`).
 //!
-//! The numbers that decide stand in [`pipeline_inference::decisions`], those that say what is plausible in [`settings`], each with its reason. No rule names an effect.
+//! The numbers that decide stand in [`pipeline_inference::decisions`], those that say what is plausible in [`settings`], each with its reason. No
+//! rule names an effect.
 //!
 //! Deliberately absent: sentences, and knowledge of how a campaign was made. The stage sees rows.
 
