@@ -165,8 +165,7 @@ fn truth(root: &Section) -> Option<Truth> {
     let mm = diameter.unwrap_or(10);
     let rig = rig_table.map_or_else(|| Rig::for_diameter(mm), |t| Rig::read(&t, mm));
     let calendar = Calendar::read(root, date.is_some());
-    let timing = sampling.zip(pressures).zip(runs.as_deref());
-    let schedule = schedule_of(root, timing);
+    let schedule = schedule_of(root, sampling, pressures, runs.as_deref());
     let columns = logged_columns::columns(root);
     let named = Named {
         campaign: campaign.as_deref().unwrap_or_default(),
@@ -208,8 +207,13 @@ fn sampling(root: &Section) -> Option<Sampling> {
 }
 
 /// The schedule of set points; none where what it needs is mistaken.
-fn schedule_of(root: &Section, timing: Option<((Sampling, Vec<f64>), &[Run])>) -> Option<Schedule> {
-    let Some(((sampling, pressures), runs)) = timing else {
+fn schedule_of(
+    root: &Section,
+    sampling: Option<Sampling>,
+    pressures: Option<Vec<f64>>,
+    runs: Option<&[Run]>,
+) -> Option<Schedule> {
+    let Some(((sampling, pressures), runs)) = sampling.zip(pressures).zip(runs) else {
         schedule::pass(root);
         return None;
     };
