@@ -65,6 +65,22 @@ fn column_spec(name: &str, entry: &Entry) -> Option<ColumnSpec> {
     let cells = cells(known, text, declared)?;
     let (unit, factor, constant) = unit_of(name, known, entry, unit_entry)?;
     let (gain, offset) = (gain?, offset?);
+    check_numbers(entry, gain, low, high)?;
+    Some(ColumnSpec {
+        column: known.map_or(name, |k| k.column).to_owned(),
+        position: position?,
+        cells,
+        unit,
+        factor: gain * factor,
+        constant: offset * factor + constant,
+        saturation_low: low.map(|x| x * factor + constant),
+        saturation_high: high.map(|x| x * factor + constant),
+        values: phase_values(known, entry, values)?,
+    })
+}
+
+/// Whether a gain and the ends of a range mean something.
+fn check_numbers(entry: &Entry, gain: f64, low: Option<f64>, high: Option<f64>) -> Option<()> {
     if gain == 0.0 {
         entry.reject_for(
             "gain = 0",
@@ -83,17 +99,7 @@ fn column_spec(name: &str, entry: &Entry) -> Option<ColumnSpec> {
         );
         return None;
     }
-    Some(ColumnSpec {
-        column: known.map_or(name, |k| k.column).to_owned(),
-        position: position?,
-        cells,
-        unit,
-        factor: gain * factor,
-        constant: offset * factor + constant,
-        saturation_low: low.map(|x| x * factor + constant),
-        saturation_high: high.map(|x| x * factor + constant),
-        values: phase_values(known, entry, values)?,
-    })
+    Some(())
 }
 
 /// What the cells of a column are; `declared` is a key that only numbers have.

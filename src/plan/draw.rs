@@ -79,15 +79,7 @@ pub fn rows(plan: &Plan, seed: u64) -> Vec<Row> {
             let length_m = rest - contraction * stroke;
             let set_rel = contraction - 1e-3 * longer_mm / stroke;
             for run in 0..plan.runs {
-                let up = plan.pressures_kpa.iter().map(|p| (*p, Phase::Pressurizing));
-                let down = plan.pressures_kpa.iter().rev();
-                let down = down.map(|p| (*p, Phase::Depressurizing));
-                let log: Vec<(f64, Phase)> = if plan.venting {
-                    up.chain(down).collect()
-                } else {
-                    up.collect()
-                };
-                for (k, (pressure_kpa, phase)) in log.into_iter().enumerate() {
+                for (k, (pressure_kpa, phase)) in set_points(plan).into_iter().enumerate() {
                     let pressure_rel = pressure_kpa / P_620_KPA;
                     let law = new::force([c0, c1, c2], f620, set_rel, pressure_rel);
                     let misfit = sizes.common_misfit * common.at(pressure_kpa, set_rel)
@@ -123,4 +115,16 @@ pub fn rows(plan: &Plan, seed: u64) -> Vec<Row> {
         }
     }
     rows
+}
+
+/// The set points of one log: filling, then venting if that is planned.
+fn set_points(plan: &Plan) -> Vec<(f64, Phase)> {
+    let up = plan.pressures_kpa.iter().map(|p| (*p, Phase::Pressurizing));
+    let down = plan.pressures_kpa.iter().rev();
+    let down = down.map(|p| (*p, Phase::Depressurizing));
+    if plan.venting {
+        up.chain(down).collect()
+    } else {
+        up.collect()
+    }
 }

@@ -7,6 +7,7 @@ use crate::input::{GroupInput, ReportInput};
 use crate::knee;
 use crate::pages::{Included, PageData, Picture, date_of};
 use crate::residual;
+use crate::table::Table;
 use crate::tables;
 use crate::typeset::Pdf;
 use crate::wording::name::model_name;
@@ -84,41 +85,14 @@ pub fn supplement_pdf(
     split_digest: &str,
 ) -> Result<Pdf> {
     let traces = &figures.traces[..figures.traces.len().min(MOST_GROUPS)];
-    let of_campaigns = || input.torque().iter().zip(figures.knee.campaigns);
     let geometry: Vec<_> = tables::knee::supplementary(input).collect();
     let once = tables::supplementary(input);
-    let own = Own {
-        groups: input
-            .with_section()
-            .map(|(g, drawn)| group(g, &drawn.group))
-            .collect(),
-        torque: of_campaigns().map(|(c, drawn)| torque(c, drawn)).collect(),
-        once: once.iter().map(Included::new).collect(),
-        geometry: geometry.iter().map(Included::new).collect(),
-        legs: figures
-            .knee
-            .legs
-            .iter()
-            .flatten()
-            .map(Picture::new)
-            .collect(),
-        residual: residual::sections(input, figures.found)
-            .into_iter()
-            .filter(residual::Campaign::varies)
-            .collect(),
-        traces: traces
-            .iter()
-            .zip(&input.traces)
-            .filter_map(|(drawn, trace)| {
-                Some(Picture::new(drawn.as_ref()?).simulated(trace.simulated))
-            })
-            .collect(),
-        split: Split {
-            seed: config.fit.seed,
-            train_percent: 100.0 * config.fit.train_fraction,
-            digest: split_digest.to_owned(),
-        },
+    let split = Split {
+        seed: config.fit.seed,
+        train_percent: 100.0 * config.fit.train_fraction,
+        digest: split_digest.to_owned(),
     };
+    let own = pages(input, figures, traces, [&once, &geometry], split);
     let sessions = input.sessions.iter();
     let simulated = sessions.map(|s| s.ingest.session.is_simulated());
     let of_groups = input.with_section();
@@ -127,28 +101,66 @@ pub fn supplement_pdf(
     let of_torque = of_torque.flat_map(tables::knee::supplementary_of_campaign);
     let all = once.into_iter().chain(of_groups);
     let all = all.chain(geometry).chain(of_torque);
-    let drawn_of_groups = input.with_section().flat_map(|(_, drawn)| &drawn.group);
-    let drawn_of_torque = figures.knee.campaigns.iter().flatten().flatten();
-    let of_residual = input.with_section().flat_map(|(_, drawn)| &drawn.diagnosis);
-    let of_residual = of_residual.chain(figures.found.joints.iter().flatten());
-    let of_residual = of_residual.map(|(_, drawn)| drawn);
-    let drawn = traces
-        .iter()
-        .flatten()
-        .chain(figures.knee.legs.iter().flatten());
     let document = PageData::new(&input.input_digest, simulated, own)
         .document(TEMPLATE, date_of(input, &config.report))?
         .with_tables(all.map(|t| t.first_rows(MOST_ROWS_ON_PAGES)))
-        .with_figures(
-            drawn
-                .chain(drawn_of_groups)
-                .chain(drawn_of_torque)
-                .chain(of_residual),
-        );
+        .with_figures(drawn(input, figures, traces));
     if input.sessions.len() > SIDE_BY_SIDE {
         return document.forgotten().compile();
     }
     document.compile()
+}
+
+/// The data of the template, from the tables that the document has once and those of legs and routes.
+fn pages(
+    input: &ReportInput,
+    figures: &Figures,
+    traces: &[Option<Drawn>],
+    [once, geometry]: [&[Table]; 2],
+    split: Split,
+) -> Own {
+    let of_campaigns = input.torque().iter().zip(figures.knee.campaigns);
+    let legs = figures.knee.legs.iter().flatten();
+    let sections = residual::sections(input, figures.found).into_iter();
+    let traces = traces.iter().zip(&input.traces);
+    Own {
+        groups: input
+            .with_section()
+            .map(|(g, drawn)| group(g, &drawn.group))
+            .collect(),
+        torque: of_campaigns.map(|(c, drawn)| torque(c, drawn)).collect(),
+        once: once.iter().map(Included::new).collect(),
+        geometry: geometry.iter().map(Included::new).collect(),
+        legs: legs.map(Picture::new).collect(),
+        residual: sections.filter(residual::Campaign::varies).collect(),
+        traces: traces
+            .filter_map(|(drawn, trace)| {
+                Some(Picture::new(drawn.as_ref()?).simulated(trace.simulated))
+            })
+            .collect(),
+        split,
+    }
+}
+
+/// Every figure that the pages may show.
+fn drawn<'a>(
+    input: &'a ReportInput,
+    figures: &'a Figures,
+    traces: &'a [Option<Drawn>],
+) -> impl Iterator<Item = &'a Drawn> {
+    let legs = figures.knee.legs.iter().flatten();
+    let of_groups = input.with_section().flat_map(|(_, drawn)| &drawn.group);
+    let of_torque = figures.knee.campaigns.iter().flatten().flatten();
+    let of_residual = input.with_section().flat_map(|(_, drawn)| &drawn.diagnosis);
+    let of_residual = of_residual.chain(figures.found.joints.iter().flatten());
+    let of_residual = of_residual.map(|(_, drawn)| drawn);
+    traces
+        .iter()
+        .flatten()
+        .chain(legs)
+        .chain(of_groups)
+        .chain(of_torque)
+        .chain(of_residual)
 }
 
 fn group(input: &GroupInput, drawn: &[Drawn]) -> Group {

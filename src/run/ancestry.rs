@@ -187,6 +187,36 @@ impl Ancestry {
         if let Some(unit) = self.of_session(artifact) {
             return Ok((unit, None));
         }
+        let mut found = self.outputs_called(artifact);
+        if found.len() > 1 && !artifact.contains('.') {
+            // A bare name means the table as data: every table has four formats.
+            found.retain(|(_, n)| {
+                n.as_ref()
+                    .is_some_and(|n| n.ends_with(".csv") || n.ends_with(".svg"))
+            });
+        }
+        if found.is_empty() {
+            found.extend(self.unit_called(artifact).map(|k| (k, None)));
+        }
+        match found.len() {
+            1 => Ok(found.swap_remove(0)),
+            0 => Err(Error::Usage(self.no_such(artifact))),
+            n => {
+                let names: Vec<&str> = found
+                    .iter()
+                    .filter_map(|(_, n)| n.as_deref())
+                    .take(5)
+                    .collect();
+                Err(Error::Usage(format!(
+                    "{n} artifacts are called {artifact}: {}; give more of the path",
+                    names.join(", ")
+                )))
+            }
+        }
+    }
+
+    /// The outputs that people keep, below `reports/` or `derived/`, that have a name.
+    fn outputs_called(&self, artifact: &str) -> Vec<(usize, Option<String>)> {
         let mut found: Vec<(usize, Option<String>)> = Vec::new();
         // People may keep reports and derived data in folders of other names.
         let below = |name: &str| name.split_once('/').map_or("", |(_, rest)| rest).to_owned();
@@ -206,48 +236,26 @@ impl Ancestry {
             let in_place =
                 |name: &&String| name.starts_with("reports/") || name.starts_with("derived/");
             let outputs = unit.entry.outputs.keys().filter(in_place);
-            found.extend(
-                outputs
-                    .filter(|n| ends(n) || stem(n) == artifact)
-                    .map(|n| (k, Some(n.clone()))),
-            );
+            let called = outputs.filter(|n| ends(n) || stem(n) == artifact);
+            found.extend(called.map(|n| (k, Some(n.clone()))));
         }
-        if found.len() > 1 && !artifact.contains('.') {
-            // A bare name means the table as data: every table has four formats.
-            found.retain(|(_, n)| {
-                n.as_ref()
-                    .is_some_and(|n| n.ends_with(".csv") || n.ends_with(".svg"))
-            });
-        }
-        if found.is_empty() {
-            // The units of a campaign have its diameter behind its name.
-            let is_of_campaign = |unit: &Unit| {
-                let rest = unit.name.strip_prefix(artifact);
-                rest.is_some_and(|rest| rest.starts_with(' ') && rest.ends_with(" mm"))
-            };
-            let is_named = |unit: &Unit| {
-                unit.name == artifact
-                    || format!("{} {}", unit.stage_name(), unit.name) == artifact
-                    || is_of_campaign(unit)
-            };
-            let mut named = (0..self.units.len()).filter(|k| is_named(&self.units[*k]));
-            found.extend(named.next_back().map(|k| (k, None)));
-        }
-        match found.len() {
-            1 => Ok(found.swap_remove(0)),
-            0 => Err(Error::Usage(self.no_such(artifact))),
-            n => {
-                let names: Vec<&str> = found
-                    .iter()
-                    .filter_map(|(_, n)| n.as_deref())
-                    .take(5)
-                    .collect();
-                Err(Error::Usage(format!(
-                    "{n} artifacts are called {artifact}: {}; give more of the path",
-                    names.join(", ")
-                )))
-            }
-        }
+        found
+    }
+
+    /// The last unit that has a name, with or without that of its stage.
+    fn unit_called(&self, artifact: &str) -> Option<usize> {
+        // The units of a campaign have its diameter behind its name.
+        let is_of_campaign = |unit: &Unit| {
+            let rest = unit.name.strip_prefix(artifact);
+            rest.is_some_and(|rest| rest.starts_with(' ') && rest.ends_with(" mm"))
+        };
+        let is_named = |unit: &Unit| {
+            unit.name == artifact
+                || format!("{} {}", unit.stage_name(), unit.name) == artifact
+                || is_of_campaign(unit)
+        };
+        let mut named = (0..self.units.len()).filter(|k| is_named(&self.units[*k]));
+        named.next_back()
     }
 
     /// The unit that made a file of `derived/sessions/<id>/`.

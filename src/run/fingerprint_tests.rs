@@ -80,7 +80,10 @@ fn a_change_of_code_makes_those_stages_stale_that_call_it() {
             &["diagnose", "torque", "report"],
         ),
         ("src/stages/torque/curve.rs", &["torque", "report"]),
-        ("src/inference/search.rs", &["diagnose", "torque", "report"]),
+        (
+            "src/inference/search/mod.rs",
+            &["diagnose", "torque", "report"],
+        ),
         ("src/report/fonts.rs", &["report"]),
         ("src/simulate/log.rs", &[]),
         ("src/cli/gc.rs", &[]),

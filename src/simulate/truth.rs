@@ -158,27 +158,14 @@ fn truth(root: &Section) -> Option<Truth> {
         .and_then(|e| read_coefficients(&e, diameter));
     let contractions = truth_lists::contractions(root);
     let runs = truth_lists::runs(root);
-    let words = [
-        ("timeseries", Sampling::Timeseries),
-        ("points", Sampling::Points),
-    ];
-    let sampling = root
-        .require("sampling", "timeseries or points", "say how it is logged")
-        .and_then(|e| e.choice(&words));
+    let sampling = sampling(root);
     let pressures = truth_lists::pressures(root, sampling);
     let specimens = truth_lists::specimens(root);
     let rig_table = root.get("rig").and_then(|e| e.table());
     let mm = diameter.unwrap_or(10);
     let rig = rig_table.map_or_else(|| Rig::for_diameter(mm), |t| Rig::read(&t, mm));
     let calendar = Calendar::read(root, date.is_some());
-    let timing = sampling.zip(pressures).zip(runs.as_deref());
-    let schedule = match timing {
-        Some(((sampling, pressures), runs)) => Schedule::read(root, pressures, sampling, runs),
-        None => {
-            schedule::pass(root);
-            None
-        }
-    };
+    let schedule = schedule_of(root, sampling, pressures, runs.as_deref());
     let columns = logged_columns::columns(root);
     let named = Named {
         campaign: campaign.as_deref().unwrap_or_default(),
@@ -207,6 +194,30 @@ fn truth(root: &Section) -> Option<Truth> {
     };
     truth_lists::check_rig(root, &truth);
     Some(truth)
+}
+
+/// How the campaign is logged.
+fn sampling(root: &Section) -> Option<Sampling> {
+    let words = [
+        ("timeseries", Sampling::Timeseries),
+        ("points", Sampling::Points),
+    ];
+    root.require("sampling", "timeseries or points", "say how it is logged")
+        .and_then(|e| e.choice(&words))
+}
+
+/// The schedule of set points; none where what it needs is mistaken.
+fn schedule_of(
+    root: &Section,
+    sampling: Option<Sampling>,
+    pressures: Option<Vec<f64>>,
+    runs: Option<&[Run]>,
+) -> Option<Schedule> {
+    let Some(((sampling, pressures), runs)) = sampling.zip(pressures).zip(runs) else {
+        schedule::pass(root);
+        return None;
+    };
+    Schedule::read(root, pressures, sampling, runs)
 }
 
 fn seed(entry: &Entry) -> Option<u64> {

@@ -29,7 +29,12 @@ pub(super) struct Effect {
     source: String,
 }
 
-pub(super) fn effect(found: &CampaignFindings, e: &EffectFinding) -> Effect {
+/// The effects that were found, in the order of the findings.
+pub(super) fn effects(found: &CampaignFindings) -> Vec<Effect> {
+    found.effects.iter().map(|e| effect(found, e)).collect()
+}
+
+fn effect(found: &CampaignFindings, e: &EffectFinding) -> Effect {
     Effect {
         id: e.id.clone(),
         title: name::capitalised(&name::effect_with_form(&e.id, &e.form)),

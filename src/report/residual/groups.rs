@@ -1,5 +1,6 @@
 //! What varies from group to group, how far the law itself is from right, and groups that are recorded wrongly.
 
+use super::MOST_ROWS;
 use crate::number::Rounding;
 use crate::wording::name::{self, listed};
 use crate::wording::number::{
@@ -83,8 +84,14 @@ pub(super) fn misfit(found: &CampaignFindings) -> String {
     )
 }
 
+/// The first of the recording errors, a row each.
+pub(super) fn recording_errors(found: &CampaignFindings) -> Vec<[String; 6]> {
+    let first = found.recording_errors.iter().take(MOST_ROWS);
+    first.map(|e| recording_error(found, e)).collect()
+}
+
 /// Group, what it looks like, size, p, RMS as recorded and corrected, set aside.
-pub(super) fn recording_error(found: &CampaignFindings, e: &RecordingError) -> [String; 6] {
+fn recording_error(found: &CampaignFindings, e: &RecordingError) -> [String; 6] {
     let rms = error(e.rms, &found.unit);
     let corrected = error_or_none(e.rms_corrected, &found.unit);
     [

@@ -1,5 +1,6 @@
 //! Errors by held-out unit, coefficients before and after, and the law with and without its parts.
 
+use super::MOST_ROWS;
 use crate::number::Rounding;
 use crate::wording::name::{self, listed};
 use crate::wording::number::{
@@ -18,8 +19,14 @@ const MOST_NAMED: usize = 2;
 /// Normal quantile of a 95% interval.
 const Z: f64 = 1.96;
 
+/// The first of the units that were held out, a row each.
+pub(super) fn units(found: &CampaignFindings) -> Vec<[String; 8]> {
+    let first = found.by_unit.iter().take(MOST_ROWS);
+    first.map(|u| unit(found, u)).collect()
+}
+
 /// Unit, readings, before, after, own values, realised over expected, inside 95%, found without it.
-pub(super) fn unit(found: &CampaignFindings, u: &UnitErrors) -> [String; 8] {
+fn unit(found: &CampaignFindings, u: &UnitErrors) -> [String; 8] {
     let error = |e: Option<f64>| error_or_none(e, &found.unit);
     [
         u.unit.clone(),
@@ -79,8 +86,13 @@ pub(super) fn black_box(found: &CampaignFindings) -> String {
         .map_or_else(String::new, reaches)
 }
 
+/// The coefficients without and with the effects, a row each.
+pub(super) fn coefficients(found: &CampaignFindings) -> Vec<[String; 5]> {
+    found.coefficients.iter().map(coefficient).collect()
+}
+
 /// Symbol, unit, published, before, after with interval.
-pub(super) fn coefficient(c: &CoefficientChange) -> [String; 5] {
+fn coefficient(c: &CoefficientChange) -> [String; 5] {
     let half = Z * c.standard_error;
     let bounded = half.is_finite() && half > 0.0;
     let rounding = if bounded {
@@ -124,8 +136,14 @@ fn parts(a: &Alternative) -> String {
     }
 }
 
+/// The forms of the law that were compared, a row each.
+pub(super) fn alternatives(found: &CampaignFindings) -> Vec<[String; 6]> {
+    let all = found.alternatives.iter();
+    all.map(|a| alternative(found, a)).collect()
+}
+
 /// Parts, parameters, log-likelihood, held-out error, log density, numbers.
-pub(super) fn alternative(found: &CampaignFindings, a: &Alternative) -> [String; 6] {
+fn alternative(found: &CampaignFindings, a: &Alternative) -> [String; 6] {
     let numbers: Vec<String> = a.numbers.iter().map(number).collect();
     [
         name::capitalised(&parts(a)),

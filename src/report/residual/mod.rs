@@ -263,11 +263,7 @@ fn campaign(
         design: front::design(found),
         budget: front::budget(found),
         expected: front::expected(found),
-        effects: found
-            .effects
-            .iter()
-            .map(|e| effects::effect(found, e))
-            .collect(),
+        effects: effects::effects(found),
         profiles_apart: found.effects.len() > PROFILES_BESIDE,
         alias_sets: effects::alias_sets(found),
         tested: effects::tested(found),
@@ -276,32 +272,14 @@ fn campaign(
         unexplained: found.unexplained.iter().map(effects::unexplained).collect(),
         scatter: found.scatter.iter().map(groups::scatter).collect(),
         misfit: groups::misfit(found),
-        recording_errors: found
-            .recording_errors
-            .iter()
-            .take(MOST_ROWS)
-            .map(|e| groups::recording_error(found, e))
-            .collect(),
+        recording_errors: groups::recording_errors(found),
         recording_errors_left_out: found.recording_errors.len().saturating_sub(MOST_ROWS),
-        units: found
-            .by_unit
-            .iter()
-            .take(MOST_ROWS)
-            .map(|u| held_out::unit(found, u))
-            .collect(),
+        units: held_out::units(found),
         predictive: held_out::is_predictive(found),
         units_left_out: found.by_unit.len().saturating_sub(MOST_ROWS),
         black_box: held_out::black_box(found),
-        coefficients: found
-            .coefficients
-            .iter()
-            .map(held_out::coefficient)
-            .collect(),
-        alternatives: found
-            .alternatives
-            .iter()
-            .map(|a| held_out::alternative(found, a))
-            .collect(),
+        coefficients: held_out::coefficients(found),
+        alternatives: held_out::alternatives(found),
         alternatives_sentence: held_out::alternatives_sentence(found),
         limits: found.detection_limits.iter().map(limits::limit).collect(),
         limits_beside: limits::beside(found),

@@ -69,46 +69,22 @@ pub fn clean(session: &Session, logs: &[LogSamples], options: &CleanOptions) -> 
     for log in screened.iter().filter(|l| !l.log.spec.is_zero) {
         let name = log.log.spec.name();
         if !readings.iter().any(|r| r.log == name) {
-            rejects.push(Reject {
-                session: session.id.clone(),
-                log: name,
-                first_row: None,
-                last_row: None,
-                count: 0,
-                extent: Extent::Log,
-                reason: "no steady reading in it".to_owned(),
-            });
+            let reason = "no steady reading in it";
+            rejects.push(nothing(session, name, Extent::Log, reason));
         }
     }
     let zero = session.column(FORCE).map(|column| {
         zero::determine(column, &screened, &readings, options.zero, session.sampling)
     });
     if let Some(zero) = &zero {
-        for reading in &mut readings {
-            reading.zero_pressure_kpa = zero.zero_log_pressure_kpa.unwrap_or(f64::NAN);
-            if let Some(force) = reading.values.get_mut(FORCE) {
-                *force -= zero.applied_n;
-                reading.zero_force_n = match zero.source {
-                    ZeroSource::None => f64::NAN,
-                    _ => zero.applied_n,
-                };
-            }
-        }
+        take_off(zero, &mut readings);
     }
     if readings.is_empty() {
-        rejects.push(Reject {
-            session: session.id.clone(),
-            log: String::new(),
-            first_row: None,
-            last_row: None,
-            count: 0,
-            extent: Extent::Session,
-            reason: match logs.iter().any(|log| !log.spec.is_zero) {
-                true => "no steady reading is left",
-                false => "none of its logs can be read",
-            }
-            .to_owned(),
-        });
+        let reason = match logs.iter().any(|log| !log.spec.is_zero) {
+            true => "no steady reading is left",
+            false => "none of its logs can be read",
+        };
+        rejects.push(nothing(session, String::new(), Extent::Session, reason));
     }
     Cleaned {
         header: CleanHeader {
@@ -117,5 +93,32 @@ pub fn clean(session: &Session, logs: &[LogSamples], options: &CleanOptions) -> 
             rows: logs.iter().map(|l| l.len() as u64).sum(),
         },
         readings,
+    }
+}
+
+/// Takes the zero of the force off all readings.
+fn take_off(zero: &Zero, readings: &mut [Reading]) {
+    for reading in readings {
+        reading.zero_pressure_kpa = zero.zero_log_pressure_kpa.unwrap_or(f64::NAN);
+        if let Some(force) = reading.values.get_mut(FORCE) {
+            *force -= zero.applied_n;
+            reading.zero_force_n = match zero.source {
+                ZeroSource::None => f64::NAN,
+                _ => zero.applied_n,
+            };
+        }
+    }
+}
+
+/// A log or a session of which no reading is left.
+fn nothing(session: &Session, log: String, extent: Extent, reason: &str) -> Reject {
+    Reject {
+        session: session.id.clone(),
+        log,
+        first_row: None,
+        last_row: None,
+        count: 0,
+        extent,
+        reason: reason.to_owned(),
     }
 }

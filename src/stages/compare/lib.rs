@@ -132,15 +132,7 @@ pub fn compare(
     let loso = leave_one_specimen_out(fit, &rows, fit_options);
     let by_rows = split_by_row(fit, &rows, fit_options);
     let splits = Splits::new(&rows, fit_options);
-    let chosen = |m: &&'static dyn ForceModel| {
-        m.diameters().contains(&fit.group.diameter_mm)
-            && gate::passes(*m, fit.group.diameter_mm)
-            && (options.models.is_empty() || options.models.iter().any(|id| id == m.id()))
-    };
-    let baselines = published()
-        .into_iter()
-        .filter(chosen)
-        .map(|m| baseline(m, &rows));
+    let baselines = chosen(fit.group.diameter_mm, options).map(|m| baseline(m, &rows));
     let all: Vec<Answers> = new.into_iter().chain(baselines).collect();
     let common = common(&all, loso.as_ref(), &rows);
     for answers in all {
@@ -181,6 +173,18 @@ pub fn compare(
         domain,
     };
     (comparison, Predictions { rows, by_model })
+}
+
+/// The published models of a diameter that are compared.
+fn chosen(
+    diameter_mm: u32,
+    options: &CompareOptions,
+) -> impl Iterator<Item = &'static dyn ForceModel> {
+    published().into_iter().filter(move |m| {
+        m.diameters().contains(&diameter_mm)
+            && gate::passes(*m, diameter_mm)
+            && (options.models.is_empty() || options.models.iter().any(|id| id == m.id()))
+    })
 }
 
 /// The splits, in the order of the tables.

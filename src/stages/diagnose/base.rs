@@ -287,17 +287,10 @@ fn tangent<R: Real>(
         at.contracted_length_m,
     ];
     let on_the_way = |share: f64| std::array::from_fn(|k| set[k] + share * (here[k] - set[k]));
-    let mut share = 1.0;
-    if force(here).is_none() {
-        share = 0.0;
-        let mut part = 1.0;
-        for _ in 0..HALVINGS {
-            part *= 0.5;
-            if force(on_the_way(share + part)).is_some() {
-                share += part;
-            }
-        }
-    }
+    let share = match force(here) {
+        Some(_) => 1.0,
+        None => share_inside(|share| force(on_the_way(share)).is_some()),
+    };
     let inside: [f64; 4] = if share == 1.0 {
         here
     } else {
@@ -326,4 +319,16 @@ fn tangent<R: Real>(
         shown = shown + (v - inside[k]) * slope;
     }
     shown
+}
+
+/// The share of the way from what was set to a state outside at which the domain of a model ends.
+fn share_inside(is_inside: impl Fn(f64) -> bool) -> f64 {
+    let (mut share, mut part) = (0.0, 1.0);
+    for _ in 0..HALVINGS {
+        part *= 0.5;
+        if is_inside(share + part) {
+            share += part;
+        }
+    }
+    share
 }

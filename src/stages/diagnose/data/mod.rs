@@ -63,14 +63,7 @@ pub struct Data {
 impl Data {
     /// The readings of rows that are usable (the caller sees to that).
     pub fn new(rows: &[&Row]) -> Self {
-        let mut by_time: Vec<(&str, &str)> = rows
-            .iter()
-            .map(|r| (r.date.as_deref().unwrap_or(""), r.session.as_str()))
-            .collect();
-        by_time.sort_unstable();
-        by_time.dedup();
-        let sessions: Vec<String> = by_time.iter().map(|(_, id)| (*id).to_owned()).collect();
-        let dates: Vec<String> = by_time.iter().map(|(date, _)| (*date).to_owned()).collect();
+        let (dates, sessions) = sessions_by_time(rows);
         // A session without a date has no place in time.
         let is_dated = dates.iter().all(|d| !d.is_empty()) && dates.first() != dates.last();
         let campaigns: BTreeSet<&str> = rows.iter().map(|r| r.campaign.as_str()).collect();
@@ -82,15 +75,6 @@ impl Data {
         let specimens: BTreeSet<&String> = of_specimen.iter().collect();
         let specimens: Vec<String> = specimens.into_iter().cloned().collect();
         let place = |list: &[String], id: &str| list.iter().position(|x| x == id).unwrap_or(0);
-        let logs: BTreeSet<(usize, &str)> = rows
-            .iter()
-            .map(|r| (place(&sessions, &r.session), r.log.as_str()))
-            .collect();
-        let logs: BTreeMap<(usize, &str), usize> = logs
-            .into_iter()
-            .enumerate()
-            .map(|(k, log)| (log, k))
-            .collect();
         let mut data = Data {
             place: (0..rows.len()).collect(),
             force: rows.iter().map(|r| r.force_n).collect(),
@@ -106,30 +90,31 @@ impl Data {
             specimens,
             ..Data::default()
         };
-        data.log = rows
-            .iter()
-            .zip(&data.session)
-            .map(|(r, s)| logs[&(*s, r.log.as_str())])
-            .collect();
+        data.log = log_numbers(rows, &data.session);
         data.conditions = conditions(rows, &data, is_dated);
         data.extras = extras::extras(rows, &data);
         data.extras.extend(extras::zero_unknown(rows, &data));
         data.zero_pressure_kpa = zero_pressures(rows, &data);
-        data.set_length_sd_mm = vec![f64::NAN; data.sessions.len()];
-        data.specimen_lengths_sd_mm = vec![[f64::NAN; 2]; data.specimens.len()];
-        for (i, r) in rows.iter().enumerate() {
-            // The smallest that any session declares; a session that declares none (not a number) takes nothing back.
-            let of_session = &mut data.set_length_sd_mm[data.session[i]];
-            *of_session = of_session.min(1e3 * r.length_sd_m);
-            let [rest, contracted] = &mut data.specimen_lengths_sd_mm[data.specimen[i]];
-            *rest = rest.min(1e3 * r.rest_length_sd_m);
-            *contracted = contracted.min(1e3 * r.contracted_length_sd_m);
-        }
+        data.note_what_is_declared(rows);
         data.note_what_is_missing(is_dated);
         let (labels, notes) = labels::labels(rows, &data);
         data.extras.extend(labels);
         data.notes = notes;
         data
+    }
+
+    /// Notes the declared standard deviations of lengths.
+    fn note_what_is_declared(&mut self, rows: &[&Row]) {
+        self.set_length_sd_mm = vec![f64::NAN; self.sessions.len()];
+        self.specimen_lengths_sd_mm = vec![[f64::NAN; 2]; self.specimens.len()];
+        for (i, r) in rows.iter().enumerate() {
+            // The smallest that any session declares; a session that declares none (not a number) takes nothing back.
+            let of_session = &mut self.set_length_sd_mm[self.session[i]];
+            *of_session = of_session.min(1e3 * r.length_sd_m);
+            let [rest, contracted] = &mut self.specimen_lengths_sd_mm[self.specimen[i]];
+            *rest = rest.min(1e3 * r.rest_length_sd_m);
+            *contracted = contracted.min(1e3 * r.contracted_length_sd_m);
+        }
     }
 
     /// What the zero logs show of the pressure, one value a session that has one, rising, kPa.
@@ -269,6 +254,31 @@ impl Data {
             .map(|(need, _)| (need, format!("the campaign lacks {}", need.text())))
             .collect();
     }
+}
+
+/// Dates and ids of the sessions of some rows, in the order of time.
+fn sessions_by_time(rows: &[&Row]) -> (Vec<String>, Vec<String>) {
+    let mut by_time: Vec<(&str, &str)> = rows
+        .iter()
+        .map(|r| (r.date.as_deref().unwrap_or(""), r.session.as_str()))
+        .collect();
+    by_time.sort_unstable();
+    by_time.dedup();
+    let own = |(date, id): (&str, &str)| (date.to_owned(), id.to_owned());
+    by_time.into_iter().map(own).unzip()
+}
+
+/// A number for the log of each row, whose sessions are given.
+fn log_numbers(rows: &[&Row], session: &[usize]) -> Vec<usize> {
+    let logs_of_rows = rows.iter().map(|r| r.log.as_str());
+    let of_rows: Vec<(usize, &str)> = session.iter().copied().zip(logs_of_rows).collect();
+    let logs: BTreeSet<(usize, &str)> = of_rows.iter().copied().collect();
+    let logs: BTreeMap<(usize, &str), usize> = logs
+        .into_iter()
+        .enumerate()
+        .map(|(k, log)| (log, k))
+        .collect();
+    of_rows.iter().map(|log| logs[log]).collect()
 }
 
 /// Id of the specimen of a row; in a pool with that of its campaign, because two laboratories may name theirs alike.

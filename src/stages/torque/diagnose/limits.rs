@@ -28,52 +28,16 @@ pub fn limits(setting: &Setting, problem: &TorqueProblem, model: &Fitted, critic
     directions.retain(|d| problem.library[d.term].form().is_some());
     let screen = Screen::of(setting, model, directions);
     let shown = screen.shown(0);
-    let form_of = |d: usize| problem.library[screen.directions[d].term].form();
     let mut smallest: Vec<DetectionLimit> = Vec::new();
     let mut not_measurable = Vec::new();
     for form in &ALL {
-        let is = |other: Option<&'static Term>| other.is_some_and(|o| std::ptr::eq(o, form));
-        if model
-            .point
-            .terms
-            .iter()
-            .any(|(t, _)| is(problem.library[*t].form()))
-        {
+        let in_model = |(t, _): &(usize, Vec<f64>)| is(form, problem.library[*t].form());
+        if model.point.terms.iter().any(in_model) {
             continue;
         }
-        let mut refuse = |reason, by: Option<&str>| {
-            let forms = ALL.iter().filter(|f| f.id == form.id).count();
-            not_measurable.push(NotMeasurable {
-                id: form.id.to_owned(),
-                form: (forms > 1).then(|| form.form.to_owned()),
-                reason,
-                by: by.map(str::to_owned),
-            });
-        };
-        if !problem.library.iter().any(|t| is(t.form())) {
-            let by = form.needs.and_then(JointNeed::column);
-            refuse(missing(form), by);
-            continue;
-        }
-        let mine = shown.iter().filter(|s| is(form_of(s.direction)));
-        // For two amplitudes the length is that of the first.
-        // One test has variances of its own that nothing but their priors holds: what these leave of a likelihood ratio has no simple form.
-        let size =
-            |s: &Shown| at_known_variances(likelihood_ratio(critical, s.amplitudes), s.length);
-        let best = mine.map(|s| (size(s), s.share));
-        let best = best
-            .filter(|(size, _)| size.is_finite())
-            .min_by(|a, b| a.0.total_cmp(&b.0));
-        match best {
-            None => refuse(WhyNot::Absorbed, None),
-            Some((size, _)) if size > form.bounds.1 => refuse(WhyNot::Bound, None),
-            Some((size, share)) => smallest.push(DetectionLimit {
-                id: form.id.to_owned(),
-                form: form.form.to_owned(),
-                smallest: size,
-                unit: form.unit.to_owned(),
-                identifiable_share: share,
-            }),
+        match limit(form, problem, (&screen, &shown), critical) {
+            Ok(limit) => smallest.push(limit),
+            Err(refused) => not_measurable.push(refused),
         }
     }
     let absorbed = effects::all().iter();
@@ -88,6 +52,55 @@ pub fn limits(setting: &Setting, problem: &TorqueProblem, model: &Fitted, critic
         smallest,
         not_measurable,
         aliases: aliases(setting, problem, model, &screen),
+    }
+}
+
+/// Whether a form is another.
+fn is(form: &Term, other: Option<&'static Term>) -> bool {
+    other.is_some_and(|o| std::ptr::eq(o, form))
+}
+
+/// The smallest detectable size of a form, or why it cannot be shown.
+fn limit(
+    form: &Term,
+    problem: &TorqueProblem,
+    (screen, shown): (&Screen, &[Shown]),
+    critical: f64,
+) -> Result<DetectionLimit, NotMeasurable> {
+    if !problem.library.iter().any(|t| is(form, t.form())) {
+        let by = form.needs.and_then(JointNeed::column);
+        return Err(refused(form, missing(form), by));
+    }
+    let form_of = |d: usize| problem.library[screen.directions[d].term].form();
+    let mine = shown.iter().filter(|s| is(form, form_of(s.direction)));
+    // For two amplitudes the length is that of the first.
+    // One test has variances of its own that nothing but their priors holds: what these leave of a likelihood ratio has no simple form.
+    let size = |s: &Shown| at_known_variances(likelihood_ratio(critical, s.amplitudes), s.length);
+    let best = mine.map(|s| (size(s), s.share));
+    let best = best
+        .filter(|(size, _)| size.is_finite())
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    match best {
+        None => Err(refused(form, WhyNot::Absorbed, None)),
+        Some((size, _)) if size > form.bounds.1 => Err(refused(form, WhyNot::Bound, None)),
+        Some((size, share)) => Ok(DetectionLimit {
+            id: form.id.to_owned(),
+            form: form.form.to_owned(),
+            smallest: size,
+            unit: form.unit.to_owned(),
+            identifiable_share: share,
+        }),
+    }
+}
+
+/// A form that cannot be shown; it is named where its effect has several.
+fn refused(form: &Term, reason: WhyNot, by: Option<&str>) -> NotMeasurable {
+    let forms = ALL.iter().filter(|f| f.id == form.id).count();
+    NotMeasurable {
+        id: form.id.to_owned(),
+        form: (forms > 1).then(|| form.form.to_owned()),
+        reason,
+        by: by.map(str::to_owned),
     }
 }
 

@@ -55,38 +55,8 @@ pub fn wrong_signs(data: &Data) -> Vec<RecordingError> {
 pub fn without_odd_hands(data: &mut Data) -> Vec<RecordingError> {
     let mut errors = Vec::new();
     for (quantity, is_arm) in [("muscle_length", false), ("moment_arm", true)] {
-        let miss = |r: &Reading| {
-            let drawn = r.shown(&[0.0; SIZES])?;
-            let of = |measured: Option<f64>, drawn: f64| Some(1e3 * (measured? - drawn));
-            match is_arm {
-                true => of(r.by_hand.arm_m, drawn.arm.abs() * r.by_hand.arm_m?.signum()),
-                false => of(r.by_hand.length_m, drawn.length),
-            }
-        };
-        let of_test = |own: &[Reading]| {
-            let misses: Vec<f64> = own.iter().filter_map(miss).collect();
-            (!misses.is_empty()).then(|| (own[0].test, misses))
-        };
-        let tests: Vec<(usize, Vec<f64>)> = data
-            .readings
-            .chunk_by(|a, b| a.test == b.test)
-            .filter_map(of_test)
-            .collect();
-        if tests.len() <= FEWEST {
-            continue;
-        }
-        let off = |k: usize| {
-            let others = tests.iter().enumerate().filter(|(j, _)| *j != k);
-            let others: Vec<f64> = others.map(|(_, (_, m))| mean(m)).collect();
-            let sd = standard_deviation(&others).max(settings::USUAL_BIAS_MM);
-            let by = mean(&tests[k].1) - mean(&others);
-            let count = others.len() as f64;
-            let t = by / (sd * (1.0 + 1.0 / count).sqrt());
-            let p = student_t_two_sided(t, count - 1.0) * tests.len() as f64;
-            (k, by, p.min(1.0))
-        };
-        let worst = (0..tests.len()).map(off).min_by(|a, b| a.2.total_cmp(&b.2));
-        let Some((k, by, p)) = worst.filter(|(_, _, p)| *p < LEVEL) else {
+        let tests = misses_by_hand(data, is_arm);
+        let Some((k, by, p)) = oddest(&tests) else {
             continue;
         };
         let (test, misses) = &tests[k];
@@ -119,6 +89,45 @@ pub fn without_odd_hands(data: &mut Data) -> Vec<RecordingError> {
         }
     }
     errors
+}
+
+/// By test, lengths or arms by hand less those of the drawing, mm; tests without any have no entry.
+fn misses_by_hand(data: &Data, is_arm: bool) -> Vec<(usize, Vec<f64>)> {
+    let miss = |r: &Reading| {
+        let drawn = r.shown(&[0.0; SIZES])?;
+        let of = |measured: Option<f64>, drawn: f64| Some(1e3 * (measured? - drawn));
+        match is_arm {
+            true => of(r.by_hand.arm_m, drawn.arm.abs() * r.by_hand.arm_m?.signum()),
+            false => of(r.by_hand.length_m, drawn.length),
+        }
+    };
+    let of_test = |own: &[Reading]| {
+        let misses: Vec<f64> = own.iter().filter_map(miss).collect();
+        (!misses.is_empty()).then(|| (own[0].test, misses))
+    };
+    data.readings
+        .chunk_by(|a, b| a.test == b.test)
+        .filter_map(of_test)
+        .collect()
+}
+
+/// The entry that is, on average, too far from the others, by how much, mm, and with which probability; none with too few others.
+fn oddest(tests: &[(usize, Vec<f64>)]) -> Option<(usize, f64, f64)> {
+    if tests.len() <= FEWEST {
+        return None;
+    }
+    let off = |k: usize| {
+        let others = tests.iter().enumerate().filter(|(j, _)| *j != k);
+        let others: Vec<f64> = others.map(|(_, (_, m))| mean(m)).collect();
+        let sd = standard_deviation(&others).max(settings::USUAL_BIAS_MM);
+        let by = mean(&tests[k].1) - mean(&others);
+        let count = others.len() as f64;
+        let t = by / (sd * (1.0 + 1.0 / count).sqrt());
+        let p = student_t_two_sided(t, count - 1.0) * tests.len() as f64;
+        (k, by, p.min(1.0))
+    };
+    let worst = (0..tests.len()).map(off).min_by(|a, b| a.2.total_cmp(&b.2));
+    worst.filter(|(_, _, p)| *p < LEVEL)
 }
 
 /// The test that is furthest off, if it is too improbable beside the others; its number.

@@ -1,0 +1,167 @@
+//! The candidates beside a model, fitted in full: from where their tangents lead, from the values of a model that is tried, from usual sizes, and
+//! from far away.
+
+use super::{FITTED, Search, Way};
+use crate::fit::{Fitted, Free};
+use crate::screen::{Screen, Shown};
+use crate::system::Variances;
+use rayon::prelude::*;
+
+/// A fit that keeps less than this share of what the linear model promised is made again from nothing.
+const PROMISED: f64 = 0.8;
+
+impl Search<'_> {
+    /// The strongest candidates fitted in full, beyond those that are fitted already. One that ends at its bound takes no other's place.
+    pub(super) fn fits(
+        &self,
+        screen: &Screen,
+        model: &Fitted,
+        shown: &[Shown],
+        known: &[(Fitted, usize)],
+    ) -> Vec<(Fitted, usize)> {
+        let mut fits: Vec<(Fitted, usize)> = Vec::new();
+        let gain = |f: &Fitted| 2.0 * (f.log_likelihood - model.log_likelihood);
+        let mut gained = known.iter().fold(0.0_f64, |m, (f, _)| m.max(gain(f)));
+        for s in shown.iter().take(2 * Screen::refined_in_draws()) {
+            if fits.len() >= FITTED {
+                break;
+            }
+            // What promises less than was gained already is left to the swaps, if it cannot be alike either.
+            let alike = gained - 2.0 * self.decision.alike;
+            if s.likelihood_ratio < alike.min(PROMISED * gained) {
+                break;
+            }
+            let direction = &screen.directions[s.direction];
+            if known.iter().any(|(_, t)| *t == direction.term) {
+                continue;
+            }
+            let mut from = model.point.clone();
+            from.terms
+                .push((direction.term, scaled(&direction.start, &s.estimate)));
+            let anywhere = f64::NEG_INFINITY;
+            let fit = self.setting.compare(&from, &self.starts(model), anywhere);
+            // The linear model promised more: the iteration has gone to another optimum.
+            let again = (self.decision.thorough && gain(&fit) < PROMISED * s.likelihood_ratio)
+                .then(|| self.setting.compare_afresh(&from, anywhere));
+            let better = [Some(fit), again].into_iter().flatten();
+            let better = better
+                .filter(|f| self.is_inside(f, direction.term))
+                .max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood));
+            if let Some(fit) = better {
+                gained = gained.max(gain(&fit));
+                fits.push((fit, direction.term));
+            }
+        }
+        fits
+    }
+
+    /// Fits of the terms of the model that is tried, of kinds that are not in the model.
+    pub(super) fn fits_tried(&self, model: &Fitted) -> Vec<(Fitted, usize)> {
+        let Some(tried) = self.tried else {
+            return Vec::new();
+        };
+        let kind = |t: usize| self.setting.problem.terms()[t].kind;
+        let known = |t: usize| model.point.terms.iter().any(|(k, _)| kind(*k) == kind(t));
+        let starts = [tried.variances.clone(), model.variances.clone()];
+        let new = tried.point.terms.iter().filter(|(t, _)| !known(*t));
+        let fits = new.map(|(t, values)| {
+            let mut from = model.point.clone();
+            for (k, c) in tried.point.coefficients.iter().enumerate() {
+                if !self.setting.pinned.contains(&Free::Coefficient(k)) {
+                    from.coefficients[k] = *c;
+                }
+            }
+            from.terms.push((*t, values.clone()));
+            (self.setting.compare(&from, &starts, f64::NEG_INFINITY), *t)
+        });
+        fits.filter(|(fit, t)| self.is_inside(fit, *t)).collect()
+    }
+
+    /// Fits of the terms that gain most beside a model whose components have their usual sizes: where a law is far off, scatter and misfit have
+    /// taken the place of what it lacks, and the directions there no longer show it.
+    pub(super) fn fits_afresh(&self, model: &Fitted, way: Way) -> Vec<(Fitted, usize)> {
+        let usual = self.setting.usual();
+        let mut from = self.setting.problem.start();
+        from.terms.clone_from(&model.point.terms);
+        let bare = usual.compare(&from, &usual.fresh()[..1], f64::NEG_INFINITY);
+        let screen = self.screen(&usual, &bare, way);
+        let shown = screen.shown(2 * FITTED);
+        let mut kinds = Vec::new();
+        let mut fits = Vec::new();
+        for s in &shown {
+            let direction = &screen.directions[s.direction];
+            let kind = self.setting.problem.terms()[direction.term].kind;
+            if kinds.contains(&kind) {
+                continue;
+            }
+            if fits.len() >= FITTED {
+                break;
+            }
+            kinds.push(kind);
+            let mut from = bare.point.clone();
+            from.terms
+                .push((direction.term, scaled(&direction.start, &s.estimate)));
+            let fit = self.setting.compare_afresh(&from, f64::NEG_INFINITY);
+            if self.is_inside(&fit, direction.term) {
+                fits.push((fit, direction.term));
+            }
+        }
+        fits
+    }
+
+    /// Fits of the terms that a tangent may not show, from amplitudes that are far from nothing; only those that come to a log-likelihood of
+    /// `least`.
+    pub(super) fn fits_far(&self, model: &Fitted, way: Way, least: f64) -> Vec<(Fitted, usize)> {
+        let terms = self.setting.problem.terms();
+        let kinds: Vec<usize> = model
+            .point
+            .terms
+            .iter()
+            .map(|(t, _)| terms[*t].kind)
+            .collect();
+        let may_come =
+            |t: usize| !kinds.contains(&terms[t].kind) && (terms[t].named || !way.named_only);
+        let starts = self.setting.problem.far(&model.point);
+        let fits = starts.into_par_iter().filter(|(t, _)| may_come(*t));
+        let fits = fits.map(|(t, values)| {
+            let mut from = model.point.clone();
+            from.terms.push((t, values));
+            let starts = std::slice::from_ref(&model.variances);
+            let fit = self.setting.compare(&from, starts, least);
+            if fit.converged || fit.log_likelihood < least {
+                return (fit, t);
+            }
+            // The coefficients of the model without it may be too far off.
+            let again = self.setting.compare_afresh(&from, least);
+            let is_better = again.log_likelihood > fit.log_likelihood;
+            (if is_better { again } else { fit }, t)
+        });
+        let mut fits: Vec<(Fitted, usize)> = fits.collect();
+        fits.retain(|(f, t)| f.log_likelihood >= least && self.is_inside(f, *t));
+        fits
+    }
+
+    /// Whether the amplitudes of a term lie within their bounds: at the edge of what is possible there is no estimate.
+    pub(super) fn is_inside(&self, fitted: &Fitted, term: usize) -> bool {
+        let term_of = &self.setting.problem.terms()[term];
+        let values = fitted.values(term).unwrap_or(&[]);
+        let amplitudes = values.iter().take(term_of.amplitudes);
+        let mut inside = amplitudes.zip(&term_of.bounds);
+        inside.all(|(x, (low, high))| x > low && x < high)
+    }
+
+    /// Variances where a fit starts: those of the model before it, and usual ones.
+    pub(super) fn starts(&self, model: &Fitted) -> Vec<Variances> {
+        let mut starts = vec![model.variances.clone()];
+        starts.extend(self.setting.fresh());
+        starts
+    }
+}
+
+/// The start of a term: each amplitude times its estimate, the shape as it is.
+pub(super) fn scaled(start: &[f64], estimate: &[f64]) -> Vec<f64> {
+    let values = start.iter().enumerate();
+    values
+        .map(|(k, x)| estimate.get(k).map_or(*x, |e| e * x))
+        .collect()
+}

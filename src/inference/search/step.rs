@@ -1,0 +1,179 @@
+//! One step forward: the strongest candidate beside a model comes in, or none is improbable enough.
+
+use super::{Accepted, Drawn, Found, Search, WORTH_A_SWAP, Way};
+use crate::fit::Fitted;
+use crate::screen::{Normal, Screen, Shown};
+use crate::statistic::{critical, deviate, likelihood_ratio, upper_tail};
+
+/// A candidate whose probability under the draws from the null lies in this range is tested against draws from its own model as well; beyond
+/// it they could not change the answer, because the distribution of the maximum follows from the design far more than from the model.
+const CLOSE: (f64, f64) = (0.2, 4.0);
+
+/// A statistic this many times the critical one needs no draws of its own.
+const CLEAR: f64 = 2.0;
+
+/// How often a better optimum of the model without a further term is taken up.
+const MOST_BETTER: usize = 3;
+
+/// The strongest candidate beside a model, fitted.
+struct Next {
+    fitted: Fitted,
+    term: usize,
+    p: f64,
+    critical: f64,
+}
+
+/// What a step of the search came to.
+enum Step {
+    /// A term came in.
+    Accepted(Box<Next>),
+    /// No term, but a better optimum of the model without one.
+    BetterBase,
+    /// Nothing.
+    Nothing,
+}
+
+impl Search<'_> {
+    /// Terms come in until none is improbable enough, or there are so many.
+    pub(super) fn forward(&self, found: &mut Found, normal: &Normal, way: Way, most: usize) {
+        let mut better = 0;
+        while found.accepted.len() < most {
+            let next = match self.next(found, normal, way) {
+                Step::Accepted(next) => *next,
+                Step::BetterBase if better < MOST_BETTER => {
+                    better += 1;
+                    continue;
+                }
+                Step::BetterBase | Step::Nothing => break,
+            };
+            found.accepted.push(Accepted {
+                term: next.term,
+                p: next.p,
+                critical: next.critical,
+                gain: next.fitted.log_likelihood - found.model.log_likelihood,
+                in_its_place: Vec::new(),
+            });
+            found
+                .stages
+                .push(std::mem::replace(&mut found.model, next.fitted));
+        }
+    }
+
+    /// The candidate that comes in next, or none. A model to which a better null belongs replaces it.
+    fn next(&self, found: &mut Found, normal: &Normal, way: Way) -> Step {
+        let model = found.model.clone();
+        let screen = self.screen(self.setting, &model, way);
+        let shown = screen.shown(2 * Screen::refined_in_draws());
+        let first = strongest(&shown);
+        let draws = self.draws_beside(found, &screen, normal, way, first);
+        let limit = critical(&draws, self.decision.level);
+        let is_first = found.accepted.is_empty();
+        let fits = self.fits_beside((&model, is_first), (&screen, &shown), limit, way);
+        let Some((fitted, term)) = self.preferred(&fits, way) else {
+            return Step::Nothing;
+        };
+        let fitted = self.estimated(&fitted);
+        let without = self.left_out(&fitted, term);
+        let is_better = without.log_likelihood > model.log_likelihood + WORTH_A_SWAP;
+        if is_better {
+            if found.accepted.is_empty() {
+                found.null = without.clone();
+            }
+            found.model = without;
+        }
+        let statistic = self.statistic(&fitted, term, found.model.log_likelihood);
+        if statistic >= limit {
+            Step::Accepted(Box::new(Next {
+                p: upper_tail(&draws, statistic),
+                critical: limit,
+                fitted,
+                term,
+            }))
+        } else if is_better {
+            Step::BetterBase
+        } else {
+            Step::Nothing
+        }
+    }
+
+    /// The draws that decide on the strongest candidate: those from the null, or from the model itself where these could change the answer.
+    fn draws_beside(
+        &self,
+        found: &Found,
+        screen: &Screen,
+        normal: &Normal,
+        way: Way,
+        first: f64,
+    ) -> Vec<f64> {
+        let close = (CLOSE.0 * self.decision.level, CLOSE.1 * self.decision.level);
+        let p = upper_tail(&found.draws, first);
+        let is_first = found.accepted.is_empty();
+        let redrawn = match way.drawn {
+            // Draws of more groups than there are here have lighter tails: they decide what is clear, no more.
+            Drawn::IfDoubtful => first >= found.critical && first < CLEAR * found.critical,
+            Drawn::IfClose => !is_first && p > close.0 && p < close.1,
+            Drawn::Always => !is_first && p > close.0,
+        };
+        if !redrawn {
+            return found.draws.clone();
+        }
+        let (most, level) = (self.decision.draws, self.decision.level);
+        if self.decision.thorough {
+            screen.draws(most, normal)
+        } else {
+            screen.draws_to_decide(most, normal, level, first)
+        }
+    }
+
+    /// The candidates that are worth a comparison, fitted in full: those that would be accepted, if there are any.
+    fn fits_beside(
+        &self,
+        (model, is_first): (&Fitted, bool),
+        (screen, shown): (&Screen, &[Shown]),
+        limit: f64,
+        way: Way,
+    ) -> Vec<(Fitted, usize)> {
+        let mut fits = self.fits_tried(model);
+        if strongest(shown) >= limit {
+            let others = self.fits(screen, model, shown, &fits);
+            fits.extend(others);
+        }
+        if self.decision.thorough && (is_first || fits.is_empty()) {
+            fits.extend(self.fits_afresh(model, way));
+        }
+        let passes =
+            |(f, t): &(Fitted, usize)| self.statistic(f, *t, model.log_likelihood) >= limit;
+        if self.decision.thorough {
+            let least = self.least_of_use(&fits, model, limit, way);
+            fits.extend(self.fits_far(model, way, least));
+        }
+        // What would not be accepted keeps nothing out.
+        if fits.iter().any(passes) {
+            fits.retain(passes);
+        }
+        fits
+    }
+
+    /// What a fit gains by a term, on the scale of [`deviate`].
+    fn statistic(&self, fitted: &Fitted, term: usize, below: f64) -> f64 {
+        let amplitudes = self.setting.problem.terms()[term].amplitudes;
+        deviate(2.0 * (fitted.log_likelihood - below), amplitudes)
+    }
+
+    /// The log-likelihood that a further fit must come to beside those that are known: to be accepted, and to be preferred.
+    fn least_of_use(&self, fits: &[(Fitted, usize)], model: &Fitted, limit: f64, way: Way) -> f64 {
+        let base = model.log_likelihood;
+        let accepted = fits
+            .iter()
+            .filter(|(f, t)| self.statistic(f, *t, base) >= limit);
+        let least = base + 0.5 * likelihood_ratio(limit, 1) - WORTH_A_SWAP;
+        accepted.fold(least, |least, (f, t)| {
+            least.max(self.worth(f, *t, way) - self.decision.alike)
+        })
+    }
+}
+
+/// What the strongest of some candidates promises, on the scale of [`deviate`].
+fn strongest(shown: &[Shown]) -> f64 {
+    shown.first().map_or(f64::NEG_INFINITY, Shown::deviate)
+}

@@ -1,0 +1,60 @@
+//! The law with or without its dependence on the resting length, and with or without a frame that yields.
+
+use crate::base::LENGTH_LAW;
+use crate::problem::ForceProblem;
+use pipeline_findings::{Alternative, Parameter};
+use pipeline_inference::decisions;
+use pipeline_inference::fit::{Fitted, Free};
+
+/// The law with or without its dependence on the resting length, and with or without a frame that yields.
+pub fn alternative(
+    fit: &Fitted,
+    length_law: bool,
+    frame: Option<usize>,
+    problem: &ForceProblem,
+    held_out: Option<(f64, f64)>,
+) -> Alternative {
+    let covariance = fit.covariance(&fit.variances);
+    let number = |name: &str, unit: &str, value: f64, place: Option<usize>| {
+        let error = place.map(|p| covariance.at(p, p).max(0.0).sqrt());
+        let end = |sign: f64| error.map(|e| value + sign * decisions::NORMAL_95 * e);
+        Parameter {
+            name: name.to_owned(),
+            value,
+            ci_low: end(-1.0),
+            ci_high: end(1.0),
+            unit: unit.to_owned(),
+        }
+    };
+    let mut parts = Vec::new();
+    let mut numbers = Vec::new();
+    if length_law {
+        parts.push("length_law".to_owned());
+        let c = &problem.base.coefficients[LENGTH_LAW];
+        let place = fit
+            .free
+            .iter()
+            .position(|f| *f == Free::Coefficient(LENGTH_LAW));
+        numbers.push(number(
+            &c.name,
+            &c.unit,
+            fit.point.coefficients[LENGTH_LAW],
+            place,
+        ));
+    }
+    if let Some(term) = frame {
+        parts.extend(problem.library[term].id().map(str::to_owned));
+        if let (Some(form), Some(values)) = (problem.library[term].form(), fit.values(term)) {
+            let a = form.amplitude;
+            numbers.push(number(a.name, a.unit, values[0], fit.place(term, 0)));
+        }
+    }
+    Alternative {
+        parts,
+        parameters: fit.free.len(),
+        log_likelihood: fit.log_likelihood,
+        rmse_heldout: held_out.map(|h| h.0),
+        log_density_heldout: held_out.map(|h| h.1),
+        numbers,
+    }
+}

@@ -1,0 +1,123 @@
+//! How groups differ: random effects with their standard deviations and intervals, and the sizes of the misfit.
+
+use super::Work;
+use crate::problem::{ForceProblem, component};
+use pipeline_findings::{Level, Scatter};
+use pipeline_inference::problem::Problem;
+use pipeline_inference::query;
+use pipeline_inference::system::Variances;
+use pipeline_inference::variance::Prior;
+use pipeline_mechanics::effects::{
+    force_gain, force_zero_offset, length_offset, specimen_variation,
+};
+use pipeline_numerics::statistics::median;
+use std::collections::BTreeMap;
+
+/// The random effects as findings name them: component, id, level, unit.
+#[rustfmt::skip]
+const RANDOM_EFFECTS: [(usize, &str, Level, &str); 8] = [
+    (component::GAIN, specimen_variation::ID, Level::Specimen, "1"),
+    (component::SET_LENGTH, length_offset::ID, Level::Session, "mm"),
+    (component::DECLARED_LENGTH, length_offset::ID, Level::Session, "mm"),
+    (component::ZERO, force_zero_offset::ID, Level::Session, "N"),
+    (component::REST_LENGTH, "rest_length", Level::Specimen, "mm"),
+    (component::CONTRACTED_LENGTH, "contracted_length", Level::Specimen, "mm"),
+    (component::CAMPAIGN_GAIN, force_gain::ID, Level::Campaign, "1"),
+    (component::CAMPAIGN_ZERO, force_zero_offset::ID, Level::Campaign, "N"),
+];
+
+impl Work<'_> {
+    /// The random effects with their standard deviations.
+    pub fn scatter(&self, variances: &Variances) -> Vec<Scatter> {
+        let data = self.data();
+        let p = self.problem;
+        let groups = |level: Level| -> Vec<(String, usize)> {
+            let (names, nodes) = match level {
+                Level::Specimen => (&data.specimens, &p.specimens),
+                Level::Campaign => (&data.campaigns, &p.campaigns),
+                _ => (&data.sessions, &p.sessions),
+            };
+            names.iter().cloned().zip(nodes.iter().copied()).collect()
+        };
+        let predictive = self.found.model.predictive(self.setting);
+        RANDOM_EFFECTS
+            .into_iter()
+            .filter_map(|(c, id, level, unit)| {
+                let named = (id, level, unit);
+                self.one_scatter([variances, &predictive], c, named, &groups(level))
+            })
+            .collect()
+    }
+
+    /// The scatter of a component, from the standard deviations and from those of predictions; none where no group has it.
+    fn one_scatter(
+        &self,
+        [variances, predictive]: [&Variances; 2],
+        c: usize,
+        (id, level, unit): (&str, Level, &str),
+        groups: &[(String, usize)],
+    ) -> Option<Scatter> {
+        let tree = self.problem.tree();
+        let mut values = BTreeMap::new();
+        let mut units = Vec::new();
+        for (place, (name, node)) in groups.iter().enumerate() {
+            if *node < tree.len()
+                && let Some((k, _)) = tree.columns_of(*node, c)
+            {
+                let unit = self.unit_of(c, place);
+                units.push(unit);
+                values.insert(name.clone(), unit * self.found.model.point.random[k]);
+            }
+        }
+        if units.is_empty() {
+            return None;
+        }
+        let unit_sd = median(&units);
+        let is_fixed = matches!(self.problem.components()[c].scale.prior, Prior::Fixed(_));
+        let is_declared = self.problem.is_declared(c);
+        let sd = unit_sd * variances.components[c];
+        let (ci_low, ci_high) = if is_fixed {
+            (None, None)
+        } else {
+            let (low, high) = query::interval(self.setting, &self.found.model, variances, c);
+            (Some(unit_sd * low), high.map(|h| unit_sd * h))
+        };
+        Some(Scatter {
+            id: id.to_owned(),
+            level,
+            sd,
+            sd_predictive: unit_sd * predictive.components[c],
+            ci_low,
+            ci_high,
+            unit: unit.to_owned(),
+            declared: (is_declared || is_fixed).then_some(unit_sd),
+            declared_contradicted: is_declared
+                && (!is_fixed
+                    || query::is_too_small(self.setting, &self.found.model, variances, c)),
+            log_likelihood_gain: (!is_fixed)
+                .then(|| query::gain_of(self.setting, &self.found.model, c)),
+            values,
+        })
+    }
+
+    /// What a component of one group is in units of.
+    fn unit_of(&self, c: usize, place: usize) -> f64 {
+        match c {
+            component::REST_LENGTH => self.problem.specimen_lengths_sd_mm(place)[0],
+            component::CONTRACTED_LENGTH => self.problem.specimen_lengths_sd_mm(place)[1],
+            component::DECLARED_LENGTH => self.data().set_length_sd_mm[place],
+            _ => 1.0,
+        }
+    }
+}
+
+/// The sizes of the misfit.
+pub fn misfit(variances: &Variances, problem: &ForceProblem) -> pipeline_findings::Misfit {
+    let stroke = variances.components[component::STROKE_MISFIT];
+    pipeline_findings::Misfit {
+        common: variances.components[component::COMMON_MISFIT],
+        session: variances.components[component::SESSION_MISFIT],
+        stroke: problem.has_strokes().then_some(stroke),
+        sensitive: Vec::new(),
+    }
+}

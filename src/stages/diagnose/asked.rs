@@ -1,0 +1,122 @@
+//! Everything that is asked of the result of a search.
+
+use crate::alternatives::alternatives;
+use crate::answer::{self, Work};
+use crate::base::Base;
+use crate::expected;
+use crate::problem::ForceProblem;
+use crate::{Diagnosis, draws, form, library, limits, next, unseen, verdict};
+use pipeline_config::DiagnoseOptions;
+use pipeline_findings::{CampaignFindings, Errors, FreeForm, Misfit};
+use pipeline_fit::Group;
+use pipeline_inference::fit::{Fitted, Setting};
+use pipeline_inference::screen::Normal;
+use pipeline_inference::search::{Decision, Found};
+use pipeline_mechanics::effects;
+use std::collections::BTreeMap;
+
+/// A search that is done.
+pub(crate) struct Searched<'a> {
+    pub(crate) problem: &'a ForceProblem<'a>,
+    pub(crate) setting: &'a Setting<'a>,
+    pub(crate) decision: Decision,
+    pub(crate) found: &'a Found,
+    pub(crate) normal: &'a Normal<'a>,
+}
+
+/// Everything that is asked of the result of a search.
+pub(crate) fn answered(
+    group: &Group,
+    base: &Base,
+    searched: &Searched,
+    options: &DiagnoseOptions,
+    mut findings: CampaignFindings,
+) -> Diagnosis {
+    let Searched {
+        problem,
+        setting,
+        decision,
+        found,
+        normal,
+    } = *searched;
+    let (library, data) = (problem.library, problem.data);
+    let name = |t: usize| match library[t].what {
+        library::What::Column(column) => column.name(data),
+        library::What::Effect { effect, .. } => effects::all()[effect].id().to_owned(),
+    };
+    let held = unseen::held_out(setting, problem, found, decision, normal, name);
+    let forms = free_forms(setting, problem, &found.model, options);
+    let work = Work {
+        diameter_mm: group.diameter_mm,
+        base,
+        problem,
+        setting,
+        found,
+        held: &held,
+        forms: &forms,
+        smallest_n: options.smallest_effect_n,
+        normal,
+    };
+    let residuals = work.residuals();
+    let variances = found.model.restricted(setting);
+    let limits = limits::limits(setting, problem, &found.model, found.critical);
+    findings.effects = work.effects();
+    findings.unexplained = work.unexplained();
+    findings.verdict = verdict(&findings.effects, !findings.unexplained.is_empty());
+    findings.scatter = work.scatter(&variances);
+    findings.misfit = Some(Misfit {
+        sensitive: work.sensitive(),
+        ..answer::misfit(&variances, problem)
+    });
+    findings.before = Errors {
+        rmse_train: Some(work.error_in_sample(&found.null)),
+        ..held.before.clone()
+    };
+    findings.after = Errors {
+        rmse_train: Some(work.error_in_sample(&found.model)),
+        ..held.after.clone()
+    };
+    findings.next_measurement = next::next(setting, problem, found, &held.budget);
+    findings.noise = Some(problem.noise_of(&variances));
+    findings.tested = work.tested();
+    findings.coefficients = work.coefficients();
+    findings.alternatives = alternatives(problem, setting, found, base);
+    findings.black_box_rmse_heldout = unseen::black_box(setting, problem, &residuals.predicted);
+    put_limits(&mut findings, limits);
+    put_held_out(&mut findings, held);
+    Diagnosis {
+        findings,
+        residuals,
+    }
+}
+
+/// What could have been seen. What cannot be seen while it is small may have been found, or stand beside what was.
+fn put_limits(findings: &mut CampaignFindings, limits: limits::Limits) {
+    findings.detection_limits = limits.smallest;
+    findings.not_measurable = limits.not_measurable;
+    let is_named = |id: &String| findings.effects.iter().any(|e| e.class.contains(id));
+    findings.not_measurable.retain(|n| !is_named(&n.id));
+    findings.aliases = limits.aliases;
+}
+
+/// What is known of unseen specimens, beside the errors.
+fn put_held_out(findings: &mut CampaignFindings, held: unseen::HeldOut) {
+    findings.design.held_out_by = held.by;
+    findings.expected_rmse_heldout = expected(&held.budget);
+    findings.inside_50 = held.inside.map(|i| i.0);
+    findings.inside_95 = held.inside.map(|i| i.1);
+    findings.pit = held.pit;
+    findings.by_unit = held.units;
+    findings.budget = held.budget;
+}
+
+/// Whether one number is enough for the size of each effect, by term; the draws are the question's own.
+fn free_forms(
+    setting: &Setting,
+    problem: &ForceProblem,
+    model: &Fitted,
+    options: &DiagnoseOptions,
+) -> BTreeMap<usize, FreeForm> {
+    let normal = draws("form", options.seed);
+    form::free_forms(setting, problem, model, options.draws, &normal)
+}

@@ -1,0 +1,272 @@
+//! The force of a reading as the engine asks for it: by coefficients, random effects and terms, with its derivatives by all of them.
+
+use super::{ForceProblem, MOST_TERMS, component};
+use crate::library::What;
+use crate::slack::{Side, Sided};
+use pipeline_inference::problem::{Linearised, Point};
+use pipeline_mechanics::effects::{self, Applied, Conditions};
+use pipeline_numerics::real::{Dual, Real};
+use rayon::prelude::*;
+
+/// Slots of the derivatives: coefficients, gain, length, zero, resting and contracted length, two for each term and for one that is tried
+/// beside them.
+pub(super) const SLOTS: usize = TERMS + 2 * (MOST_TERMS + 1);
+
+/// Most coefficients of a law.
+const COEFFICIENTS: usize = 6;
+
+const GAIN: usize = COEFFICIENTS;
+
+const LENGTH: usize = GAIN + 1;
+
+const ZERO: usize = GAIN + 2;
+
+pub(super) const REST: usize = GAIN + 3;
+
+pub(super) const CONTRACTED: usize = GAIN + 4;
+
+pub(super) const TERMS: usize = GAIN + 5;
+
+impl ForceProblem<'_> {
+    /// The force of reading `i`, misfit left out: by coefficients, gain, set length, zero, what resting and contracted length are longer than noted,
+    /// mm, and terms.
+    fn force<R: Real>(
+        &self,
+        i: usize,
+        at: &Conditions,
+        coefficients: &[R],
+        [gain, length, zero, rest, contracted]: [R; 5],
+        terms: &[(usize, [R; 2])],
+    ) -> R {
+        let applied = |effect: usize, value: R| Applied {
+            effect,
+            form: 0,
+            parameters: [value, R::constant(0.0)],
+        };
+        let mut list = Vec::with_capacity(terms.len() + 2);
+        list.push(applied(self.operators.length, length));
+        let effects = terms.iter();
+        list.extend(effects.filter_map(|(t, values)| self.library[*t].applied(*values)));
+        list.push(applied(self.operators.zero, zero));
+        let law = Sided {
+            base: self.base,
+            side: self.side[i],
+        };
+        let at = &Conditions {
+            pulls: self.pulls(i),
+            ..*at
+        };
+        let mut parameters = [rest; COEFFICIENTS + 2];
+        let known = coefficients.len();
+        parameters[..known].copy_from_slice(coefficients);
+        parameters[known + 1] = contracted;
+        let mut force = effects::force(&law, &parameters[..known + 2], gain, &list, at);
+        for (t, values) in terms {
+            if let What::Column(column) = self.library[*t].what {
+                force = column.apply(force, *values, at, (self.data, i));
+            }
+        }
+        force
+    }
+
+    /// The terms that act on reading `i`, with their amplitude and shape; the numbers of the values among all values of the terms.
+    fn acting<'p>(
+        &'p self,
+        point: &'p Point,
+        i: usize,
+    ) -> impl Iterator<Item = (usize, [f64; 2], [usize; 2])> + 'p {
+        let session = self.data.session[i];
+        let mut before = 0;
+        point.terms.iter().filter_map(move |(t, values)| {
+            let first = before;
+            before += values.len();
+            let term = &self.library[*t];
+            let group = term.acts_on[session]?;
+            let places = match term.what {
+                What::Column(_) => [2 * group, 2 * group + 1],
+                What::Effect { .. } => [group, term.amplitudes],
+            };
+            let shape = values.get(places[1]).copied().unwrap_or(0.0);
+            Some((*t, [values[places[0]], shape], places.map(|p| first + p)))
+        })
+    }
+
+    /// Gain (as a factor), set length and zero that act on reading `i`.
+    fn random(&self, point: &Point, i: usize) -> [f64; 3] {
+        let b = &point.random;
+        let of = |node: usize, c: usize| self.tree.columns_of(node, c).map_or(0.0, |(k, _)| b[k]);
+        let session = self.sessions[self.data.session[i]];
+        let specimen = self.tree.parent(session);
+        let campaign = self.tree.parent(specimen);
+        [
+            (1.0 + of(specimen, component::GAIN)) * (1.0 + of(campaign, component::CAMPAIGN_GAIN)),
+            of(session, component::SET_LENGTH)
+                + self.set_length_unit(i) * of(session, component::DECLARED_LENGTH),
+            of(session, component::ZERO) + of(campaign, component::CAMPAIGN_ZERO),
+        ]
+    }
+
+    /// What the random set length of reading `i` is in units of, mm.
+    fn set_length_unit(&self, i: usize) -> f64 {
+        let declared = self.data.set_length_sd_mm[self.data.session[i]];
+        if declared.is_finite() { declared } else { 1.0 }
+    }
+
+    pub(super) fn value(&self, point: &Point, i: usize, at: &Conditions) -> f64 {
+        let acting = self.acting(point, i);
+        let terms: Vec<_> = acting.map(|(t, values, _)| (t, values)).collect();
+        let [gain, length, zero] = self.random(point, i);
+        let random = [gain, length, zero, 0.0, 0.0];
+        self.force(i, at, &point.coefficients, random, &terms)
+    }
+
+    /// The scale of the misfit of reading `i`, N: at the largest force it is that force, whatever the floor.
+    pub(super) fn misfit_scale(&self, i: usize) -> f64 {
+        match self.side[i] {
+            Side::Slack => 0.0,
+            Side::Pulls | Side::Corner | Side::AsPublished => {
+                (self.reference[i].max(0.0) + self.floor) / (1.0 + self.floor / self.largest)
+            }
+        }
+    }
+
+    pub(super) fn derivatives<const N: usize>(
+        &self,
+        point: &Point,
+        i: usize,
+    ) -> (f64, [f64; N], Vec<f64>) {
+        let at = &self.data.conditions[i];
+        let mut coefficients = [Dual::<N>::constant(0.0); COEFFICIENTS];
+        let known = point.coefficients.len();
+        for (k, (slot, c)) in coefficients.iter_mut().zip(&point.coefficients).enumerate() {
+            *slot = Dual::variable(*c, k);
+        }
+        let [gain, length, zero] = self.random(point, i);
+        let random = [
+            Dual::variable(gain, GAIN),
+            Dual::variable(length, LENGTH),
+            Dual::variable(zero, ZERO),
+            Dual::variable(0.0, REST),
+            Dual::variable(0.0, CONTRACTED),
+        ];
+        let mut terms = Vec::with_capacity(point.terms.len());
+        for (k, (t, [amplitude, shape], _)) in self.acting(point, i).enumerate() {
+            let slot = TERMS + 2 * k;
+            let second = if self.library[t].has_shape() || self.library[t].id().is_none() {
+                Dual::variable(shape, slot + 1)
+            } else {
+                Dual::constant(shape)
+            };
+            terms.push((t, [Dual::variable(amplitude, slot), second]));
+        }
+        let force = self.force(i, at, &coefficients[..known], random, &terms);
+        let row = self.random_row(i, &force, gain, point);
+        (force.value, force.gradient, row)
+    }
+
+    /// Predictions and derivatives at a point with so many slots.
+    pub(super) fn linearised<const N: usize>(&self, point: &Point) -> Linearised {
+        let n = self.data.len();
+        let values: usize = point.terms.iter().map(|(_, v)| v.len()).sum();
+        let mut linear = Linearised {
+            predicted: Vec::with_capacity(n),
+            by_coefficients: vec![vec![0.0; n]; point.coefficients.len()],
+            by_terms: vec![vec![0.0; n]; values],
+            random: Vec::with_capacity(n),
+        };
+        let rows: Vec<_> = (0..n)
+            .into_par_iter()
+            .with_min_len(64)
+            .map(|i| self.derivatives::<N>(point, i))
+            .collect();
+        for (i, (force, gradient, row)) in rows.into_iter().enumerate() {
+            for (k, column) in linear.by_coefficients.iter_mut().enumerate() {
+                column[i] = gradient[k];
+            }
+            for (k, (t, _, places)) in self.acting(point, i).enumerate() {
+                linear.by_terms[places[0]][i] = gradient[TERMS + 2 * k];
+                if self.library[t].has_shape() || self.library[t].id().is_none() {
+                    linear.by_terms[places[1]][i] = gradient[TERMS + 2 * k + 1];
+                }
+            }
+            linear.predicted.push(force);
+            linear.random.push(row);
+        }
+        linear
+    }
+
+    /// Predictions at some readings, and their derivatives by the random effects.
+    pub(super) fn rows<const N: usize>(
+        &self,
+        point: &Point,
+        readings: &[usize],
+    ) -> (Vec<f64>, Vec<Vec<f64>>) {
+        let of = |i: &usize| {
+            let (force, _, row) = self.derivatives::<N>(point, *i);
+            (force, row)
+        };
+        readings.iter().map(of).unzip()
+    }
+
+    /// By what the force of reading `i` changes if resting and contracted length are off by a standard deviation. In the corner to slackness, which
+    /// a short actuator passes within that, a tangent would not tell: there it is half the difference between both ends, or where the domain of the
+    /// law ends before one of them the difference to the other.
+    fn by_lengths<const N: usize>(&self, point: &Point, i: usize, force: &Dual<N>) -> [f64; 2] {
+        let [rest, contracted] = self.specimen_lengths_sd_mm(self.data.specimen[i]);
+        if self.side[i] != Side::Corner {
+            return [
+                force.gradient[REST] * rest,
+                force.gradient[CONTRACTED] * contracted,
+            ];
+        }
+        let at = |rest_mm: f64, contracted_mm: f64| {
+            let mut at = self.data.conditions[i];
+            at.rest_length_m += 1e-3 * rest_mm;
+            at.contracted_length_m += 1e-3 * contracted_mm;
+            self.value(point, i, &at)
+        };
+        let between = |below: f64, above: f64| match (below.is_finite(), above.is_finite()) {
+            (true, true) => 0.5 * (above - below),
+            (true, false) => force.value - below,
+            (false, true) => above - force.value,
+            (false, false) => 0.0,
+        };
+        [
+            between(at(-rest, 0.0), at(rest, 0.0)),
+            between(at(0.0, -contracted), at(0.0, contracted)),
+        ]
+    }
+
+    /// Derivatives by the random effects of the path of reading `i`.
+    fn random_row<const N: usize>(
+        &self,
+        i: usize,
+        force: &Dual<N>,
+        gain: f64,
+        point: &Point,
+    ) -> Vec<f64> {
+        let scale = self.misfit_scale(i);
+        let mut row = Vec::with_capacity(self.tree.path_columns(self.node[i]));
+        row.extend_from_slice(&self.common_misfit[i]);
+        let specimen = self.tree.parent(self.sessions[self.data.session[i]]);
+        let of = |node: usize, c: usize| {
+            self.tree
+                .columns_of(node, c)
+                .map_or(0.0, |(k, _)| point.random[k])
+        };
+        // The gain is a product of two: its derivative by each is that by the product times the other.
+        let by_gain = force.gradient[GAIN];
+        let of_specimen = 1.0 + of(specimen, component::GAIN);
+        if !self.campaigns.is_empty() {
+            row.push(by_gain * of_specimen);
+            row.push(force.gradient[ZERO]);
+        }
+        row.push(by_gain * gain / of_specimen);
+        row.extend(self.by_lengths(point, i, force));
+        row.push(force.gradient[LENGTH] * self.set_length_unit(i));
+        row.push(force.gradient[ZERO]);
+        let along = self.session_basis[i].iter().chain(&self.stroke_basis[i]);
+        row.extend(along.map(|c| c * scale));
+        row
+    }
+}

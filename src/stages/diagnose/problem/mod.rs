@@ -1,0 +1,280 @@
+//! The isometric campaign as a problem for the engine: groups, forward model with derivatives, nuisance components.
+//!
+//! F_i = sensor(effects; (1 + u_k) (1 + g_c) A(P_i, l_i + d_s; theta)) + z_s + z_c + misfit + noise, where u_k is the gain of the specimen,
+//! d_s the set length and z_s the zero of the force of the session, g_c and z_c gain and zero of the campaign (of a pool only). Resting and
+//! contracted length of a specimen are known as well as declared, or else to their rounding; where the standard deviation of a session's set
+//! length is declared, it is not estimated. The misfit is proportional to the force, with a small floor, and absent
+//! where the actuator is slack: one over (eps*, P*) that all specimens share, one of each session along P and, where the readings show it, one
+//! of each stroke along P, Gaussian processes in a cosine basis (Solin and Sarkka, Statistics and Computing 30 (2020) 419).
+//!
+//! A stroke is the filling or the venting of one log. On the laboratory's rig readings of one stroke are alike beyond everything else: most of
+//! all those of the first filling after the length was set, which is up to 15 N below the next ones.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `hierarchy` | the groups of the readings as a tree |
+//! | [`component`] | the nuisance components and the noise, with what is plausible of each |
+//! | `misfit` | the columns of the misfit, those of the common one beside the law |
+//! | `forward` | the force of a reading with its derivatives |
+//! | `directions` | what each term of the library would change |
+//! | `variants` | the same readings under other assumptions: floor, strokes, declared lengths, base law |
+
+pub mod component;
+mod directions;
+mod forward;
+mod hierarchy;
+mod misfit;
+#[cfg(test)]
+mod tests;
+mod variants;
+
+pub use directions::{LARGE_CHANGES, SAME_DIRECTION, cosine};
+
+use super::base::{Base, BaseCoefficient};
+use super::data::Data;
+use super::library::{Scope, Term, What};
+use super::settings;
+use super::slack::{self, Side};
+use component::{components, noise};
+use forward::{SLOTS, TERMS};
+use hierarchy::Hierarchy;
+use misfit::{SESSION_COSINES, STROKE_COSINES, along_pressure, common_pairs};
+use pipeline_inference::problem::Term as EngineTerm;
+use pipeline_inference::problem::{Coefficient, Component, Direction, Linearised, Point, Problem};
+use pipeline_inference::system::Variances;
+use pipeline_inference::tree::Tree;
+use pipeline_inference::variance::Scale;
+use pipeline_mechanics::effects;
+
+/// Most terms in one model.
+pub const MOST_TERMS: usize = pipeline_config::MOST_EFFECTS;
+
+/// Where the operators of the random effects stand in the library.
+struct Operators {
+    length: usize,
+    zero: usize,
+}
+
+/// An isometric campaign, or a pool of them.
+pub struct ForceProblem<'a> {
+    /// The base law.
+    pub base: &'a Base,
+    /// The readings.
+    pub data: &'a Data,
+    /// The terms of the library.
+    pub library: &'a [Term],
+    tree: Tree,
+    node: Vec<usize>,
+    class: Vec<usize>,
+    /// Node of each specimen.
+    pub specimens: Vec<usize>,
+    /// Node of each session.
+    pub sessions: Vec<usize>,
+    /// Node of each campaign of a pool.
+    pub campaigns: Vec<usize>,
+    components: Vec<Component>,
+    noise: Vec<Scale>,
+    coefficients: Vec<Coefficient>,
+    terms: Vec<EngineTerm>,
+    operators: Operators,
+    /// Side of the corner to slackness of each reading.
+    side: Vec<Side>,
+    /// Cosines of the session's misfit, reading by reading.
+    session_basis: Vec<Vec<f64>>,
+    /// Cosines of the stroke's misfit; none where sessions are of one stroke.
+    stroke_basis: Vec<Vec<f64>>,
+    /// Columns of the common misfit, reading by reading, N for a misfit of 1.
+    common_misfit: Vec<Vec<f64>>,
+    /// Derivatives of the reference by the free coefficients of the law, one column each.
+    slopes: Vec<Vec<f64>>,
+    /// Largest force, N.
+    largest: f64,
+    /// Floor of the scale of the misfit, N.
+    floor: f64,
+    /// The force by which the misfit is scaled, N: predictions of a fit without misfit. They are frozen, so that all models of a campaign have
+    /// one covariance for it.
+    reference: Vec<f64>,
+}
+
+/// A coefficient of the law as the engine sees it.
+fn for_engine(c: &BaseCoefficient) -> Coefficient {
+    Coefficient {
+        start: c.start,
+        bounds: c.bounds,
+        free: c.free,
+    }
+}
+
+impl<'a> ForceProblem<'a> {
+    /// The problem of some readings, the misfit of strokes left out.
+    pub fn new(base: &'a Base, data: &'a Data, library: &'a [Term]) -> Self {
+        Self::built(base, data, library, false)
+    }
+
+    fn built(base: &'a Base, data: &'a Data, library: &'a [Term], by_stroke: bool) -> Self {
+        let Hierarchy {
+            tree,
+            node,
+            specimens,
+            sessions,
+            campaigns,
+            strokes,
+        } = Hierarchy::of(data, by_stroke);
+        let largest = data.force.iter().copied().fold(0.0, f64::max);
+        let columns = data.extras.len();
+        let forces = data.force.iter().zip(&data.conditions);
+        let side: Vec<Side> = forces.map(|(f, at)| slack::side(*f, largest, at)).collect();
+        let corner = data.campaigns.len();
+        let class_of = |i: usize| match side[i] {
+            Side::Corner => corner + slack::band(&data.conditions[i]),
+            _ => data.campaign[i],
+        };
+        Self {
+            base,
+            data,
+            library,
+            class: (0..data.len()).map(class_of).collect(),
+            tree,
+            node,
+            specimens,
+            sessions,
+            components: components(base, data, !campaigns.is_empty(), strokes),
+            campaigns,
+            noise: noise(corner, largest),
+            coefficients: base.coefficients.iter().map(for_engine).collect(),
+            terms: library.iter().map(|t| t.for_engine(columns)).collect(),
+            operators: Operators {
+                length: effects::index("length_offset").unwrap_or(0),
+                zero: effects::index("force_zero_offset").unwrap_or(0),
+            },
+            side,
+            session_basis: along_pressure(data, SESSION_COSINES, settings::PRESSURE_LENGTH_KPA),
+            stroke_basis: if by_stroke {
+                along_pressure(data, STROKE_COSINES, settings::STROKE_LENGTH_KPA)
+            } else {
+                vec![Vec::new(); data.len()]
+            },
+            common_misfit: vec![vec![0.0; common_pairs().count()]; data.len()],
+            slopes: Vec::new(),
+            reference: vec![0.0; data.len()],
+            floor: settings::MISFIT_FLOOR * largest,
+            largest,
+        }
+    }
+
+    /// Root mean square of the noise of the readings that are not in the corner to slackness: every campaign has its own.
+    pub fn noise_of(&self, variances: &Variances) -> f64 {
+        let own = self
+            .class
+            .iter()
+            .filter(|c| **c < self.data.campaigns.len());
+        let squares: Vec<f64> = own
+            .map(|c| variances.noise[*c] * variances.noise[*c])
+            .collect();
+        (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+    }
+
+    /// Whether the actuator pulls at reading `i`: it is neither slack nor near it.
+    pub fn pulls(&self, i: usize) -> bool {
+        self.side[i] == Side::Pulls
+    }
+
+    /// Whether strokes have a misfit of their own.
+    pub fn has_strokes(&self) -> bool {
+        self.stroke_basis.iter().any(|b| !b.is_empty())
+    }
+
+    /// Whether a term is no more than where the dependence on a column that is among others has its origin, which nobody knows: a zero of the force
+    /// on all readings beside an offset that goes with the column.
+    pub fn is_origin(&self, term: usize, others: &[usize]) -> bool {
+        let zero = self.library[term].scope == Scope::All
+            && self.library[term].effect() == Some((self.operators.zero, 0));
+        let is_offset =
+            |t: &usize| matches!(self.library[*t].what, What::Column(c) if !c.is_gain());
+        zero && others.iter().any(is_offset)
+    }
+
+    /// Standard deviations of resting and contracted length of a specimen, mm.
+    pub fn specimen_lengths_sd_mm(&self, specimen: usize) -> [f64; 2] {
+        let or_rounded = |sd: f64| {
+            if sd.is_finite() {
+                sd
+            } else {
+                settings::ROUNDING_SD_MM
+            }
+        };
+        self.data.specimen_lengths_sd_mm[specimen].map(or_rounded)
+    }
+}
+
+impl Problem for ForceProblem<'_> {
+    fn tree(&self) -> &Tree {
+        &self.tree
+    }
+    fn node(&self) -> &[usize] {
+        &self.node
+    }
+    fn class(&self) -> &[usize] {
+        &self.class
+    }
+    fn noise(&self) -> &[Scale] {
+        &self.noise
+    }
+    fn observed(&self) -> &[f64] {
+        &self.data.force
+    }
+    fn components(&self) -> &[Component] {
+        &self.components
+    }
+    fn coefficients(&self) -> &[Coefficient] {
+        &self.coefficients
+    }
+    fn terms(&self) -> &[EngineTerm] {
+        &self.terms
+    }
+
+    fn predict(&self, point: &Point) -> Vec<f64> {
+        let conditions = self.data.conditions.iter().enumerate();
+        conditions.map(|(i, at)| self.value(point, i, at)).collect()
+    }
+
+    fn predict_some(&self, point: &Point, readings: &[usize]) -> Vec<f64> {
+        let of = |i: &usize| self.value(point, *i, &self.data.conditions[*i]);
+        readings.iter().map(of).collect()
+    }
+
+    fn linearise_some(&self, point: &Point, readings: &[usize]) -> (Vec<f64>, Vec<Vec<f64>>) {
+        match point.terms.len() {
+            0 => self.rows::<TERMS>(point, readings),
+            1 => self.rows::<{ TERMS + 2 }>(point, readings),
+            2 => self.rows::<{ TERMS + 4 }>(point, readings),
+            3 => self.rows::<{ TERMS + 6 }>(point, readings),
+            4 => self.rows::<{ TERMS + 8 }>(point, readings),
+            _ => self.rows::<SLOTS>(point, readings),
+        }
+    }
+
+    fn linearise(&self, point: &Point) -> Linearised {
+        // Derivatives cost as much as there are slots.
+        match point.terms.len() {
+            0 => self.linearised::<TERMS>(point),
+            1 => self.linearised::<{ TERMS + 2 }>(point),
+            2 => self.linearised::<{ TERMS + 4 }>(point),
+            3 => self.linearised::<{ TERMS + 6 }>(point),
+            4 => self.linearised::<{ TERMS + 8 }>(point),
+            _ => self.linearised::<SLOTS>(point),
+        }
+    }
+
+    fn far(&self, point: &Point) -> Vec<(usize, Vec<f64>)> {
+        self.far_starts(point)
+    }
+
+    fn bends(&self, point: &Point, term: usize) -> Vec<Vec<f64>> {
+        self.bent_columns(point, term)
+    }
+
+    fn directions(&self, point: &Point) -> Vec<Direction> {
+        self.directions_beside(point)
+    }
+}

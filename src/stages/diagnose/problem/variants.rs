@@ -1,0 +1,101 @@
+//! The same readings under other assumptions: the scale and floor of the misfit, strokes, declared lengths, another form of the base law.
+
+use super::{ForceProblem, component};
+use crate::base::Base;
+use crate::settings;
+use pipeline_inference::fit::{Fitted, Setting};
+use pipeline_inference::problem::Problem;
+use pipeline_inference::query;
+use pipeline_inference::variance::{Prior, Scale};
+use pipeline_numerics::statistics::median;
+
+impl<'a> ForceProblem<'a> {
+    /// The same with the misfit scaled by the predictions of a fit without it.
+    pub fn with_reference(mut self) -> Self {
+        let setting = Setting {
+            misfit_factor: 0.0,
+            ..Setting::new(&self).usual()
+        };
+        let fit = setting.fit(&self.start(), &setting.fresh()[..1]);
+        let linear = self.linearise(&fit.point);
+        self.reference = linear.predicted;
+        let columns = linear.by_coefficients.into_iter().zip(&self.coefficients);
+        self.slopes = columns.filter(|(_, c)| c.free).map(|(x, _)| x).collect();
+        self.common_misfit = self.beside_the_law();
+        self
+    }
+
+    /// The same with another floor of the scale of the misfit, a share of the largest force.
+    pub fn with_floor(&self, share: f64) -> Self {
+        let mut other = Self {
+            reference: self.reference.clone(),
+            slopes: self.slopes.clone(),
+            floor: share * self.largest,
+            ..Self::built(self.base, self.data, self.library, self.has_strokes())
+        };
+        other.common_misfit = other.beside_the_law();
+        other
+    }
+
+    /// The same with a misfit of every stroke; none where no session has several strokes, whose own that would be.
+    pub fn with_strokes(&self) -> Option<Self> {
+        let strokes = self.data.strokes().into_iter().max()? + 1;
+        (strokes > self.sessions.len()).then(|| Self {
+            reference: self.reference.clone(),
+            slopes: self.slopes.clone(),
+            common_misfit: self.common_misfit.clone(),
+            floor: self.floor,
+            ..Self::built(self.base, self.data, self.library, true)
+        })
+    }
+
+    /// The same with the scatter of the declared set lengths estimated, for readings that contradict what was declared.
+    pub fn with_declared_estimated(mut self) -> Self {
+        let declared = self.data.set_length_sd_mm.iter().copied();
+        let declared: Vec<f64> = declared.filter(|sd| sd.is_finite()).collect();
+        let usual = settings::USUAL_SET_LENGTH_MM / median(&declared);
+        self.components[component::DECLARED_LENGTH].scale = Scale {
+            prior: Prior::HalfNormal(settings::LARGEST_SCATTER * usual),
+            usual,
+            groups: declared.len(),
+        };
+        self
+    }
+
+    /// Whether somebody declared the standard deviations of a component.
+    pub fn is_declared(&self, c: usize) -> bool {
+        let of_specimens = |k: usize| {
+            let mut all = self.data.specimen_lengths_sd_mm.iter();
+            all.any(|sd| sd[k].is_finite())
+        };
+        match c {
+            component::DECLARED_LENGTH => {
+                self.data.set_length_sd_mm.iter().any(|sd| sd.is_finite())
+            }
+            component::REST_LENGTH => of_specimens(0),
+            component::CONTRACTED_LENGTH => of_specimens(1),
+            _ => false,
+        }
+    }
+
+    /// Whether the readings contradict the set lengths that were declared, beside a model.
+    pub fn contradicts_declared(&self, setting: &Setting, model: &Fitted) -> bool {
+        let c = component::DECLARED_LENGTH;
+        self.is_declared(c) && query::is_too_small(setting, model, &model.restricted(setting), c)
+    }
+
+    /// The same readings and terms with another form of the base law.
+    pub fn with_base<'b>(&self, base: &'b Base) -> ForceProblem<'b>
+    where
+        'a: 'b,
+    {
+        ForceProblem {
+            reference: self.reference.clone(),
+            slopes: self.slopes.clone(),
+            common_misfit: self.common_misfit.clone(),
+            floor: self.floor,
+            components: self.components.clone(),
+            ..ForceProblem::built(base, self.data, self.library, self.has_strokes())
+        }
+    }
+}

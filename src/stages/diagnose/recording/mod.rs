@@ -1,0 +1,83 @@
+//! Mistakes of recording: sessions and specimens whose readings are too improbable under the model fitted without them.
+//!
+//! An effect is a property of a rig or of actuators; a value for one session alone is a mistake or scatter. The sessions that a fit to all
+//! puts furthest off, and their specimens, are left out in turn, and their readings are held against the model of the others. How far off a
+//! group is, is one number: the root mean square of its misses in units of noise and misfit, at the set lengths that suit it best, of which
+//! each counts in units of its usual size. A session that is merely set 1 mm off is then about 1 off, one set 10 mm off about 10, and one with
+//! swapped columns more. Rigs scatter more or less than usual, so the yardstick is the standard deviation of
+//! the other sessions of the same campaign (by their median), by a model without the group.
+//!
+//! The worst group goes first, for it spoils the fits that judge the others. What it is, its own readings say: each usual mistake is taken
+//! back, and of those that leave no more than is usual the likeliest explains it.
+//!
+//! What all sessions share is no mistake, but beside a law that lacks it the sessions in which it shows most look mistaken. So the question is
+//! asked beside the effects and dependences on columns that a search of all readings found; beside the law alone only where it found none.
+//!
+//! Lengths are in mm, forces in N, in all of these files.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `law` | the law by which sessions are judged |
+//! | `left` | sessions and specimens, and what is left when some are gone |
+//! | `judged` | who is furthest off, beside what is usual |
+//! | `seen` | the readings of a group beside a model fitted without it: how far off it is |
+//! | `mistakes` | the usual mistakes, each taken back |
+//! | `least` | the least value of a function on an interval |
+
+mod judged;
+mod law;
+mod least;
+mod left;
+mod mistakes;
+mod seen;
+#[cfg(test)]
+mod tests;
+
+pub use law::Law;
+
+use super::data::Data;
+use judged::{Judged, Ranked};
+use left::Left;
+use pipeline_findings::RecordingError;
+use pipeline_inference::decisions::{LEVEL, MOST_MISTAKEN, MOST_MISTAKEN_SHARE};
+
+/// Readings of a session that are looked at: a wrong length, zero or unit shows in all of them, and the time goes with their number.
+const READINGS: usize = 16;
+
+/// The sessions and specimens of a campaign that look mistaken beside a law, worst first: those with a family-wise probability below [`LEVEL`].
+/// They are to be set aside. Only readings of actuators of `group_diameter_mm` are judged.
+pub fn recording_errors(group_diameter_mm: u32, law: &Law, data: &Data) -> Vec<RecordingError> {
+    let of_group =
+        |i: &usize| data.conditions[*i].diameter_mm.round() == f64::from(group_diameter_mm);
+    let places: Vec<usize> = (0..data.len()).filter(of_group).collect();
+    let data = data.select(&places);
+    let data = data.thinned(READINGS * data.sessions.len());
+    let mut left = Left::all(&data);
+    let mut errors = Vec::new();
+    if (left.sessions.len() as f64) * MOST_MISTAKEN_SHARE.0 < 1.0 {
+        return errors;
+    }
+    let mut ranked = Ranked::new(law, &data, &left);
+    while errors.len() < MOST_MISTAKEN {
+        let judged = Judged::new(law, &data, &left, ranked.shortlist(&left));
+        let Some((group, seen, off)) = judged.worst(&left) else {
+            break;
+        };
+        let rest = left.without(group);
+        if !rest.is_most_of(&data) {
+            break;
+        }
+        // The others without it: with it they would all be off, or the noise so large that nobody is.
+        let others = Ranked::new(law, &data, &rest);
+        let Some(usual) = others.usual() else {
+            break;
+        };
+        let p = usual.p(off) * left.groups() as f64;
+        if p.is_nan() || p >= LEVEL {
+            break;
+        }
+        errors.push(seen.error(group, p.min(1.0), &usual));
+        (left, ranked) = (rest, others);
+    }
+    errors
+}

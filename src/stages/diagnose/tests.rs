@@ -1,0 +1,147 @@
+//! Declared lengths, intervals of effects, and campaigns of a pool, on simulated campaigns.
+
+use super::base::Base;
+use super::data::Data;
+use super::problem::{ForceProblem, component};
+use super::suited::start;
+use super::{diagnose, library};
+use pipeline_base::random::Stream;
+use pipeline_base::row::Row;
+use pipeline_config::{DiagnoseOptions, FitOptions};
+use pipeline_inference::fit::{Free, Setting};
+use pipeline_inference::problem::Problem;
+use pipeline_inference::profile::profile;
+use pipeline_simulate::rig_like;
+
+/// The scatter of set lengths of a campaign of which these standard deviations are declared, mm.
+fn scatter_of(declared_mm: f64) -> pipeline_findings::Scatter {
+    let settings = rig_like::Settings {
+        specimens: Some(4),
+        ..rig_like::Settings::default()
+    };
+    let mut rows = rig_like::campaign(1, &settings).rows;
+    for row in &mut rows {
+        row.length_sd_m = 1e-3 * declared_mm;
+    }
+    let group = rig_like::group();
+    let options = DiagnoseOptions::default();
+    let found = diagnose(&group, &rows, &FitOptions::default(), &options).unwrap();
+    let scatter = found.findings.scatter.into_iter();
+    let mut of_lengths = scatter.filter(|s| s.id == "length_offset");
+    let one = of_lengths.next().unwrap();
+    assert!(of_lengths.next().is_none());
+    one
+}
+
+#[test]
+fn a_declared_set_length_is_taken_and_contradicted_where_it_is_too_small() {
+    // The sessions were set to 0.8 mm.
+    let right = scatter_of(0.8);
+    assert_eq!(right.declared, Some(0.8));
+    assert!(!right.declared_contradicted);
+    assert_eq!(right.values.len(), 16);
+    let wrong = scatter_of(0.1);
+    assert!(wrong.declared_contradicted);
+    assert_eq!(wrong.declared, Some(0.1));
+    assert!((0.5..1.3).contains(&wrong.sd), "{}", wrong.sd);
+    // The interval is in mm as well, not in units of what was declared.
+    let (low, high) = (wrong.ci_low.unwrap(), wrong.ci_high.unwrap());
+    assert!(
+        low < wrong.sd && wrong.sd < high && high < 3.0,
+        "{low} {high}"
+    );
+}
+
+#[test]
+fn at_the_ends_of_an_interval_the_likelihood_of_a_fit_has_fallen_alike() {
+    // Size and time constant of a creep trade against each other: an interval with the time constant held would be too short.
+    let settings = rig_like::Settings {
+        specimens: Some(4),
+        pace: rig_like::Pace::Dwell,
+        effects: vec![rig_like::Put {
+            id: "creep",
+            form: "logarithm",
+            size: 0.02,
+            others: &[],
+            from: 0.0,
+        }],
+        ..rig_like::Settings::default()
+    };
+    let rows = rig_like::campaign(3, &settings).rows;
+    let rows: Vec<&Row> = rows.iter().collect();
+    let data = Data::new(&rows);
+    let base = Base::new(10, true, 4, &FitOptions::default());
+    let library = library::terms(&data);
+    let problem = ForceProblem::new(&base, &data, &library).with_reference();
+    let setting = Setting::new(&problem);
+    let creep = library.iter().position(|t| t.id() == Some("creep"));
+    let mut from = problem.start();
+    from.terms
+        .push((creep.unwrap(), library[creep.unwrap()].start(0.02)));
+    let model = setting.fit_afresh(&from);
+    let normal = |k: usize| -> Box<dyn FnMut() -> f64> {
+        let mut stream = Stream::new(1, &["profile", &k.to_string()]);
+        Box::new(move || stream.normal())
+    };
+    let found = profile(&setting, &model, creep.unwrap(), 0, &normal).unwrap();
+    let fallen = |size: f64| {
+        let mut held = setting.clone();
+        held.pinned.push(Free::Value(0, 0));
+        let mut from = model.point.clone();
+        from.terms[0].1[0] = size;
+        let starts = [model.variances.clone(), setting.widened(&model.variances)];
+        model.log_likelihood - held.fit(&from, &starts).log_likelihood
+    };
+    let ends = [found.low.unwrap(), found.high.unwrap()].map(fallen);
+    assert!(ends.iter().all(|fall| *fall > 1.7), "{ends:?}");
+    assert!((ends[0] - ends[1]).abs() < 0.15 * ends[0], "{ends:?}");
+}
+
+#[test]
+fn a_session_that_declares_nothing_takes_back_nothing_of_its_specimen() {
+    let mut rows = rig_like::campaign(1, &rig_like::Settings::default()).rows;
+    let first = rows[0].clone();
+    let declaring = rows.iter_mut().filter(|r| r.session == first.session);
+    declaring.for_each(|r| r.rest_length_sd_m = 1e-4);
+    let rows: Vec<&Row> = rows.iter().collect();
+    let data = Data::new(&rows);
+    let place = data.specimens.iter().position(|s| *s == first.specimen);
+    let [rest, contracted] = data.specimen_lengths_sd_mm[place.unwrap()];
+    assert!((rest - 0.1).abs() < 1e-12);
+    assert!(contracted.is_nan());
+}
+
+/// Two campaigns in one pool, the second of which is read with 8 N more noise and a load cell of 20% less: five times what the means of four specimens differ by.
+#[test]
+fn campaigns_of_a_pool_have_a_gain_and_a_noise_of_their_own() {
+    let settings = rig_like::Settings {
+        specimens: Some(4),
+        ..rig_like::Settings::default()
+    };
+    let mut rows = rig_like::campaign(1, &settings).rows;
+    let mut others = rig_like::campaign(2, &settings).rows;
+    let mut stream = Stream::new(1, &["pool"]);
+    for row in &mut others {
+        row.campaign = "other".to_owned();
+        row.session = format!("other {}", row.session);
+        row.force_n = 0.8 * row.force_n + 8.0 * stream.normal();
+    }
+    rows.extend(others);
+    let rows: Vec<&Row> = rows.iter().collect();
+    let data = Data::new(&rows);
+    assert_eq!((data.campaigns.len(), data.specimens.len()), (2, 8));
+    let base = Base::new(10, true, 2, &FitOptions::default());
+    let library = library::terms(&data);
+    let problem = ForceProblem::new(&base, &data, &library).with_reference();
+    let setting = Setting::new(&problem);
+    let null = start(&setting);
+    let other = data.campaigns.iter().position(|c| c == "other").unwrap();
+    let noise = [1 - other, other].map(|c| null.variances.noise[c]);
+    assert!((1.0..4.0).contains(&noise[0]), "{noise:?}");
+    assert!((7.0..10.0).contains(&noise[1]), "{noise:?}");
+    let both = problem.noise_of(&null.variances);
+    assert!(noise[0] < both && both < noise[1], "{both}");
+    let variances = null.restricted(&setting);
+    let gain = variances.components[component::CAMPAIGN_GAIN];
+    assert!((0.05..0.3).contains(&gain), "{gain}");
+}
