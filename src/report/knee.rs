@@ -49,7 +49,8 @@ struct Campaign {
     configurations: usize,
     readings: usize,
     beyond: usize,
-    excluded: Vec<(String, String)>,
+    /// Tests that are left out: session, why, and where one is fitted all the same; empty if nowhere.
+    excluded: Vec<[String; 3]>,
     /// Whether doubtful tests are fitted where a joint has no others.
     doubtful_alone: bool,
     fits: Vec<Fit>,
@@ -135,9 +136,19 @@ pub fn knee_pdf(
 fn campaign(c: &CampaignTorque, figures: &[Option<Drawn>]) -> Campaign {
     let tests = || c.configurations.iter().flat_map(|c| &c.tests);
     let points = || tests().flat_map(|t| &t.points);
-    let said = |of: fn(&Test) -> Option<String>| {
-        let some = tests().filter_map(move |t| Some((t.session.clone(), of(t)?)));
-        some.collect::<Vec<_>>()
+    let alone = c
+        .diagnoses
+        .iter()
+        .filter(|j| j.findings.design.doubtful_only);
+    let fitted = alone.flat_map(|j| j.tests.iter().filter(|t| t.fitted));
+    let fitted: Vec<&str> = fitted.map(|t| t.session.as_str()).collect();
+    let left_out = |t: &Test| {
+        let but = if fitted.contains(&t.session.as_str()) {
+            " except the search of its joint, which has no other test"
+        } else {
+            ""
+        };
+        Some([t.session.clone(), t.left_out_because()?, but.to_owned()])
     };
     Campaign {
         id: c.campaign.clone(),
@@ -147,7 +158,7 @@ fn campaign(c: &CampaignTorque, figures: &[Option<Drawn>]) -> Campaign {
         configurations: c.configurations.len(),
         readings: points().count(),
         beyond: points().filter(|p| p.beyond.is_some()).count(),
-        excluded: said(Test::left_out_because),
+        excluded: tests().filter_map(left_out).collect(),
         doubtful_alone: c.diagnoses.iter().any(|j| j.findings.design.doubtful_only),
         fits: c.fits.iter().filter_map(|f| fit(c, f)).collect(),
         joints: joints(c, figures),

@@ -197,7 +197,7 @@ fn usage_mistakes_exit_with_2() {
     says(&["check"], "golden.toml");
     std::fs::create_dir_all(golden(&bench, "")).unwrap();
     std::fs::write(golden(&bench, "golden.toml"), settings(&bench)).unwrap();
-    says(&["check"], "--bless --reason");
+    says(&["check"], "pipeline check --init");
     says(&["check", "--bless"], "--reason");
     says(&["check", "--bless", "--reason", " "], "--reason");
     says(&["check", "--golden", "nowhere"], "--golden DIR");

@@ -80,7 +80,7 @@ pub(super) fn answer(found: &CampaignFindings) -> Said {
 }
 
 /// Something simpler is named if its error is below this share of the model's.
-const CLEARLY: f64 = 0.98;
+pub(super) const CLEARLY: f64 = 0.98;
 
 /// For the first page.
 #[derive(Serialize)]

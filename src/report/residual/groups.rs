@@ -13,7 +13,7 @@ use pipeline_findings::{CampaignFindings, RecordingError, Scatter};
 const LEAST_MISFIT: f64 = 1e-4;
 
 /// What, of each, how many, standard deviation with interval, declared, gain.
-pub(super) fn scatter(s: &Scatter) -> [String; 6] {
+pub(super) fn scatter(s: &Scatter) -> [String; 7] {
     let (factor, in_unit) = if s.unit == "1" {
         (100.0, "%")
     } else {
@@ -31,6 +31,7 @@ pub(super) fn scatter(s: &Scatter) -> [String; 6] {
         name::level(s.level).to_owned(),
         s.values.len().to_string(),
         format!("{value} {interval} {in_unit}"),
+        plain(factor * s.sd_predictive, "1"),
         s.declared.map_or_else(
             || NONE.to_owned(),
             |d| plain(factor * d, "1") + contradicted,

@@ -8,7 +8,9 @@ use crate::wording::number::{
     unit as unit_name,
 };
 use crate::wording::sentence::black_box_beats;
-use pipeline_findings::{Alternative, CampaignFindings, CoefficientChange, Parameter, UnitErrors};
+use pipeline_findings::{
+    Alternative, CampaignFindings, CoefficientChange, EffectFinding, Parameter, UnitErrors,
+};
 
 /// Log-likelihoods that differ by less tell nothing apart.
 const CLOSE: f64 = 2.0;
@@ -50,8 +52,14 @@ fn found_without(found: &CampaignFindings, u: &UnitErrors) -> String {
         let named: Vec<String> = u.found.iter().map(|id| name::candidate(id)).collect();
         return named.join(", ");
     }
-    let is_effect = |id: &&String| found.effects.iter().any(|e| e.class.contains(id));
-    let again = u.found.iter().filter(is_effect).count();
+    // Two that are one alias set here are one effect found again, and one more.
+    let is_again = |e: &&EffectFinding| e.class.iter().any(|id| u.found.contains(id));
+    let again = found
+        .effects
+        .iter()
+        .filter(is_again)
+        .count()
+        .min(u.found.len());
     match u.found.len() - again {
         0 => format!("{again} of the effects"),
         others => format!("{again} of the effects, {others} more"),

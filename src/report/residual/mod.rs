@@ -18,7 +18,7 @@ mod limits;
 use crate::extent::{MOST_GROUPS, MOST_ROWS_ON_PAGES};
 use crate::figures::Drawn;
 use crate::figures::found::Kind;
-use crate::input::ReportInput;
+use crate::input::{GroupInput, ReportInput};
 use crate::knee;
 use crate::pages::{PageData, Picture};
 use crate::typeset::Pdf;
@@ -102,7 +102,7 @@ pub(crate) struct Campaign {
     /// A remark on the shuffled column; empty where there is nothing to say.
     shuffled: String,
     unexplained: Vec<[String; 4]>,
-    scatter: Vec<[String; 6]>,
+    scatter: Vec<[String; 7]>,
     misfit: String,
     recording_errors: Vec<[String; 6]>,
     recording_errors_left_out: usize,
@@ -156,17 +156,28 @@ pub fn on_the_first_page(input: &ReportInput) -> Vec<&CampaignFindings> {
     all
 }
 
+/// The error on unseen specimens of the law alone, fitted by least squares; none where nothing was left out.
+fn law_alone(group: &GroupInput) -> Option<f64> {
+    let mut comparisons = group.comparison.comparisons.iter();
+    comparisons
+        .find(|c| c.model == NEW && c.split == "loso")?
+        .rmse
+}
+
+/// The same where it is clearly below that of the search.
+pub(crate) fn better_law_alone(group: &GroupInput) -> Option<f64> {
+    let found = &group.diagnosis.as_ref()?.findings;
+    let own = found.after.rmse_heldout.or(found.before.rmse_heldout)?;
+    law_alone(group).filter(|error| *error < front::CLEARLY * own)
+}
+
 fn entries<'a>(input: &'a ReportInput, figures: &'a Figures) -> Vec<Entry<'a>> {
     let groups = input.groups.iter().zip(&input.figures);
     let groups = groups.filter_map(|(group, drawn)| {
-        let comparisons = &group.comparison.comparisons;
-        let alone = comparisons
-            .iter()
-            .find(|c| c.model == NEW && c.split == "loso");
         Some(Entry {
             found: &group.diagnosis.as_ref()?.findings,
             figures: drawn.as_ref().map(|d| d.diagnosis.as_slice()),
-            simpler: alone.and_then(|c| c.rmse).map(|error| Simpler {
+            simpler: law_alone(group).map(|error| Simpler {
                 words: "the law alone (least squares)",
                 error,
             }),

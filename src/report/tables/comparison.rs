@@ -40,7 +40,7 @@ fn models_where(groups: &[GroupInput], shown: fn(&Comparison) -> bool) -> Table 
         .count("n_extrapolated", "Extrap.", One, |(_, c)| c.n_extrapolated)
         .note(
             "Only errors on common readings rank the models: those that the new model (fitted without their specimen), Hunt 2017 and the Festo \
-             tool all cover. Errors and bias are measured minus predicted. \\v{Outside}: readings outside the model's domain, not counted in its \
+             tool all cover, as far as they have coefficients for the diameter. Errors and bias are measured minus predicted. \\v{Outside}: readings outside the model's domain, not counted in its \
              errors; \
              \\v{Extrap.}: readings beyond the model's own data, counted. Directions of filling and venting enter Hunt's model as \\v{S} = 0, the mean of both.",
         )

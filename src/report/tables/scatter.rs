@@ -16,11 +16,12 @@ pub fn scatter(input: &ReportInput) -> Table {
         .count("groups", "\\v{n}", One, |(_, s)| s.values.len())
         .value("sd", "Standard deviation", One, move |(_, s)| size(s))
         .interval("ci", "95%", One, move |(_, s)| size(s))
+        .number("sd_predictive", "In predictions", One, Digits(2), |(_, s)| finite(s.sd_predictive))
         .text("unit", "Unit", |(_, s)| &s.unit)
         .number("declared", "Declared", One, Digits(2), |(_, s)| finite(s.declared))
         .flag("declared_contradicted", "Contradicted", |(_, s)| s.declared_contradicted)
         .number("log_likelihood_gain", "Gain", One, Decimals(1), |(_, s)| finite(s.log_likelihood_gain))
-        .note("Standard deviations by restricted likelihood. \\v{Gain}: in log-likelihood, over a model without it; none where it was declared.")
+        .note("Standard deviations by restricted likelihood; in predictions, a handful of groups that happen to agree prove no scatter of 0. \\v{Gain}: in log-likelihood, over a model without it; none where it was declared.")
         .of_all(input, |found| found.scatter.iter().collect())
 }
 

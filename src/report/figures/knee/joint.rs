@@ -81,10 +81,15 @@ pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
     } else {
         ""
     };
+    let crosses = if found.design.doubtful_only {
+        "crosses are doubtful, and as there are no others they are fitted here"
+    } else {
+        "crosses are not fitted"
+    };
     Named {
         name: name(campaign, joint),
         caption: format!(
-            "{simulated}{}, {} mm: measured torque (marks, one type per test; crosses are not fitted), the rigid leg with the published \
+            "{simulated}{}, {} mm: measured torque (marks, one type per test; {crosses}), the rigid leg with the published \
              law, and the leg with the effects found{held_out}. {}{others}",
             configuration::capitalised(part),
             found.diameter_mm,

@@ -1,12 +1,12 @@
 //! Everything of one joint, ready to be searched: its tests with their readings, which of them are fitted or held out.
 
+use super::by_test::{self, Predictors, TestErrors};
 use super::curves::{self, BeforeAfter};
 use super::data::{Data, Reading, senses};
 use super::joint::Searched;
 use super::operator::{At, Joint};
 use super::problem::TorqueProblem;
 use super::terms::SIZES;
-use super::tests::{self, Predictors, TestErrors};
 use super::unseen::HeldOut;
 use crate::Configuration;
 use crate::build::Build;
@@ -197,7 +197,7 @@ impl<'a> Group<'a> {
                 largest: largest.map(|(_, sizes)| sizes),
             };
             let in_largest = largest.is_some_and(|(tests, _)| tests.contains(&test));
-            Some(tests::errors(
+            Some(by_test::errors(
                 (session, specimen),
                 &own,
                 (self.fitted[test], in_largest),

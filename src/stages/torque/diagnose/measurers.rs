@@ -1,7 +1,7 @@
 //! What the measurers of the knee paper reached by hand, beside what the loop reaches on actuators of the same length on the same joint.
 
 use super::Group;
-use super::tests::TestErrors;
+use super::by_test::TestErrors;
 use crate::errors::Size;
 use pipeline_mechanics::knee::data;
 use serde::{Deserialize, Serialize};

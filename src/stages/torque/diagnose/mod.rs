@@ -20,13 +20,14 @@
 //! | [`limits`] | what could have been seen, and what is indistinguishable |
 //! | [`fittings`] | the length of the end fittings, plain least squares as in the paper: a query of the engine |
 //! | [`answer`] | the [`pipeline_findings`], as values |
-//! | [`tests`] | errors of every test: rigid, fitted, held out, and with sizes from the largest configuration alone |
+//! | [`by_test`] | errors of every test: rigid, fitted, held out, and with sizes from the largest configuration alone |
 //! | [`measurers`] | beside what was reached by hand |
 //! | [`curves`] | torque over the angle before and after, for figures |
 //!
 //! With one actuator or two, effects have estimates like any other; what is said of unseen actuators needs two.
 
 pub mod answer;
+pub mod by_test;
 pub mod curves;
 pub mod data;
 pub mod fittings;
@@ -40,7 +41,6 @@ pub mod problem;
 pub mod recording;
 pub mod settings;
 pub mod terms;
-pub mod tests;
 mod unassessed;
 pub mod unseen;
 
@@ -48,6 +48,7 @@ pub use group::Group;
 
 use crate::Configuration;
 use crate::build::Build;
+use by_test::TestErrors;
 use curves::BeforeAfter;
 use measurers::ByHand;
 use pipeline_config::{DiagnoseOptions, FitOptions};
@@ -56,7 +57,6 @@ use pipeline_findings::{CampaignFindings, Residuals};
 use pipeline_mechanics::models::published;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use tests::TestErrors;
 
 /// What was found of one joint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

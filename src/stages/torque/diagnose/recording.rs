@@ -5,11 +5,11 @@
 //! test that is merely mounted 1 mm off where others scatter by 1 mm is about 1 off. How much tests scatter is known from the other tests alone, so that
 //! Student's t with their number judges it.
 
+use super::by_test::{self, Predictors, TestErrors};
 use super::data::{Data, Reading};
 use super::problem::TorqueProblem;
 use super::settings;
 use super::terms::SIZES;
-use super::tests::{self, Predictors, TestErrors};
 use pipeline_findings::{ErrorKind, Level, RecordingError};
 use pipeline_inference::decisions::{EXPLAINS, FEWEST, LEVEL};
 use pipeline_inference::fit::{Fitted, Setting};
@@ -207,5 +207,5 @@ fn own_errors(data: &Data, test: usize, sizes: &[f64; SIZES]) -> TestErrors {
         held_out: None,
         largest: None,
     };
-    tests::errors((data.tests[test], ""), &own, (true, false), &with)
+    by_test::errors((data.tests[test], ""), &own, (true, false), &with)
 }
