@@ -33,7 +33,7 @@
 //! | [`cache`] | keys, objects by content, reasons for a rerun, what may go ([`cache::collect`]) | |
 //! | [`formats`] | `session.toml`, logs, finding sessions | a log format: one file, one line in `formats/lib.rs` |
 //! | [`models`] | one file a force model: pure equations, published coefficients, domain | one file, one line in `models/mod.rs` |
-//! | [`effects`] | the one registry, a file an effect: what a force model, a rig or a joint may lack, with its operator on the force | one file, one line in `effects/mod.rs`; torque, simulator: `docs/effects.md` |
+//! | [`effects`] | the one registry, a file an effect: what a force model, a rig or a joint may lack, with its operator on the force | one file, one line in `effects/lib.rs`; torque, simulator: `docs/effects.md` |
 //! | [`numerics`] | least squares, robust losses, statistics, plateaus: slices in, vectors out | |
 //! | [`knee`] | joints, routes, moment arms, torque of actuators and of human muscles | a knee: one TOML file |
 //! | [`inference`] | one mixed model and what is asked of it; knows neither force nor torque (a crate of its own) | |
@@ -62,25 +62,26 @@
 //!   bundle    -> run, config, formats, base
 //!   export    -> run, formats, base
 //!   run       -> report, inspect, torque, clean, compare, diagnose, fit, ingest, config, formats, cache, normalize, base, findings
-//!   report    -> audit, predict, torque, clean, compare, diagnose, draft, fit, ingest, config, formats, mechanics, base, findings, numerics
+//!   report    -> audit, predict, torque, clean, compare, diagnose, draft, fit, ingest, config, formats, effects, mechanics, base, findings, numerics
 //!   audit     -> compare, fit, mechanics, numerics
-//!   portable  -> fit, mechanics, base, findings, numerics
+//!   portable  -> fit, effects, mechanics, base, findings, numerics
 //!   predict   -> compare, fit, mechanics, base, numerics
-//!   inspect   -> clean, diagnose, fit, ingest, config, formats, normalize, mechanics, base, findings, numerics
+//!   inspect   -> clean, diagnose, fit, ingest, config, formats, normalize, effects, mechanics, base, findings, numerics
 //!   plan      -> diagnose, fit, config, mechanics, base, findings
-//!   torque    -> diagnose, config, inference, mechanics, base, findings, numerics
+//!   torque    -> diagnose, config, inference, effects, mechanics, base, findings, numerics
 //!   clean     -> ingest, config, base, numerics
 //!   compare   -> fit, config, mechanics, base, numerics
-//!   diagnose  -> fit, config, inference, mechanics, base, findings, numerics; its tests -> simulate
+//!   diagnose  -> fit, config, inference, effects, mechanics, base, findings, numerics; its tests -> simulate
 //!   draft     -> formats, base
 //!   fit       -> config, mechanics, base, findings, numerics
 //!   ingest    -> formats, base
 //!   config    -> mechanics, base, numerics
-//!   simulate  -> mechanics, base, numerics; its tests -> formats
+//!   simulate  -> effects, mechanics, base, numerics; its tests -> formats
 //!   formats   -> mechanics, base
 //!   cache     -> base
 //!   golden    -> base
 //!   inference -> numerics
+//!   effects   -> mechanics, numerics
 //!   mechanics -> base, numerics
 //!   normalize -> base
 //!   base      -> nothing
@@ -93,11 +94,13 @@
 //!   clap, clap_complete, clap_mangen, indicatif: cli
 //!   polars, polars-buffer, polars-parquet: base, formats
 //!   ```
-//!   So `cache` knows no stage, and stages know neither cache nor command line; `mechanics`, `inference` and `numerics` do no I/O and see no data frame. Only
+//!   So `cache` knows no stage, and stages know neither cache nor command line; `mechanics`, `effects`, `inference` and `numerics` do no I/O and see no data
+//!   frame. Only
 //!   `report` knows plotters, Typst and HTML, and it computes no statistic: every number comes from a stage, every
 //!   curve, band and running median, and whether specimens' own estimates differ, from `mechanics` and `numerics`.
 //! - **Values, then words**: what was found travels as values ([`findings`]); [`report::wording`] makes names and sentences of them for pages, tables and the
-//!   terminal, and nothing reads a sentence back.
+//!   terminal, and nothing reads a sentence back. A message on bad input is made where the input is read, with file, row and column, and is not changed
+//!   afterwards.
 //! - **Nothing below `raw/` is ever written**, and nothing is left out without a line in `rejects.csv`.
 //! - **Same inputs, same bytes**: no clock, host, path or hash order in an output; sums in the order of rows; transcendental functions
 //!   from `libm` (`clippy.toml` bans the platform's); units meet only in sorted collections, so the number of jobs does not matter.
@@ -120,13 +123,14 @@ pub use pipeline_cache as cache;
 pub use pipeline_cli as cli;
 pub use pipeline_config as config;
 pub use pipeline_draft as draft;
+pub use pipeline_effects as effects;
 pub use pipeline_export as export;
 pub use pipeline_findings as findings;
 pub use pipeline_formats as formats;
 pub use pipeline_golden as golden;
 pub use pipeline_inference as inference;
 pub use pipeline_inspect as inspect;
-pub use pipeline_mechanics::{effects, knee, models};
+pub use pipeline_mechanics::{knee, models};
 pub use pipeline_numerics as numerics;
 pub use pipeline_plan as plan;
 pub use pipeline_portable as portable;

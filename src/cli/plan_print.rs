@@ -81,7 +81,9 @@ fn print_error(foreseen: &Foreseen) {
 /// What one thing more is worth.
 fn print_worth(foreseen: &Foreseen) {
     line("");
-    line("additions: the error expected with each (median of the draws), and its change (mean over draws with the same seeds)");
+    line(
+        "additions: the error expected with each (median of the draws), and its change (mean over draws with the same seeds)",
+    );
     let rows: Vec<Vec<String>> = foreseen.worth.iter().map(worth_row).collect();
     for text in aligned(&rows, &[Align::Left, Align::Right, Align::Left]) {
         line(format!("  {text}"));

@@ -8,9 +8,10 @@ use crate::law::Law;
 use crate::model::{Model, Named};
 use crate::source;
 use pipeline_base::error::{Error, Result};
+use pipeline_effects as effects;
+use pipeline_effects::{Effect, Subject};
 use pipeline_findings::{ActsOn, CampaignFindings, CoefficientChange, EffectFinding};
 use pipeline_fit::GroupFit;
-use pipeline_mechanics::effects::{self, Effect, Subject};
 
 /// Of a 95% interval from a standard error.
 const NORMAL_95: f64 = 1.959_963_984_540_054;

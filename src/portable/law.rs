@@ -11,8 +11,8 @@
 //! in the others. k1 and k2 are the two forms of [`rest_length_scaling`], p1 and p2 those of [`bladder_threshold`]: 0 where the loop has
 //! not found them.
 //!
-//! [`rest_length_scaling`]: pipeline_mechanics::effects::rest_length_scaling
-//! [`bladder_threshold`]: pipeline_mechanics::effects::bladder_threshold
+//! [`rest_length_scaling`]: pipeline_effects::rest_length_scaling
+//! [`bladder_threshold`]: pipeline_effects::bladder_threshold
 
 /// The coefficients, in m, kPa and N.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -84,6 +84,7 @@ fn a_change_of_code_makes_those_stages_stale_that_call_it() {
             "src/inference/search/mod.rs",
             &["diagnose", "torque", "report"],
         ),
+        ("src/effects/creep.rs", &["diagnose", "torque", "report"]),
         ("src/report/fonts.rs", &["report"]),
         ("src/simulate/log.rs", &[]),
         ("src/cli/gc.rs", &[]),

@@ -12,7 +12,7 @@
 //! Attachments may also be elsewhere than drawn, whatever pulls ([`Series::shifted`]).
 //!
 //! Compliances (m/N) stand for stiffnesses throughout: a rigid part has none, and fits start there. Every one of them may carry derivatives
-//! `R`, and the balance passes them on (theorem of implicit functions, as in [`crate::effects`]).
+//! `R`, and the balance passes them on (theorem of implicit functions, as the effects have it).
 
 use super::path::{Leg, Yield};
 use super::torque::Setup;

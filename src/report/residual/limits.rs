@@ -6,11 +6,11 @@ use crate::wording::number::{self, error_rounding, error_with_unit, percent, pla
 use crate::wording::sentence::{
     conditions, has_terms, is_worth_credible, measurement, worth_words,
 };
+use pipeline_effects as effects;
 use pipeline_findings::{
     CampaignFindings, DetectionLimit, EffectFinding, NextKind, NextMeasurement, NotMeasurable,
     WhyNot,
 };
-use pipeline_mechanics::effects;
 use pipeline_torque::diagnose::terms;
 use serde::Serialize;
 

@@ -2,12 +2,12 @@
 
 use pipeline_clean::zero::ZeroSource;
 use pipeline_compare::NEW;
+use pipeline_effects as effects;
 use pipeline_findings::{
     ActsOn, CampaignFindings, EffectFinding, ErrorKind, HeldOutBy, Level, NotAssessed,
     NotMeasurable, Verdict, WhyNot,
 };
 use pipeline_fit::engine::CoefficientState;
-use pipeline_mechanics::effects;
 
 /// What stands among effects and is none of the library.
 const CALLED: [(&str, &str); 2] = [

@@ -6,7 +6,7 @@
 //! Source: G. K. Klute and B. Hannaford, J. Dyn. Sys. Meas. Control 122 (2000) 386: the bladder takes part of the pressure.
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
-use pipeline_mechanics::effects as library;
+use pipeline_effects as library;
 
 const THRESHOLD: Parameter = Parameter::size("threshold_kpa", "kPa", 0.0, 200.0);
 

@@ -10,7 +10,7 @@
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
 use pipeline_base::session::Phase;
-use pipeline_mechanics::effects as library;
+use pipeline_effects as library;
 
 const K: Parameter = Parameter::size("k", "1", -0.5, 0.5);
 const SCALE: Parameter = Parameter::other("cycles", "1", (0.1, 1e4), 5.0);

@@ -9,7 +9,7 @@
 //! 91 (1854) 179 (stretched exponential).
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
-use pipeline_mechanics::effects as library;
+use pipeline_effects as library;
 
 const K: Parameter = Parameter::size("k", "1", -0.5, 0.5);
 

@@ -7,7 +7,7 @@
 //! The zero logs do not show it: they were taken before.
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
-use pipeline_mechanics::effects as library;
+use pipeline_effects as library;
 
 const RATE: Parameter = Parameter::size("n_per_s", "N/s", -20.0, 20.0);
 

@@ -5,7 +5,7 @@
 //! - `curved`: F + (g - 1) F (1 + q (F/F_620 - 1/2)).
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
-use pipeline_mechanics::effects as library;
+use pipeline_effects as library;
 
 const GAIN: Parameter = Parameter::gain("gain");
 

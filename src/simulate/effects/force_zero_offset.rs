@@ -4,7 +4,7 @@
 //! - `wandering`: F + z (1 + 0.4 sin(2 pi n/N)), n the sessions measured before this one: a room that warms and cools.
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
-use pipeline_mechanics::effects as library;
+use pipeline_effects as library;
 
 const ZERO: Parameter = Parameter::size("zero_n", "N", -200.0, 200.0);
 

@@ -14,7 +14,7 @@
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
 use pipeline_base::session::Phase;
-use pipeline_mechanics::effects as library;
+use pipeline_effects as library;
 
 /// The effect.
 pub static EFFECT: Effect = Effect {

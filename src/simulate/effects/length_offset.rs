@@ -4,7 +4,7 @@
 //! - `growing`: l = l_nominal + d (1 + q (l_rest - 0.2 m)), a part of it from a tape that is stretched.
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
-use pipeline_mechanics::effects as library;
+use pipeline_effects as library;
 
 const OFFSET: Parameter = Parameter::size("offset_mm", "mm", -50.0, 50.0);
 

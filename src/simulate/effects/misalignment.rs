@@ -4,7 +4,7 @@
 //! - `turning`: phi (1 + q eps*): the angle opens as the actuator shortens.
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
-use pipeline_mechanics::effects as library;
+use pipeline_effects as library;
 
 const ANGLE: Parameter = Parameter::size("angle_deg", "deg", -45.0, 45.0);
 

@@ -5,7 +5,7 @@
 //! the plain one by some percent of the effect, so that a search that knows the plain operator only is not given its own formula.
 //!
 //! Architecture invariant: nothing here but the ids is shared with the search for effects
-//! ([`library`](pipeline_mechanics::effects)). Both agree only if both are right.
+//! ([`library`](pipeline_effects)). Both agree only if both are right.
 //!
 //! Throughout, F is in N, P in kPa, l in m, t in s; the sign s is -1 while filling and +1 while venting.
 

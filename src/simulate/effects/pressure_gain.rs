@@ -4,7 +4,7 @@
 //! - `curved`: P_shown = P/(1 + (g - 1)(1 + q (P/620 kPa - 1/2))).
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
-use pipeline_mechanics::effects as library;
+use pipeline_effects as library;
 use pipeline_mechanics::models::P_620_KPA;
 
 const GAIN: Parameter = Parameter::gain("gain");

@@ -6,7 +6,7 @@
 //! Unlike an offset of the force, it also stands in the zero log, from which nobody takes it off.
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
-use pipeline_mechanics::effects as library;
+use pipeline_effects as library;
 use pipeline_mechanics::models::P_620_KPA;
 
 const ZERO: Parameter = Parameter::size("zero_kpa", "kPa", -50.0, 50.0);

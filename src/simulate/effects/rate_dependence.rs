@@ -9,7 +9,7 @@
 //! (2009) 423 (spring and damper in parallel).
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
-use pipeline_mechanics::effects as library;
+use pipeline_effects as library;
 
 const SLOPE: Parameter = Parameter::size("n_s_per_kpa", "N s/kPa", -10.0, 10.0);
 const SPEED: Parameter = Parameter::other("rate_kpa_per_s", "kPa/s", (0.1, 1e4), 50.0);

@@ -6,7 +6,7 @@
 //! F is the axial force, which itself depends on l: both are solved together ([`super::super::chain`]).
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
-use pipeline_mechanics::effects as library;
+use pipeline_effects as library;
 
 const COMPLIANCE: Parameter = Parameter::size("c_um_per_n", "um/N", 0.0, 200.0);
 

@@ -6,7 +6,7 @@
 //! It comes on top of `specimen_scatter` of the rig, which is the same with a normal distribution.
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
-use pipeline_mechanics::effects as library;
+use pipeline_effects as library;
 
 const STRENGTH: Parameter = Parameter::size("u", "1", -0.5, 0.5);
 

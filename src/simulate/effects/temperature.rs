@@ -6,7 +6,7 @@
 //! An Arrhenius law is left out: between 10 and 30 degrees it lies within a hundredth of the straight line.
 
 use super::{Column, Effect, Form, Given, Link, Moment, Parameter, Per};
-use pipeline_mechanics::effects as library;
+use pipeline_effects as library;
 
 const SLOPE: Parameter = Parameter::size("k_per_c", "1/K", -0.05, 0.05);
 const REFERENCE: Parameter = Parameter::other("reference_c", "C", (-50.0, 100.0), 20.0);

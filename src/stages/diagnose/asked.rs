@@ -7,12 +7,12 @@ use crate::expected;
 use crate::problem::ForceProblem;
 use crate::{Diagnosis, draws, form, library, limits, next, unseen, verdict};
 use pipeline_config::DiagnoseOptions;
+use pipeline_effects as effects;
 use pipeline_findings::{CampaignFindings, Errors, FreeForm, Misfit};
 use pipeline_fit::Group;
 use pipeline_inference::fit::{Fitted, Setting};
 use pipeline_inference::screen::Normal;
 use pipeline_inference::search::{Decision, Found};
-use pipeline_mechanics::effects;
 use std::collections::BTreeMap;
 
 /// A search that is done.

@@ -2,8 +2,8 @@
 
 use super::settings;
 use pipeline_config::FitOptions;
+use pipeline_effects::{Actuator, Conditions};
 use pipeline_fit::equations;
-use pipeline_mechanics::effects::{Actuator, Conditions};
 use pipeline_mechanics::models::{
     Coefficient, Direction, ForceModel, P_620_KPA, State, hunt2017, new, published,
 };

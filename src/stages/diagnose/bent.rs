@@ -1,5 +1,5 @@
 //! A size that is not one number: how the predictions change where the size of an effect bends along the effect's own argument
-//! ([`pipeline_mechanics::effects::Argument`]).
+//! ([`pipeline_effects::Argument`]).
 //!
 //! The effect changes reading i by s_i = phi dh_i/dphi. Where its size is phi (1 + g(x_i)), x the argument over the range of the readings on which
 //! the effect acts and g a smooth function, it changes it by s_i (1 + g(x_i)) as well: columns s_i cos_k(x_i).
@@ -7,8 +7,9 @@
 use super::library::Term;
 use super::settings;
 use super::smooth::cosines;
+use pipeline_effects as effects;
+use pipeline_effects::{Argument, Conditions};
 use pipeline_inference::decisions::FEWEST;
-use pipeline_mechanics::effects::{self, Argument, Conditions};
 
 /// Cosines of g, the constant among them.
 pub const COSINES: usize = 5;

@@ -5,7 +5,7 @@
 //! from a short grid by the held-out error itself, which favours it: it is a limit, not a competitor.
 
 use super::data::{Data, PLACEBO};
-use pipeline_mechanics::effects::Conditions;
+use pipeline_effects::Conditions;
 use pipeline_numerics::cholesky::Cholesky;
 use pipeline_numerics::matrix::Matrix;
 

@@ -1,5 +1,5 @@
 //! Free forms: whether one number is enough for the size of an effect that was found, or whether the size changes along the effect's own
-//! argument ([`pipeline_mechanics::effects::Argument`]).
+//! argument ([`pipeline_effects::Argument`]).
 //!
 //! At the mode of the found model the effect changes reading i by s_i = phi dh_i/dphi. The free form is s_i (1 + g(x_i)), x the argument over
 //! the range of the readings on which the effect acts, g a Gaussian process in a cosine basis that bends over most of that range
@@ -140,9 +140,9 @@ mod tests {
     use crate::library::{self, Scope};
     use pipeline_base::random::Stream;
     use pipeline_config::FitOptions;
+    use pipeline_effects::Argument;
     use pipeline_inference::gram::Square;
     use pipeline_inference::problem::Problem;
-    use pipeline_mechanics::effects::Argument;
     use pipeline_simulate::rig_like;
 
     #[test]

@@ -57,9 +57,10 @@ use pipeline_base::random::Stream;
 use pipeline_base::row::Row;
 use pipeline_base::session::Role;
 use pipeline_config::{DiagnoseOptions, FitOptions};
+use pipeline_effects as effects;
+use pipeline_effects::Conditions;
 use pipeline_findings::{CampaignFindings, EffectFinding, Residuals, Verdict};
 use pipeline_fit::{Group, is_fitted, is_usable};
-use pipeline_mechanics::effects::{self, Conditions};
 use recording::Law;
 use std::collections::BTreeSet;
 

@@ -2,9 +2,10 @@
 //! or from a change point on; and smooth functions of every column.
 
 use super::data::Data;
+use pipeline_effects as effects;
+use pipeline_effects::{Applied, Conditions, Form, Grouping, Need, Place};
 use pipeline_inference::decisions::{FEWEST, FEWEST_SPECIMENS};
 use pipeline_inference::problem;
-use pipeline_mechanics::effects::{self, Applied, Conditions, Form, Grouping, Need, Place};
 use pipeline_mechanics::models::P_620_KPA;
 use pipeline_numerics::real::Real;
 use std::collections::BTreeSet;

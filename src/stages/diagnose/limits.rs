@@ -4,6 +4,8 @@
 use super::data::Data;
 use super::library::{Scope, Term, What};
 use super::problem::ForceProblem;
+use pipeline_effects as effects;
+use pipeline_effects::Need;
 use pipeline_findings::{Alias, DetectionLimit, NotMeasurable, WhyNot};
 use pipeline_inference::decisions::{IDENTIFIABLE, PARALLEL};
 use pipeline_inference::fit::{Fitted, Setting};
@@ -12,7 +14,6 @@ use pipeline_inference::problem::{Direction, Problem};
 use pipeline_inference::screen::Screen;
 use pipeline_inference::statistic::likelihood_ratio;
 use pipeline_inference::system::{Factor, Panel};
-use pipeline_mechanics::effects::{self, Need};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 

@@ -8,7 +8,7 @@
 
 use super::base::Base;
 use super::settings;
-use pipeline_mechanics::effects::{Actuator, Conditions};
+use pipeline_effects::{Actuator, Conditions};
 use pipeline_mechanics::models::{ForceModel, P_620_KPA, new};
 use pipeline_numerics::real::Real;
 

@@ -4,8 +4,8 @@ use super::evidence::{differ, grade, weak};
 use super::form::varying;
 use crate::wording::name::{self, listed, nouns};
 use crate::wording::number::{amounts, count, equals_probability, percent, plain, with_unit};
+use pipeline_effects as effects;
 use pipeline_findings::{ActsOn, CampaignFindings, EffectFinding, Level, Scatter, Verdict};
-use pipeline_mechanics::effects;
 use pipeline_torque::diagnose::terms::usual;
 
 /// Most members of an alias set, and most recording errors, that a sentence names.

@@ -3,12 +3,12 @@
 use super::{Work, rms};
 use crate::library::What;
 use crate::tally;
+use pipeline_effects as effects;
 use pipeline_findings::{EffectFinding, Estimate, Parameter, Tested};
 use pipeline_inference::profile::profile;
 use pipeline_inference::query;
 use pipeline_inference::search::Accepted;
 use pipeline_inference::statistic::upper_tail;
-use pipeline_mechanics::effects;
 use std::collections::BTreeMap;
 
 impl Work<'_> {

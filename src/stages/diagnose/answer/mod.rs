@@ -25,12 +25,12 @@ use super::data::Data;
 use super::library::{Scope, Term, What};
 use super::problem::ForceProblem;
 use super::unseen::HeldOut;
+use pipeline_effects as registry;
 use pipeline_findings::{ActsOn, FreeForm};
 use pipeline_inference::fit::{Fitted, Setting};
 use pipeline_inference::problem::{Point, Problem};
 use pipeline_inference::screen::Normal;
 use pipeline_inference::search::Found;
-use pipeline_mechanics::effects as registry;
 use std::collections::BTreeMap;
 
 /// What the answers are made of.

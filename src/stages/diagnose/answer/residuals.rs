@@ -2,9 +2,9 @@
 
 use super::Work;
 use crate::data::{Data, PLACEBO};
+use pipeline_effects as effects;
 use pipeline_findings::Residuals;
 use pipeline_inference::query;
-use pipeline_mechanics::effects;
 
 impl Work<'_> {
     /// Residuals for the figures.

@@ -2,14 +2,12 @@
 
 use super::Work;
 use crate::problem::{ForceProblem, component};
+use pipeline_effects::{force_gain, force_zero_offset, length_offset, specimen_variation};
 use pipeline_findings::{Level, Scatter};
 use pipeline_inference::problem::Problem;
 use pipeline_inference::query;
 use pipeline_inference::system::Variances;
 use pipeline_inference::variance::Prior;
-use pipeline_mechanics::effects::{
-    force_gain, force_zero_offset, length_offset, specimen_variation,
-};
 use pipeline_numerics::statistics::median;
 use std::collections::BTreeMap;
 

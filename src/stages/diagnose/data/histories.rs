@@ -4,7 +4,7 @@
 use super::Data;
 use super::extras::{CYCLES, RATE, SINCE_STEP};
 use pipeline_base::row::Row;
-use pipeline_mechanics::effects::Conditions;
+use pipeline_effects::Conditions;
 use std::collections::BTreeMap;
 
 /// A change of pressure that is a step, kPa.

@@ -13,8 +13,8 @@ use pipeline_base::columns::TEMPERATURE;
 use pipeline_base::random::Stream;
 use pipeline_base::row::Row;
 use pipeline_base::session::Phase;
+use pipeline_effects::{Conditions, Need};
 use pipeline_inference::decisions::STANDS_OUT;
-use pipeline_mechanics::effects::{Conditions, Need};
 use pipeline_numerics::statistics::{mean, median, sd_by_median};
 use std::collections::{BTreeMap, BTreeSet};
 

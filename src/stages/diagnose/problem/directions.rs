@@ -4,8 +4,8 @@ use super::ForceProblem;
 use super::misfit::LawSpan;
 use crate::bent::Bent;
 use crate::library::{Scope, Term, What};
+use pipeline_effects as effects;
 use pipeline_inference::problem::{Direction, Point, Problem};
-use pipeline_mechanics::effects;
 use rayon::prelude::*;
 
 /// Changes of the force, as shares of its root mean square, at which an effect that enters nonlinearly is looked at again; no larger than

@@ -3,8 +3,9 @@
 use super::{ForceProblem, MOST_TERMS, component};
 use crate::library::What;
 use crate::slack::{Side, Sided};
+use pipeline_effects as effects;
+use pipeline_effects::{Applied, Conditions};
 use pipeline_inference::problem::{Linearised, Point};
-use pipeline_mechanics::effects::{self, Applied, Conditions};
 use pipeline_numerics::real::{Dual, Real};
 use rayon::prelude::*;
 

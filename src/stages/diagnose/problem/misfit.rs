@@ -8,7 +8,7 @@ use super::ForceProblem;
 use crate::data::Data;
 use crate::settings;
 use crate::smooth::cosines;
-use pipeline_mechanics::effects::Conditions;
+use pipeline_effects::Conditions;
 use pipeline_mechanics::models::P_620_KPA;
 use pipeline_numerics::matrix::Matrix;
 use pipeline_numerics::qr::PivotedQr;

@@ -39,12 +39,12 @@ use component::{components, noise};
 use forward::{SLOTS, TERMS};
 use hierarchy::Hierarchy;
 use misfit::{SESSION_COSINES, STROKE_COSINES, along_pressure, common_pairs};
+use pipeline_effects as effects;
 use pipeline_inference::problem::Term as EngineTerm;
 use pipeline_inference::problem::{Coefficient, Component, Direction, Linearised, Point, Problem};
 use pipeline_inference::system::Variances;
 use pipeline_inference::tree::Tree;
 use pipeline_inference::variance::Scale;
-use pipeline_mechanics::effects;
 
 /// Most terms in one model.
 pub const MOST_TERMS: usize = pipeline_config::MOST_EFFECTS;

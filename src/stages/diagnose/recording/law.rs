@@ -4,9 +4,9 @@ use crate::base::Base;
 use crate::data::Data;
 use crate::library::{Column, Scope, Term, What};
 use crate::problem::ForceProblem;
+use pipeline_effects::Applied;
 use pipeline_inference::fit::{Fitted, Setting};
 use pipeline_inference::problem::Problem;
-use pipeline_mechanics::effects::Applied;
 
 /// The law by which sessions are judged: what acts on all readings, named or a dependence on a column, with the values from which a fit starts.
 pub struct Law<'a> {

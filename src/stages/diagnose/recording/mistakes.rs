@@ -4,9 +4,9 @@ use super::READINGS;
 use super::judged::Usual;
 use super::least::least;
 use super::seen::Seen;
+use pipeline_effects::Conditions;
 use pipeline_findings::{ErrorKind, Level};
 use pipeline_inference::decisions::EXPLAINS;
-use pipeline_mechanics::effects::Conditions;
 use pipeline_numerics::statistics::{mean, standard_deviation};
 
 /// Units that are taken for one another (lbf, kgf, psi, bar, and powers of ten), as factors; their inverses too.

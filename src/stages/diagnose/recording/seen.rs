@@ -12,10 +12,11 @@ use crate::library::Column;
 use crate::problem::{ForceProblem, component};
 use crate::settings;
 use crate::slack::{Side, Sided};
+use pipeline_effects as effects;
+use pipeline_effects::{Applied, Conditions};
 use pipeline_findings::{ErrorKind, Level, RecordingError};
 use pipeline_inference::fit::{Fitted, Setting};
 use pipeline_inference::problem::Problem;
-use pipeline_mechanics::effects::{self, Applied, Conditions};
 
 /// The readings of a group, and the model fitted without it.
 pub(super) struct Seen<'a> {

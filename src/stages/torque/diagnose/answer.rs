@@ -7,6 +7,7 @@ use super::unseen::{self, HeldOut};
 use pipeline_diagnose::answer::rms;
 use pipeline_diagnose::settings as shared;
 use pipeline_diagnose::tally;
+use pipeline_effects::{force_zero_offset, length_offset, specimen_variation};
 use pipeline_findings::{
     ActsOn, EffectFinding, Estimate, Level, Misfit, NextKind, NextMeasurement, Parameter,
     Residuals, Scatter, Tested, Unexplained,
@@ -19,7 +20,6 @@ use pipeline_inference::screen::Normal;
 use pipeline_inference::search::{Accepted, Found};
 use pipeline_inference::statistic::upper_tail;
 use pipeline_inference::system::Variances;
-use pipeline_mechanics::effects::{force_zero_offset, length_offset, specimen_variation};
 use std::collections::BTreeMap;
 
 /// The random effects as findings name them: component, id, level, unit; and the class of readings without which it is not listed.

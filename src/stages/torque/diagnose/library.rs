@@ -3,8 +3,8 @@
 
 use super::data::Data;
 use super::terms::{ALL, SIZES, Term as Form};
+use pipeline_effects::JointNeed;
 use pipeline_inference::problem;
-use pipeline_mechanics::effects::JointNeed;
 use pipeline_numerics::real::Real;
 
 /// What is added.

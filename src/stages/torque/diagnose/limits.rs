@@ -2,6 +2,8 @@
 
 use super::problem::TorqueProblem;
 use super::terms::{ALL, Term};
+use pipeline_effects as effects;
+use pipeline_effects::JointNeed;
 use pipeline_findings::{Alias, DetectionLimit, NotMeasurable, WhyNot};
 use pipeline_inference::decisions::{IDENTIFIABLE, PARALLEL};
 use pipeline_inference::fit::{Fitted, Setting};
@@ -10,7 +12,6 @@ use pipeline_inference::problem::Problem;
 use pipeline_inference::screen::{Screen, Shown};
 use pipeline_inference::statistic::likelihood_ratio;
 use pipeline_inference::system::{Factor, Panel};
-use pipeline_mechanics::effects::{self, JointNeed};
 
 /// The answers.
 pub struct Limits {

@@ -12,7 +12,7 @@ use super::terms::{KINKS_FROM_RAD, SIZES, place};
 use crate::build::Build;
 use pipeline_diagnose::base::Base;
 use pipeline_diagnose::slack::{self, Side, Sided};
-use pipeline_mechanics::effects::{Actuator, Conditions, JointNeed};
+use pipeline_effects::{Actuator, Conditions, JointNeed};
 use pipeline_mechanics::knee::{Bracket, Leg, Point, Series, data, route::Place};
 use pipeline_numerics::real::Real;
 

@@ -1,7 +1,7 @@
-//! The joint's effects: which forms of the library ([`pipeline_mechanics::effects`]) have an operator on the torque, and where their sizes
+//! The joint's effects: which forms of the library ([`pipeline_effects`]) have an operator on the torque, and where their sizes
 //! stand. Equations are in [`super::operator`].
 
-use pipeline_mechanics::effects::{
+use pipeline_effects::{
     JointForm, attachment_shift, bladder_threshold, force_gain, force_zero_offset, joint_friction,
     kinking, length_offset, pressure_zero_offset, series_compliance, wrapping_loss,
 };
@@ -160,7 +160,7 @@ pub static ALL: [Term; TERMS] = [
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pipeline_mechanics::effects;
+    use pipeline_effects as effects;
 
     #[test]
     fn every_form_of_the_library_has_one_operator_and_its_sizes_one_place() {

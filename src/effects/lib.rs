@@ -195,7 +195,7 @@ macro_rules! effects {
     };
 }
 
-// rustfmt does not follow modules declared by a macro: check them with `rustfmt --edition 2024 --check src/mechanics/effects/*.rs`.
+// rustfmt does not follow modules declared by a macro: check them with `rustfmt --edition 2024 --check src/effects/*.rs`.
 effects! {
     on the force: {
         pressure_gain::PressureGain,

@@ -10,7 +10,7 @@
 use super::{
     Argument, Conditions, Effect, Form, Link, Need, Parameter, Place, Subject, within_tension,
 };
-use crate::models::P_620_KPA;
+use pipeline_mechanics::models::P_620_KPA;
 use pipeline_numerics::real::Real;
 
 /// Its id.
