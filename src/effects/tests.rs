@@ -2,6 +2,8 @@
 
 use super::*;
 use pipeline_numerics::real::Dual;
+use std::cell::RefCell;
+use std::collections::BTreeSet;
 
 /// A linear spring with a gain for the pressure: F = a P + k (l - l_rest).
 struct Spring;
@@ -209,7 +211,9 @@ fn a_yielding_frame_balances_as_two_springs_in_series() {
 #[test]
 fn operators_do_what_their_equations_say() {
     let at = somewhere();
+    let tried = RefCell::new(BTreeSet::new());
     let f = |id: &str, form: usize, amplitude: f64, shape: f64| -> f64 {
+        tried.borrow_mut().insert((id.to_owned(), form));
         shown(&[applied(id, form, amplitude, shape)], &at)
     };
     let ln = libm::log;
@@ -229,7 +233,9 @@ fn operators_do_what_their_equations_say() {
         (f("bladder_threshold", 1, 30.0, f64::NAN), gradual),
         (f("length_offset", 0, 1.0, f64::NAN), 120.0),
         (f("temperature", 0, -0.01, f64::NAN), 97.5),
+        (f("temperature", 1, -0.01, 0.1), 100.0 - 2.5 - 0.625),
         (f("hysteresis", 0, 4.0, f64::NAN), 100.0 - within(4.0)),
+        (f("hysteresis", 1, 4.0, f64::NAN), 96.0),
         (f("hysteresis", 2, 0.02, f64::NAN), 98.0),
         (f("hysteresis", 3, 6.2, f64::NAN), 100.0 - within(4.0)),
         (f("hysteresis", 4, 10.0, f64::NAN), 95.0),
@@ -240,6 +246,10 @@ fn operators_do_what_their_equations_say() {
         (f("rate_dependence", 0, 0.5, f64::NAN), 100.0 - within(3.5)),
         (f("creep", 0, -0.01, 1.0), 100.0 * (1.0 - 0.01 * ln(4.0))),
         (
+            f("creep", 1, -0.01, 6.0),
+            100.0 * (1.0 - 0.01 * (1.0 - libm::exp(-0.5))),
+        ),
+        (
             f("conditioning", 0, 0.1, 15.0),
             100.0 * (1.0 - 0.1 * (1.0 - libm::exp(-1.0))),
         ),
@@ -249,10 +259,21 @@ fn operators_do_what_their_equations_say() {
         ),
         (f("misalignment", 0, 60.0, f64::NAN), 50.0),
         (f("rest_length_scaling", 0, 2.0, f64::NAN), 90.0),
+        (f("rest_length_scaling", 1, 2.0, f64::NAN), 87.5),
+        (f("specimen_variation", 0, 0.05, f64::NAN), 105.0),
     ];
     for (k, (shown, says)) in expected.into_iter().enumerate() {
         assert!((shown - says).abs() < 1e-9, "number {k}: {shown} {says}");
     }
+    // A frame that yields is in balance with the force, which has tests of its own.
+    let of_effect = |e: &&dyn Effect| {
+        let id = e.id().to_owned();
+        let forms = e.forms().iter().enumerate();
+        let forms = forms.filter(|(_, form)| form.place != Place::Frame);
+        forms.map(move |(k, _)| (id.clone(), k)).collect::<Vec<_>>()
+    };
+    let all: BTreeSet<(String, usize)> = all().iter().flat_map(of_effect).collect();
+    assert_eq!(tried.into_inner(), all, "a form has no line above");
 }
 
 /// Inputs first, the sensor last, whatever the order in which effects were found.
