@@ -125,6 +125,35 @@ fn every_crate_uses_the_crates_that_the_map_allows_and_no_others() {
     }
 }
 
+/// Everything that a crate stands on.
+fn below(name: &str, uses: &BTreeMap<String, Names>) -> Names {
+    let mut found = Names::new();
+    for used in &uses[name] {
+        found.insert(used.clone());
+        found.extend(below(used, uses));
+    }
+    found
+}
+
+#[test]
+fn the_drawing_of_the_crates_is_of_this_list() {
+    let allowed = allowed();
+    let uses: BTreeMap<String, Names> = { allowed.iter() }
+        .map(|(name, uses)| (name.clone(), uses.code.clone()))
+        .collect();
+    let mut lines = Vec::new();
+    for (name, _) in &allowed {
+        let others: Vec<(&String, Names)> =
+            uses[name].iter().map(|u| (u, below(u, &uses))).collect();
+        let is_reached = |used: &String| others.iter().any(|(_, below)| below.contains(used));
+        let direct = uses[name].iter().filter(|used| !is_reached(used));
+        lines.extend(direct.map(|used| format!("  {name} --> {used}")));
+    }
+    let drawing = format!("```mermaid\nflowchart TD\n{}\n```\n", lines.join("\n"));
+    let page = include_str!("../../docs/architecture.md");
+    assert!(page.contains(&drawing), "the drawing should be:\n{drawing}");
+}
+
 #[test]
 fn every_line_of_the_map_names_crates_of_lines_below_it() {
     let allowed = allowed();

@@ -29,6 +29,17 @@ fn the_readme_asks_for_the_rust_that_cargo_asks_for() {
 }
 
 #[test]
+fn the_page_of_options_is_what_the_program_prints() {
+    let printed = Bench::empty().run(&["config"]).out;
+    let page = read("docs/options.md");
+    let block = format!("```toml\n{}\n```\n", printed.trim_end());
+    assert!(
+        page.contains(&block),
+        "docs/options.md should have:\n{block}"
+    );
+}
+
+#[test]
 fn the_stages_of_the_readme_and_the_help_are_those_of_the_registry() {
     let stages = STAGES.join(", ");
     let readme = read("README.md");

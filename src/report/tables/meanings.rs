@@ -65,6 +65,35 @@ mod tests {
         tables.flat_map(of).collect()
     }
 
+    /// `docs/tables.md` below its heading: every column of every golden table, in the order of its file.
+    fn page() -> String {
+        let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden");
+        let tables: BTreeSet<String> = columns().into_iter().map(|(table, _)| table).collect();
+        let cell = |text: &str| text.replace('|', "\\|").replace('\t', "; ");
+        let mut lines = Vec::new();
+        for table in tables {
+            let text = std::fs::read_to_string(golden.join(format!("{table}.csv"))).unwrap();
+            lines.push(format!("## {table}\n\n| column | meaning |\n|---|---|"));
+            let header = text.lines().next().unwrap().split(',');
+            lines.extend(header.map(|column| {
+                let meaning = of_column(&table, column).unwrap_or_default();
+                format!("| `{column}` | {} |", cell(meaning))
+            }));
+            lines.push(String::new());
+        }
+        lines.join("\n")
+    }
+
+    #[test]
+    fn the_page_of_the_tables_has_every_column() {
+        let there = include_str!("../../../docs/tables.md");
+        let page = page();
+        assert!(
+            there.ends_with(&page),
+            "docs/tables.md should end with:\n{page}"
+        );
+    }
+
     #[test]
     fn every_column_of_every_golden_table_has_its_meaning() {
         let without: Vec<_> = columns()
