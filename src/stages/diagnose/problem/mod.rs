@@ -105,6 +105,14 @@ fn for_engine(c: &BaseCoefficient) -> Coefficient {
     }
 }
 
+/// The place in the registry of an effect that the model of every campaign has.
+///
+/// # Panics
+/// If it is not registered, which is a defect.
+fn registered(id: &str) -> usize {
+    effects::index(id).unwrap_or_else(|| panic!("{id} is not in the registry of effects"))
+}
+
 impl<'a> ForceProblem<'a> {
     /// The problem of some readings, the misfit of strokes left out.
     pub fn new(base: &'a Base, data: &'a Data, library: &'a [Term]) -> Self {
@@ -144,8 +152,8 @@ impl<'a> ForceProblem<'a> {
             coefficients: base.coefficients.iter().map(for_engine).collect(),
             terms: library.iter().map(|t| t.for_engine(columns)).collect(),
             operators: Operators {
-                length: effects::index("length_offset").unwrap_or(0),
-                zero: effects::index("force_zero_offset").unwrap_or(0),
+                length: registered(effects::length_offset::ID),
+                zero: registered(effects::force_zero_offset::ID),
             },
             side,
             session_basis: along_pressure(data, SESSION_COSINES, settings::PRESSURE_LENGTH_KPA),
