@@ -18,6 +18,7 @@ mod design_curve;
 mod diff;
 mod diff_tables;
 mod doubts;
+mod draft_places;
 mod explain;
 mod explore;
 mod export;

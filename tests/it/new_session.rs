@@ -102,6 +102,67 @@ fn nothing_is_overwritten_without_force() {
 }
 
 #[test]
+fn logs_of_one_name_become_sessions_of_their_own() {
+    let bench = Bench::empty();
+    let log = |force: u32| format!("p (kPa),F (N),l (mm)\n620,{force},182\n400,90,170\n");
+    for (folder, force) in [("a", 300), ("b", 310)] {
+        std::fs::create_dir(bench.root().join(folder)).unwrap();
+        std::fs::write(bench.root().join(folder).join("test8.csv"), log(force)).unwrap();
+    }
+    let look = |rest: &[&str]| bench.run(&[&["new-session"], rest].concat());
+    let said = look(&[
+        "a/test8.csv",
+        "b/test8.csv",
+        "--out",
+        "raw",
+        "--copy",
+        "--force",
+    ]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    for (folder, force) in [("a", 300), ("b", 310)] {
+        let copy = bench.raw().join(format!("{folder}-test8/test8.csv"));
+        assert_eq!(std::fs::read_to_string(copy).unwrap(), log(force));
+        // One log a call.
+        let (file, out) = (format!("{folder}/test8.csv"), format!("raw/{folder}/c00"));
+        let said = look(&[&file, "--out", &out]);
+        assert_eq!(said.code, 0, "{}", said.err);
+    }
+    let said = look(&["b/test8.csv", "--out", "raw/a-test8", "--copy", "--force"]);
+    assert_eq!(said.code, 2, "a log is never replaced: {}", said.out);
+    let sessions = bench.snapshot("raw").into_iter();
+    let sessions = sessions.filter(|(name, _)| name.ends_with("session.toml"));
+    let id = |(_, text): (String, Vec<u8>)| {
+        let text: toml::Table = toml::from_slice(&text).unwrap();
+        text["id"].as_str().unwrap().to_owned()
+    };
+    let ids: Vec<String> = sessions.map(id).collect();
+    assert_eq!(ids, ["a-test8", "a-c00", "b-test8", "b-c00"]);
+}
+
+#[test]
+fn a_clash_within_one_call_is_refused_before_anything_is_written() {
+    let bench = Bench::empty();
+    let log = "p (kPa),F (N),l (mm)\n620,300,182\n400,90,170\n";
+    for name in ["test8.csv", "test8.txt", "test9.csv"] {
+        std::fs::write(bench.root().join(name), log).unwrap();
+    }
+    let twice = ["new-session", "test9.csv", "test8.csv", "test8.txt"];
+    let said = bench.run(&[&twice[..], &["--out", "raw", "--force"]].concat());
+    assert_eq!(said.code, 2, "{}", said.out);
+    said.warns_of(&[
+        "test8.csv",
+        "test8.txt",
+        "session test8",
+        "nothing was written",
+    ]);
+    assert!(bench.snapshot("raw").is_empty());
+    bench.write("test8/session.toml", "mine");
+    let said = bench.run(&["new-session", "test9.csv", "test8.csv", "--out", "raw"]);
+    assert_eq!(said.code, 2, "{}", said.out);
+    assert_eq!(bench.snapshot("raw").len(), 1);
+}
+
+#[test]
 fn every_format_gives_the_same_guess() {
     let bench = Bench::empty();
     let guess = |file: &str, part: &[&str]| {
