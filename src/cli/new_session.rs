@@ -159,8 +159,8 @@ fn draft(args: &NewSessionArgs, file: &Path) -> Result<Draft> {
     if !file.exists() {
         return Err(Error::Usage(missing(file)));
     }
-    let unreadable = |d: Diagnostic| Error::Config(vec![d.with_severity(Severity::Error)]);
-    let bytes = log_file::load(file, &shown).map_err(unreadable)?;
+    let refused = |d: Diagnostic| Error::Config(vec![d.with_severity(Severity::Error)]);
+    let bytes = log_file::load(file, &shown).map_err(refused)?;
     let format = TextFormat {
         skip_rows: args.skip_rows,
         encoding: match args.encoding {
@@ -168,8 +168,13 @@ fn draft(args: &NewSessionArgs, file: &Path) -> Result<Draft> {
             Written::Latin1 => Encoding::Latin1,
         },
     };
-    let text = text_format::applied(&shown, &bytes, format).map_err(unreadable)?;
-    let columns = overview(&shown, &text, part.as_ref()).map_err(unreadable)?;
+    let text = text_format::applied(&shown, &bytes, format).map_err(refused)?;
+    let columns = overview(&shown, &text, part.as_ref()).map_err(|mut d| {
+        if args.encoding == Written::Utf8 && text_format::lacks_encoding(&bytes) {
+            d.hint = "give --encoding latin-1 if the log has umlauts, µ or °; else save it as CSV in UTF-8".into();
+        }
+        refused(d)
+    })?;
     let name = file.file_name().unwrap_or_default();
     let mut draft = Draft::of(&name.to_string_lossy(), part, &columns);
     draft.format = format;

@@ -279,10 +279,9 @@ fn a_log_with_a_preamble_in_latin_1_is_drafted_and_run() {
     let rows = b"620;388,5;182\n500;200,5;174\n400;90,1;170\n";
     std::fs::write(bench.root().join("old.txt"), [&head[..], rows].concat()).unwrap();
     let look = ["new-session", "old.txt", "--out", "raw/old", "--copy"];
-    assert!(
-        bench.run(&look).err.contains("latin-1"),
-        "what to do is said"
-    );
+    let said = bench.run(&look);
+    said.warns_of(&["give --encoding latin-1"]);
+    assert!(!said.err.contains("[format]"), "{}", said.err);
     let options = ["--skip-rows", "2", "--encoding", "latin-1"];
     let said = bench.run(&[&look[..], &options].concat());
     assert_eq!(said.code, 0, "{}", said.err);
@@ -292,6 +291,49 @@ fn a_log_with_a_preamble_in_latin_1_is_drafted_and_run() {
     let said = bench.run(&["run"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     assert_eq!(bench.table("plateaus")[0]["force_n"], "388.5");
+}
+
+#[test]
+fn what_is_to_be_filled_in_is_said_in_sentences() {
+    let bench = Bench::empty();
+    std::fs::write(bench.root().join("two.csv"), "1,2\n3,4\n").unwrap();
+    let row = |k: u32| {
+        format!(
+            "{},{},{}\n",
+            f64::from(k) * 0.01,
+            3 * k % 400,
+            5 * (k % 124)
+        )
+    };
+    let log: String = (0..300).map(row).collect();
+    std::fs::write(bench.root().join("three.csv"), log).unwrap();
+    let look = [
+        "new-session",
+        "two.csv",
+        "three.csv",
+        "--out",
+        "raw",
+        "--copy",
+    ];
+    assert_eq!(bench.run(&look).code, 0);
+    let said = bench.run(&["run"]);
+    assert_eq!(said.code, 2, "{}", said.out);
+    assert!(!said.err.contains("[]"), "{}", said.err);
+    let units = "kPa, Pa, MPa, bar, psi";
+    said.warns_of(&[
+        &format!("[pressure]: found FILL IN; expected the column of the pressure with its unit, one of {units} (none looks like it); correct the line"),
+        "[pressure]: found FILL IN; expected a quantity and unit that you have confirmed (guessed: it ends near the 620 kPa",
+        "[length_mm]: found FILL IN; expected the length at which the actuator was held (no column looks like one); correct the line",
+        "[id]: found FILL IN; expected the name of the physical actuator, the same in all of its sessions; correct the line",
+        "error: raw/two/session.toml:7 [campaign]",
+    ]);
+    let said = bench.run(&["check-session", "raw/two"]);
+    assert!(
+        said.out
+            .contains("error: raw/two/session.toml:7 [campaign]"),
+        "{}",
+        said.out
+    );
 }
 
 #[test]
