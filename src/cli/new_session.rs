@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `new-session`.
 #[derive(Debug, clap::Args)]
 pub struct NewSessionArgs {
-    /// The log, in any of the formats; each of several becomes a session in a folder named after it, with the names of the folders above where two logs have one name
+    /// The log, in any of the formats; each of several becomes a session in a folder named after it (and after its folder where names clash)
     #[arg(required = true, value_name = "LOG")]
     pub files: Vec<PathBuf>,
     /// Folder for session.toml and the plot, or for the folders of several logs [default: a new folder named after the log, here]

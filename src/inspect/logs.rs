@@ -16,8 +16,8 @@ const ROWS: f64 = 0.01;
 const CLIPPED: f64 = 0.5;
 /// Pressures beyond this share of the highest are high.
 const HIGH: f64 = 0.8;
-/// Of a force or pressure that is cut off, so many samples in a row have the log's highest value, and so many times as many as ever have another one: noise ends
-/// such runs after a few samples, as many as the resolution of the converter lets pass.
+/// Of a force or pressure that is cut off, so many samples in a row have the log's highest value, and so many times as many as ever have another
+/// one: noise ends such runs after a few samples, as many as the resolution of the converter lets pass.
 const FLAT_SAMPLES: usize = 50;
 const FLAT_RATIO: usize = 3;
 /// A step of the clock that is so many usual ones long has lost samples.

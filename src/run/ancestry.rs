@@ -144,8 +144,8 @@ impl Ancestry {
         (self.units[best].stage < reader.stage).then_some(best)
     }
 
-    /// Raw files that some units read, each once by its path below the raw directory, with their digests as the run wrote them down in `reports`: the key of a session has what its
-    /// description says and not the digest of that file. Where that list is not there, what the keys have.
+    /// Raw files that some units read, each once by its path below the raw directory, with their digests as the run wrote them down in `reports`:
+    /// the key of a session has what its description says and not the digest of that file. Where that list is not there, what the keys have.
     pub fn raw_files<'a>(
         &self,
         units: impl Iterator<Item = &'a Unit>,

@@ -321,7 +321,8 @@ fn what_is_to_be_filled_in_is_said_in_sentences() {
     assert!(!said.err.contains("[]"), "{}", said.err);
     let units = "kPa, Pa, MPa, bar, psi";
     said.warns_of(&[
-        &format!("[pressure]: found FILL IN; expected the column of the pressure with its unit, one of {units} (none looks like it); correct the line"),
+        "[pressure]: found FILL IN; expected the column of the pressure with its unit",
+        &format!("one of {units} (none looks like it); correct the line"),
         "[pressure]: found FILL IN; expected a quantity and unit that you have confirmed (guessed: it ends near the 620 kPa",
         "[length_mm]: found FILL IN; expected the length at which the actuator was held (no column looks like one); correct the line",
         "[id]: found FILL IN; expected the name of the physical actuator, the same in all of its sessions; correct the line",

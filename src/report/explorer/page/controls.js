@@ -4,8 +4,10 @@ const option = (name, label, chosen) => element("option", { value: name, selecte
 
 // A model that has no value for any reading of the campaign cannot be chosen.
 function modelOption(set, model, chosen) {
-  const has = hasValues(set, model.column);
-  return element("option", { value: model.column, selected: model.column === chosen, disabled: !has }, has ? model.label : `${model.label} (no values here)`);
+  const disabled = !hasValues(set, model.column);
+  const made = option(model.column, disabled ? `${model.label} (no values here)` : model.label, chosen);
+  made.disabled = disabled;
+  return made;
 }
 
 // Columns that can stand on an axis, or colour marks, in groups.
