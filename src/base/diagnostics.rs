@@ -3,8 +3,10 @@
 //! A diagnostic names the file (relative to its raw directory, so that outputs are the same on every machine), the row and the
 //! column, what was found, what was expected, and what to do.
 
+use crate::names::plain_path;
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use std::path::{Path, PathBuf};
 
 /// How much is lost through the defect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -73,6 +75,14 @@ impl Diagnostic {
     /// The same defect, with the column or key in which it stands.
     pub fn in_column(mut self, column: impl Into<Box<str>>) -> Self {
         self.column = Some(column.into());
+        self
+    }
+
+    /// The same defect, with the path of its file, which was named relative to this folder.
+    pub fn below(mut self, folder: &Path) -> Self {
+        let file = Path::new(&*self.file);
+        let below = plain_path(file).map_or_else(|| file.to_owned(), PathBuf::from);
+        self.file = folder.join(below).display().to_string().into();
         self
     }
 

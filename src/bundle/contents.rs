@@ -3,11 +3,12 @@
 use crate::{Contents, Packed, Places, RAW};
 use pipeline_base::digest::{self, Digest};
 use pipeline_base::error::{Error, Result};
+use pipeline_base::names::plain_path;
 use pipeline_config::Config;
 use pipeline_formats::discover::{Discovery, SESSION_FILE};
 use pipeline_run::ancestry::Ancestry;
 use pipeline_run::materialize::PROVENANCE;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// The file of the options in a bundle.
@@ -73,12 +74,13 @@ pub(super) fn raw_files(
     with_raw: bool,
 ) -> Result<Vec<Packed>> {
     let roots = &places.raw;
-    let mut found: BTreeSet<(String, PathBuf)> = BTreeSet::new();
+    // What several sessions share, such as a campaign.toml, is one file.
+    let mut found: BTreeMap<String, PathBuf> = BTreeMap::new();
     let mut add = |root: usize, below: &Path| {
         let path = roots[root].join(below);
-        if let (true, Some(below)) = (path.is_file(), plain(below)) {
+        if let (true, Some(below)) = (path.is_file(), plain_path(below)) {
             let root = root_in_bundle(root, roots.len());
-            found.insert((format!("{root}/{below}"), path));
+            found.entry(format!("{root}/{below}")).or_insert(path);
         }
     };
     for located in &discovery.sessions {
@@ -115,21 +117,6 @@ fn root_in_bundle(root: usize, of: usize) -> String {
     }
 }
 
-/// A path below a raw directory without `.` and `..`; none where it leads out of it.
-fn plain(path: &Path) -> Option<String> {
-    use std::path::Component::{CurDir, Normal, ParentDir};
-    let mut parts: Vec<String> = Vec::new();
-    for part in path.components() {
-        match part {
-            Normal(name) => parts.push(name.to_string_lossy().into_owned()),
-            ParentDir => drop(parts.pop()?),
-            CurDir => {}
-            _ => return None,
-        }
-    }
-    Some(parts.join("/"))
-}
-
 /// A file as it lies there.
 fn on_disk(name: String, path: PathBuf) -> Result<Packed> {
     let digest = digest::of_file(&path).map_err(Error::io("read", &path))?;
@@ -156,17 +143,6 @@ fn as_made(name: &str, path: PathBuf, made: &Digest) -> Result<Packed> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_path_in_the_bundle_stays_in_its_raw_directory() {
-        let of = |path: &str| plain(Path::new(path));
-        assert_eq!(of("./session.toml").as_deref(), Some("session.toml"));
-        assert_eq!(
-            of("a/b/../campaign.toml").as_deref(),
-            Some("a/campaign.toml")
-        );
-        assert_eq!(of("a/../../campaign.toml"), None);
-    }
 
     #[test]
     fn several_raw_directories_have_names_of_their_own() {

@@ -57,7 +57,7 @@ pub fn command(args: &CheckArgs) -> Result<u8> {
     let progress = progress::Shown::new(json);
     let outcome = run::run(&options, &progress)?;
     progress.finish();
-    print::diagnostics(&doubts::messages(&outcome), verbose);
+    print::diagnostics(&doubts::messages(&outcome), &options.raw, verbose);
     nothing_usable(&outcome)?;
     print::left_out(&outcome.left_out);
     if args.init {

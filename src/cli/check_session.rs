@@ -6,16 +6,20 @@ use crate::columns::{Align, aligned};
 use crate::print::{line, print_json};
 use crate::{DONE, predict, watch};
 use pipeline_base::columns::is_prediction;
+use pipeline_base::digest::Digest;
 use pipeline_base::error::{Error, Result};
 use pipeline_base::frame::Frame;
 use pipeline_base::names::file_name;
 use pipeline_base::row::{self, Row};
 use pipeline_config::Config;
 use pipeline_findings::Findings;
-use pipeline_inspect::population::Known;
+use pipeline_inspect::population::{Known, RawFile};
 use pipeline_inspect::{Check, Inspection, Seen, State};
 use pipeline_report::figures::inspection as drawing;
+use pipeline_run::ancestry::Provenance;
 use pipeline_run::check_outside;
+use pipeline_run::materialize::PROVENANCE;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `check-session`.
@@ -112,11 +116,31 @@ pub(super) fn known(derived: &Path, reports: &Path, config: &Config) -> Result<K
     let findings = read(reports.join("findings.json"))?;
     let findings =
         findings.and_then(|bytes| pipeline_base::json::from_slice::<Findings>(&bytes).ok());
+    let provenance = read(reports.join(PROVENANCE))?;
+    let provenance = provenance
+        .and_then(|bytes| pipeline_base::json::from_slice::<Provenance>(&bytes).ok())
+        .unwrap_or_default();
     Ok(Known {
         rows: rows.unwrap_or_default(),
         findings,
         fit: config.fit.clone(),
+        files: by_contents(provenance),
     })
+}
+
+/// The raw files of a run by what is in them.
+fn by_contents(provenance: Provenance) -> BTreeMap<Digest, Vec<RawFile>> {
+    let mut files: BTreeMap<Digest, Vec<RawFile>> = BTreeMap::new();
+    for (session, digests) in provenance.sessions {
+        for (file, digest) in digests {
+            let session = session.clone();
+            files
+                .entry(digest)
+                .or_default()
+                .push(RawFile { session, file });
+        }
+    }
+    files
 }
 
 /// The rows of `rows.parquet`, without what models say of them.

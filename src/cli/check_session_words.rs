@@ -23,10 +23,11 @@ pub fn said(seen: &Seen) -> String {
             percent(*share),
             percent(*at_pressure)
         ),
-        Seen::FlatTop { at_n, samples } => format!(
-            "the force stays at its highest value, {}, for {samples} samples in a row: it looks cut off by the amplifier or the converter",
-            newtons(*at_n)
-        ),
+        Seen::FlatTop { at_n, samples } => flat_top("force", &newtons(*at_n), *samples),
+        Seen::PressureFlatTop { at_kpa, samples } => {
+            let at = with_unit(&format!("{at_kpa:.1}"), "kPa").replace('\u{a0}', " ");
+            flat_top("pressure", &at, *samples)
+        }
         Seen::Clock {
             step_s,
             gaps,
@@ -65,7 +66,11 @@ pub fn said(seen: &Seen) -> String {
         } => set_length(*value_mm, *sd_mm, (*others, *by_law_mm)),
         Seen::Misfit { rms_n, usual_n } => residual(*rms_n, *usual_n),
         Seen::Mistake { error } => mistake(error),
-        Seen::Copy { of } => format!("the same bytes as {of}"),
+        Seen::Copy { of, session } => {
+            let session = session.as_ref();
+            let session = session.map_or_else(String::new, |id| format!(" of session {id}"));
+            format!("the same bytes as {of}{session}")
+        }
         Seen::Otherwise {
             what,
             here_mm,
@@ -86,6 +91,10 @@ pub fn said(seen: &Seen) -> String {
             "{}; an actuator bears 3%: check both lengths and their units",
             doubts::in_words(stretched)
         ),
+        Seen::Phases(phases) => format!(
+            "the states of the phase look exchanged in [columns]: {}",
+            doubts::of_steps(phases)
+        ),
         Seen::Excluded { why } => format!("excluded from every fit in session.toml: {why}"),
         Seen::NotCompared { why } => not_compared(*why).to_owned(),
     }
@@ -93,6 +102,12 @@ pub fn said(seen: &Seen) -> String {
 
 fn newtons(x: f64) -> String {
     with_unit(&format!("{x:.1}"), "N").replace('\u{a0}', " ")
+}
+
+fn flat_top(quantity: &str, at: &str, samples: usize) -> String {
+    format!(
+        "the {quantity} stays at its highest value, {at}, for {samples} samples in a row: it looks cut off by the amplifier or the converter"
+    )
 }
 
 fn unusable_rows(rows: usize, left_out: u64, most: Option<&str>) -> String {

@@ -5,7 +5,7 @@ use crate::print::counted;
 use pipeline_base::diagnostics::{Diagnostic, Severity};
 use pipeline_formats::discover::SESSION_FILE;
 use pipeline_inspect::otherwise::Otherwise;
-use pipeline_inspect::plausible::{Doubt, Stretched, Unlike};
+use pipeline_inspect::plausible::{Doubt, Phases, Stretched, Unlike};
 use pipeline_report::wording::number::percent;
 use pipeline_run::{Doubtful, Outcome};
 
@@ -33,6 +33,7 @@ fn are_alike(a: &Doubtful, b: &Doubtful) -> bool {
         (Doubt::Stretched(_), Doubt::Stretched(_)) => true,
         (Doubt::Unlike(a), Doubt::Unlike(b)) => a.columns == b.columns,
         (Doubt::Lost { columns: a, .. }, Doubt::Lost { columns: b, .. }) => a == b,
+        (Doubt::Phases(_), Doubt::Phases(_)) => true,
         _ => false,
     };
     is_same && a.campaign == b.campaign
@@ -57,6 +58,12 @@ fn warning(doubtful: &Doubtful, sessions: usize) -> Diagnostic {
             },
             format!("{readings} readings, which there would be otherwise"),
             remedy(columns),
+        ),
+        Doubt::Phases(phases) => (
+            "columns.phase",
+            of_steps(phases),
+            "a pressure that rises while pressurizing and falls while depressurizing".to_owned(),
+            "the states look exchanged: correct `values` of the phase in [columns]".to_owned(),
         ),
     };
     let others = match sessions - 1 {
@@ -105,6 +112,15 @@ pub(super) fn in_words(stretched: &Stretched) -> String {
         stretched.rest_length_mm,
         percent(stretched.share).replace('\u{a0}', " "),
         counted(stretched.readings, "reading", "readings")
+    )
+}
+
+/// How many steps of the pressure go the other way than their states say.
+pub(super) fn of_steps(phases: &Phases) -> String {
+    format!(
+        "a pressure that falls while pressurizing or rises while depressurizing in {} of {}",
+        phases.against,
+        counted(phases.steps, "step", "steps")
     )
 }
 

@@ -66,7 +66,7 @@ fn plan(args: &PlaceArgs) -> Result<Plan> {
         .chain(unusable)
         .cloned()
         .collect();
-    print::diagnostics(&diagnostics, args.verbose);
+    print::diagnostics(&diagnostics, &places.raw, args.verbose);
     if discovery.sessions.is_empty() {
         return Err(Error::Usage(
             "there are no usable sessions to plan for; --raw DIR says where they are, and `pipeline run` what is wrong with them".to_owned(),

@@ -18,6 +18,7 @@ mod design_curve;
 mod diff;
 mod diff_tables;
 mod doubts;
+mod draft_places;
 mod explain;
 mod explore;
 mod export;
@@ -152,7 +153,7 @@ fn run_command(args: &RunArgs) -> Result<u8> {
     let progress = progress::Shown::new(json);
     let outcome = run::run(&options, &progress)?;
     progress.finish();
-    print::diagnostics(&doubts::messages(&outcome), verbose);
+    print::diagnostics(&doubts::messages(&outcome), &options.raw, verbose);
     if args.dry_run {
         print::status(&outcome, json)?;
         return Ok(DONE);
@@ -193,7 +194,7 @@ fn nothing_usable(outcome: &Outcome) -> Result<()> {
 fn status_command(args: &PlaceArgs) -> Result<u8> {
     let options = options(&args.places()?, args.jobs, None, true)?;
     let outcome = run::run(&options, &progress::Shown::new(true))?;
-    print::diagnostics(&doubts::messages(&outcome), args.verbose);
+    print::diagnostics(&doubts::messages(&outcome), &options.raw, args.verbose);
     print::status(&outcome, args.json)?;
     Ok(if outcome.work.is_empty() && outcome.written.is_empty() {
         DONE

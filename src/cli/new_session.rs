@@ -2,11 +2,13 @@
 
 use super::DONE;
 use super::columns::{Align, aligned};
+use super::draft_places;
 use super::predict::PNG_DPI;
 use super::print::{line, print_json};
 use pipeline_base::diagnostics::{Diagnostic, Severity};
 use pipeline_base::error::{Error, Result};
 use pipeline_base::session::{Encoding, Part, PartKind, TextFormat};
+use pipeline_config::Config;
 use pipeline_draft::{Draft, Guess, text};
 use pipeline_formats::discover::SESSION_FILE;
 use pipeline_formats::overview::{overview, place};
@@ -19,7 +21,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `new-session`.
 #[derive(Debug, clap::Args)]
 pub struct NewSessionArgs {
-    /// The log, in any of the formats; each of several becomes a session in a folder of its own name
+    /// The log, in any of the formats; each of several becomes a session in a folder named after it (and after its folder where names clash)
     #[arg(required = true, value_name = "LOG")]
     pub files: Vec<PathBuf>,
     /// Folder for session.toml and the plot, or for the folders of several logs [default: a new folder named after the log, here]
@@ -71,11 +73,22 @@ struct Looked {
 /// # Errors
 /// A log that cannot be read, and files that exist already.
 pub fn command(args: &NewSessionArgs) -> Result<u8> {
-    let looked = args.files.iter().map(|file| look(args, file));
+    let folders = draft_places::folders(&args.files, args.out.as_deref())?;
+    // A mistake in the configuration is a matter of the commands that need it.
+    let raw = Config::load(None).unwrap_or_default().paths.raw;
+    let looked = args.files.iter().zip(folders);
+    let looked = looked.map(|(file, out)| look(args, file, out, &raw));
     let looked: Vec<Looked> = looked.collect::<Result<_>>()?;
+    if !args.force {
+        looked.iter().try_for_each(Looked::check_nothing_there)?;
+    }
+    if args.copy {
+        let mut both = looked.iter().zip(&args.files);
+        both.try_for_each(|(looked, file)| check_no_other_log(&looked.copy(), file))?;
+    }
     for (looked, file) in looked.iter().zip(&args.files) {
-        write(&looked.out, &looked.files, args.force)?;
-        let copy = looked.out.join(&looked.draft.file);
+        write(&looked.out, &looked.files)?;
+        let copy = looked.copy();
         if args.copy && !copy.exists() {
             std::fs::copy(file, &copy).map_err(Error::io("write", &copy))?;
         }
@@ -90,19 +103,30 @@ pub fn command(args: &NewSessionArgs) -> Result<u8> {
 }
 
 /// What is written of one log.
-fn look(args: &NewSessionArgs, file: &Path) -> Result<Looked> {
+fn look(args: &NewSessionArgs, file: &Path, out: PathBuf, raw: &[PathBuf]) -> Result<Looked> {
     let draft = draft(args, file)?;
-    let stem = stem(file);
-    let out = match (&args.out, args.files.len()) {
-        (Some(out), 1) => out.clone(),
-        (Some(out), _) => out.join(&stem),
-        (None, _) => PathBuf::from(&stem),
-    };
-    let files = files_of(&draft, &stem)?;
+    let files = files_of(&draft, &draft_places::id(&out, raw, file))?;
     Ok(Looked { draft, out, files })
 }
 
 impl Looked {
+    /// Where a copy of the log goes.
+    fn copy(&self) -> PathBuf {
+        self.out.join(&self.draft.file)
+    }
+
+    /// Refuses to overwrite a file.
+    fn check_nothing_there(&self) -> Result<()> {
+        let mut paths = self.files.iter().map(|(name, _)| self.out.join(name));
+        match paths.find(|path| path.exists()) {
+            None => Ok(()),
+            Some(path) => Err(Error::Usage(format!(
+                "{} exists already; nothing was written: choose another folder with --out, or overwrite it with --force",
+                path.display()
+            ))),
+        }
+    }
+
     fn as_json(&self) -> Value {
         let paths = self.files.iter();
         let paths: Vec<String> = paths
@@ -135,8 +159,8 @@ fn draft(args: &NewSessionArgs, file: &Path) -> Result<Draft> {
     if !file.exists() {
         return Err(Error::Usage(missing(file)));
     }
-    let unreadable = |d: Diagnostic| Error::Config(vec![d.with_severity(Severity::Error)]);
-    let bytes = log_file::load(file, &shown).map_err(unreadable)?;
+    let refused = |d: Diagnostic| Error::Config(vec![d.with_severity(Severity::Error)]);
+    let bytes = log_file::load(file, &shown).map_err(refused)?;
     let format = TextFormat {
         skip_rows: args.skip_rows,
         encoding: match args.encoding {
@@ -144,8 +168,13 @@ fn draft(args: &NewSessionArgs, file: &Path) -> Result<Draft> {
             Written::Latin1 => Encoding::Latin1,
         },
     };
-    let text = text_format::applied(&shown, &bytes, format).map_err(unreadable)?;
-    let columns = overview(&shown, &text, part.as_ref()).map_err(unreadable)?;
+    let text = text_format::applied(&shown, &bytes, format).map_err(refused)?;
+    let columns = overview(&shown, &text, part.as_ref()).map_err(|mut d| {
+        if args.encoding == Written::Utf8 && text_format::lacks_encoding(&bytes) {
+            d.hint = "give --encoding latin-1 if the log has umlauts, µ or °; else save it as CSV in UTF-8".into();
+        }
+        refused(d)
+    })?;
     let name = file.file_name().unwrap_or_default();
     let mut draft = Draft::of(&name.to_string_lossy(), part, &columns);
     draft.format = format;
@@ -164,11 +193,17 @@ fn missing(file: &Path) -> String {
     )
 }
 
-/// The name of a log without its endings: `test8` of `test8.csv.gz`.
-fn stem(file: &Path) -> String {
-    let name = file.file_name().unwrap_or_default().to_string_lossy();
-    let stem = name.split('.').find(|part| !part.is_empty());
-    stem.unwrap_or("log").to_owned()
+/// Refuses a copy where another log is, which no draft replaces.
+fn check_no_other_log(copy: &Path, log: &Path) -> Result<()> {
+    let read = |path: &Path| std::fs::read(path).map_err(Error::io("read", path));
+    if copy.exists() && read(copy)? != read(log)? {
+        return Err(Error::Usage(format!(
+            "{} is another log than {}; nothing was written: choose another folder with --out",
+            copy.display(),
+            log.display()
+        )));
+    }
+    Ok(())
 }
 
 /// Names and contents of what is written: the session, checked by its own reader, and the plot.
@@ -190,16 +225,7 @@ fn files_of(draft: &Draft, id: &str) -> Result<Vec<(String, Vec<u8>)>> {
     Ok(written)
 }
 
-fn write(out: &Path, written: &[(String, Vec<u8>)], force: bool) -> Result<()> {
-    let exists = |(name, _): &&(String, Vec<u8>)| out.join(name).exists();
-    if let Some((name, _)) = written.iter().find(exists)
-        && !force
-    {
-        return Err(Error::Usage(format!(
-            "{} exists already: choose another folder with --out, or overwrite it with --force",
-            out.join(name).display()
-        )));
-    }
+fn write(out: &Path, written: &[(String, Vec<u8>)]) -> Result<()> {
     std::fs::create_dir_all(out).map_err(Error::io("create", out))?;
     for (name, bytes) in written {
         let path = out.join(name);

@@ -87,10 +87,10 @@ pub struct PredictArgs {
     #[command(flatten)]
     pub results: ResultArgs,
     /// The pressure for this force, at a contraction or length
-    #[arg(long, value_name = "FORCE", conflicts_with_all = ["pressure", "sweep", "table", "knee", "length_for"])]
+    #[arg(long, value_name = "FORCE", allow_hyphen_values = true, conflicts_with_all = ["pressure", "sweep", "table", "knee", "length_for"])]
     pub pressure_for: Option<String>,
     /// The length for this force, at a pressure
-    #[arg(long, value_name = "FORCE", conflicts_with_all = ["state", "sweep", "table", "knee"])]
+    #[arg(long, value_name = "FORCE", allow_hyphen_values = true, conflicts_with_all = ["state", "sweep", "table", "knee"])]
     pub length_for: Option<String>,
     /// Vary one quantity
     #[arg(long, value_name = "QUANTITY", conflicts_with = "table")]

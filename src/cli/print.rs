@@ -10,7 +10,7 @@ use pipeline_run::{Doubtful, Outcome, Rejected, STAGES};
 use pipeline_simulate::Campaign;
 use serde_json::json;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// How many messages of one kind are printed before the rest is counted.
@@ -31,8 +31,8 @@ pub fn config(text: &str) {
     line(text.trim_end());
 }
 
-/// Errors, then warnings; notes only if asked for.
-pub fn diagnostics(all: &[Diagnostic], verbose: bool) {
+/// Errors, then warnings; notes only if asked for. Files are named by their paths, of which messages have what is below a raw directory.
+pub fn diagnostics(all: &[Diagnostic], raw: &[PathBuf], verbose: bool) {
     let mut loud: Vec<&Diagnostic> = all
         .iter()
         .filter(|d| verbose || d.severity != Severity::Note)
@@ -43,7 +43,7 @@ pub fn diagnostics(all: &[Diagnostic], verbose: bool) {
     loud.retain(|d| said.insert(d.to_string()));
     let shown = if verbose { loud.len() } else { SHOWN };
     for diagnostic in loud.iter().take(shown) {
-        eprintln!("{diagnostic}");
+        eprintln!("{}", placed(diagnostic, raw));
     }
     if loud.len() > shown {
         eprintln!(
@@ -51,6 +51,17 @@ pub fn diagnostics(all: &[Diagnostic], verbose: bool) {
             loud.len() - shown
         );
     }
+}
+
+/// The message with the path of its file: in the first raw directory that has it, or its folder.
+fn placed(diagnostic: &Diagnostic, raw: &[PathBuf]) -> Diagnostic {
+    let placed = raw.iter().map(|raw| diagnostic.clone().below(raw));
+    let placed: Vec<Diagnostic> = placed.collect();
+    let has_file = |d: &&Diagnostic| Path::new(&*d.file).exists();
+    let has_folder = |d: &&Diagnostic| Path::new(&*d.file).parent().is_some_and(Path::is_dir);
+    let found = placed.iter().find(has_file);
+    let found = found.or_else(|| placed.iter().find(has_folder));
+    found.unwrap_or(diagnostic).clone()
 }
 
 fn counts(outcome: &Outcome) -> String {
@@ -260,11 +271,11 @@ pub fn status(outcome: &Outcome, as_json: bool) -> Result<()> {
         ));
     } else {
         line(format!(
-            "{} results would be computed ({}), {} are up to date; {} files would be restored",
-            outcome.work.len(),
+            "{} would be computed ({}), {} up to date; {} would be restored",
+            counted(outcome.work.len(), "result", "results"),
             counts(outcome),
             outcome.fresh,
-            outcome.written.len()
+            counted(outcome.written.len(), "file", "files")
         ));
     }
     Ok(())

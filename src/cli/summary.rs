@@ -89,7 +89,7 @@ pub(super) fn command(args: &SummaryArgs) -> Result<u8> {
     }
     let options = options(&places, args.places.jobs, None, true)?;
     let outcome = run::run(&options, &progress::Shown::new(true))?;
-    print::diagnostics(&doubts::warnings(&outcome.doubtful), false);
+    print::diagnostics(&doubts::warnings(&outcome.doubtful), &options.raw, false);
     let stale = outcome.work.len();
     if args.places.json {
         print_json(&json!({ "answers": answers.as_json(), "would_run": stale }))?;

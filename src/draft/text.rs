@@ -1,7 +1,7 @@
 //! The `session.toml` of a draft: what was guessed says so, and what a person has to fill in is marked.
 
 use super::{Draft, Guess};
-use pipeline_base::columns::{self, FORCE, LENGTH};
+use pipeline_base::columns::{self, FORCE, KnownColumn, LENGTH};
 use pipeline_base::session::{Encoding, Kind, Position, Sampling, TextFormat};
 use pipeline_formats::session_toml::{FILL_IN, SCHEMA};
 use std::collections::BTreeSet;
@@ -32,10 +32,10 @@ pub fn session_toml(draft: &Draft, id: &str) -> String {
 
 const SPECIMEN: &str = r#"
 [specimen]
-id = "specimen-1"            # FILL IN: the physical actuator; the same in all of its sessions
-diameter_mm = 10             # FILL IN: uninflated inner diameter, whole mm
-rest_length_mm = 200         # FILL IN: resting length, hose clamp to hose clamp
-contracted_length_mm = 165   # FILL IN: free length at 620 kPa without load
+id = "specimen-1"            # FILL IN: the name of the physical actuator, the same in all of its sessions
+diameter_mm = 10             # FILL IN: the uninflated inner diameter, in whole mm
+rest_length_mm = 200         # FILL IN: the resting length, hose clamp to hose clamp
+contracted_length_mm = 165   # FILL IN: the free length at 620 kPa without load
 # How well these lengths are known, one standard deviation each: optional. Left out, the residual search
 # takes 0.29 mm (rounded to 1 mm).
 # rest_length_sd_mm = 0.5
@@ -44,7 +44,7 @@ contracted_length_mm = 165   # FILL IN: free length at 620 kPa without load
 
 const SETUP: &str = r#"
 [setup]
-length_mm = 200              # FILL IN: length at which the actuator was held; no column looks like one
+length_mm = 200              # FILL IN: the length at which the actuator was held (no column looks like one)
 # length_sd_mm = 0.5         # optional: how well it is known, one standard deviation; left out, the residual search estimates it
 "#;
 
@@ -132,16 +132,25 @@ fn columns_table(draft: &Draft) -> String {
         text += &column(guess, &mut names);
     }
     for column in draft.missing() {
-        let known = columns::KNOWN.iter().find(|k| k.column == column);
-        let name = known.map_or(column, |k| k.quantity_name);
-        let units = known.and_then(|k| k.quantity).map(|q| q.list_of_units());
-        let _ = writeln!(
-            text,
-            "# {FILL_IN}: no column looks like {name} ({})",
-            units.unwrap_or_default()
-        );
+        if let Some(known) = columns::KNOWN.iter().find(|k| k.column == column) {
+            text += &no_column(known);
+        }
     }
     text
+}
+
+/// A quantity that is needed and that no column looks like, to be completed.
+fn no_column(known: &KnownColumn) -> String {
+    let name = known.quantity_name;
+    let Some(quantity) = known.quantity else {
+        return format!(
+            "# {name} = {{ index = 0 }}   # {FILL_IN}: the column of the {name} (none looks like it)\n"
+        );
+    };
+    let (usual, units) = (quantity.usual(), quantity.list_of_units());
+    format!(
+        "# {name} = {{ index = 0, unit = \"{usual}\" }}   # {FILL_IN}: the column of the {name} with its unit, one of {units} (none looks like it)\n"
+    )
 }
 
 fn column(guess: &Guess, names: &mut BTreeSet<String>) -> String {
@@ -175,16 +184,16 @@ fn column(guess: &Guess, names: &mut BTreeSet<String>) -> String {
         let states: Vec<String> = states.collect();
         keys.push(format!("values = {{ {} }}", states.join(", ")));
     }
-    let mark = if guess.doubtful {
-        format!("{FILL_IN}: quantity and unit, confirmed; guessed because ")
+    let why = &guess.why;
+    let note = if guess.doubtful {
+        format!("{FILL_IN}: a quantity and unit that you have confirmed (guessed: {why}; {range})")
     } else {
-        String::new()
+        format!("{why}; {range}")
     };
     format!(
-        "{} = {{ {} }}   # {mark}{}; {range}{}\n",
+        "{} = {{ {} }}   # {note}{}\n",
         quantity.quantity_name,
         keys.join(", "),
-        guess.why,
         clipped(guess)
     )
 }

@@ -88,7 +88,9 @@ fn report_unfilled(reader: &Reader, text: &str) {
         let Some((before, meant)) = line.split_once(FILL_IN) else {
             continue;
         };
+        // A key may stand in a comment for a person to complete.
         let key = before
+            .trim_start_matches(['#', ' '])
             .split(['=', '#', '{'])
             .next()
             .unwrap_or_default()
@@ -99,7 +101,7 @@ fn report_unfilled(reader: &Reader, text: &str) {
         } else {
             meant
         };
-        let hint = format!("write it, and remove the words {FILL_IN}");
+        let hint = format!("correct the line, and remove the words {FILL_IN}");
         reader.report(k as u64 + 1, key, FILL_IN, expected, &hint);
     }
 }

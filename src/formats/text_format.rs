@@ -2,7 +2,7 @@
 
 use crate::log::{self, RawLog, Request};
 use crate::table::unreadable;
-use crate::{FORMATS, csv, gzip};
+use crate::{FORMATS, csv, foreign, gzip};
 use pipeline_base::diagnostics::Diagnostic;
 use pipeline_base::session::{Encoding, Part, TextFormat};
 use pipeline_base::toml_reader::Section;
@@ -106,6 +106,19 @@ pub fn applied<'a>(
             "correct `skip_rows` in [format]",
         )),
     }
+}
+
+/// Whether a log is text, but not in UTF-8: its encoding has to be given.
+pub fn lacks_encoding(bytes: &[u8]) -> bool {
+    let Ok(unpacked) = gzip::unpacked("", bytes) else {
+        return false;
+    };
+    let is_other = FORMATS
+        .iter()
+        .any(|f| f.name != csv::FORMAT.name && (f.recognises)(&unpacked));
+    !is_other
+        && foreign::refuse("", &unpacked, "").is_ok()
+        && std::str::from_utf8(&unpacked).is_err()
 }
 
 #[cfg(test)]

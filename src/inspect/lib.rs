@@ -22,6 +22,7 @@ pub mod zero;
 
 use otherwise::Otherwise;
 use pipeline_base::diagnostics::{Diagnostic, Severity};
+use pipeline_base::digest::Digest;
 use pipeline_base::row::Row;
 use pipeline_base::session::{Kind, LogSpec, Session};
 use pipeline_clean::Cleaned;
@@ -30,7 +31,7 @@ use pipeline_findings::RecordingError;
 use pipeline_formats::discover::{Located, discover};
 use pipeline_formats::log_file;
 use pipeline_ingest::{Ingested, LogBytes};
-use plausible::Stretched;
+use plausible::{Phases, Stretched};
 use population::{Known, Suit};
 use serde::Serialize;
 use std::path::Path;
@@ -73,10 +74,12 @@ pub enum Seen {
         /// Why.
         reason: String,
     },
-    /// The bytes are those of another log of the session.
+    /// The bytes are those of another log.
     Copy {
         /// The other log.
         of: String,
+        /// The session whose log that is; none where it is one of this session.
+        session: Option<String>,
     },
     /// The last run has the specimen or campaign otherwise.
     Otherwise {
@@ -107,6 +110,13 @@ pub enum Seen {
     FlatTop {
         /// That force, before the zero is subtracted.
         at_n: f64,
+        /// Samples in a row.
+        samples: usize,
+    },
+    /// The highest pressure of a log stands still for longer than any other.
+    PressureFlatTop {
+        /// That pressure.
+        at_kpa: f64,
         /// Samples in a row.
         samples: usize,
     },
@@ -195,6 +205,8 @@ pub enum Seen {
     },
     /// The lengths noted stretch the actuator.
     Stretched(Stretched),
+    /// Pressure goes the other way than the states of the phase say.
+    Phases(Phases),
     /// The session is kept out of fits.
     Excluded {
         /// Why, as `session.toml` has it.
@@ -284,7 +296,10 @@ pub fn sessions(folder: &Path, config: &Config, known: &Known) -> Vec<Inspection
     };
     let unusable = found.unusable.iter().map(|u| Inspection {
         session: named(&u.relative),
-        checks: u.diagnostics.iter().map(described).collect(),
+        checks: placed(folder, &u.diagnostics)
+            .iter()
+            .map(described)
+            .collect(),
         against: None,
         expected: Vec::new(),
     });
@@ -320,8 +335,15 @@ pub fn readings(folder: &Path, config: &Config) -> (Vec<Row>, Vec<Diagnostic>) {
         .iter()
         .flat_map(|l| rows(l, config))
         .collect();
-    let unusable = found.unusable.into_iter();
-    (rows, unusable.flat_map(|u| u.diagnostics).collect())
+    let unusable = found.unusable.iter();
+    let messages = unusable.flat_map(|u| placed(folder, &u.diagnostics));
+    (rows, messages.collect())
+}
+
+/// Messages with the paths of their files, which they have relative to the folder that was searched.
+fn placed(folder: &Path, diagnostics: &[Diagnostic]) -> Vec<Diagnostic> {
+    let place = |d: &Diagnostic| d.clone().below(folder);
+    diagnostics.iter().map(place).collect()
 }
 
 /// The readings of a session, as a run would have them.
@@ -379,12 +401,19 @@ fn inspect(located: &Located, session: &Session, config: &Config, known: &Known)
     let errors = ingested.header.diagnostics.iter();
     checks.extend(errors.map(described));
     checks.extend(copies(session, &files));
+    checks.extend(copies_of_others(session, &files, known));
     checks.extend(noted(session, known));
     let stretched = plausible::stretched(session, &rows);
     checks.extend(stretched.map(|stretched| Check {
         log: None,
         state: State::Look,
         seen: Seen::Stretched(stretched),
+    }));
+    let phases = plausible::phases(session, &rows, &config.clean);
+    checks.extend(phases.map(|phases| Check {
+        log: None,
+        state: State::Bad,
+        seen: Seen::Phases(phases),
     }));
     checks.extend(logs::checks(session, &ingested.logs, &cleaned));
     checks.extend(zero::checks(session, &cleaned, known));
@@ -425,25 +454,41 @@ fn without_logs(check: &mut Check) {
 
 /// Logs that are copies of one before them.
 fn copies(session: &Session, files: &[LogBytes]) -> Vec<Check> {
-    let logs: Vec<(&LogSpec, &Vec<u8>)> = session
-        .logs
-        .iter()
-        .zip(files)
-        .filter_map(|(log, bytes)| Some((log, bytes.as_ref().ok()?)))
-        // Several parts of one workbook are one file.
-        .filter(|(log, bytes)| log.part.is_none() && !bytes.is_empty())
-        .collect();
+    let logs: Vec<(&LogSpec, &Vec<u8>)> = whole_files(session, files).collect();
     let copy = |(k, (log, bytes)): (usize, &(&LogSpec, &Vec<u8>))| {
         let before = logs[..k].iter().find(|(_, other)| other == bytes)?;
-        Some(Check {
-            log: Some(log.name()),
-            state: State::Bad,
-            seen: Seen::Copy {
-                of: before.0.name(),
-            },
-        })
+        Some(copied(log, before.0.name(), None))
     };
     logs.iter().enumerate().filter_map(copy).collect()
+}
+
+/// Logs that are copies of a file of another session of the last run. Zero logs may be shared.
+fn copies_of_others(session: &Session, files: &[LogBytes], known: &Known) -> Vec<Check> {
+    let copy = |(log, bytes): (&LogSpec, &Vec<u8>)| {
+        let alike = known.files.get(&Digest::of(bytes))?;
+        let other = alike.iter().find(|raw| raw.session != session.id)?;
+        Some(copied(log, other.file.clone(), Some(other.session.clone())))
+    };
+    let logs = whole_files(session, files).filter(|(log, _)| !log.is_zero);
+    logs.filter_map(copy).collect()
+}
+
+/// The logs that can be read and are a file each: several parts of one workbook are one file.
+fn whole_files<'a>(
+    session: &'a Session,
+    files: &'a [LogBytes],
+) -> impl Iterator<Item = (&'a LogSpec, &'a Vec<u8>)> {
+    let logs = session.logs.iter().zip(files);
+    logs.filter_map(|(log, bytes)| Some((log, bytes.as_ref().ok()?)))
+        .filter(|(log, bytes)| log.part.is_none() && !bytes.is_empty())
+}
+
+fn copied(log: &LogSpec, of: String, session: Option<String>) -> Check {
+    Check {
+        log: Some(log.name()),
+        state: State::Bad,
+        seen: Seen::Copy { of, session },
+    }
 }
 
 /// Lengths of the specimen that other sessions have otherwise, and a diameter that none of the campaign has.

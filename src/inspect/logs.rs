@@ -16,8 +16,8 @@ const ROWS: f64 = 0.01;
 const CLIPPED: f64 = 0.5;
 /// Pressures beyond this share of the highest are high.
 const HIGH: f64 = 0.8;
-/// Of a force that is cut off, so many samples in a row have the log's highest value, and so many times as many as ever have another one: noise ends
-/// such runs after a few samples, as many as the resolution of the converter lets pass.
+/// Of a force or pressure that is cut off, so many samples in a row have the log's highest value, and so many times as many as ever have another
+/// one: noise ends such runs after a few samples, as many as the resolution of the converter lets pass.
 const FLAT_SAMPLES: usize = 50;
 const FLAT_RATIO: usize = 3;
 /// A step of the clock that is so many usual ones long has lost samples.
@@ -59,7 +59,8 @@ pub fn checks(session: &Session, logs: &[LogSamples], cleaned: &Cleaned) -> Vec<
             let seen = Seen::Clipping { share, at_pressure };
             push(state_from(share.max(at_pressure), CLIPPED), seen);
         }
-        if let Some(seen) = flat_top(session, log).filter(|_| series) {
+        let flat = [FORCE, PRESSURE].map(|column| flat_top(session, log, column));
+        for seen in flat.into_iter().flatten().filter(|_| series) {
             push(State::Look, seen);
         }
         if let Some(clock) = clock(log).filter(|_| series) {
@@ -117,25 +118,36 @@ fn clipped(session: &Session, log: &LogSamples) -> Option<[f64; 2]> {
     (!force.is_empty()).then(|| [share(&all), share(&high)])
 }
 
-/// The highest force, where it stands still as no force does: an amplifier or a converter cuts it off below the limit that is declared, if any is.
-fn flat_top(session: &Session, log: &LogSamples) -> Option<Seen> {
-    let (column, force) = (session.column(FORCE)?, log.column(FORCE)?);
-    let highest = force.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let lowest = force.iter().copied().fold(f64::INFINITY, f64::min);
+/// The highest force or pressure, where it stands still as neither does: an amplifier or a converter cuts it off below the limit that is declared, if
+/// any is.
+fn flat_top(session: &Session, log: &LogSamples, name: &str) -> Option<Seen> {
+    let (column, values) = (session.column(name)?, log.column(name)?);
+    let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
     if !highest.is_finite() || lowest == highest || is_clipped(column, highest) {
         return None;
     }
-    let runs = || force.chunk_by(|a, b| a == b).map(|run| (run[0], run.len()));
+    let runs = || {
+        values
+            .chunk_by(|a, b| a == b)
+            .map(|run| (run[0], run.len()))
+    };
     let longest = |of: &dyn Fn(f64) -> bool| {
         let lengths = runs().filter(|(value, _)| of(*value)).map(|(_, n)| n);
         lengths.max().unwrap_or(0)
     };
-    let samples = longest(&|force| force == highest);
-    let others = longest(&|force| force != highest && force != lowest);
+    let samples = longest(&|value| value == highest);
+    let others = longest(&|value| value != highest && value != lowest);
     let is_cut = samples >= FLAT_SAMPLES && samples > FLAT_RATIO * others;
-    is_cut.then_some(Seen::FlatTop {
-        at_n: highest,
-        samples,
+    is_cut.then_some(match name {
+        PRESSURE => Seen::PressureFlatTop {
+            at_kpa: highest,
+            samples,
+        },
+        _ => Seen::FlatTop {
+            at_n: highest,
+            samples,
+        },
     })
 }
 

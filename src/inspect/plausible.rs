@@ -2,15 +2,17 @@
 //!
 //! A run has nothing to compare a session with where a project has one specimen only. The published law of the diameter and the lengths noted are a
 //! yardstick that is always there. Single actuators are a quarter stronger than that law, so that only what no actuator does is doubted here:
-//! forces that are off by more than half of themselves, or fall where the law rises, and an actuator that is stretched. Which description of the
-//! columns would mend it is found as in [`crate::otherwise`], and only then are logs read again.
+//! forces that are off by more than half of themselves, or fall where the law rises, an actuator that is stretched, and a pressure that rises in
+//! the phase of venting. Which description of the columns would mend the forces is found as in [`crate::otherwise`], and only then are logs read
+//! again.
 
 use crate::files;
 use crate::otherwise::{self, Otherwise, Suits};
 use crate::population::{self, Known};
+use pipeline_base::columns::PHASE;
 use pipeline_base::row::Row;
-use pipeline_base::session::{Kind, Session};
-use pipeline_config::Config;
+use pipeline_base::session::{Kind, Phase, Sampling, Session};
+use pipeline_config::{CleanOptions, Config};
 use pipeline_formats::discover::Located;
 use pipeline_numerics::statistics::{correlation, median, standard_deviation};
 use serde::{Deserialize, Serialize};
@@ -31,7 +33,7 @@ const OF_LARGEST: f64 = 0.1;
 const STEP: f64 = 0.005;
 /// See [`STEP`].
 const LARGEST: f64 = 0.35;
-/// Fewest readings of which a correlation says something.
+/// Fewest readings of which a correlation says something, and fewest steps of the pressure that go the other way.
 const FEWEST: usize = 5;
 
 /// Why the readings of a session cannot be those of such an actuator.
@@ -51,6 +53,17 @@ pub enum Doubt {
         /// How many there would be.
         readings: usize,
     },
+    /// Pressure goes the other way than the states of the phase say.
+    Phases(Phases),
+}
+
+/// Steps of the pressure from reading to reading, beside the states of the phase.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Phases {
+    /// Steps to a reading of a phase in which pressure does not go so: up while venting, down while filling.
+    pub against: usize,
+    /// All steps.
+    pub steps: usize,
 }
 
 /// An actuator that is longer than at rest by more than it bears.
@@ -98,7 +111,32 @@ pub fn doubts(located: &Located, rows: &[Row], config: &Config) -> Vec<Doubt> {
         ..Known::default()
     };
     let of_forces = of_forces(located, rows, config, &known);
-    stretched.into_iter().chain(of_forces).collect()
+    let phases = phases(session, rows, &config.clean).map(Doubt::Phases);
+    let all = [stretched, of_forces, phases];
+    all.into_iter().flatten().collect()
+}
+
+/// Whether the states of the phase look exchanged: most steps of the pressure between neighbouring readings of a log go the other way. None without
+/// such a column, and none of points, which may stand in any order.
+pub(crate) fn phases(session: &Session, rows: &[Row], options: &CleanOptions) -> Option<Phases> {
+    session.column(PHASE)?;
+    if session.sampling == Sampling::Points {
+        return None;
+    }
+    let step = |pair: &[Row]| {
+        let [before, now] = pair else { return None };
+        let step_kpa = now.pressure_kpa - before.pressure_kpa;
+        let is_step = before.log == now.log && step_kpa.abs() > options.turning_kpa;
+        let is_up = now.phase? == Phase::Pressurizing;
+        is_step.then_some((step_kpa > 0.0) != is_up)
+    };
+    let steps: Vec<bool> = rows.windows(2).filter_map(step).collect();
+    let against = steps.iter().filter(|against| **against).count();
+    let is_exchanged = against >= FEWEST && 2 * against > steps.len();
+    is_exchanged.then_some(Phases {
+        against,
+        steps: steps.len(),
+    })
 }
 
 /// What is doubtful about the forces.

@@ -8,6 +8,7 @@
 //! sessions and beside the effects that it found.
 
 use crate::{Check, NotCompared, Own, Seen, State, others};
+use pipeline_base::digest::Digest;
 use pipeline_base::row::Row;
 use pipeline_base::session::{Kind, Session};
 use pipeline_config::FitOptions;
@@ -36,6 +37,17 @@ pub struct Known {
     pub findings: Option<Findings>,
     /// Options of the fits.
     pub fit: FitOptions,
+    /// Where their raw files are, by contents.
+    pub files: BTreeMap<Digest, Vec<RawFile>>,
+}
+
+/// A raw file of a session.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RawFile {
+    /// The session's id.
+    pub session: String,
+    /// The file, relative to the session's folder.
+    pub file: String,
 }
 
 impl Known {

@@ -42,6 +42,11 @@ pub struct Solved {
 /// A force that the muscle does not have at any pressure up to the highest one measured, or at any length from its resting length on; what
 /// [`Predictor::at`] objects to.
 pub fn solve(predictor: &Predictor, wanted: Wanted, force_n: f64) -> Result<Solved> {
+    if force_n < 0.0 {
+        return Err(Error::Usage(format!(
+            "a force of {force_n} N would push, and a muscle only pulls: give a force above zero"
+        )));
+    }
     if !(force_n.is_finite() && force_n > 0.0) {
         return Err(Error::Usage(format!(
             "a force of {force_n} N is that of a slack muscle, which has it at many states: give a force above zero"

@@ -10,7 +10,7 @@ use crate::stages::normalize::ROWS;
 use crate::stages::{LIST, NAMES, ingest};
 use pipeline_base::digest::Digest;
 use pipeline_base::error::{Error, Result};
-use pipeline_base::names::file_name;
+use pipeline_base::names::{file_name, plain_path};
 use pipeline_cache::store::{Entry, Store};
 use pipeline_cache::{Left, State};
 use serde::Deserialize;
@@ -35,9 +35,10 @@ pub struct Unit {
 }
 
 /// `provenance.json`.
-#[derive(Default, Deserialize)]
-struct Provenance {
-    sessions: BTreeMap<String, BTreeMap<String, Digest>>,
+#[derive(Debug, Default, Deserialize)]
+pub struct Provenance {
+    /// By session, the digests of its raw files by their paths from its folder.
+    pub sessions: BTreeMap<String, BTreeMap<String, Digest>>,
 }
 
 impl Unit {
@@ -143,8 +144,8 @@ impl Ancestry {
         (self.units[best].stage < reader.stage).then_some(best)
     }
 
-    /// Raw files that some units read, by folder and name, with their digests as the run wrote them down in `reports`: the key of a session has what its
-    /// description says and not the digest of that file. Where that list is not there, what the keys have.
+    /// Raw files that some units read, each once by its path below the raw directory, with their digests as the run wrote them down in `reports`:
+    /// the key of a session has what its description says and not the digest of that file. Where that list is not there, what the keys have.
     pub fn raw_files<'a>(
         &self,
         units: impl Iterator<Item = &'a Unit>,
@@ -157,7 +158,9 @@ impl Ancestry {
             let options = &u.entry.parts.options;
             let folder = options.get("folder").map_or("", String::as_str);
             let file = |(name, digest): (&String, &Digest)| {
-                (format!("{folder}/{name}"), digest.hex().to_owned())
+                let path = format!("{folder}/{name}");
+                let path = plain_path(Path::new(&path)).unwrap_or(path);
+                (path, digest.hex().to_owned())
             };
             let files = written.sessions.get(&u.name).unwrap_or(&u.given);
             files.iter().map(file).collect::<Vec<_>>()

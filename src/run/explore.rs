@@ -10,7 +10,7 @@ use crate::{Progress, RunOptions, check_outside, reports};
 use pipeline_base::digest::Digest;
 use pipeline_base::error::{Error, Result};
 use pipeline_cache::store::write_atomically;
-use pipeline_formats::discover::discover;
+use pipeline_formats::discover::{Discovery, discover};
 use pipeline_report::explorer::{self, sample::Extent, trace};
 use pipeline_report::stage::ReportInput;
 use rayon::prelude::*;
@@ -44,6 +44,9 @@ pub fn explore(
         .build()
         .map_err(Error::internal)?;
     let discovery = pool.install(|| discover(&options.raw));
+    if discovery.sessions.is_empty() {
+        return Err(Error::Usage(no_campaign(options, campaign, &discovery)));
+    }
     let engine = Engine::open(options, None, progress)?;
     let walk = Walk {
         engine: &engine,
@@ -59,6 +62,16 @@ pub fn explore(
     };
     let page = pool.install(|| page(&engine, &done, campaign))?;
     write_atomically(out, page.as_bytes())
+}
+
+/// That there is no campaign at all.
+fn no_campaign(options: &RunOptions, campaign: &str, discovery: &Discovery) -> String {
+    match discovery.unusable.is_empty() {
+        true => crate::no_sessions(options, discovery),
+        false => format!(
+            "no campaign is called \"{campaign}\": no session can be used; `pipeline run` says why"
+        ),
+    }
 }
 
 /// The page for a browser of one campaign in full.

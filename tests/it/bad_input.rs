@@ -82,7 +82,7 @@ fn expect(all: Vec<(Bad, &[&str])>) -> Bench {
     let good = plateaus.iter().filter(|r| r["session"] == "good");
     assert_eq!(good.count(), 7);
     for (bad, parts) in bad.iter().zip(parts) {
-        let place = format!(": {}/", bad.name);
+        let place = format!(": raw/{}/", bad.name);
         let own = said.err.lines().filter(|l| l.contains(&place));
         let own = own.collect::<Vec<&str>>().join("\n");
         for part in parts {

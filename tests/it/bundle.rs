@@ -122,6 +122,40 @@ fn unpacked_with_its_raw_files_a_bundle_is_a_project_with_the_same_results() {
 }
 
 #[test]
+fn what_sessions_share_is_one_raw_file_under_its_plain_path() {
+    let bench = bench();
+    let campaign = "small/campaign.toml";
+    bench.write(campaign, "schema = \"bpa-campaign/1\"\n");
+    bench.age();
+    let said = bench.run(&["run", "--config", FAST]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let raw = bench.snapshot("raw");
+    let said = bundle(&bench, &["--with-raw"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let count = format!("{} raw files", raw.len());
+    assert!(said.out.contains(&count), "{count}: {}", said.out);
+    let files = unpacked(&bench.root().join("bundle.zip"));
+    for (name, bytes) in &raw {
+        assert!(files.get(&format!("raw/{name}")) == Some(bytes), "{name}");
+    }
+
+    assert_eq!(bundle(&bench, &["--replace"]).code, 0);
+    let entities = entities(&unpacked(&bench.root().join("bundle.zip")));
+    let id = format!("#raw/{campaign}");
+    let same = entities.iter().filter(|e| e["@id"] == *id);
+    assert_eq!(same.count(), 1);
+
+    let said = bench.run(&["explain", "force.pdf", "--verbose"]).out;
+    assert!(
+        said.contains(&format!("raw files: {}", raw.len())),
+        "{said}"
+    );
+    let lines = said.lines().filter(|l| l.contains("campaign.toml"));
+    let names: Vec<&str> = lines.filter_map(|l| l.split_whitespace().next()).collect();
+    assert_eq!(names, [campaign]);
+}
+
+#[test]
 fn what_is_out_of_date_or_in_the_way_is_not_packed() {
     let bench = bench();
     assert_eq!(bundle(&bench, &[]).code, 0);

@@ -5,14 +5,19 @@ use serde_json::Value;
 use std::path::Path;
 use std::time::Duration;
 
-/// A copy of a session of the small campaign in a folder of its own, beside the raw directory, with some text of its description replaced.
+/// A session like one of the small campaign in a folder of its own, beside the raw directory, with some text of its description replaced. Its logs
+/// have other line ends: another measurement has other bytes.
 fn copied(bench: &Bench, replaced: &[(&str, &str)]) -> String {
     let from = bench.raw().join("small/b/c50");
     let to = bench.root().join("new");
     std::fs::create_dir_all(&to).unwrap();
     for entry in std::fs::read_dir(&from).unwrap() {
         let path = entry.unwrap().path();
-        std::fs::copy(&path, to.join(path.file_name().unwrap())).unwrap();
+        let mut text = std::fs::read_to_string(&path).unwrap();
+        if path.extension().is_some_and(|e| e == "csv") {
+            text = text.replace('\n', "\r\n");
+        }
+        std::fs::write(to.join(path.file_name().unwrap()), text).unwrap();
     }
     let description = to.join("session.toml");
     let mut text = std::fs::read_to_string(&description).unwrap();
@@ -268,9 +273,38 @@ fn a_force_that_is_cut_off_below_the_declared_limit_is_seen() {
     let folder = copied(&bench, &[]);
     let (_, found) = inspected(&bench, &folder);
     assert!(checks(&found, "flat_top").is_empty(), "{found}");
+    cut_off(&bench, "force");
+    let (code, found) = inspected(&bench, &folder);
+    assert_eq!(code, 1, "{found}");
+    let flat = checks(&found, "flat_top");
+    assert_eq!(flat.len(), 1, "{found}");
+    assert_eq!(flat[0]["log"], "test8.csv");
+}
+
+#[test]
+fn a_pressure_that_is_cut_off_is_seen_and_named() {
+    let bench = Bench::small();
+    let folder = copied(&bench, &[]);
+    let (_, found) = inspected(&bench, &folder);
+    assert!(checks(&found, "pressure_flat_top").is_empty(), "{found}");
+    let limit = cut_off(&bench, "pressure");
+    let (code, found) = inspected(&bench, &folder);
+    assert_ne!(code, 0, "{found}");
+    assert!(checks(&found, "flat_top").is_empty(), "{found}");
+    let flat = checks(&found, "pressure_flat_top");
+    assert_eq!(flat.len(), 1, "{found}");
+    assert_eq!(flat[0]["log"], "test8.csv");
+    assert!((flat[0]["at_kpa"].as_f64().unwrap() - limit).abs() < 1e-9);
+    let said = bench.run(&["check-session", &folder]).out;
+    let words = "the pressure stays at its highest value";
+    assert!(said.contains(words), "{said}");
+}
+
+/// Cuts off a column of the log of [`copied`] at seven tenths of its range, and says where.
+fn cut_off(bench: &Bench, column: &str) -> f64 {
     let path = bench.root().join("new/session.toml");
     let session: toml::Table = std::fs::read_to_string(&path).unwrap().parse().unwrap();
-    let at = session["columns"]["force"]["index"].as_integer().unwrap() as usize;
+    let at = session["columns"][column]["index"].as_integer().unwrap() as usize;
     let log = bench.root().join("new/test8.csv");
     let rows: Vec<Vec<String>> = std::fs::read_to_string(&log)
         .unwrap()
@@ -287,11 +321,54 @@ fn a_force_that_is_cut_off_below_the_declared_limit_is_seen() {
         row.join(",") + "\n"
     });
     std::fs::write(&log, cut.collect::<String>()).unwrap();
+    limit
+}
+
+#[test]
+fn a_log_of_another_session_is_named_with_both_and_its_own_is_none() {
+    let bench = Bench::small_done();
+    let folder = copied(&bench, &[]);
     let (code, found) = inspected(&bench, &folder);
-    assert_eq!(code, 1, "{found}");
-    let flat = checks(&found, "flat_top");
-    assert_eq!(flat.len(), 1, "{found}");
-    assert_eq!(flat[0]["log"], "test8.csv");
+    assert_eq!(code, 0, "{found}");
+    let original = bench.raw().join("small/a/c50");
+    for log in ["test8.csv", "offset.csv"] {
+        std::fs::copy(original.join(log), bench.root().join("new").join(log)).unwrap();
+    }
+    let (code, found) = inspected(&bench, &folder);
+    assert_eq!(code, 2, "{found}");
+    // A zero log may be shared.
+    let copies = checks(&found, "copy");
+    assert_eq!(copies.len(), 1, "{found}");
+    assert_eq!(copies[0]["state"], "bad");
+    let of = ["log", "of", "session"].map(|key| copies[0][key].as_str());
+    assert_eq!(of, ["test8.csv", "test8.csv", "small-a-c50"].map(Some));
+    let said = bench.run(&["check-session", &folder]).out;
+    let words = "the same bytes as test8.csv of session small-a-c50";
+    assert!(said.contains(words), "{said}");
+    let (_, found) = inspected(&bench, "raw/small/a/c50");
+    assert!(checks(&found, "copy").is_empty(), "{found}");
+}
+
+#[test]
+fn exchanged_states_of_the_phase_are_bad() {
+    let bench = Bench::small_done();
+    let folder = copied(&bench, &[]);
+    let (_, found) = inspected(&bench, &folder);
+    assert!(checks(&found, "phases").is_empty(), "{found}");
+    let states = |one, two| format!("{{ \"1\" = \"{one}\", \"2\" = \"{two}\" }}");
+    let right = states("pressurizing", "depressurizing");
+    let wrong = states("depressurizing", "pressurizing");
+    let folder = copied(&bench, &[(&right, &wrong)]);
+    let (code, found) = inspected(&bench, &folder);
+    assert_eq!(code, 2, "{found}");
+    let phases = checks(&found, "phases");
+    assert_eq!(phases.len(), 1, "{found}");
+    assert_eq!(phases[0]["state"], "bad");
+    let of = |key: &str| phases[0][key].as_u64().unwrap();
+    // At the highest plateau venting begins.
+    assert!(of("against") + 1 >= of("steps"), "{found}");
+    let said = bench.run(&["check-session", &folder]).out;
+    assert!(said.contains("look exchanged in [columns]"), "{said}");
 }
 
 #[test]

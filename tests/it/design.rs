@@ -106,6 +106,12 @@ fn a_force_that_no_state_has_is_refused() {
         &["--pressure", "100kPa", "--length-for", "0N"],
         "above zero",
     );
+    for option in [
+        ["--contraction", "4%", "--pressure-for", "-5N"],
+        ["--pressure", "100kPa", "--length-for", "-5N"],
+    ] {
+        says(&option, "a force of -5 N would push");
+    }
     says(&["--pressure-for", "100N"], "contraction");
     says(&["--length-for", "100N"], "pressure");
 }

@@ -65,6 +65,19 @@ fn one_campaign_is_made_in_full_from_what_a_run_left() {
     said.warns_of(&["`pipeline run`"]);
 }
 
+#[test]
+fn where_there_is_no_campaign_what_to_do_is_said() {
+    let bench = Bench::empty();
+    let explore = || bench.run(&["explore", "x", "--out", "page.html"]);
+    let said = explore();
+    assert_eq!(said.code, 2);
+    said.warns_of(&["no session.toml below raw", "pipeline new-session"]);
+    bench.write("a/session.toml", "");
+    let said = explore();
+    assert_eq!(said.code, 2);
+    said.warns_of(&["no campaign is called \"x\"", "no session can be used"]);
+}
+
 /// In a browser: run by `.ci/run`, which fetches one.
 mod browser {
     use super::*;

@@ -102,6 +102,67 @@ fn nothing_is_overwritten_without_force() {
 }
 
 #[test]
+fn logs_of_one_name_become_sessions_of_their_own() {
+    let bench = Bench::empty();
+    let log = |force: u32| format!("p (kPa),F (N),l (mm)\n620,{force},182\n400,90,170\n");
+    for (folder, force) in [("a", 300), ("b", 310)] {
+        std::fs::create_dir(bench.root().join(folder)).unwrap();
+        std::fs::write(bench.root().join(folder).join("test8.csv"), log(force)).unwrap();
+    }
+    let look = |rest: &[&str]| bench.run(&[&["new-session"], rest].concat());
+    let said = look(&[
+        "a/test8.csv",
+        "b/test8.csv",
+        "--out",
+        "raw",
+        "--copy",
+        "--force",
+    ]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    for (folder, force) in [("a", 300), ("b", 310)] {
+        let copy = bench.raw().join(format!("{folder}-test8/test8.csv"));
+        assert_eq!(std::fs::read_to_string(copy).unwrap(), log(force));
+        // One log a call.
+        let (file, out) = (format!("{folder}/test8.csv"), format!("raw/{folder}/c00"));
+        let said = look(&[&file, "--out", &out]);
+        assert_eq!(said.code, 0, "{}", said.err);
+    }
+    let said = look(&["b/test8.csv", "--out", "raw/a-test8", "--copy", "--force"]);
+    assert_eq!(said.code, 2, "a log is never replaced: {}", said.out);
+    let sessions = bench.snapshot("raw").into_iter();
+    let sessions = sessions.filter(|(name, _)| name.ends_with("session.toml"));
+    let id = |(_, text): (String, Vec<u8>)| {
+        let text: toml::Table = toml::from_slice(&text).unwrap();
+        text["id"].as_str().unwrap().to_owned()
+    };
+    let ids: Vec<String> = sessions.map(id).collect();
+    assert_eq!(ids, ["a-test8", "a-c00", "b-test8", "b-c00"]);
+}
+
+#[test]
+fn a_clash_within_one_call_is_refused_before_anything_is_written() {
+    let bench = Bench::empty();
+    let log = "p (kPa),F (N),l (mm)\n620,300,182\n400,90,170\n";
+    for name in ["test8.csv", "test8.txt", "test9.csv"] {
+        std::fs::write(bench.root().join(name), log).unwrap();
+    }
+    let twice = ["new-session", "test9.csv", "test8.csv", "test8.txt"];
+    let said = bench.run(&[&twice[..], &["--out", "raw", "--force"]].concat());
+    assert_eq!(said.code, 2, "{}", said.out);
+    said.warns_of(&[
+        "test8.csv",
+        "test8.txt",
+        "session test8",
+        "nothing was written",
+    ]);
+    assert!(bench.snapshot("raw").is_empty());
+    bench.write("test8/session.toml", "mine");
+    let said = bench.run(&["new-session", "test9.csv", "test8.csv", "--out", "raw"]);
+    assert_eq!(said.code, 2, "{}", said.out);
+    assert_eq!(bench.snapshot("raw").len(), 1);
+}
+
+#[test]
 fn every_format_gives_the_same_guess() {
     let bench = Bench::empty();
     let guess = |file: &str, part: &[&str]| {
@@ -218,10 +279,9 @@ fn a_log_with_a_preamble_in_latin_1_is_drafted_and_run() {
     let rows = b"620;388,5;182\n500;200,5;174\n400;90,1;170\n";
     std::fs::write(bench.root().join("old.txt"), [&head[..], rows].concat()).unwrap();
     let look = ["new-session", "old.txt", "--out", "raw/old", "--copy"];
-    assert!(
-        bench.run(&look).err.contains("latin-1"),
-        "what to do is said"
-    );
+    let said = bench.run(&look);
+    said.warns_of(&["give --encoding latin-1"]);
+    assert!(!said.err.contains("[format]"), "{}", said.err);
     let options = ["--skip-rows", "2", "--encoding", "latin-1"];
     let said = bench.run(&[&look[..], &options].concat());
     assert_eq!(said.code, 0, "{}", said.err);
@@ -231,6 +291,50 @@ fn a_log_with_a_preamble_in_latin_1_is_drafted_and_run() {
     let said = bench.run(&["run"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     assert_eq!(bench.table("plateaus")[0]["force_n"], "388.5");
+}
+
+#[test]
+fn what_is_to_be_filled_in_is_said_in_sentences() {
+    let bench = Bench::empty();
+    std::fs::write(bench.root().join("two.csv"), "1,2\n3,4\n").unwrap();
+    let row = |k: u32| {
+        format!(
+            "{},{},{}\n",
+            f64::from(k) * 0.01,
+            3 * k % 400,
+            5 * (k % 124)
+        )
+    };
+    let log: String = (0..300).map(row).collect();
+    std::fs::write(bench.root().join("three.csv"), log).unwrap();
+    let look = [
+        "new-session",
+        "two.csv",
+        "three.csv",
+        "--out",
+        "raw",
+        "--copy",
+    ];
+    assert_eq!(bench.run(&look).code, 0);
+    let said = bench.run(&["run"]);
+    assert_eq!(said.code, 2, "{}", said.out);
+    assert!(!said.err.contains("[]"), "{}", said.err);
+    let units = "kPa, Pa, MPa, bar, psi";
+    said.warns_of(&[
+        "[pressure]: found FILL IN; expected the column of the pressure with its unit",
+        &format!("one of {units} (none looks like it); correct the line"),
+        "[pressure]: found FILL IN; expected a quantity and unit that you have confirmed (guessed: it ends near the 620 kPa",
+        "[length_mm]: found FILL IN; expected the length at which the actuator was held (no column looks like one); correct the line",
+        "[id]: found FILL IN; expected the name of the physical actuator, the same in all of its sessions; correct the line",
+        "error: raw/two/session.toml:7 [campaign]",
+    ]);
+    let said = bench.run(&["check-session", "raw/two"]);
+    assert!(
+        said.out
+            .contains("error: raw/two/session.toml:7 [campaign]"),
+        "{}",
+        said.out
+    );
 }
 
 #[test]

@@ -52,7 +52,7 @@ fn exchanged_columns_of_a_single_specimen_are_named_with_what_to_do_and_again_by
     let said = run(&bench);
     assert_eq!(said.code, 0, "{}", said.err);
     let parts = [
-        "warning: only/session.toml [columns]",
+        "warning: raw/only/session.toml [columns]",
         "published law of 10 mm actuators",
         "force and pressure look exchanged",
         "pipeline check-session",
@@ -76,7 +76,7 @@ fn exchanged_columns_of_a_single_specimen_are_named_with_what_to_do_and_again_by
 fn a_wrong_sign_is_named_though_it_leaves_no_reading() {
     let said = run(&single(&[("unit = \"N\"", "unit = \"N\", gain = -1")]));
     said.warns_of(&[
-        "warning: only/session.toml [columns]",
+        "warning: raw/only/session.toml [columns]",
         "the sign of the force looks wrong",
     ]);
 }
@@ -107,7 +107,7 @@ fn an_actuator_that_is_stretched_is_named_with_both_lengths() {
     let said = run(&bench);
     assert_eq!(said.code, 0, "{}", said.err);
     said.warns_of(&[
-        "warning: only/session.toml [length]",
+        "warning: raw/only/session.toml [length]",
         "268.0 mm",
         "233.0 mm",
         "stretched by 15%",
@@ -139,6 +139,30 @@ fn many_sessions_with_one_doubt_are_one_warning() {
     let warnings = said.err.lines().filter(|l| l.contains("look exchanged"));
     // Of sessions with readings, and of those that have none left.
     assert!(warnings.count() <= 2, "{}", said.err);
+}
+
+#[test]
+fn exchanged_states_of_the_phase_are_named_by_run_status_and_check() {
+    let bench = single(&[(
+        "{ \"1\" = \"pressurizing\", \"2\" = \"depressurizing\" }",
+        "{ \"1\" = \"depressurizing\", \"2\" = \"pressurizing\" }",
+    )]);
+    let parts = [
+        "warning: raw/only/session.toml [columns.phase]",
+        "a pressure that falls while pressurizing or rises while depressurizing",
+        "look exchanged",
+    ];
+    let said = run(&bench);
+    assert_eq!(said.code, 0, "{}", said.err);
+    said.warns_of(&parts);
+    assert_eq!(said.err.matches("warning").count(), 1, "{}", said.err);
+    for command in ["status", "check"] {
+        let said = bench.run(&[command, "--config", FAST]);
+        said.warns_of(&parts);
+    }
+    let outcome = bench.outcome(&["run", "--config", FAST]);
+    let doubt = &outcome["doubtful_sessions"][0]["doubt"];
+    assert_eq!(doubt["doubt"], "phases", "{outcome}");
 }
 
 #[test]
@@ -240,7 +264,7 @@ fn nothing_of_the_shipped_sessions_is_doubted() {
 mod rig {
     use super::*;
     use pipeline::base::columns::{FORCE, LENGTH, PRESSURE};
-    use pipeline::base::session::{Constant, Kind, Position};
+    use pipeline::base::session::{Constant, Kind, Phase, Position};
 
     #[test]
     #[ignore = "needs the real rig sessions"]
@@ -295,7 +319,7 @@ mod rig {
         match doubt {
             Doubt::Unlike(unlike) => unlike.columns.as_ref(),
             Doubt::Lost { columns, .. } => Some(columns),
-            Doubt::Stretched(_) => None,
+            Doubt::Stretched(_) | Doubt::Phases(_) => None,
         }
     }
 
@@ -339,9 +363,23 @@ mod rig {
         let is_length = |d: &Doubt| match d {
             Doubt::Stretched(_) => true,
             Doubt::Unlike(unlike) => unlike.shorter == Some(true),
-            Doubt::Lost { .. } => false,
+            Doubt::Lost { .. } | Doubt::Phases(_) => false,
         };
         let [named, ..] = counted("lengths longer by 15%", stretched, is_length);
         assert_eq!(named, 24);
+        let states = |l: &mut Located| {
+            for column in l.session.columns.iter_mut() {
+                for state in column.values.values_mut() {
+                    *state = match state {
+                        Phase::Pressurizing => Phase::Depressurizing,
+                        Phase::Depressurizing => Phase::Pressurizing,
+                    };
+                }
+            }
+        };
+        let is_phases = |d: &Doubt| matches!(d, Doubt::Phases(_));
+        let [named, ..] = counted("states of the phase exchanged", states, is_phases);
+        // The other four log no phase.
+        assert_eq!(named, 20);
     }
 }

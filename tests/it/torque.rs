@@ -268,7 +268,7 @@ fn mistakes_in_a_joint_are_named_with_file_key_and_remedy() {
     let said = bench.run(&["run"]);
     assert_eq!(said.code, 0, "{}", said.err);
     for (k, (.., parts)) in cases.iter().enumerate() {
-        let place = format!(": wrong{k}/");
+        let place = format!(": raw/wrong{k}/");
         let own = said.err.lines().filter(|l| l.contains(&place));
         let own = own.collect::<Vec<&str>>().join("\n");
         for part in *parts {

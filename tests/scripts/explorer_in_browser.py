@@ -3,9 +3,11 @@
 Usage: python tests/scripts/explorer_in_browser.py BROWSER PROJECT CAMPAIGN, after a run of PROJECT. Needs pandas, pyarrow and playwright.
 """
 
+import base64
 import json
 import pathlib
 import re
+import struct
 import sys
 
 import pandas
@@ -166,6 +168,37 @@ def holds_link(context, page, said):
     assert "zoom" in other.url and other.locator("#reading canvas").count() == 2
 
 
+def without(column):
+    """A copy of the page, of which a column has no number."""
+    text = (project / "reports/explorer.html").read_text()
+    before, rest = text.split('id="data">', 1)
+    data, after = rest.split("</script>", 1)
+    data = json.loads(data)
+    forces = data["sets"][0]
+    empty = next(c for c in forces["columns"] if c["name"] == column)
+    for key in ["levels", "u16"]:
+        empty.pop(key, None)
+    empty["f32"] = base64.b64encode(struct.pack("<f", float("nan")) * forces["count"]).decode()
+    copy = project / "without.html"
+    copy.write_text(f'{before}id="data">{json.dumps(data)}</script>{after}')
+    return copy.as_uri()
+
+
+def holds_reasons(context, said):
+    """A model without values cannot be chosen, and an empty plot says why it is empty."""
+    column = "predicted_hunt2017_n"
+    page = opened(context, f"{without(column)}#model={column}", said)
+    assert page.locator(f"#model option[value={column}]").is_disabled()
+    assert page.locator("#model option[value=predicted_new_n]").is_enabled()
+    errors = page.inner_text("#errors")
+    assert errors.startswith("0 readings: Hunt 2017 has no value for the ") and "choose another model" in errors, errors
+    page.select_option("#y", "force_n")
+    page.fill("#low", "9999")
+    page.locator("#low").press("Tab")
+    assert page.inner_text("#errors") == "0 readings: none passes the filters", page.inner_text("#errors")
+    page.close()
+
+
 with sync_playwright() as playwright:
     chromium = playwright.chromium.launch(executable_path=browser, args=["--no-sandbox", "--disable-gpu"])
     papers = []
@@ -180,6 +213,7 @@ with sync_playwright() as playwright:
         holds_pointer(page)
         holds_keys(page)
         holds_link(context, page, said)
+        holds_reasons(context, said)
         assert not said, said
         context.close()
     assert papers[0] != papers[1], papers

@@ -2,6 +2,14 @@
 
 const option = (name, label, chosen) => element("option", { value: name, selected: name === chosen }, label);
 
+// A model that has no value for any reading of the campaign cannot be chosen.
+function modelOption(set, model, chosen) {
+  const disabled = !hasValues(set, model.column);
+  const made = option(model.column, disabled ? `${model.label} (no values here)` : model.label, chosen);
+  made.disabled = disabled;
+  return made;
+}
+
 // Columns that can stand on an axis, or colour marks, in groups.
 function axisChoices(set, chosen, withTexts) {
   const models = new Set(set.models.map((m) => m.column));
@@ -11,14 +19,14 @@ function axisChoices(set, chosen, withTexts) {
   const groups = [];
   if (set.models.length) groups.push(of("Chosen model", [option("residual", "measured minus predicted", chosen), ...(withTexts ? [] : [option("predicted", "predicted", chosen)])]));
   groups.push(of("Reading", own.map((c) => option(c.name, label(c), chosen))));
-  if (!withTexts) groups.push(of("Predicted by", set.models.map((m) => option(m.column, m.label, chosen))));
+  if (!withTexts) groups.push(of("Predicted by", set.models.map((m) => modelOption(set, m, chosen))));
   return groups;
 }
 
 function modelChoices(set) {
   const of = (title, is) => {
     const list = set.models.filter((m) => m.is_search === is);
-    return list.length ? [element("optgroup", { label: title }, list.map((m) => option(m.column, m.label, state.model)))] : [];
+    return list.length ? [element("optgroup", { label: title }, list.map((m) => modelOption(set, m, state.model)))] : [];
   };
   return [...of("Models", false), ...of("Residual search", true)];
 }
@@ -124,10 +132,21 @@ function sayErrors(set, places) {
   if (model) {
     const { n, rms, mean, largest } = errorsOf(set, state.model, places);
     const unit = set.unit;
-    parts.push(` · ${model.label}`, n < places.length ? ` (${n.toLocaleString("en")} with an answer)` : "");
+    if (places.length) parts.push(` · ${model.label}`, n < places.length ? ` (${n.toLocaleString("en")} with an answer)` : "");
     if (n) parts.push(": RMSE ", element("b", { id: "rmse" }, withUnit(rms, unit)), ", mean ", withUnit(mean, unit), ", largest ", withUnit(largest, unit));
   }
+  if (!places.length) parts.push(`: ${whyNone(set)}`);
   byId("errors").replaceChildren(...parts);
+}
+
+// Why no reading is drawn.
+function whyNone(set) {
+  const passing = passingReadings(set);
+  if (!passing.length) return "none passes the filters";
+  const count = `the ${passing.length.toLocaleString("en")} readings chosen`;
+  const empty = [scatter.y, scatter.x].find((q) => passing.every((k) => !Number.isFinite(q.data[k])));
+  if (empty?.of) return `${empty.of} has no value for ${count}; choose another model`;
+  return empty ? `${count} have no ${empty.label}` : `none of ${count} has both ${scatter.x.label} and ${scatter.y.label}`;
 }
 
 // The readings shown, a page of them, for those who do not see the plot.

@@ -4,7 +4,8 @@ function about() {
   const counts = PAGE.sets.map((set) => `${set.count.toLocaleString("en")} readings of ${set.title.toLowerCase()}`);
   byId("about").textContent = `${counts.join(" and ")}${PAGE.campaign ? ` of ${PAGE.campaign}` : ""}, ${Object.keys(PAGE.sessions).length.toLocaleString("en")} sessions.`;
   const simulated = Object.values(PAGE.sessions).filter((s) => s.simulated).length;
-  if (simulated) byId("about").append(element("span", { className: "simulated" }, ` ${simulated} of the sessions are simulated.`));
+  const are = simulated === 1 ? "is" : "are";
+  if (simulated) byId("about").append(element("span", { className: "simulated" }, ` ${simulated} of the sessions ${are} simulated.`));
   const thinned = PAGE.sets.filter((set) => set.count < set.of);
   const sample = byId("sample");
   sample.hidden = !thinned.length;

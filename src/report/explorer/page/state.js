@@ -72,7 +72,16 @@ function toAddress() {
 }
 
 // Readings that pass the filters and have both coordinates, by place.
-function shownReadings(set, x, y) {
+const shownReadings = (set, x, y) => passingReadings(set).filter((k) => Number.isFinite(x[k]) && Number.isFinite(y[k]));
+
+// Whether a column has a number for any reading of the campaign.
+function hasValues(set, name) {
+  const [data, campaigns] = [set.byName.get(name)?.data ?? [], set.byName.get("campaign")?.data];
+  return data.some((x, k) => Number.isFinite(x) && (!state.campaign || campaigns[k] === state.campaign));
+}
+
+// Readings that pass the filters, by place.
+function passingReadings(set) {
   const { campaign, filters } = state;
   const low = state.low === "" ? -Infinity : Number(state.low);
   const high = state.high === "" ? Infinity : Number(state.high);
@@ -83,7 +92,6 @@ function shownReadings(set, x, y) {
   for (let k = 0; k < set.count; k++) {
     if (campaign && campaigns[k] !== campaign) continue;
     if (pressure && (low > -Infinity || high < Infinity) && !(pressure[k] >= low && pressure[k] <= high)) continue;
-    if (!Number.isFinite(x[k]) || !Number.isFinite(y[k])) continue;
     if (chosen.every(([data, levels]) => levels.has(data[k] ?? NOT_NAMED))) found.push(k);
   }
   return found;
