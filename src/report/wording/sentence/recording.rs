@@ -65,7 +65,7 @@ pub fn implausible(sessions: &[String]) -> Option<String> {
     }
     (!sessions.is_empty()).then(|| {
         format!(
-            "No such actuator gives the readings of {}: check the columns, units and lengths in session.toml (`pipeline status` says why).",
+            "No such actuator gives the readings of {}: check columns, units, states and lengths in session.toml (`pipeline status` says why).",
             listed(&named)
         )
     })
