@@ -9,8 +9,8 @@ use crate::wording::number::unit;
 use pipeline_findings::{CampaignFindings, EffectFinding, Parameter};
 use pipeline_torque::CampaignTorque;
 use pipeline_torque::diagnose::JointDiagnosis;
-use pipeline_torque::diagnose::measurers::{ByHand, Reached};
 use pipeline_torque::diagnose::by_test::TestErrors;
+use pipeline_torque::diagnose::measurers::{ByHand, Reached};
 use pipeline_torque::errors::Size;
 
 fn joints(campaigns: &[CampaignTorque]) -> impl Iterator<Item = &JointDiagnosis> {
