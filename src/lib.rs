@@ -107,7 +107,7 @@
 //! - **A stage reads what it declares** ([`run::rule`]): its function gets these inputs and options and no others ([`run::given`]). Order, jobs, `explain`,
 //!   `graph`, `status`, export and keys follow from the list; only `report` is driven by hand ([`run::reports`]).
 //! - **A key holds everything that a result depends on** ([`cache::key`]): the code of the stage too, which is its crate, the crates below it and their
-//!   libraries, from the graph of crates (`src/run/fingerprint.rs`).
+//!   libraries, with their features, from the graph of crates (`src/run/fingerprint.rs`).
 //! - **Bad input is a value, not an error**: it becomes a [`base::diagnostics::Diagnostic`] and a [`base::reject::Reject`]; the run goes
 //!   on. An [`base::error::Error`] ends a command and has an exit code.
 //! - **A figure or document that cannot be built is a value as well** ([`report::left_out`]): it is left out and named, tables and findings are

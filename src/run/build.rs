@@ -10,7 +10,7 @@ fn main() -> std::io::Result<()> {
     let own = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
     let own = own.expect("cargo sets CARGO_MANIFEST_DIR");
     let root = own.ancestors().nth(2).unwrap_or(Path::new("."));
-    for watched in ["src", "Cargo.lock"] {
+    for watched in ["src", "Cargo.toml", "Cargo.lock"] {
         println!("cargo::rerun-if-changed={}", root.join(watched).display());
     }
     let graph = Graph::read(root)?;

@@ -13,16 +13,18 @@ const STAGE_CRATE: &str = "pipeline-";
 /// The crate that writes what stages return: it enters every key.
 const ENCODES: &str = "pipeline-run";
 
-/// The crates of a workspace and the packages of its lock file.
+/// The crates of a workspace, the packages of its lock file, and what the workspace asks of them.
 pub struct Graph {
     /// Folder and dependencies of each crate of the workspace, tests' own left out.
     crates: BTreeMap<String, (PathBuf, Vec<String>)>,
     /// Line of identity and dependencies of each package from a registry, by name, or by name and version where there are several.
     packages: BTreeMap<String, (String, Vec<String>)>,
+    /// Version and features with which the workspace uses a package, as its manifest has them, by name.
+    asked: BTreeMap<String, String>,
 }
 
 impl Graph {
-    /// Reads the manifests below `src/` and `Cargo.lock`.
+    /// Reads the manifests below `src/`, the workspace's and `Cargo.lock`.
     ///
     /// # Errors
     /// Files that cannot be read.
@@ -54,7 +56,15 @@ impl Graph {
             packages.insert(name.to_owned(), (identity.clone(), of_it.clone()));
             packages.insert(format!("{name} {version}"), (identity, of_it));
         }
-        Ok(Self { crates, packages })
+        let workspace = std::fs::read_to_string(root.join("Cargo.toml"))?;
+        let asked = entries(&workspace, "[workspace.dependencies]")
+            .filter_map(|line| Some((name_of(line)?.to_owned(), line.to_owned())))
+            .collect();
+        Ok(Self {
+            crates,
+            packages,
+            asked,
+        })
     }
 
     /// Everything that a crate stands on, itself included.
@@ -93,7 +103,10 @@ impl Graph {
         for name in names {
             match (self.crates.get(&name), self.packages.get(&name)) {
                 (Some((folder, _)), _) => self.add_sources(folder, &name, &mut hasher)?,
-                (None, Some((identity, _))) => hasher.update(format!("{identity}\n")),
+                (None, Some((identity, _))) => {
+                    let asked = self.asked.get(&name).map_or("", String::as_str);
+                    hasher.update(format!("{identity}\n{asked}\n"));
+                }
                 (None, None) => hasher.update(format!("{name}\n")),
             }
         }
@@ -138,15 +151,20 @@ fn value<'t>(text: &'t str, key: &str) -> Option<&'t str> {
 
 /// The names in `[dependencies]`.
 fn dependencies(manifest: &str) -> Vec<String> {
-    let lines = manifest
-        .lines()
-        .skip_while(|l| l.trim() != "[dependencies]");
-    let lines = lines.skip(1).take_while(|l| !l.starts_with('['));
-    lines
-        .filter_map(|l| l.split(['.', ' ', '=']).next())
-        .filter(|name| !name.is_empty() && !name.starts_with('#'))
-        .map(str::to_owned)
-        .collect()
+    let lines = entries(manifest, "[dependencies]");
+    lines.filter_map(name_of).map(str::to_owned).collect()
+}
+
+/// The lines of a table of a manifest.
+fn entries<'t>(manifest: &'t str, table: &'t str) -> impl Iterator<Item = &'t str> {
+    let lines = manifest.lines().skip_while(move |l| l.trim() != table);
+    lines.skip(1).take_while(|l| !l.starts_with('['))
+}
+
+/// The key of a line of a table; none of an empty line and a comment.
+fn name_of(line: &str) -> Option<&str> {
+    let name = line.split(['.', ' ', '=']).next()?;
+    (!name.is_empty() && !name.starts_with('#')).then_some(name)
 }
 
 fn collect(path: &Path, files: &mut Vec<PathBuf>) -> std::io::Result<()> {

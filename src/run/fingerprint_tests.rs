@@ -12,26 +12,45 @@ fn root() -> &'static Path {
         .unwrap()
 }
 
-/// Stages of which the fingerprint differs after a line was added to a file of a copy.
-fn stale_after(changed: &str) -> Vec<&'static str> {
+/// Stages of which the fingerprint differs after an edit of a copy of the sources.
+fn stale(edit: impl FnOnce(&Path)) -> Vec<&'static str> {
     let copy = tempfile::tempdir().unwrap();
     copy_below(&root().join("src"), &copy.path().join("src"));
-    std::fs::copy(root().join("Cargo.lock"), copy.path().join("Cargo.lock")).unwrap();
+    for file in ["Cargo.toml", "Cargo.lock"] {
+        std::fs::copy(root().join(file), copy.path().join(file)).unwrap();
+    }
     let fingerprints = || -> Vec<String> {
         let graph = Graph::read(copy.path()).unwrap();
         let all = NAMES.iter().map(|stage| graph.fingerprint(stage));
         all.collect::<Result<_, _>>().unwrap()
     };
     let before = fingerprints();
-    let file = copy.path().join(changed);
-    let text = std::fs::read_to_string(&file).unwrap();
-    std::fs::write(&file, text + "// changed\n").unwrap();
+    edit(copy.path());
     let after = fingerprints();
     let pairs = before.iter().zip(&after).zip(NAMES);
     pairs
         .filter(|((a, b), _)| a != b)
         .map(|(_, name)| *name)
         .collect()
+}
+
+/// The same after a line was added to a file.
+fn stale_after(changed: &str) -> Vec<&'static str> {
+    stale(|copy| {
+        let file = copy.join(changed);
+        let text = std::fs::read_to_string(&file).unwrap();
+        std::fs::write(&file, text + "// changed\n").unwrap();
+    })
+}
+
+/// The same after a text of a file was replaced.
+fn stale_with(file: &str, from: &str, to: &str) -> Vec<&'static str> {
+    stale(|copy| {
+        let file = copy.join(file);
+        let text = std::fs::read_to_string(&file).unwrap();
+        assert!(text.contains(from), "{from}");
+        std::fs::write(&file, text.replace(from, to)).unwrap();
+    })
 }
 
 fn copy_below(from: &Path, to: &Path) {
@@ -94,23 +113,18 @@ fn a_change_of_code_makes_those_stages_stale_that_call_it() {
 }
 
 #[test]
+fn other_features_of_a_library_enter_the_keys_of_what_uses_it() {
+    let stale = stale_with(
+        "Cargo.toml",
+        "resvg = { version = \"0.47.0\", default-features = false, features = [\"text\"] }",
+        "resvg = \"0.47.0\"",
+    );
+    assert_eq!(stale, ["report"]);
+}
+
+#[test]
 fn another_version_of_a_library_enters_the_keys_of_what_uses_it() {
     let lock = std::fs::read_to_string(root().join("Cargo.lock")).unwrap();
-    let stale = |from: &str, to: &str| {
-        let copy = tempfile::tempdir().unwrap();
-        copy_below(&root().join("src"), &copy.path().join("src"));
-        let of = |lock: &str| -> Vec<String> {
-            std::fs::write(copy.path().join("Cargo.lock"), lock).unwrap();
-            let graph = Graph::read(copy.path()).unwrap();
-            let all = NAMES.iter().map(|stage| graph.fingerprint(stage));
-            all.collect::<Result<_, _>>().unwrap()
-        };
-        assert!(lock.contains(from), "{from}");
-        let (before, after) = (of(&lock), of(&lock.replace(from, to)));
-        let pairs = before.iter().zip(&after).zip(NAMES);
-        let changed = pairs.filter(|((a, b), _)| a != b);
-        changed.map(|(_, name)| *name).collect::<Vec<&str>>()
-    };
     let version_of = |name: &str| {
         let start = format!("name = \"{name}\"\nversion = ");
         let rest = &lock[lock.find(&start).unwrap() + start.len()..];
@@ -122,6 +136,6 @@ fn another_version_of_a_library_enters_the_keys_of_what_uses_it() {
     ] {
         let from = version_of(library);
         let to = format!("name = \"{library}\"\nversion = \"99.0.0\"");
-        assert_eq!(stale(&from, &to), expected, "{library}");
+        assert_eq!(stale_with("Cargo.lock", &from, &to), expected, "{library}");
     }
 }

@@ -4,7 +4,7 @@
 //! operator of the library (`form = "operator"`, or its own name), the others are what nature might do instead. They differ from
 //! the plain one by some percent of the effect, so that a search that knows the plain operator only is not given its own formula.
 //!
-//! Architecture invariant: nothing here but the ids is shared with the search for effects
+//! Architecture invariant: nothing here but the ids and the reference pressure of 620 kPa is shared with the search for effects
 //! ([`library`](pipeline_effects)). Both agree only if both are right.
 //!
 //! Throughout, F is in N, P in kPa, l in m, t in s; the sign s is -1 while filling and +1 while venting.
