@@ -17,7 +17,7 @@ use pipeline_fit::is_usable;
 /// Name of its files.
 pub const NAME: &str = "common-readings";
 /// Of a row of panels, and what the legend takes above all.
-const ROW_MM: f64 = 40.0;
+const ROW_MM: f64 = 36.0;
 const ABOVE_MM: f64 = 6.0;
 /// Groups with a mark of their own: those of most specimens, then readings.
 const MOST_GROUPS: usize = 6;

@@ -13,7 +13,8 @@ pub(super) const MOST_NAMED: usize = 3;
 
 /// What was found, without the errors; of an effect its name and size, and all remarks in one bracket.
 pub(super) fn answer(found: &CampaignFindings) -> String {
-    answer_with(found, &|e| weak(found, e).into_iter().collect())
+    let remarks = |e: &EffectFinding| [weak(found, e), opposed(e)];
+    answer_with(found, &|e| remarks(e).into_iter().flatten().collect())
 }
 
 /// The same with weak evidence called so, and not why.
@@ -30,7 +31,7 @@ fn called_weak(found: &CampaignFindings, e: &EffectFinding) -> Option<String> {
 pub(super) fn graded_answer(found: &CampaignFindings) -> String {
     let graded = |e: &EffectFinding| {
         let differ = differ(found, e).map(|_| format!("{} differ", nouns(found).units));
-        let all = [Some(grade(found, e)), varying(e), differ];
+        let all = [Some(grade(found, e)), varying(e), differ, opposed(e)];
         all.into_iter().flatten().collect()
     };
     answer_with(found, &graded)
@@ -43,12 +44,7 @@ fn answer_with(
     let weighty: Vec<&EffectFinding> = found.effects.iter().filter(|e| !e.negligible).collect();
     let of_effect = |e: &EffectFinding| {
         let large = beyond_usual(found, e).map(|_| "implausibly large".to_owned());
-        let others = [
-            large,
-            opposed(e),
-            of_one_group(found, e),
-            indistinguishable(e),
-        ];
+        let others = [large, of_one_group(found, e), indistinguishable(e)];
         bracketed(
             size_of(e),
             evidence(e).into_iter().chain(others.into_iter().flatten()),
