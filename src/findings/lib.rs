@@ -92,6 +92,53 @@ pub struct CampaignFindings {
 }
 
 impl CampaignFindings {
+    /// Of a campaign of which nothing is said yet, not even its name.
+    pub fn unassessed(design: Design) -> Self {
+        Self {
+            campaign: String::new(),
+            part: None,
+            diameter_mm: 0,
+            simulated: false,
+            kind: String::new(),
+            base_model: String::new(),
+            base_refitted: false,
+            unit: String::new(),
+            design,
+            verdict: Verdict::NotAssessed,
+            not_assessed: None,
+            effects: Vec::new(),
+            scatter: Vec::new(),
+            misfit: None,
+            unexplained: Vec::new(),
+            recording_errors: Vec::new(),
+            before: Errors::default(),
+            after: Errors::default(),
+            by_unit: Vec::new(),
+            budget: Vec::new(),
+            expected_rmse_heldout: None,
+            inside_50: None,
+            inside_95: None,
+            pit: Vec::new(),
+            noise: None,
+            black_box_rmse_heldout: None,
+            tested: Vec::new(),
+            detection_limits: Vec::new(),
+            not_measurable: Vec::new(),
+            aliases: Vec::new(),
+            next_measurement: Vec::new(),
+            coefficients: Vec::new(),
+            alternatives: Vec::new(),
+        }
+    }
+
+    /// The error on unseen units of the model that is the answer: with what was found, and without effects where nothing was, whatever the searches
+    /// without one unit found.
+    pub fn rmse_of_answer(&self) -> Option<f64> {
+        let has_terms = !self.effects.is_empty() || !self.unexplained.is_empty();
+        let with = self.after.rmse_heldout.filter(|_| has_terms);
+        with.or(self.before.rmse_heldout)
+    }
+
     /// The standard deviation that predictions take of what varies from group to group, by its id, in its unit.
     pub fn scatter_sd(&self, id: &str) -> Option<f64> {
         let found = self.scatter.iter().find(|s| s.id == id);

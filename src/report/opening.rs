@@ -148,6 +148,27 @@ mod tests {
     }
 
     #[test]
+    fn the_law_alone_is_named_where_it_does_better() {
+        let mut group = groups().swap_remove(0);
+        let alone = { group.comparison.comparisons.iter() }
+            .find(|c| c.model == NEW && c.split == "loso")
+            .and_then(|c| c.rmse)
+            .unwrap();
+        let mut said = |own: f64| {
+            let mut findings = example();
+            findings.after.rmse_heldout = Some(own);
+            let residuals = Residuals::default();
+            group.diagnosis = Some(Diagnosis {
+                findings,
+                residuals,
+            });
+            answer(&group).join(" ")
+        };
+        assert!(said(2.0 * alone).contains("The law alone, by least squares, has "));
+        assert!(!said(alone).contains("The law alone"));
+    }
+
+    #[test]
     fn sessions_that_look_mistaken_are_named_on_the_first_page() {
         let mut group = groups().swap_remove(0);
         let mut findings = example();

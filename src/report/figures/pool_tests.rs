@@ -124,9 +124,14 @@ fn named<'a>(figures: &'a [Named], kind: &str) -> &'a Named {
 
 #[test]
 fn figures_of_five_and_of_a_thousand_specimens_fit_on_a_page() {
+    let names = |figures: &[Named]| -> Vec<String> {
+        figures.iter().map(|figure| figure.name.clone()).collect()
+    };
+    let all = names(&composed(&pool(&five(), SIZES[0], false)));
+    assert!(all.len() >= 8, "{all:?}");
     for (count, equal, group) in pools() {
         let mut figures = composed(&group);
-        assert!(figures.len() >= 8, "{count}, {equal}: {}", figures.len());
+        assert_eq!(names(&figures), all, "{count}, {equal}");
         let of_diagnosis = composed_of_diagnosis(&group);
         assert!(of_diagnosis.len() >= 3, "{count}, {equal}");
         figures.extend(of_diagnosis);

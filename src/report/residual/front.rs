@@ -93,7 +93,7 @@ pub(super) struct Brief {
 /// The points, and beside the errors something simpler that does better.
 pub(super) fn in_brief(found: &CampaignFindings, simpler: Option<Simpler>) -> Brief {
     let points = sentence::points(found);
-    let own = found.after.rmse_heldout.or(found.before.rmse_heldout);
+    let own = found.rmse_of_answer();
     let better = simpler.filter(|s| own.is_some_and(|own| s.error < CLEARLY * own));
     let beside = |(about, words): (&'static str, String)| match better {
         Some(s) if about == sentence::ERROR => {

@@ -251,3 +251,24 @@ fn lowest_error(found: &CampaignFindings, chosen: &Alternative) -> String {
         error_with_unit(here, &found.unit)
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wording::tests::example;
+
+    #[test]
+    fn two_members_of_one_alias_set_are_one_effect_found_again_and_one_more() {
+        let mut found = example();
+        found.effects.truncate(1);
+        found.effects[0].class = vec!["hysteresis".into(), "force_drift".into()];
+        let mut without = found.by_unit[0].clone();
+        let mut said = |ids: &[&str]| {
+            without.found = ids.iter().map(|id| (*id).to_owned()).collect();
+            found_without(&found, &without)
+        };
+        let three = said(&["hysteresis", "force_drift", "creep"]);
+        assert_eq!(three, "1 of the effects, 2 more");
+        assert_eq!(said(&[]), "nothing");
+    }
+}

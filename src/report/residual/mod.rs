@@ -167,7 +167,7 @@ fn law_alone(group: &GroupInput) -> Option<f64> {
 /// The same where it is clearly below that of the search.
 pub(crate) fn better_law_alone(group: &GroupInput) -> Option<f64> {
     let found = &group.diagnosis.as_ref()?.findings;
-    let own = found.after.rmse_heldout.or(found.before.rmse_heldout)?;
+    let own = found.rmse_of_answer()?;
     law_alone(group).filter(|error| *error < front::CLEARLY * own)
 }
 

@@ -704,3 +704,20 @@ fn implausible_sessions_are_named_and_many_counted() {
         "{said}"
     );
 }
+
+#[test]
+fn the_error_beside_the_expected_one_is_that_of_the_answer() {
+    let mut found = example();
+    found.before.rmse_heldout = Some(7.1);
+    found.after.rmse_heldout = Some(9.1);
+    assert_eq!(found.rmse_of_answer(), Some(9.1));
+    // Searches without one specimen may have found what the search of all did not.
+    found.effects.clear();
+    found.unexplained.clear();
+    assert_eq!(found.rmse_of_answer(), Some(7.1));
+    found.expected_rmse_heldout = Some(30.0);
+    let said = super::sentence::points(&found).rest;
+    let made_of = said.iter().find(|(about, _)| *about == "Made of").unwrap();
+    let made_of = made_of.1.replace('\u{a0}', " ");
+    assert!(made_of.contains("(7.1 N observed"), "{made_of}");
+}

@@ -1,6 +1,5 @@
 //! What the expected error is made of.
 
-use super::found::has_terms;
 use crate::number::Rounding;
 use crate::wording::name::{self, listed, nouns};
 use crate::wording::number::{count, error, error_with_unit, plain, rounded};
@@ -109,10 +108,7 @@ pub(super) fn points(found: &CampaignFindings) -> Option<String> {
 /// ` (78.5 N observed; each search without one specimen rests on one other)`, where that is far from what was expected.
 pub(super) fn came_out(found: &CampaignFindings) -> String {
     let expected = found.expected_rmse_heldout;
-    // Where nothing was found the model without effects is the answer, whatever searches without one unit found.
-    let with = found.after.rmse_heldout.filter(|_| has_terms(found));
-    let came_out = with.or(found.before.rmse_heldout);
-    let (Some(expected), Some(came_out)) = (expected, came_out) else {
+    let (Some(expected), Some(came_out)) = (expected, found.rmse_of_answer()) else {
         return String::new();
     };
     let far = came_out > FAR_FROM_EXPECTED * expected || expected > FAR_FROM_EXPECTED * came_out;

@@ -104,18 +104,19 @@ fn larger_on_some(found: &CampaignFindings) -> String {
 
 /// Whether a smooth black box on the residual does better on unseen units than the model with what was found.
 pub fn black_box_beats(found: &CampaignFindings) -> bool {
-    let own = found.after.rmse_heldout.or(found.before.rmse_heldout);
-    let both = own.zip(found.black_box_rmse_heldout);
+    let both = found.rmse_of_answer().zip(found.black_box_rmse_heldout);
     both.is_some_and(|(own, black_box)| WORSE * black_box < own)
 }
 
+/// What a black box is called in a sentence, before its error.
+const REACHES: &str = "a black-box smoother on the residual reaches";
+
 /// What a black box reaches, where it does better.
-fn beside_black_box(found: &CampaignFindings) -> String {
+fn beside_black_box(found: &CampaignFindings, called: &str) -> String {
     match found.black_box_rmse_heldout {
-        Some(error) if black_box_beats(found) => format!(
-            "; a black-box smoother on the residual reaches {}",
-            error_with_unit(error, &found.unit)
-        ),
+        Some(error) if black_box_beats(found) => {
+            format!("; {called} {}", error_with_unit(error, &found.unit))
+        }
         _ => String::new(),
     }
 }
@@ -206,7 +207,7 @@ pub(super) fn errors_in_short(found: &CampaignFindings) -> Option<String> {
         }
         Change::Worse => format!("the mixed model's error on {on} rises from {from} to {to}"),
     };
-    Some(sizes + &with_own_values(found) + &beside_black_box(found))
+    Some(sizes + &with_own_values(found) + &beside_black_box(found, REACHES))
 }
 
 /// `error on unseen specimens 18.7 → 15.8 N (larger on 1 of the 5 specimens), its stated uncertainty gets worse`.
@@ -269,15 +270,7 @@ pub(super) fn points(found: &CampaignFindings) -> Option<String> {
     } else {
         ""
     };
-    let black_box = found
-        .black_box_rmse_heldout
-        .filter(|_| black_box_beats(found));
-    let black_box = black_box.map_or_else(String::new, |error| {
-        format!(
-            "; black-box smoother {}",
-            error_with_unit(error, &found.unit)
-        )
-    });
+    let black_box = beside_black_box(found, "black-box smoother");
     Some(forms.join(", ") + worse + &black_box)
 }
 

@@ -17,8 +17,7 @@ pub(super) const READINGS_GIVEN: &str = "3";
 /// where that model is worse on unseen units than the one without, or where the fall would be more than all of the error that came out.
 pub fn is_worth_credible(found: &CampaignFindings, worth: f64) -> bool {
     let rises = error_change(found).is_some_and(|(.., change)| change == Change::Worse);
-    let came_out = found.after.rmse_heldout.or(found.before.rmse_heldout);
-    !rises && came_out.is_none_or(|error| worth < error)
+    !rises && found.rmse_of_answer().is_none_or(|error| worth < error)
 }
 
 /// What to measure next: the measurement that lowers the error most, else the one that separates effects best, else another unit on which to test what was

@@ -2,7 +2,7 @@
 
 use super::data::{Data, Reading};
 use super::group::Group;
-use pipeline_findings::{CampaignFindings, Design, Errors, HeldOutBy, Verdict};
+use pipeline_findings::{CampaignFindings, Design, HeldOutBy};
 use std::collections::BTreeSet;
 
 /// The findings of a joint of which nothing is said yet.
@@ -19,6 +19,15 @@ pub(super) fn unassessed(
         fitted.map(of).collect::<BTreeSet<usize>>().len()
     };
     let outside = group.unanswered.iter().zip(&group.fitted);
+    let design = Design {
+        readings: count(&|r| group.fitted[r.test]),
+        readings_outside_domain: outside.filter(|(_, fitted)| **fitted).map(|(n, _)| n).sum(),
+        sessions: distinct(|r| r.test),
+        specimens: distinct(|r| r.actuator),
+        readings_held_out: count(&|r| group.held[r.test]),
+        held_out_by: HeldOutBy::None,
+        doubtful_only: group.doubtful,
+    };
     CampaignFindings {
         campaign: campaign.to_owned(),
         part: Some(configuration.joint()),
@@ -28,38 +37,6 @@ pub(super) fn unassessed(
         base_model: group.law.id.clone(),
         base_refitted: false,
         unit: "N.m".to_owned(),
-        design: Design {
-            readings: count(&|r| group.fitted[r.test]),
-            readings_outside_domain: outside.filter(|(_, fitted)| **fitted).map(|(n, _)| n).sum(),
-            sessions: distinct(|r| r.test),
-            specimens: distinct(|r| r.actuator),
-            readings_held_out: count(&|r| group.held[r.test]),
-            held_out_by: HeldOutBy::None,
-            doubtful_only: group.doubtful,
-        },
-        verdict: Verdict::NotAssessed,
-        not_assessed: None,
-        effects: Vec::new(),
-        scatter: Vec::new(),
-        misfit: None,
-        unexplained: Vec::new(),
-        recording_errors: Vec::new(),
-        before: Errors::default(),
-        after: Errors::default(),
-        by_unit: Vec::new(),
-        budget: Vec::new(),
-        expected_rmse_heldout: None,
-        inside_50: None,
-        inside_95: None,
-        pit: Vec::new(),
-        noise: None,
-        black_box_rmse_heldout: None,
-        tested: Vec::new(),
-        detection_limits: Vec::new(),
-        not_measurable: Vec::new(),
-        aliases: Vec::new(),
-        next_measurement: Vec::new(),
-        coefficients: Vec::new(),
-        alternatives: Vec::new(),
+        ..CampaignFindings::unassessed(design)
     }
 }
