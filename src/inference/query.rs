@@ -115,7 +115,8 @@ pub fn sensitive(setting: &Setting, found: &Found) -> Vec<usize> {
     sensitive
 }
 
-/// Each group's own estimate of a term's value, all else and the variances as found: `group` numbers the groups of the readings from 0.
+/// Each group's own estimate of a term's value, all else and the variances as found: `group` numbers the groups of the readings from 0; readings
+/// behind its end are of none.
 /// None of a group whose readings do not show it, or show it so little that it comes out beyond what is possible.
 pub fn by_group(
     setting: &Setting,
@@ -135,10 +136,8 @@ pub fn by_group(
     let others = design.x.len();
     let mut shown = Vec::new();
     for g in 0..groups {
-        let masked = column
-            .iter()
-            .zip(group)
-            .map(|(x, of)| if *of == g { *x } else { 0.0 });
+        let masked = column.iter().enumerate();
+        let masked = masked.map(|(i, x)| if group.get(i) == Some(&g) { *x } else { 0.0 });
         let masked: Vec<f64> = masked.collect();
         if masked.iter().any(|x| *x != 0.0) {
             design.x.push(masked);

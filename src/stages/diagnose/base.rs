@@ -22,6 +22,8 @@ pub struct BaseCoefficient {
     pub bounds: (f64, f64),
     /// Whether it is fitted.
     pub free: bool,
+    /// What is known of it beforehand: the standard deviation of its logarithm about where the fit starts.
+    pub known: Option<f64>,
     /// The published coefficient of which it is the reciprocal.
     pub reciprocal_of: Option<&'static str>,
 }
@@ -52,6 +54,8 @@ pub struct Base {
 pub const LENGTH_LAW: usize = 1;
 /// Its symbol: the reciprocal of b2 is 0 where the force does not depend on the length.
 const LENGTH_LAW_NAME: &str = "1/b2";
+/// The coefficient by which the force falls at the least contraction: a campaign of two contractions says nothing of it.
+const INITIAL_SLOPE: &str = "c1";
 /// 1/b2 of a force that does not depend on the resting length, m.
 const NO_LENGTH_LAW: f64 = 1e-4;
 
@@ -98,6 +102,7 @@ impl Base {
                 start,
                 bounds,
                 free: free && refit,
+                known: (name == INITIAL_SLOPE).then_some(settings::SLOPE_SPREAD),
                 reciprocal_of: (name == LENGTH_LAW_NAME).then_some("b2"),
             })
             .collect();
@@ -124,6 +129,7 @@ impl Base {
                 start: 1.0,
                 bounds: (0.05, 20.0),
                 free: refit,
+                known: None,
                 reciprocal_of: None,
             }],
             equation: Equation::Published(model),
@@ -139,6 +145,7 @@ impl Base {
             start: c.value.clamp(bounds.0, bounds.1),
             bounds,
             free: true,
+            known: None,
             reciprocal_of: None,
         };
         Self {

@@ -50,7 +50,7 @@ impl Bent {
         let mut bent = Self {
             argument,
             range,
-            columns: vec![vec![0.0; change.len()]; COSINES - 1],
+            columns: vec![vec![0.0; predicted.len()]; COSINES - 1],
         };
         for (i, s) in change.iter().enumerate().filter(|(_, s)| **s != 0.0) {
             let basis = bent.basis(of(i));

@@ -32,6 +32,10 @@ pub const MISFIT_FLOOR: f64 = 0.2;
 pub const OTHER_FLOORS: [f64; 3] = [0.02, 0.07, 0.4];
 /// Standard deviation of a length that was rounded to 1 mm, mm: 1/sqrt(12).
 pub const ROUNDING_SD_MM: f64 = 0.29;
+/// Standard deviation of the logarithm of c1 about its published value (5 of a diameter without one): its published values are 4.3, 6.5 and 10.5 for
+/// 10, 20 and 40 mm. It is one further reading. With two contractions nothing else tells by how many newtons a millimetre of the set
+/// length changes the force between them.
+pub const SLOPE_SPREAD: f64 = 0.45;
 /// Usual scatter of the gains of specimens: Festo states 10% tolerance, laboratories find 3 to 5%.
 pub const USUAL_GAIN: f64 = 0.04;
 /// Usual scatter of set lengths, mm.

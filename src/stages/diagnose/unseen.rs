@@ -90,7 +90,7 @@ pub fn held_out(
         budget: after.budget("N", source),
         inside: after.shares_inside(),
         pit: after.pit(),
-        left: [&sums.0, after].map(|t| t.left_of(problem.observed().len())),
+        left: [&sums.0, after].map(|t| t.left_of(problem.data.len())),
         kinds,
     }
 }

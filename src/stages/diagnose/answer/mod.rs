@@ -93,7 +93,9 @@ impl Work<'_> {
         let mut bare = point.clone();
         bare.random.fill(0.0);
         bare.terms.retain(|(t, _)| Some(*t) != without);
-        self.problem.predict(&bare)
+        let mut predicted = self.problem.predict(&bare);
+        predicted.truncate(self.data().len());
+        predicted
     }
 
     /// What is left of every reading, as on unseen specimens: with the misfit that all share in the prediction, without what groups have of their

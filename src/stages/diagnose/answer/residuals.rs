@@ -10,6 +10,8 @@ impl Work<'_> {
     /// Residuals for the figures.
     pub fn residuals(&self) -> Residuals {
         let data = self.data();
+        let mut conditional = query::conditional(&self.found.model);
+        conditional.truncate(data.len());
         Residuals {
             session: data
                 .session
@@ -23,7 +25,7 @@ impl Work<'_> {
                 .collect(),
             before: self.left_as_unseen(&self.found.null),
             after: self.left_as_unseen(&self.found.model),
-            conditional: query::conditional(&self.found.model),
+            conditional,
             unseen_before: self.held.left[0].clone(),
             unseen: self.held.left[1].clone(),
             predicted: self.unconditional(&self.found.null.point, None),

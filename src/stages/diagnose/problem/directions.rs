@@ -193,7 +193,8 @@ impl ForceProblem<'_> {
             };
         }
         let columns = (0..term.amplitudes).map(|g| {
-            let acts = |i: usize| term.acts_on[self.data.session[i]] == Some(g);
+            let session = |i: usize| self.data.session.get(i);
+            let acts = |i: usize| session(i).is_some_and(|s| term.acts_on[*s] == Some(g));
             let column = whole.columns[0].iter().enumerate();
             column
                 .map(|(i, x)| if acts(i) { *x } else { 0.0 })

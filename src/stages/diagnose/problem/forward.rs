@@ -167,7 +167,7 @@ impl ForceProblem<'_> {
 
     /// Predictions and derivatives at a point with so many slots.
     pub(super) fn linearised<const N: usize>(&self, point: &Point) -> Linearised {
-        let n = self.data.len();
+        let n = self.observed.len();
         let values: usize = point.terms.iter().map(|(_, v)| v.len()).sum();
         let mut linear = Linearised {
             predicted: Vec::with_capacity(n),
@@ -175,7 +175,7 @@ impl ForceProblem<'_> {
             by_terms: vec![vec![0.0; n]; values],
             random: Vec::with_capacity(n),
         };
-        let rows: Vec<_> = (0..n)
+        let rows: Vec<_> = (0..self.data.len())
             .into_par_iter()
             .with_min_len(64)
             .map(|i| self.derivatives::<N>(point, i))
@@ -193,6 +193,7 @@ impl ForceProblem<'_> {
             linear.predicted.push(force);
             linear.random.push(row);
         }
+        self.linearise_known(point, &mut linear);
         linear
     }
 

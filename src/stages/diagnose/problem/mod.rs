@@ -16,6 +16,7 @@
 //! | [`component`] | the nuisance components and the noise, with what is plausible of each |
 //! | `misfit` | the columns of the misfit, those of the common one beside the law |
 //! | `forward` | the force of a reading with its derivatives |
+//! | `known` | what is known of coefficients beforehand, as further readings |
 //! | `directions` | what each term of the library would change |
 //! | `variants` | the same readings under other assumptions: floor, strokes, declared lengths, base law |
 
@@ -23,6 +24,7 @@ pub mod component;
 mod directions;
 mod forward;
 mod hierarchy;
+mod known;
 mod misfit;
 #[cfg(test)]
 mod tests;
@@ -38,6 +40,7 @@ use super::slack::{self, Side};
 use component::{components, noise};
 use forward::{SLOTS, TERMS};
 use hierarchy::Hierarchy;
+use known::Known;
 use misfit::{SESSION_COSINES, STROKE_COSINES, along_pressure, common_pairs};
 use pipeline_effects as effects;
 use pipeline_inference::problem::Term as EngineTerm;
@@ -66,6 +69,9 @@ pub struct ForceProblem<'a> {
     tree: Tree,
     node: Vec<usize>,
     class: Vec<usize>,
+    /// The forces, then what is known of the law beforehand.
+    observed: Vec<f64>,
+    known: Vec<Known>,
     /// Node of each specimen.
     pub specimens: Vec<usize>,
     /// Node of each session.
@@ -122,7 +128,7 @@ impl<'a> ForceProblem<'a> {
     fn built(base: &'a Base, data: &'a Data, library: &'a [Term], by_stroke: bool) -> Self {
         let Hierarchy {
             tree,
-            node,
+            mut node,
             specimens,
             sessions,
             campaigns,
@@ -137,18 +143,29 @@ impl<'a> ForceProblem<'a> {
             Side::Corner => corner + slack::band(&data.conditions[i]),
             _ => data.campaign[i],
         };
+        let mut noise = noise(corner, largest);
+        let mut class: Vec<usize> = (0..data.len()).map(class_of).collect();
+        let known = Known::of(base);
+        if !known.is_empty() {
+            node.resize(data.len() + known.len(), 0);
+            class.resize(data.len() + known.len(), noise.len());
+            noise.push(known::NOISE);
+        }
+        let forces = data.force.iter().copied();
         Self {
             base,
             data,
             library,
-            class: (0..data.len()).map(class_of).collect(),
+            class,
+            observed: forces.chain(known.iter().map(Known::observed)).collect(),
+            known,
             tree,
             node,
             specimens,
             sessions,
             components: components(base, data, !campaigns.is_empty(), strokes),
             campaigns,
-            noise: noise(corner, largest),
+            noise,
             coefficients: base.coefficients.iter().map(for_engine).collect(),
             terms: library.iter().map(|t| t.for_engine(columns)).collect(),
             operators: Operators {
@@ -229,7 +246,7 @@ impl Problem for ForceProblem<'_> {
         &self.noise
     }
     fn observed(&self) -> &[f64] {
-        &self.data.force
+        &self.observed
     }
     fn components(&self) -> &[Component] {
         &self.components
@@ -243,7 +260,8 @@ impl Problem for ForceProblem<'_> {
 
     fn predict(&self, point: &Point) -> Vec<f64> {
         let conditions = self.data.conditions.iter().enumerate();
-        conditions.map(|(i, at)| self.value(point, i, at)).collect()
+        let forces = conditions.map(|(i, at)| self.value(point, i, at));
+        forces.chain(self.known_at(point)).collect()
     }
 
     fn predict_some(&self, point: &Point, readings: &[usize]) -> Vec<f64> {
