@@ -2,7 +2,7 @@
 //! from far away.
 
 use super::{FITTED, Search, Way};
-use crate::fit::{Fitted, Free};
+use crate::fit::Fitted;
 use crate::screen::{Screen, Shown};
 use crate::system::Variances;
 use rayon::prelude::*;
@@ -66,11 +66,7 @@ impl Search<'_> {
         let new = tried.point.terms.iter().filter(|(t, _)| !known(*t));
         let fits = new.map(|(t, values)| {
             let mut from = model.point.clone();
-            for (k, c) in tried.point.coefficients.iter().enumerate() {
-                if !self.setting.pinned.contains(&Free::Coefficient(k)) {
-                    from.coefficients[k] = *c;
-                }
-            }
+            from.coefficients.clone_from(&tried.point.coefficients);
             from.terms.push((*t, values.clone()));
             (self.setting.compare(&from, &starts, f64::NEG_INFINITY), *t)
         });

@@ -22,8 +22,8 @@ pub struct BaseCoefficient {
     pub bounds: (f64, f64),
     /// Whether it is fitted.
     pub free: bool,
-    /// What is known of it beforehand: the standard deviation of its logarithm about where the fit starts.
-    pub known: Option<f64>,
+    /// What is known of it beforehand: the standard deviation about where the fit starts. None of a law that is taken as published.
+    pub known_to: Option<f64>,
     /// The published coefficient of which it is the reciprocal.
     pub reciprocal_of: Option<&'static str>,
 }
@@ -54,8 +54,10 @@ pub struct Base {
 pub const LENGTH_LAW: usize = 1;
 /// Its symbol: the reciprocal of b2 is 0 where the force does not depend on the length.
 const LENGTH_LAW_NAME: &str = "1/b2";
-/// The coefficient by which the force falls at the least contraction: a campaign of two contractions says nothing of it.
-const INITIAL_SLOPE: &str = "c1";
+/// The coefficient of its size: any campaign tells it. Something is known beforehand of all others.
+const SIZE: &str = "b1";
+/// Those of its shape, under their published symbols.
+const SHAPE: [&str; 3] = ["c0", "c1", "c2"];
 /// 1/b2 of a force that does not depend on the resting length, m.
 const NO_LENGTH_LAW: f64 = 1e-4;
 
@@ -81,8 +83,12 @@ impl Base {
         let value = |symbol: &str, otherwise: f64| published_or(diameter_mm, symbol, otherwise);
         let constant = value("F_620", 1000.0) / std::f64::consts::FRAC_PI_2;
         let law = equations::length_law(diameter_mm);
+        let spread = match new::published(diameter_mm, SHAPE) {
+            Some(_) => settings::LAW_SPREAD,
+            None => settings::UNPUBLISHED_LAW_SPREAD,
+        };
         let list = [
-            ("b1", "N", value("b1", constant), (1e-3, 1e5), true),
+            (SIZE, "N", value("b1", constant), (1e-3, 1e5), true),
             (
                 LENGTH_LAW_NAME,
                 "m",
@@ -102,7 +108,7 @@ impl Base {
                 start,
                 bounds,
                 free: free && refit,
-                known: (name == INITIAL_SLOPE).then_some(settings::SLOPE_SPREAD),
+                known_to: (refit && name != SIZE).then_some(spread * start),
                 reciprocal_of: (name == LENGTH_LAW_NAME).then_some("b2"),
             })
             .collect();
@@ -129,7 +135,7 @@ impl Base {
                 start: 1.0,
                 bounds: (0.05, 20.0),
                 free: refit,
-                known: None,
+                known_to: None,
                 reciprocal_of: None,
             }],
             equation: Equation::Published(model),
@@ -145,7 +151,7 @@ impl Base {
             start: c.value.clamp(bounds.0, bounds.1),
             bounds,
             free: true,
-            known: None,
+            known_to: None,
             reciprocal_of: None,
         };
         Self {
@@ -168,12 +174,6 @@ impl Base {
     /// Starting values of all coefficients.
     pub fn starts(&self) -> Vec<f64> {
         self.coefficients.iter().map(|c| c.start).collect()
-    }
-
-    /// The coefficient by which the force depends on the resting length, and its place, of a law that has one.
-    pub fn length_law(&self) -> Option<(usize, &BaseCoefficient)> {
-        let mut all = self.coefficients.iter().enumerate();
-        all.find(|(_, c)| c.reciprocal_of.is_some())
     }
 
     /// The same model without its dependence on the resting length, if it has one that is fitted.

@@ -4,7 +4,7 @@ use super::black_box::{self, Features};
 use super::problem::{ForceProblem, component};
 use super::tally::{Scored, Tally};
 use pipeline_findings::{BudgetEntry, Errors, HeldOutBy, UnitErrors};
-use pipeline_inference::fit::{Fitted, Free, Setting};
+use pipeline_inference::fit::{Fitted, Setting};
 use pipeline_inference::heldout::Unseen;
 use pipeline_inference::problem::{Point, Problem};
 use pipeline_inference::screen::Normal;
@@ -147,16 +147,10 @@ fn answer(
     normal: &Normal,
     fold: &Fold,
 ) -> FoldAnswer {
-    let (rest, from) = without(setting, problem, &found.null, fold);
+    let (rest, from) = without(setting, &found.null, fold);
     // From the fit to all readings and from nothing: without one of a handful of specimens another optimum may be the best.
     let near = rest.fit(&from, std::slice::from_ref(&found.null.variances));
-    let mut start = problem.start();
-    for free in &rest.pinned {
-        if let Free::Coefficient(k) = *free {
-            start.coefficients[k] = from.coefficients[k];
-        }
-    }
-    let afresh = rest.fit_afresh(&start);
+    let afresh = rest.fit_afresh(&problem.start());
     let null = if afresh.log_likelihood > near.log_likelihood {
         afresh
     } else {
@@ -194,7 +188,7 @@ pub fn of_model(setting: &Setting, problem: &ForceProblem, fit: &Fitted) -> Opti
     let tallies: Vec<Tally> = folds
         .par_iter()
         .map(|fold| {
-            let (rest, from) = without(setting, problem, fit, fold);
+            let (rest, from) = without(setting, fit, fold);
             let again = rest.fit(&from, std::slice::from_ref(&fit.variances));
             let model = Unseen::new(&rest, &again);
             let mut sum = Tally::default();
@@ -211,35 +205,13 @@ pub fn of_model(setting: &Setting, problem: &ForceProblem, fit: &Fitted) -> Opti
 }
 
 /// The setting without a fold, and the point where fits of a model start there.
-fn without<'a>(
-    setting: &Setting<'a>,
-    problem: &ForceProblem,
-    fit: &Fitted,
-    fold: &Fold,
-) -> (Setting<'a>, Point) {
-    let mut rest = fold
+fn without<'a>(setting: &Setting<'a>, fit: &Fitted, fold: &Fold) -> (Setting<'a>, Point) {
+    let rest = fold
         .nodes
         .iter()
         .fold(setting.clone(), |s, (_, node)| s.without(*node));
-    let mut from = fit.cleared(&rest);
-    if let (true, Some((place, law))) =
-        (is_of_one_length(&rest, problem), problem.base.length_law())
-    {
-        // Specimens of one resting length say nothing about another: the published law does.
-        rest.pinned.push(Free::Coefficient(place));
-        from.coefficients[place] = law.start;
-    }
+    let from = fit.cleared(&rest);
     (rest, from)
-}
-
-/// Whether all readings that take part are of one resting length.
-fn is_of_one_length(setting: &Setting, problem: &ForceProblem) -> bool {
-    let readings = problem.node().iter().zip(&problem.data.conditions);
-    let mut lengths = readings
-        .filter(|(node, _)| setting.active[**node])
-        .map(|(_, at)| at.rest_length_m);
-    let first = lengths.next();
-    lengths.all(|l| Some(l) == first)
 }
 
 /// Sums over the readings of a unit; without the errors after a few readings if only those `unseen` are asked for.

@@ -1,11 +1,11 @@
-//! What is known of coefficients of the law beforehand, as further readings: of the logarithm, in units of its standard deviation.
+//! What is known of coefficients of the law beforehand, as further readings, in units of their standard deviations.
 
 use super::ForceProblem;
 use crate::base::Base;
 use pipeline_inference::problem::{Linearised, Point};
 use pipeline_inference::variance::{Prior, Scale};
 
-/// The class of noise of these readings: they are in standard deviations.
+/// The class of noise of these readings.
 pub(super) const NOISE: Scale = Scale {
     prior: Prior::Fixed(1.0),
     usual: 1.0,
@@ -18,19 +18,19 @@ pub(super) struct Known {
     place: usize,
     /// Its usual value.
     usual: f64,
-    /// Standard deviation of its logarithm.
-    spread: f64,
+    /// The standard deviation about it.
+    to: f64,
 }
 
 impl Known {
-    /// Of the coefficients that are fitted.
+    /// Of the coefficients of a law. What is not fitted counts as well, or the likelihoods of a law with and without it would not compare.
     pub(super) fn of(base: &Base) -> Vec<Self> {
-        let fitted = base.coefficients.iter().enumerate();
-        let known = fitted.filter(|(_, c)| c.free).filter_map(|(place, c)| {
+        let all = base.coefficients.iter().enumerate();
+        let known = all.filter_map(|(place, c)| {
             Some(Self {
                 place,
                 usual: c.start,
-                spread: c.known?,
+                to: c.known_to?,
             })
         });
         known.collect()
@@ -38,14 +38,14 @@ impl Known {
 
     /// The reading.
     pub(super) fn observed(&self) -> f64 {
-        libm::log(self.usual) / self.spread
+        self.usual / self.to
     }
 }
 
 impl ForceProblem<'_> {
-    /// These readings as a point has them.
+    /// What a point has for these readings.
     pub(super) fn known_at<'p>(&'p self, point: &'p Point) -> impl Iterator<Item = f64> + 'p {
-        let of = |k: &Known| libm::log(point.coefficients[k.place]) / k.spread;
+        let of = |k: &Known| point.coefficients[k.place] / k.to;
         self.known.iter().map(of)
     }
 
@@ -53,8 +53,7 @@ impl ForceProblem<'_> {
     pub(super) fn linearise_known(&self, point: &Point, linear: &mut Linearised) {
         linear.predicted.extend(self.known_at(point));
         for (k, known) in self.known.iter().enumerate() {
-            let slope = 1.0 / (point.coefficients[known.place] * known.spread);
-            linear.by_coefficients[known.place][self.data.len() + k] = slope;
+            linear.by_coefficients[known.place][self.data.len() + k] = 1.0 / known.to;
             linear.random.push(vec![0.0; self.tree.width(0)]);
         }
     }
