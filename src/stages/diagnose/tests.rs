@@ -111,6 +111,34 @@ fn a_session_that_declares_nothing_takes_back_nothing_of_its_specimen() {
     assert!(contracted.is_nan());
 }
 
+/// With two contractions the readings do not tell c1, and with it by how many newtons a millimetre of the set length changes the force between them:
+/// errors of hundreds of newtons were expected where 20 were observed.
+#[test]
+fn with_two_contractions_errors_of_the_size_of_those_observed_are_expected() {
+    let settings = rig_like::Settings {
+        specimens: Some(3),
+        ..rig_like::Settings::default()
+    };
+    let (mut expected, mut observed) = (0.0, 0.0);
+    for seed in 1..=4 {
+        let mut rows = rig_like::campaign(seed, &settings).rows;
+        let mut levels: Vec<f64> = rows.iter().map(|r| r.contraction_rel).collect();
+        levels.sort_by(f64::total_cmp);
+        let middle = levels[levels.len() / 2];
+        rows.retain(|r| r.contraction_rel < 0.1 || (r.contraction_rel - middle).abs() < 0.1);
+        let group = rig_like::group();
+        let options = DiagnoseOptions::default();
+        let found = diagnose(&group, &rows, &FitOptions::default(), &options).unwrap();
+        let found = found.findings;
+        expected += found.expected_rmse_heldout.unwrap();
+        observed += found.after.rmse_heldout.unwrap();
+    }
+    assert!(
+        (0.5..2.0).contains(&(expected / observed)),
+        "{expected} {observed}"
+    );
+}
+
 /// Two campaigns in one pool, the second of which is read with 8 N more noise and a load cell of 20% less: five times what the means of four specimens differ by.
 #[test]
 fn campaigns_of_a_pool_have_a_gain_and_a_noise_of_their_own() {

@@ -79,6 +79,43 @@ fn the_common_misfit_is_nothing_that_the_law_could_be() {
     assert!(largest > 0.1 * (data.len() as f64).sqrt(), "{largest}");
 }
 
+#[test]
+fn what_is_known_of_the_law_is_one_reading_a_coefficient_in_standard_deviations() {
+    let rows = rig_like::campaign(1, &rig_like::Settings::default()).rows;
+    let rows: Vec<&_> = rows.iter().collect();
+    let data = Data::new(&rows);
+    let base = Base::new(10, true, 4, &FitOptions::default());
+    let problem = ForceProblem::new(&base, &data, &[]);
+    let n = data.len();
+    // 1/b2, c0, c1 and c2; of the size b1 nothing is known.
+    assert_eq!(problem.observed().len(), n + 4);
+    let mut point = problem.start();
+    let usual = problem.predict(&point)[n..].to_vec();
+    assert_eq!(usual, problem.observed()[n..]);
+    // One standard deviation more of c1, half of its published value.
+    point.coefficients[3] += 0.5 * 4.254;
+    let linear = problem.linearise(&point);
+    let changes = linear.predicted[n..].iter().zip(&usual);
+    let changes: Vec<f64> = changes.map(|(a, b)| a - b).collect();
+    for (change, expected) in changes.iter().zip([0.0, 0.0, 1.0, 0.0]) {
+        assert!((change - expected).abs() < 1e-12, "{changes:?}");
+    }
+    assert!((linear.by_coefficients[3][n + 2] - 1.0 / 2.127).abs() < 1e-12);
+    assert!(linear.random[n..].iter().flatten().all(|z| *z == 0.0));
+    // A law without its dependence on the length has as many readings, else their likelihoods would not compare.
+    let short = base.without_length_law().unwrap();
+    let short = ForceProblem::new(&short, &data, &[]);
+    assert_eq!(short.observed().len(), n + 4);
+    assert_eq!(short.predict(&short.start())[n], short.observed()[n]);
+    for base in [
+        Base::new(10, false, 4, &FitOptions::default()),
+        Base::published("festo_tool", true).unwrap(),
+    ] {
+        let problem = ForceProblem::new(&base, &data, &[]);
+        assert_eq!(problem.observed().len(), n, "{}", base.id);
+    }
+}
+
 /// At no contraction a resting length that is a little shorter is outside what Hunt's model describes.
 #[test]
 fn at_the_end_of_the_domain_of_a_published_law_all_derivatives_are_finite() {
