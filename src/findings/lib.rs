@@ -242,7 +242,8 @@ pub struct EffectFinding {
     pub p_familywise: f64,
     /// Gain in marginal log-likelihood, variances estimated again; none where no likelihood was computed.
     pub log_likelihood_gain: Option<f64>,
-    /// Share of the folds in which it or a member of its class was found again; none where nothing was held out.
+    /// Share of the searches without one fold that found it again, or else a member of its class that stands for no other effect; none where
+    /// nothing was held out.
     pub found_in_folds: Option<f64>,
     /// Whether it is smaller than the smallest effect of interest: it then changes no verdict.
     pub negligible: bool,
@@ -445,7 +446,7 @@ pub struct Errors {
     pub rmse_heldout: Option<f64>,
     /// Largest of them.
     pub max_abs_error_heldout: Option<f64>,
-    /// With the gain, the lengths and the zeros of the held-out specimen that fit all its readings best, law and effects as they were fitted without
+    /// With the gain, the lengths and the zeros of the held-out specimen as estimated from all its readings, law and effects as they were fitted without
     /// it: in sample in these.
     pub rmse_heldout_calibrated: Option<f64>,
     /// After the first 1, 2, 3, 5 readings of each session in time order, scored on the others.
@@ -469,7 +470,7 @@ pub struct UnitErrors {
     pub before: Errors,
     /// With the effects that were found without it.
     pub after: Errors,
-    /// Mean of (realised error squared) over expected: 1 where the model knows how wrong it is; none without predictive distribution.
+    /// Mean squared error over the expected one: 1 where the model knows how wrong it is; none without predictive distribution.
     pub realised_over_expected: Option<f64>,
     /// Share of its readings inside their 95% interval; none without predictive distribution.
     pub inside_95: Option<f64>,

@@ -115,7 +115,7 @@ pub fn sensitive(setting: &Setting, found: &Found) -> Vec<usize> {
     sensitive
 }
 
-/// Each group's own estimate of a term's value, all else and the variances as found: `group` numbers the groups of the readings from 0; readings
+/// Each group's own estimate of a term's value, its shape and the variances as found: `group` numbers the groups of the readings from 0; readings
 /// behind its end are of none.
 /// None of a group whose readings do not show it, or show it so little that it comes out beyond what is possible.
 pub fn by_group(
@@ -132,7 +132,13 @@ pub fn by_group(
     };
     let (low, high) = setting.problem.terms()[term].bounds[value];
     let mut design = model.design.clone();
-    let column = design.x.remove(place);
+    let column = design.x[place].clone();
+    // The groups share the shape as found: else its error would be in the size of each.
+    let shapes = setting.problem.terms()[term].amplitudes..values.len();
+    let shapes: Vec<usize> = shapes.filter_map(|k| model.place(term, k)).collect();
+    let kept = model.design.x.iter().enumerate();
+    let kept = kept.filter(|(k, _)| *k != place && !shapes.contains(k));
+    design.x = kept.map(|(_, x)| x.clone()).collect();
     let others = design.x.len();
     let mut shown = Vec::new();
     for g in 0..groups {

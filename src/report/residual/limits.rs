@@ -4,7 +4,7 @@ use crate::number::Rounding;
 use crate::wording::name;
 use crate::wording::number::{self, error_rounding, error_with_unit, percent, plain};
 use crate::wording::sentence::{
-    conditions, has_terms, is_worth_credible, measurement, worth_words,
+    assumed, conditions, has_terms, is_worth_credible, measurement, worth_words,
 };
 use pipeline_effects as effects;
 use pipeline_findings::{
@@ -126,7 +126,7 @@ pub(super) fn next(found: &CampaignFindings) -> Vec<[String; 2]> {
     let row = |n: &NextMeasurement| {
         let credible = n.kind == NextKind::Separate || is_credible(n);
         let worth = match worth_words(n) {
-            Some(words) if credible => format!(" {words}"),
+            Some(words) if credible => format!(" {words}{}", assumed(found, n)),
             Some(_) => ": by how much it would lower the error cannot be said, as the errors that came out are others than those expected"
                 .to_owned(),
             None => String::new(),

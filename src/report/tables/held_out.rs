@@ -48,9 +48,9 @@ pub fn residual_errors(input: &ReportInput) -> Table {
         .span("Readings used, spread", "rmse_heldout_spread_1", "rmse_heldout_spread_5")
         .span("First readings used", "rmse_heldout_after_1", "rmse_heldout_after_5")
         .note(
-            "Root-mean-square errors. \\v{Own values}: gain, lengths and zeros of the held-out unit that best fit all its readings, so \
-             in-sample. \\v{Readings used} from each session \
-             (test), scored on the others: spread from the largest expected force (torque) down, or the first in time. \\v{Realised}: mean squared error divided by the expected one.",
+            "Root-mean-square errors. \\v{Own values}: gain, lengths and zeros of the held-out unit as estimated from all its readings, \
+             so in-sample. \\v{Readings used} from each session \
+             (test), scored on the others (units with fewer have none): spread from the largest expected force (torque) down, or the first in time. \\v{Realised}: mean squared error divided by the expected one.",
         )
         .of_all(input, lines)
 }

@@ -269,18 +269,23 @@ fn a_joint_of_which_little_was_computed_has_nothing_said_about_the_rest() {
     };
     assert_eq!(worth_words(&half), None);
     for (worth, begins) in [
-        (0.049, "hardly"),
-        (0.051, "are expected to differ by 0.1 in log-likelihood"),
+        (
+            0.049,
+            "would hardly separate offset of the length and compliance in series with the actuator; no",
+        ),
+        (
+            0.051,
+            "would separate offset of the length and compliance in series with the actuator by 0.1 in log-likelihood",
+        ),
     ] {
         let known = NextMeasurement {
             worth: Some(worth),
             ..half.clone()
         };
-        assert!(worth_words(&known).is_some_and(|words| words.starts_with(begins)));
+        let words = worth_words(&known).unwrap();
+        assert!(words.starts_with(begins), "{words}");
     }
-    assert!(
-        measurement(&half, &name::nouns(&joint)).starts_with("readings at 50% of the pressure")
-    );
+    assert!(measurement(&half, &name::nouns(&joint)).ends_with("readings at 50% of the pressure"));
 }
 
 #[test]
@@ -545,6 +550,106 @@ fn evidence_is_graded_by_p_by_searches_on_less_and_by_a_shuffled_column() {
 }
 
 #[test]
+fn evidence_of_a_size_that_differs_or_has_the_wrong_sign_is_not_strong() {
+    let mut found = example();
+    found.effects.truncate(1);
+    found.tested.clear();
+    let e = &mut found.effects[0];
+    (e.p_familywise, e.found_in_folds) = (0.005, Some(1.0));
+    e.class.truncate(1);
+    let estimate = |value| Estimate {
+        value,
+        standard_error: 1.0,
+    };
+    e.by_specimen = [("a", 60.0), ("b", 60.5)]
+        .map(|(k, x)| (k.to_owned(), estimate(x)))
+        .into();
+    assert_eq!(remarks(&found), "(strong)");
+    let mut differ = found.clone();
+    differ.effects[0]
+        .by_specimen
+        .insert("b".to_owned(), estimate(70.0));
+    assert!(
+        remarks(&differ).starts_with("(moderate; specimens differ"),
+        "{}",
+        remarks(&differ)
+    );
+    let e = &mut found.effects[0];
+    (e.id, e.form) = ("hysteresis".to_owned(), "constant".to_owned());
+    e.class = vec![e.id.clone()];
+    e.by_specimen.clear();
+    assert!(remarks(&found).ends_with("(strong)"));
+    found.effects[0].parameters[0].value = -3.0;
+    assert!(
+        remarks(&found).contains("(moderate; its sign is that of a lag"),
+        "{}",
+        remarks(&found)
+    );
+}
+
+#[test]
+fn a_scatter_that_the_readings_hardly_show_is_called_assumed() {
+    let mut found = example();
+    let lengths = found
+        .scatter
+        .iter()
+        .position(|s| s.id == "length_offset")
+        .unwrap();
+    let said = |found: &CampaignFindings| {
+        let c = clauses(found);
+        [c.budget, c.worth].map(|c| c.unwrap().replace('\u{a0}', " "))
+    };
+    for (gain, declared, is_assumed) in [
+        (Some(1.99), None, true),
+        (Some(2.0), None, false),
+        (Some(0.0), Some(0.9), false),
+        (None, None, false),
+    ] {
+        let of = &mut found.scatter[lengths];
+        (of.log_likelihood_gain, of.declared) = (gain, declared);
+        let [budget, worth] = said(&found);
+        assert_eq!(
+            budget.contains("set lengths (0.90 mm assumed)"),
+            is_assumed,
+            "{budget}"
+        );
+        assert_eq!(
+            worth.ends_with("by 6.0 N if they scatter as assumed"),
+            is_assumed,
+            "{worth}"
+        );
+    }
+}
+
+#[test]
+fn readings_that_separate_say_the_sense_of_motion_and_the_time() {
+    let found = example();
+    let separate = |direction: f64| NextMeasurement {
+        kind: NextKind::Separate,
+        separates: vec!["hysteresis".into(), "force_drift".into()],
+        at: [
+            ("pressure_kpa", 280.0),
+            ("direction", direction),
+            ("time_s", 95.0),
+        ]
+        .map(|(k, x)| (k.to_owned(), x))
+        .into(),
+        worth: Some(2.2),
+        unit: "1".into(),
+    };
+    let said =
+        |direction| measurement(&separate(direction), &name::nouns(&found)).replace('\u{a0}', " ");
+    assert_eq!(
+        said(1.0),
+        "readings while filling at 280 kPa, 95.0 s into a log"
+    );
+    assert_eq!(
+        said(-1.0),
+        "readings while venting at 280 kPa, 95.0 s into a log"
+    );
+}
+
+#[test]
 fn evidence_from_no_search_on_less_is_not_strong() {
     let mut found = example();
     found.effects[0].class.truncate(1);
@@ -602,7 +707,7 @@ fn a_size_that_varies_and_one_of_the_wrong_sign_are_said_beside_it() {
         found.effects[0].free_form = Some(free);
         remarks(&found)
     };
-    let said = "(strong; varies with the pressure: −44 to 6 kPa)";
+    let said = "(moderate; varies with the pressure: −44 to 6 kPa)";
     found.effects[0].parameters[0].value = 49.0;
     assert_eq!(with(&found, true, 620.0), said);
     assert_eq!(with(&found, false, 620.0), "(strong)");
@@ -616,7 +721,7 @@ fn a_size_that_varies_and_one_of_the_wrong_sign_are_said_beside_it() {
     found.effects[0].parameters[0].value = -2.7;
     let said = remarks(&found);
     assert!(
-        said.contains("(strong; its sign is that of a lag, not of friction)"),
+        said.contains("(moderate; its sign is that of a lag, not of friction)"),
         "{said}"
     );
     found.effects[0].parameters[0].value = 2.7;
@@ -644,7 +749,7 @@ fn estimates_that_differ_more_than_chance_allows_are_said_to() {
     assert_eq!(with(2.77), None);
     let said = with(2.775);
     assert_eq!(said.as_deref(), Some("specimens differ: 50.0 to 52.8 kPa"));
-    assert_eq!(remarks(&found), "(strong; specimens differ)");
+    assert_eq!(remarks(&found), "(moderate; specimens differ)");
     // With a second effect of which the same is asked, p counts twice: 2.24 standard errors.
     let mut two = found.clone();
     two.effects.push(two.effects[0].clone());
@@ -652,7 +757,7 @@ fn estimates_that_differ_more_than_chance_allows_are_said_to() {
     two.effects[0]
         .by_specimen
         .insert("b".to_owned(), estimate(53.18));
-    assert!(remarks(&two).starts_with("(strong; specimens differ)"));
+    assert!(remarks(&two).starts_with("(moderate; specimens differ)"));
 }
 
 #[test]

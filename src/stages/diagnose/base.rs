@@ -1,6 +1,7 @@
 //! The base model: what the effects are added to.
 
 use super::settings;
+use super::slack::Shape;
 use pipeline_config::FitOptions;
 use pipeline_effects::{Actuator, Conditions};
 use pipeline_fit::equations;
@@ -22,8 +23,8 @@ pub struct BaseCoefficient {
     pub bounds: (f64, f64),
     /// Whether it is fitted.
     pub free: bool,
-    /// What is known of it beforehand: the standard deviation about where the fit starts. None of a law that is taken as published.
-    pub known_to: Option<f64>,
+    /// What is known of it beforehand: its usual value and the standard deviation about that. None of a law that is taken as published.
+    pub known: Option<(f64, f64)>,
     /// The published coefficient of which it is the reciprocal.
     pub reciprocal_of: Option<&'static str>,
 }
@@ -48,6 +49,8 @@ pub struct Base {
     /// Coefficients, in the order of the equation.
     pub coefficients: Vec<BaseCoefficient>,
     equation: Equation,
+    /// The shape that tells where an actuator is slack, if it is not the usual one of the diameter.
+    shape: Option<Shape>,
 }
 
 /// Place of the coefficient by which the force depends on the resting length.
@@ -56,8 +59,6 @@ pub const LENGTH_LAW: usize = 1;
 const LENGTH_LAW_NAME: &str = "1/b2";
 /// The coefficient of its size: any campaign tells it. Something is known beforehand of all others.
 const SIZE: &str = "b1";
-/// Those of its shape, under their published symbols.
-const SHAPE: [&str; 3] = ["c0", "c1", "c2"];
 /// 1/b2 of a force that does not depend on the resting length, m.
 const NO_LENGTH_LAW: f64 = 1e-4;
 
@@ -83,7 +84,7 @@ impl Base {
         let value = |symbol: &str, otherwise: f64| published_or(diameter_mm, symbol, otherwise);
         let constant = value("F_620", 1000.0) / std::f64::consts::FRAC_PI_2;
         let law = equations::length_law(diameter_mm);
-        let spread = match new::published(diameter_mm, SHAPE) {
+        let spread = match Shape::published(diameter_mm) {
             Some(_) => settings::LAW_SPREAD,
             None => settings::UNPUBLISHED_LAW_SPREAD,
         };
@@ -108,7 +109,7 @@ impl Base {
                 start,
                 bounds,
                 free: free && refit,
-                known_to: (refit && name != SIZE).then_some(spread * start),
+                known: (refit && name != SIZE).then_some((start, spread * start)),
                 reciprocal_of: (name == LENGTH_LAW_NAME).then_some("b2"),
             })
             .collect();
@@ -118,7 +119,25 @@ impl Base {
             equation: Equation::New {
                 cap_length_m: equations::cap_length_m(diameter_mm, options),
             },
+            shape: None,
         }
+    }
+
+    /// The same for a diameter of which nothing is published: fits start at these coefficients b1, b2, c0, c1 and c2 of least squares, which also
+    /// tell where an actuator is slack.
+    pub fn starting_at(mut self, [b1, b2, c0, c1, c2]: [f64; 5]) -> Self {
+        let values = [b1, 1.0 / b2, c0, c1, c2];
+        for (c, value) in self.coefficients.iter_mut().zip(values) {
+            c.start = value.clamp(c.bounds.0, c.bounds.1);
+        }
+        self.shape = Some(Shape([c0, c1, c2]));
+        self
+    }
+
+    /// The shape that tells where an actuator is slack.
+    pub fn shape(&self, at: &Conditions) -> Shape {
+        self.shape
+            .unwrap_or_else(|| Shape::usual(at.diameter_mm as u32))
     }
 
     /// A published model; refitted means its coefficients where they are few and smooth, else one factor on its force.
@@ -135,10 +154,11 @@ impl Base {
                 start: 1.0,
                 bounds: (0.05, 20.0),
                 free: refit,
-                known_to: None,
+                known: None,
                 reciprocal_of: None,
             }],
             equation: Equation::Published(model),
+            shape: None,
         })
     }
 
@@ -151,13 +171,14 @@ impl Base {
             start: c.value.clamp(bounds.0, bounds.1),
             bounds,
             free: true,
-            known_to: None,
+            known: None,
             reciprocal_of: None,
         };
         Self {
             id: hunt2017::Hunt2017.id().to_owned(),
             coefficients: published.zip(HUNT_BOUNDS).map(one).collect(),
             equation: Equation::Hunt,
+            shape: None,
         }
     }
 
@@ -191,6 +212,7 @@ impl Base {
             id: self.id.clone(),
             coefficients,
             equation: Equation::New { cap_length_m },
+            shape: self.shape,
         })
     }
 }

@@ -61,8 +61,9 @@ use pipeline_config::{DiagnoseOptions, FitOptions};
 use pipeline_effects as effects;
 use pipeline_effects::Conditions;
 use pipeline_findings::{CampaignFindings, EffectFinding, Residuals, Verdict};
-use pipeline_fit::{Group, is_fitted, is_usable};
+use pipeline_fit::{Group, equations, is_fitted, is_usable};
 use recording::Law;
+use slack::Shape;
 use std::collections::BTreeSet;
 
 /// Raised when results change without a change of this stage's source files.
@@ -129,16 +130,20 @@ fn base_model(
     options: &DiagnoseOptions,
 ) -> Option<Base> {
     let lengths: BTreeSet<u64> = rows.iter().map(|r| r.rest_length_m.to_bits()).collect();
-    match options.base_model.as_str() {
-        "new" => Some(Base::new(
-            group.diameter_mm,
-            options.refit,
-            lengths.len(),
-            fit,
-        )),
-        "new_published" => Some(Base::new(group.diameter_mm, false, lengths.len(), fit)),
-        id => Base::published(id, options.refit),
+    let diameter_mm = group.diameter_mm;
+    let refit = match options.base_model.as_str() {
+        "new" => options.refit,
+        "new_published" => false,
+        id => return Base::published(id, options.refit),
+    };
+    let base = Base::new(diameter_mm, refit, lengths.len(), fit);
+    if !refit || Shape::published(diameter_mm).is_some() {
+        return Some(base);
     }
+    Some(match equations::joint_estimates(diameter_mm, rows, fit) {
+        Some(values) => base.starting_at(values),
+        None => base,
+    })
 }
 
 /// Whether the base model has a force for a row at all.

@@ -4,6 +4,7 @@ use super::answer::{relative_contraction, rms};
 use super::data::Data;
 use super::problem::{ForceProblem, component};
 use super::{settings, unseen};
+use pipeline_effects::Need;
 use pipeline_findings::{BudgetEntry, NextKind, NextMeasurement};
 use pipeline_inference::fit::Setting;
 use pipeline_inference::heldout::Unseen;
@@ -122,6 +123,18 @@ fn conditions(data: &Data, i: usize) -> BTreeMap<String, f64> {
     ])
 }
 
+/// The same with the sense of the motion and the time in the log, where these are known: alternatives may differ in nothing else.
+fn with_history(mut at: BTreeMap<String, f64>, data: &Data, i: usize) -> BTreeMap<String, f64> {
+    let here = &data.conditions[i];
+    if !data.missing.contains_key(&Need::Direction) {
+        at.insert("direction".to_owned(), here.direction);
+    }
+    if !data.missing.contains_key(&Need::LogTime) {
+        at.insert("time_s".to_owned(), here.log_time_s);
+    }
+    at
+}
+
 /// The set points of which one reading more, each in a session of its own, lowers the error of estimation most: together, and each with those of
 /// them that repeat it.
 fn set_points(
@@ -185,7 +198,7 @@ fn separating(
                 list.push(NextMeasurement {
                     kind: NextKind::Separate,
                     separates: vec![one.to_owned(), two.to_owned()],
-                    at: conditions(problem.data, i),
+                    at: with_history(conditions(problem.data, i), problem.data, i),
                     worth: Some(worth),
                     unit: "1".to_owned(),
                 });

@@ -9,7 +9,7 @@
 use super::base::Base;
 use super::settings;
 use pipeline_effects::{Actuator, Conditions};
-use pipeline_mechanics::models::{ForceModel, P_620_KPA, new};
+use pipeline_mechanics::models::{P_620_KPA, new};
 use pipeline_numerics::real::Real;
 
 /// On which side of the corner a reading is.
@@ -25,9 +25,33 @@ pub enum Side {
     AsPublished,
 }
 
+/// The coefficients c0, c1 and c2 of the law that tells where an actuator is slack.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shape(pub [f64; 3]);
+
+impl Shape {
+    /// The published ones of a diameter.
+    pub fn published(diameter_mm: u32) -> Option<Self> {
+        new::published(diameter_mm, ["c0", "c1", "c2"]).map(Self)
+    }
+
+    /// The same; of a diameter without any, those of 10 mm.
+    pub fn usual(diameter_mm: u32) -> Self {
+        let of = |diameter_mm| Self::published(diameter_mm);
+        of(diameter_mm).or_else(|| of(10)).unwrap_or(Self([0.0; 3]))
+    }
+
+    /// The force relative to that at 620 kPa, not cut off where it is negative.
+    fn force(&self, at: &Conditions) -> f64 {
+        let eps_620 = (at.rest_length_m - at.contracted_length_m) / at.rest_length_m;
+        let contraction = (at.rest_length_m - at.length_m) / (at.rest_length_m * eps_620);
+        new::surface_signed(self.0, contraction, at.pressure_kpa / P_620_KPA)
+    }
+}
+
 /// The side of a reading of `force` N where the largest of the campaign is `largest`.
-pub fn side(force: f64, largest: f64, at: &Conditions) -> Side {
-    let below = -surface(at);
+pub fn side(force: f64, largest: f64, at: &Conditions, shape: &Shape) -> Side {
+    let below = -shape.force(at);
     // Where the law would push by `below`, the zero of a load cell alone is no pull: on the law it would be a miss of `below` and bend the
     // whole surface. On the law are readings that are as near to it, in size, as to 0.
     let halfway = below / 2.0;
@@ -46,28 +70,9 @@ pub const BANDS: usize = BAND_ENDS.len() + 1;
 const BAND_ENDS: [f64; 3] = [0.5, 1.5, 3.0];
 
 /// The band of a reading in the corner, the nearest first.
-pub fn band(at: &Conditions) -> usize {
-    let distance = surface(at).abs() / settings::CORNER_WIDTH;
+pub fn band(at: &Conditions, shape: &Shape) -> usize {
+    let distance = shape.force(at).abs() / settings::CORNER_WIDTH;
     BAND_ENDS.iter().filter(|end| distance > **end).count()
-}
-
-/// The published law of the diameter, relative to the force at 620 kPa and not cut off where it is negative; of another diameter, that of 10 mm.
-fn surface(at: &Conditions) -> f64 {
-    let known = new::NewPublished.coefficients(at.diameter_mm as u32);
-    let law = if known.is_empty() {
-        &new::PUBLISHED_10[..]
-    } else {
-        known
-    };
-    let value = |symbol: &str| {
-        law.iter()
-            .find(|c| c.symbol == symbol)
-            .map_or(0.0, |c| c.value)
-    };
-    let eps_620 = (at.rest_length_m - at.contracted_length_m) / at.rest_length_m;
-    let contraction = (at.rest_length_m - at.length_m) / (at.rest_length_m * eps_620);
-    let c = [value("c0"), value("c1"), value("c2")];
-    new::surface_signed(c, contraction, at.pressure_kpa / P_620_KPA)
 }
 
 /// The base law on one side of the corner.
@@ -101,25 +106,25 @@ mod tests {
 
     #[test]
     fn sides_of_the_corner() {
+        let thin = Shape::usual(10);
         let at = |length_m: f64, kpa: f64| Conditions::at(0.3, 0.25, length_m, kpa);
         // The law of 20 mm pulls there.
-        let mut thick = at(0.275, 200.0);
-        assert_eq!(side(20.0, 1300.0, &thick), Side::Slack);
-        thick.diameter_mm = 20.0;
-        assert_eq!(side(20.0, 1300.0, &thick), Side::Corner);
+        let half = at(0.275, 200.0);
+        assert_eq!(side(20.0, 1300.0, &half, &thin), Side::Slack);
+        assert_eq!(side(20.0, 1300.0, &half, &Shape::usual(20)), Side::Corner);
         // A force where the law pulls, of either sign.
-        assert_eq!(side(20.0, 450.0, &at(0.3, 620.0)), Side::Pulls);
-        assert_eq!(side(-20.0, 450.0, &at(0.3, 620.0)), Side::Pulls);
+        assert_eq!(side(20.0, 450.0, &at(0.3, 620.0), &thin), Side::Pulls);
+        assert_eq!(side(-20.0, 450.0, &at(0.3, 620.0), &thin), Side::Pulls);
         // Full contraction without pressure, where the law would push by 0.56 of 450 N: slack, whatever the zero of the load cell, unless the
         // force is as large as half of that.
         for zero in [1.0, -20.0, 20.0, 125.0] {
-            assert_eq!(side(zero, 450.0, &at(0.25, 0.0)), Side::Slack);
+            assert_eq!(side(zero, 450.0, &at(0.25, 0.0), &thin), Side::Slack);
         }
-        assert_eq!(side(127.0, 450.0, &at(0.25, 0.0)), Side::Pulls);
-        assert_eq!(side(-127.0, 450.0, &at(0.25, 0.0)), Side::Pulls);
+        assert_eq!(side(127.0, 450.0, &at(0.25, 0.0), &thin), Side::Pulls);
+        assert_eq!(side(-127.0, 450.0, &at(0.25, 0.0), &thin), Side::Pulls);
         // None, at the resting length, where a millimetre decides.
-        assert_eq!(side(1.0, 450.0, &at(0.3, 0.0)), Side::Corner);
-        assert_eq!(side(13.4, 450.0, &at(0.3, 0.0)), Side::Corner);
-        assert_eq!(side(13.6, 450.0, &at(0.3, 0.0)), Side::Pulls);
+        assert_eq!(side(1.0, 450.0, &at(0.3, 0.0), &thin), Side::Corner);
+        assert_eq!(side(13.4, 450.0, &at(0.3, 0.0), &thin), Side::Corner);
+        assert_eq!(side(13.6, 450.0, &at(0.3, 0.0), &thin), Side::Pulls);
     }
 }

@@ -1,6 +1,6 @@
 //! Errors on readings that took no part, summed over groups: what a model says of groups that it has not seen, for forces and torques.
 
-use pipeline_findings::{BudgetEntry, Errors, UnitErrors};
+use pipeline_findings::{BudgetEntry, EffectFinding, Errors};
 use pipeline_inference::decisions::NORMAL_95;
 use pipeline_inference::heldout::Unseen;
 use pipeline_numerics::distributions::{NORMAL_50, normal_cdf};
@@ -196,12 +196,27 @@ impl Tally {
     }
 }
 
-/// Share of the units in whose fold one of these ids was found; none where nothing was held out.
-pub fn found_in_folds(units: &[UnitErrors], ids: &[String]) -> Option<f64> {
-    let again = units
-        .iter()
-        .filter(|u| u.found.iter().any(|f| ids.contains(f)));
-    (!units.is_empty()).then(|| again.count() as f64 / units.len() as f64)
+/// Notes the share of the searches that found each effect again, given what each found; nothing where there were none. What a search found stands
+/// for one effect only: for itself, or else for the first that leaves the same trace.
+pub fn note_found_again(effects: &mut [EffectFinding], searches: &[Vec<String>]) {
+    if searches.is_empty() {
+        return;
+    }
+    let mut again = vec![0; effects.len()];
+    for found in searches {
+        let mut left: Vec<&String> = found.iter().collect();
+        let mut take = |stands_for: &dyn Fn(&String) -> bool| {
+            let place = left.iter().position(|id| stands_for(id));
+            place.map(|k| left.remove(k)).is_some()
+        };
+        let itself: Vec<bool> = effects.iter().map(|e| take(&|id| *id == e.id)).collect();
+        for ((e, count), itself) in effects.iter().zip(&mut again).zip(itself) {
+            *count += usize::from(itself || take(&|id| e.class.contains(id)));
+        }
+    }
+    for (e, count) in effects.iter_mut().zip(again) {
+        e.found_in_folds = Some(count as f64 / searches.len() as f64);
+    }
 }
 
 /// The first readings of each set-up in time.
@@ -257,6 +272,49 @@ mod tests {
         assert_eq!(spread_readings(&sizes, &setup, 3), [5, 3, 1, 11, 9, 7]);
         // No more than there are.
         assert_eq!(spread_readings(&sizes[..2], &setup, 5), [1, 0]);
+    }
+
+    /// An effect whose alias set is these ids, the first its own.
+    fn effect(class: &[&str]) -> EffectFinding {
+        let text = r#"{"id": "", "class": [], "acts_on": "all", "column": null, "from": null, "parameters": [],
+            "form": "constant", "equation": "", "p_familywise": 0.005, "log_likelihood_gain": 9.0, "found_in_folds": null,
+            "negligible": false, "rms": 1.0, "by_specimen": {}, "profile": [], "free_form": null, "in_its_place": [],
+            "measurement": "", "source": ""}"#;
+        let plain: EffectFinding = pipeline_base::json::from_slice(text.as_bytes()).unwrap();
+        EffectFinding {
+            id: class[0].to_owned(),
+            class: class.iter().map(|id| (*id).to_owned()).collect(),
+            ..plain
+        }
+    }
+
+    #[test]
+    fn what_a_search_found_stands_for_one_effect_only() {
+        let both = [
+            effect(&["hysteresis", "drift"]),
+            effect(&["offset", "drift"]),
+        ];
+        let shares = |searches: &[&[&str]]| -> Vec<Option<f64>> {
+            let mut effects = both.to_vec();
+            let named = searches
+                .iter()
+                .map(|s| s.iter().map(|id| (*id).to_owned()).collect());
+            note_found_again(&mut effects, &named.collect::<Vec<Vec<String>>>());
+            effects.iter().map(|e| e.found_in_folds).collect()
+        };
+        // The drift of a search stands for an effect that it did not find itself.
+        assert_eq!(shares(&[&["drift", "hysteresis"]]), [Some(1.0), Some(1.0)]);
+        assert_eq!(shares(&[&["offset", "drift"]]), [Some(1.0), Some(1.0)]);
+        assert_eq!(shares(&[&["drift"]]), [Some(1.0), Some(0.0)]);
+        assert_eq!(
+            shares(&[&["hysteresis"], &["zero"]]),
+            [Some(0.5), Some(0.0)]
+        );
+        assert_eq!(
+            shares(&[&["offset"], &["drift", "offset"]]),
+            [Some(0.5), Some(1.0)]
+        );
+        assert_eq!(shares(&[]), [None, None]);
     }
 
     #[test]

@@ -8,9 +8,13 @@ use super::{diagnose, library};
 use pipeline_base::random::Stream;
 use pipeline_base::row::Row;
 use pipeline_config::{DiagnoseOptions, FitOptions};
+use pipeline_findings::Verdict;
+use pipeline_fit::Group;
 use pipeline_inference::fit::{Free, Setting};
 use pipeline_inference::problem::Problem;
 use pipeline_inference::profile::profile;
+use pipeline_mechanics::models::new;
+use pipeline_simulate::coefficients::Coefficients;
 use pipeline_simulate::rig_like;
 
 /// The scatter of set lengths of a campaign of which these standard deviations are declared, mm.
@@ -136,6 +140,41 @@ fn with_two_contractions_errors_of_the_size_of_those_observed_are_expected() {
     assert!(
         (0.5..2.0).contains(&(expected / observed)),
         "{expected} {observed}"
+    );
+}
+
+/// Where the law of 10 mm is slack, one of another shape pulls: its readings there were taken for slack, which made a zero of 6 to 15 N of them.
+#[test]
+fn a_diameter_of_which_nothing_is_published_is_slack_where_its_own_law_is() {
+    let settings = rig_like::Settings {
+        specimens: Some(4),
+        scatter: rig_like::Scatter::Clean,
+        ..rig_like::Settings::default()
+    };
+    let mut rows = rig_like::campaign(1, &settings).rows;
+    let law = Coefficients::published(20).unwrap();
+    let mut stream = Stream::new(1, &["thirty"]);
+    for row in &mut rows {
+        let f620 = law.f620(row.rest_length_m);
+        let pressure = row.pressure_kpa / 620.0;
+        row.force_n =
+            f620 * new::surface(law.c, row.contraction_rel, pressure) + 2.0 * stream.normal();
+        row.diameter_mm = 30.0;
+    }
+    let group = Group {
+        diameter_mm: 30,
+        ..rig_like::group()
+    };
+    let options = DiagnoseOptions::default();
+    let found = diagnose(&group, &rows, &FitOptions::default(), &options)
+        .unwrap()
+        .findings;
+    let named: Vec<&str> = found.effects.iter().map(|e| e.id.as_str()).collect();
+    assert_eq!(found.verdict, Verdict::None, "{named:?}");
+    assert!(
+        (1.7..2.3).contains(&found.noise.unwrap()),
+        "{:?}",
+        found.noise
     );
 }
 

@@ -39,8 +39,8 @@ pub struct HeldOut {
     pub pit: Vec<f64>,
     /// Measured less predicted without and with effects, one value a reading; NaN of those that were not held out.
     pub left: [Vec<f64>; 2],
-    /// For each fold the kinds of the terms that its own search accepted.
-    pub kinds: Vec<Vec<usize>>,
+    /// Names of what the search without each fold found.
+    pub searches: Vec<Vec<String>>,
 }
 
 /// The held-out errors, the whole search inside each fold. `active` marks the nodes that were searched.
@@ -59,27 +59,23 @@ pub fn held_out(
         .collect();
     let mut sums = (Tally::default(), Tally::default());
     let mut units = Vec::new();
-    let mut kinds = Vec::new();
+    let mut searches = Vec::new();
     for a in answers {
+        let found: Vec<String> = a.terms.iter().map(|t| named(*t)).collect();
         for (unit, before, after) in a.units {
             units.push(UnitErrors {
                 unit,
                 readings: after.count,
                 realised_over_expected: Some(after.squares / after.expected.max(f64::MIN_POSITIVE)),
                 inside_95: Some(after.inside.1 as f64 / after.count.max(1) as f64),
-                found: a.terms.iter().map(|t| named(*t)).collect(),
+                found: found.clone(),
                 before: before.errors(),
                 after: after.errors(),
             });
             sums.0.add(&before);
             sums.1.add(&after);
         }
-        kinds.push(
-            a.terms
-                .iter()
-                .map(|t| setting.problem.terms()[*t].kind)
-                .collect(),
-        );
+        searches.push(found);
     }
     let after = &sums.1;
     HeldOut {
@@ -91,7 +87,7 @@ pub fn held_out(
         inside: after.shares_inside(),
         pit: after.pit(),
         left: [&sums.0, after].map(|t| t.left_of(problem.data.len())),
-        kinds,
+        searches,
     }
 }
 

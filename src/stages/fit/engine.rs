@@ -374,6 +374,12 @@ impl<const N: usize> Equation<'_, N> {
         sound.then_some(solution.values)
     }
 
+    /// The coefficients where least squares ends, whether or not the rows determine them: what it predicts for these rows does not depend on that.
+    pub fn estimates(&self, rows: &[&Row], options: &FitOptions) -> Option<[f64; N]> {
+        let solution = self.solve(rows, &self.starts, self.loss(options))?;
+        Some(solution.values)
+    }
+
     /// Honest statistics of coefficients on rows; `parameters` is how many of them were fitted to these rows.
     fn goodness(&self, rows: &[&Row], values: &[f64; N], parameters: usize) -> GoodnessOfFit {
         let observed: Vec<f64> = rows.iter().map(|r| (self.observed)(r)).collect();

@@ -401,6 +401,11 @@ pub fn joint(diameter_mm: u32, rows: &[&Row], options: &FitOptions) -> Option<Eq
     with_joint(diameter_mm, options, |e| e.fit(rows, options))
 }
 
+/// The coefficients of Eq. 9 that predict the rows best: b1, b2, c0, c1, c2.
+pub fn joint_estimates(diameter_mm: u32, rows: &[&Row], options: &FitOptions) -> Option<[f64; 5]> {
+    with_joint(diameter_mm, options, |e| e.estimates(rows, options))
+}
+
 /// The split by row of every equation that is fitted to rows, the law of length by which Eq. 8 divides included.
 pub fn judge_by_rows(
     diameter_mm: u32,

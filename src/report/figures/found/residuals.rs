@@ -322,7 +322,7 @@ fn caption(shown: &Shown, rows: &[OneResidual]) -> String {
             "law and effects alone, without the common misfit and group-specific terms"
         }
         _ => {
-            "law, effects and the misfit that all specimens share, as in the errors on unseen specimens; without group-specific terms"
+            "law, effects and the misfit that all specimens share, fitted to these readings; without group-specific terms"
         }
     };
     let units = match columns(shown).iter().any(Tried::is_of_the_log) {
@@ -333,7 +333,7 @@ fn caption(shown: &Shown, rows: &[OneResidual]) -> String {
         .iter()
         .any(|r| r.values == shown.residuals.conditional.as_slice())
     {
-        " _Own values_: also with the predicted gains, lengths and zeros, which are in-sample."
+        " _Own values_: also with the predicted gains, lengths and zeros."
     } else {
         ""
     };

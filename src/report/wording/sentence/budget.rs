@@ -17,6 +17,9 @@ const FEWEST_FOR_SCATTER: usize = 3;
 /// Where a search without one unit has fewer others than this left, what it expects of an unseen one rests on these few, and it is said.
 const FEW_LEFT: usize = 3;
 
+/// A scatter that improves the log-likelihood by less is hardly shown: models that differ by less are indistinguishable.
+const ALIKE: f64 = 2.0;
+
 /// An expected error that is further than this factor from what came out is said to be.
 const FAR_FROM_EXPECTED: f64 = 1.25;
 
@@ -144,7 +147,14 @@ fn scattered(found: &CampaignFindings, entry: &BudgetEntry) -> String {
     let Some(scatter) = scatter_behind(found, &entry.source) else {
         return String::new();
     };
-    format!(" ({})", scatter_size(scatter))
+    let assumed = if is_assumed(scatter) { " assumed" } else { "" };
+    format!(" ({}{assumed})", scatter_size(scatter))
+}
+
+/// Whether the readings hardly show a scatter: what is expected of unseen groups is then the usual one, neither declared nor measured.
+pub fn is_assumed(scatter: &Scatter) -> bool {
+    let shown = scatter.log_likelihood_gain;
+    scatter.declared.is_none() && shown.is_some_and(|gain| gain < ALIKE)
 }
 
 /// The random effect behind a source of error, where it is one.

@@ -1,5 +1,7 @@
 //! How strong the evidence for an effect is, and whether the units agree on its size: in words that follow from its values.
 
+use super::form::varying;
+use super::found::opposed;
 use crate::number::Rounding;
 use crate::wording::SIGNIFICANT;
 use crate::wording::name::{nouns, without_one};
@@ -24,7 +26,7 @@ enum Evidence {
     Weak,
     /// Neither.
     Moderate,
-    /// A small p, and found again in every search without one unit.
+    /// A small p, found again in every search without one unit, and of one size everywhere, with the sign that its source expects.
     Strong,
 }
 
@@ -53,13 +55,21 @@ fn graded(found: &CampaignFindings, e: &EffectFinding) -> (Evidence, Vec<Reason>
     } else {
         Evidence::Strong
     };
+    // One size with the expected sign does not describe what is there: the effect may be another.
+    let is_one_size = differ(found, e).is_none() && opposed(e).is_none() && varying(e).is_none();
+    let by_size = if is_one_size {
+        Evidence::Strong
+    } else {
+        Evidence::Moderate
+    };
     let reasons = [
         (by_owner, Reason::Doubtful),
         (by_p, Reason::Probability(e.p_familywise)),
         (by_placebo, Reason::Shuffled(placebo.unwrap_or_default())),
         (by_folds, fold),
     ];
-    let grade = by_owner.min(by_p).min(by_folds).min(by_placebo);
+    let by_others = by_folds.min(by_placebo);
+    let grade = by_owner.min(by_p).min(by_others).min(by_size);
     let lacking = reasons.into_iter().filter(|r| r.0 < Evidence::Strong);
     (grade, lacking.map(|r| r.1).collect())
 }
@@ -119,7 +129,7 @@ fn in_words(found: &CampaignFindings, reason: Reason, of_searches: &str) -> Opti
 pub fn grades() -> String {
     let number = |x: f64, decimals| rounded(x, Rounding::Decimals(decimals));
     format!(
-        "Evidence is strong where p ≤ {} and every search without one specimen (actuator) finds the effect again, weak where p > {}, fewer than {} \
+        "Evidence is strong where p ≤ {} and every search without one specimen (actuator) finds the effect again, with one size everywhere and the sign that its source expects; weak where p > {}, fewer than {} \
          of these searches find it, a shuffled column does as well or all tests are doubtful, else moderate. Specimens (actuators) differ where their own estimates do by more \
          than their standard errors allow (Cochran's Q).",
         number(CLEAR, 2),

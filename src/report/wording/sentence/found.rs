@@ -127,7 +127,7 @@ fn of_one_group(found: &CampaignFindings, e: &EffectFinding) -> Option<String> {
 }
 
 /// `its sign is that of a lag, not of friction`, of a size with the sign that its source does not expect.
-fn opposed(e: &EffectFinding) -> Option<String> {
+pub(super) fn opposed(e: &EffectFinding) -> Option<String> {
     let size = e.parameters.first()?;
     let known = effects::all()[effects::index(&e.id)?];
     let words = known.if_negative().filter(|_| size.value < 0.0)?;

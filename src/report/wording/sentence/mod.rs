@@ -24,7 +24,7 @@ pub use errors::black_box_beats;
 pub use evidence::{PLACEBO, differ, grades};
 pub use form::form;
 pub use found::{alias_set, beyond_usual, called, has_terms};
-pub use next::{conditions, is_worth_credible, measurement, plain_number, worth_words};
+pub use next::{assumed, conditions, is_worth_credible, measurement, plain_number, worth_words};
 pub use points::{ERROR, Points, points};
 pub use recording::{implausible, in_doubt, recorded_size, set_aside};
 

@@ -1,5 +1,6 @@
 //! What is worth measuring next.
 
+use super::budget::{is_assumed, scatter_behind};
 use super::errors::{Change, error_change};
 use super::found::has_terms;
 use crate::number::Rounding;
@@ -33,11 +34,8 @@ fn separation(found: &CampaignFindings) -> Option<String> {
     let separate = found.next_measurement.iter();
     let separate = separate.filter(|n| n.kind == NextKind::Separate && !hardly_separates(n));
     let best = separate.max_by(|a, b| a.worth.unwrap_or(0.0).total_cmp(&b.worth.unwrap_or(0.0)))?;
-    Some(format!(
-        "readings at {} would separate {}",
-        conditions(best),
-        separated(best)
-    ))
+    let readings = measurement(best, &nouns(found));
+    Some(format!("{readings} would separate {}", separated(best)))
 }
 
 /// `another actuator would show whether the effects hold: there is none to test them on`, where there is but one.
@@ -73,7 +71,19 @@ fn worth_most(found: &CampaignFindings) -> Option<String> {
     let words = worth_words(best)?;
     let error = found.expected_rmse_heldout.unwrap_or(0.0);
     let said = worth > WORTH_SAYING * error && is_worth_credible(found, worth);
-    said.then(|| format!("{} {words}", measurement(best, &nouns(found))))
+    let assumed = assumed(found, best);
+    said.then(|| format!("{} {words}{assumed}", measurement(best, &nouns(found))))
+}
+
+/// ` if they scatter as assumed`, where the readings do not show what a better knowledge would take away.
+pub fn assumed(found: &CampaignFindings, next: &NextMeasurement) -> &'static str {
+    let mut of = next.separates.iter();
+    let is_assumed = |source: &String| scatter_behind(found, source).is_some_and(is_assumed);
+    if next.kind == NextKind::Precision && of.any(is_assumed) {
+        " if they scatter as assumed"
+    } else {
+        ""
+    }
 }
 
 /// `three readings spread over each session of a new specimen reduce the error to 5.1 N`.
@@ -136,23 +146,29 @@ pub fn measurement(next: &NextMeasurement, nouns: &Nouns) -> String {
             ),
             None => format!("readings at {}", conditions(next)),
         },
-        NextKind::Separate => format!(
-            "readings at {} to separate {}",
-            conditions(next),
-            separated(next)
-        ),
+        NextKind::Separate => {
+            let motion = match number("direction") {
+                Some(direction) if direction > 0.0 => " while filling",
+                Some(_) => " while venting",
+                None => "",
+            };
+            format!("readings{motion} at {}", conditions(next))
+        }
     }
 }
 
-/// What it is worth, as the end of a sentence: `would lower the error by 6.0 N`; none where that was not computed.
+/// What it is worth, as the end of a sentence: `would lower the error by 6.0 N`, `would separate A and B by 2.0 in log-likelihood`; none where
+/// that was not computed.
 pub fn worth_words(next: &NextMeasurement) -> Option<String> {
     let worth = next.worth?;
     Some(match next.kind {
         NextKind::Separate if hardly_separates(next) => {
-            "hardly tell them apart; no other set point does better".to_owned()
+            let ids = separated(next);
+            format!("would hardly separate {ids}; no other set point does better")
         }
         NextKind::Separate => format!(
-            "are expected to differ by {} in log-likelihood",
+            "would separate {} by {} in log-likelihood",
+            separated(next),
             rounded(worth, SEPARATION)
         ),
         _ => format!(
@@ -162,11 +178,12 @@ pub fn worth_words(next: &NextMeasurement) -> Option<String> {
     })
 }
 
-/// The conditions of a measurement: `120 kPa, ε* = 0.40`.
+/// The conditions of a measurement but the sense of the motion: `120 kPa, ε* = 0.40`.
 pub fn conditions(next: &NextMeasurement) -> String {
     let all: Vec<String> = next
         .at
         .iter()
+        .filter(|(key, _)| *key != "direction")
         .map(|(key, value)| condition(key, *value))
         .collect();
     all.join(", ")
@@ -187,6 +204,7 @@ fn condition(key: &str, value: f64) -> String {
         "sd_n" => short("N"),
         "sd_kpa" => short("kPa"),
         "sd" => percent(value),
+        "time_s" => format!("{} into a log", digits("s")),
         "pressure_share" => format!("{} of the pressure", percent(value)),
         other => format!("{} {}", other.replace('_', " "), short("1")),
     }

@@ -22,6 +22,7 @@ impl Work<'_> {
             let gain = |e: &EffectFinding| e.log_likelihood_gain.unwrap_or(0.0);
             gain(b).total_cmp(&gain(a))
         });
+        tally::note_found_again(&mut effects, &self.held.searches);
         effects
     }
 
@@ -59,7 +60,7 @@ impl Work<'_> {
             equation: form.equation.to_owned(),
             p_familywise: accepted.p,
             log_likelihood_gain: Some(accepted.gain),
-            found_in_folds: tally::found_in_folds(&self.held.units, &class),
+            found_in_folds: None,
             negligible: change < self.smallest_n,
             rms: change,
             by_specimen: self.by_specimen(accepted.term),

@@ -23,15 +23,13 @@ pub(super) struct Known {
 }
 
 impl Known {
-    /// Of the coefficients of a law. What is not fitted counts as well, or the likelihoods of a law with and without it would not compare.
+    /// Of the coefficients of a law. What is not fitted counts as well: a law without its dependence on the length is as far from what is known as that
+    /// is from none, and likelihoods with and without it compare.
     pub(super) fn of(base: &Base) -> Vec<Self> {
         let all = base.coefficients.iter().enumerate();
         let known = all.filter_map(|(place, c)| {
-            Some(Self {
-                place,
-                usual: c.start,
-                to: c.known_to?,
-            })
+            let (usual, to) = c.known?;
+            Some(Self { place, usual, to })
         });
         known.collect()
     }

@@ -137,10 +137,15 @@ impl<'a> ForceProblem<'a> {
         let largest = data.force.iter().copied().fold(0.0, f64::max);
         let columns = data.extras.len();
         let forces = data.force.iter().zip(&data.conditions);
-        let side: Vec<Side> = forces.map(|(f, at)| slack::side(*f, largest, at)).collect();
+        let side: Vec<Side> = forces
+            .map(|(f, at)| slack::side(*f, largest, at, &base.shape(at)))
+            .collect();
         let corner = data.campaigns.len();
         let class_of = |i: usize| match side[i] {
-            Side::Corner => corner + slack::band(&data.conditions[i]),
+            Side::Corner => {
+                let at = &data.conditions[i];
+                corner + slack::band(at, &base.shape(at))
+            }
             _ => data.campaign[i],
         };
         let mut noise = noise(corner, largest);

@@ -93,6 +93,9 @@ impl Work<'_> {
         let mut effects: Vec<EffectFinding> = accepted.filter_map(|a| self.effect(a)).collect();
         let gain = |e: &EffectFinding| e.log_likelihood_gain.unwrap_or(0.0);
         effects.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
+        // One actuator a search.
+        let searches = self.held.units.iter().map(|u| u.found.clone());
+        tally::note_found_again(&mut effects, &searches.collect::<Vec<_>>());
         effects
     }
 
@@ -124,7 +127,7 @@ impl Work<'_> {
             equation: form.equation.to_owned(),
             p_familywise: accepted.p,
             log_likelihood_gain: Some(accepted.gain),
-            found_in_folds: tally::found_in_folds(&self.held.units, &class),
+            found_in_folds: None,
             negligible: change < self.smallest_nm,
             rms: change,
             by_specimen: self.by_actuator(accepted.term),

@@ -11,7 +11,7 @@
 use super::terms::{KINKS_FROM_RAD, SIZES, place};
 use crate::build::Build;
 use pipeline_diagnose::base::Base;
-use pipeline_diagnose::slack::{self, Side, Sided};
+use pipeline_diagnose::slack::{self, Shape, Side, Sided};
 use pipeline_effects::{Actuator, Conditions, JointNeed};
 use pipeline_mechanics::knee::{Bracket, Leg, Point, Series, data, route::Place};
 use pipeline_numerics::real::Real;
@@ -101,7 +101,13 @@ impl<'a> Joint<'a> {
         let pushed = self.pushed_nm(at);
         let is_slack = pushed.is_some_and(|pushed| torque_nm.abs() < slack_nm.max(pushed / 2.0));
         let torque_nm = if is_slack { 0.0 } else { torque_nm };
-        slack::side(torque_nm, largest_nm, &self.conditions(at, length))
+        let at = self.conditions(at, length);
+        slack::side(
+            torque_nm,
+            largest_nm,
+            &at,
+            &Shape::usual(at.diameter_mm as u32),
+        )
     }
 
     fn conditions(&self, at: &At, length_m: f64) -> Conditions {
