@@ -584,7 +584,7 @@ pub struct NextMeasurement {
     pub kind: NextKind,
     /// Ids of the effects that it separates; or the quantity that it makes known ("set_length").
     pub separates: Vec<String>,
-    /// The conditions: quantity with its unit -> value ("pressure_kpa": 450, "sd_mm": 0.2, "specimens": 4).
+    /// The conditions: quantity with its unit -> value ("pressure_kpa": 450, "sd_mm": 0.2, "specimens": 4; "direction": 1 while filling, -1 while venting).
     pub at: BTreeMap<String, f64>,
     /// What it is worth: by how much the expected held-out error falls; or, where it separates, the expected gain in log-likelihood; none where
     /// that was not computed.
