@@ -119,7 +119,7 @@ fn answer(group: &GroupInput) -> Vec<String> {
         let after_errors = of_loop.len().min(1);
         of_loop.insert(
             after_errors,
-            format!("The law alone, by least squares, has {error}."),
+            format!("The law alone, by least squares, has {error} on all readings."),
         );
     }
     let doubtful = in_doubt(group.doubtful()).map(|s| name::capitalised(&s) + ".");

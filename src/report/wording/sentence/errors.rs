@@ -71,7 +71,7 @@ pub(super) fn errors(found: &CampaignFindings) -> Option<String> {
         Change::Better => format!("the mixed model's error on {on} falls from {from} to {to}"),
         Change::Alike => {
             format!(
-                "the mixed model's error on {on} does not fall: {from} without, {to} with the effects"
+                "the mixed model's error on {on} hardly changes: {from} without, {to} with the effects"
             )
         }
         Change::Worse => {
@@ -194,11 +194,11 @@ pub(super) fn errors_in_short(found: &CampaignFindings) -> Option<String> {
         }
         Change::Alike if worse => {
             format!(
-                "the mixed model's error on {on} does not fall ({from} to {to}), its stated uncertainty gets worse{}",
+                "the mixed model's error on {on} hardly changes ({from} to {to}), its stated uncertainty gets worse{}",
                 these_only(found)
             )
         }
-        Change::Alike => format!("the mixed model's error on {on} does not fall ({from} to {to})"),
+        Change::Alike => format!("the mixed model's error on {on} hardly changes ({from} to {to})"),
         Change::Worse if worse => {
             format!(
                 "the mixed model's error on {on} rises from {from} to {to}, its stated uncertainty gets worse{}",
