@@ -57,8 +57,9 @@ pub struct Base {
 pub const LENGTH_LAW: usize = 1;
 /// Its symbol: the reciprocal of b2 is 0 where the force does not depend on the length.
 const LENGTH_LAW_NAME: &str = "1/b2";
-/// The coefficient of its size: any campaign tells it. Something is known beforehand of all others.
-const SIZE: &str = "b1";
+/// The coefficients of which nothing is known beforehand: b1 scales the force, and both together the pressure. What is known of them would tell a
+/// gain of a sensor from the law.
+const SCALES: [&str; 2] = ["b1", "c0"];
 /// 1/b2 of a force that does not depend on the resting length, m.
 const NO_LENGTH_LAW: f64 = 1e-4;
 
@@ -89,7 +90,7 @@ impl Base {
             None => settings::UNPUBLISHED_LAW_SPREAD,
         };
         let list = [
-            (SIZE, "N", value("b1", constant), (1e-3, 1e5), true),
+            ("b1", "N", value("b1", constant), (1e-3, 1e5), true),
             (
                 LENGTH_LAW_NAME,
                 "m",
@@ -109,7 +110,7 @@ impl Base {
                 start,
                 bounds,
                 free: free && refit,
-                known: (refit && name != SIZE).then_some((start, spread * start)),
+                known: (refit && !SCALES.contains(&name)).then_some((start, spread * start)),
                 reciprocal_of: (name == LENGTH_LAW_NAME).then_some("b2"),
             })
             .collect();

@@ -8,7 +8,7 @@
 //!    [`recording`]: sessions and specimens that look mistaken beside what all readings show are set aside and reported.
 //! 2. [`library`]: the terms that may be added: forms of effects, and smooth functions of columns.
 //! 3. The null model has the gain of each specimen, the set length and the zero of the force of each session, and a smooth misfit of the law. What
-//!    is published of the law is one further reading of each coefficient but its size.
+//!    is published of the law is one further reading of each coefficient but its scales b1 and c0.
 //!    The search tests every term against the maximum over all of them in draws from it ([`pipeline_inference::search`]).
 //! 4. [`unseen`]: the same search without each specimen; [`tally`]: errors, predictive intervals, the budget of the expected error.
 //! 5. [`form`]: whether one number is enough for the size of what was found.

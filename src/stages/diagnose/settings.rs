@@ -32,12 +32,12 @@ pub const MISFIT_FLOOR: f64 = 0.2;
 pub const OTHER_FLOORS: [f64; 3] = [0.02, 0.07, 0.4];
 /// Standard deviation of a length that was rounded to 1 mm, mm: 1/sqrt(12).
 pub const ROUNDING_SD_MM: f64 = 0.29;
-/// Standard deviation of 1/b2, c0, c1 and c2 about their published values, as a share of these: refitted to the laboratory's campaigns they are
+/// Standard deviation of 1/b2, c1 and c2 about their published values, as a share of these: refitted to the laboratory's campaigns they are
 /// within a third of them. Each is one further reading. Specimens of one resting length tell nothing of another, and two contractions
 /// nothing of what a millimetre of the set length does to an actuator that is not contracted; where one specimen was measured, set lengths and
 /// shape explain one another.
 pub const LAW_SPREAD: f64 = 0.5;
-/// The same of a diameter for which nothing is published: from 10 to 40 mm the published ones are 0.12 to 0.57, 4.3 to 10.5 and 0.56 to 2.0.
+/// The same of a diameter for which nothing is published: from 10 to 40 mm the published c1 is 4.3 to 10.5, c2 0.56 to 2.0.
 pub const UNPUBLISHED_LAW_SPREAD: f64 = 1.0;
 /// Usual scatter of the gains of specimens: Festo states 10% tolerance, laboratories find 3 to 5%.
 pub const USUAL_GAIN: f64 = 0.04;

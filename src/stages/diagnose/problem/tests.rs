@@ -87,8 +87,8 @@ fn what_is_known_of_the_law_is_one_reading_a_coefficient_in_standard_deviations(
     let base = Base::new(10, true, 4, &FitOptions::default());
     let problem = ForceProblem::new(&base, &data, &[]);
     let n = data.len();
-    // 1/b2, c0, c1 and c2; of the size b1 nothing is known.
-    assert_eq!(problem.observed().len(), n + 4);
+    // 1/b2, c1 and c2; of b1 and c0 nothing is known.
+    assert_eq!(problem.observed().len(), n + 3);
     let mut point = problem.start();
     let usual = problem.predict(&point)[n..].to_vec();
     assert_eq!(usual, problem.observed()[n..]);
@@ -97,15 +97,15 @@ fn what_is_known_of_the_law_is_one_reading_a_coefficient_in_standard_deviations(
     let linear = problem.linearise(&point);
     let changes = linear.predicted[n..].iter().zip(&usual);
     let changes: Vec<f64> = changes.map(|(a, b)| a - b).collect();
-    for (change, expected) in changes.iter().zip([0.0, 0.0, 1.0, 0.0]) {
+    for (change, expected) in changes.iter().zip([0.0, 1.0, 0.0]) {
         assert!((change - expected).abs() < 1e-12, "{changes:?}");
     }
-    assert!((linear.by_coefficients[3][n + 2] - 1.0 / 2.127).abs() < 1e-12);
+    assert!((linear.by_coefficients[3][n + 1] - 1.0 / 2.127).abs() < 1e-12);
     assert!(linear.random[n..].iter().flatten().all(|z| *z == 0.0));
     // A law without its dependence on the length has as many, else their likelihoods would not compare.
     let short = base.without_length_law().unwrap();
     let short = ForceProblem::new(&short, &data, &[]);
-    assert_eq!(short.observed().len(), n + 4);
+    assert_eq!(short.observed().len(), n + 3);
     // It is two standard deviations, each half of the published value, from what is known.
     let far = short.observed()[n] - short.predict(&short.start())[n];
     assert!((far - 2.0).abs() < 0.01, "{far}");
