@@ -103,6 +103,11 @@ impl Form {
 
     fn and(mut self, column: Coordinates) -> Self {
         self.term.amplitudes += 1;
+        self.shaped(column)
+    }
+
+    /// With a shape that shows along a column.
+    fn shaped(mut self, column: Coordinates) -> Self {
         self.term.bounds.push((-1e6, 1e6));
         self.columns.push(along(column));
         self
@@ -1100,6 +1105,28 @@ fn groups_that_do_not_show_a_term_have_no_estimate_of_it() {
             close(estimate.value, value, 1e-9);
             close(estimate.standard_error, 2.0_f64.sqrt(), 1e-9);
         }
+    }
+}
+
+#[test]
+fn groups_share_the_shape_of_a_term() {
+    // As above, with a shape along (w5 + w13)/sqrt 2: the amplitude in group 0, its opposite in group 1. With amplitude 4 sqrt 2 and shape sqrt 2 as
+    // found, both groups have that amplitude; with the shape free beside them neither had one.
+    let h = 0.5_f64.sqrt();
+    let problem = line(
+        &[(1, 4.0), (9, 4.0), (5, 1.0), (13, 1.0)],
+        &[form(0, &[(1, h), (9, h)]).shaped(&[(5, h), (13, h)])],
+    );
+    let setting = Setting::new(&problem);
+    let mut from = problem.start();
+    from.terms.push((0, vec![1.0, 1.0]));
+    let model = setting.fit(&from, &setting.fresh());
+    let group: Vec<usize> = problem.node.iter().map(|n| n - 1).collect();
+    let all = query::by_group(&setting, &model, 0, 0, &group);
+    for estimate in &all[..2] {
+        let estimate = estimate.unwrap();
+        close(estimate.value, 4.0 / h, 1e-9);
+        close(estimate.standard_error, 2.0_f64.sqrt(), 1e-9);
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::MOST_ROWS;
 use crate::number::Rounding;
+use crate::wording::ALIKE;
 use crate::wording::name::{self, listed};
 use crate::wording::number::{
     NONE, error, error_or_none, error_with_unit, gain, percent_or_none, rounded, size,
@@ -12,8 +13,6 @@ use pipeline_findings::{
     Alternative, CampaignFindings, CoefficientChange, EffectFinding, Parameter, UnitErrors,
 };
 
-/// Log-likelihoods that differ by less tell nothing apart.
-const CLOSE: f64 = 2.0;
 /// An error on unseen units that is at most this share of another is lower.
 const MUCH_LOWER: f64 = 0.98;
 /// Most effects that are named of a unit; `residual_errors.csv` has all.
@@ -178,7 +177,7 @@ pub(super) fn alternatives_sentence(found: &CampaignFindings) -> String {
     let [best, _, ..] = order[..] else {
         return String::new();
     };
-    let is_close = |a: &&&Alternative| best.log_likelihood - a.log_likelihood < CLOSE;
+    let is_close = |a: &&&Alternative| best.log_likelihood - a.log_likelihood < ALIKE;
     let close: Vec<&Alternative> = order.iter().filter(is_close).copied().collect();
     let fewest = close.iter().map(|a| a.parts.len()).min();
     let simplest = |a: &&&Alternative| Some(a.parts.len()) == fewest;
@@ -188,7 +187,7 @@ pub(super) fn alternatives_sentence(found: &CampaignFindings) -> String {
         return format!(
             "{} fit equally well, with log-likelihoods within {}: these readings cannot decide between them.",
             name::capitalised(&listed(&all)),
-            rounded(CLOSE, Rounding::Decimals(0))
+            rounded(ALIKE, Rounding::Decimals(0))
         );
     };
     let mut sentence = if close.len() == 1 {
@@ -207,7 +206,7 @@ pub(super) fn alternatives_sentence(found: &CampaignFindings) -> String {
         format!(
             "{with}, the law fits as well as with {}: the log-likelihoods are within {}",
             listed(&others),
-            rounded(CLOSE, Rounding::Decimals(0))
+            rounded(ALIKE, Rounding::Decimals(0))
         )
     };
     let next = order

@@ -17,3 +17,5 @@ pub(crate) mod tests;
 
 /// Probability below which a test has found something.
 pub const SIGNIFICANT: f64 = 0.05;
+/// Log-likelihoods that differ by less tell nothing apart.
+pub const ALIKE: f64 = 2.0;

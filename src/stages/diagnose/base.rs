@@ -23,7 +23,7 @@ pub struct BaseCoefficient {
     pub bounds: (f64, f64),
     /// Whether it is fitted.
     pub free: bool,
-    /// What is known of it beforehand: its usual value and the standard deviation about that. None of a law that is taken as published.
+    /// What is known of it beforehand: its usual value and the standard deviation about that. None of a scale, and of a law that is taken as published.
     pub known: Option<(f64, f64)>,
     /// The published coefficient of which it is the reciprocal.
     pub reciprocal_of: Option<&'static str>,

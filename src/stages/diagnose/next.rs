@@ -4,7 +4,6 @@ use super::answer::{relative_contraction, rms};
 use super::data::Data;
 use super::problem::{ForceProblem, component};
 use super::{settings, unseen};
-use pipeline_effects::Need;
 use pipeline_findings::{BudgetEntry, NextKind, NextMeasurement};
 use pipeline_inference::fit::Setting;
 use pipeline_inference::heldout::Unseen;
@@ -126,12 +125,10 @@ fn conditions(data: &Data, i: usize) -> BTreeMap<String, f64> {
 /// The same with the sense of the motion and the time in the log, where these are known: alternatives may differ in nothing else.
 fn with_history(mut at: BTreeMap<String, f64>, data: &Data, i: usize) -> BTreeMap<String, f64> {
     let here = &data.conditions[i];
-    if !data.missing.contains_key(&Need::Direction) {
-        at.insert("direction".to_owned(), here.direction);
-    }
-    if !data.missing.contains_key(&Need::LogTime) {
-        at.insert("time_s".to_owned(), here.log_time_s);
-    }
+    // Both are 0 where they were not noted.
+    let history = [("direction", here.direction), ("time_s", here.log_time_s)];
+    let noted = history.into_iter().filter(|(_, x)| *x != 0.0);
+    at.extend(noted.map(|(key, x)| (key.to_owned(), x)));
     at
 }
 

@@ -1,6 +1,7 @@
 //! What the expected error is made of.
 
 use crate::number::Rounding;
+use crate::wording::ALIKE;
 use crate::wording::name::{self, listed, nouns};
 use crate::wording::number::{count, error, error_with_unit, plain, rounded};
 use pipeline_findings::{BudgetEntry, CampaignFindings, HeldOutBy, Scatter};
@@ -16,9 +17,6 @@ const FEWEST_FOR_SCATTER: usize = 3;
 
 /// Where a search without one unit has fewer others than this left, what it expects of an unseen one rests on these few, and it is said.
 const FEW_LEFT: usize = 3;
-
-/// A scatter that improves the log-likelihood by less is hardly shown: models that differ by less are indistinguishable.
-const ALIKE: f64 = 2.0;
 
 /// An expected error that is further than this factor from what came out is said to be.
 const FAR_FROM_EXPECTED: f64 = 1.25;
