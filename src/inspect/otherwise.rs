@@ -2,7 +2,7 @@
 //!
 //! A wrong sign, unit or exchange of columns may leave no reading to judge: cleaning throws away what no sensor can have shown. So the logs are
 //! read again with each of these mistakes taken back. Where the readings as described do not suit others and those of another description do,
-//! the one that suits best is named. Lengths are the business of [`crate::population`].
+//! the one that suits best is named; one that leaves the session unusual as well only if little of that is left. Lengths are the business of [`crate::population`].
 
 use crate::population::{Known, Suit};
 use crate::{Check, Seen, State, normalized, population};
@@ -30,6 +30,9 @@ pub struct Otherwise {
 
 /// Least share of the readings that another description has to keep: with force and pressure exchanged, other plateaus are steady.
 const KEPT: f64 = 0.5;
+/// Most that another description leaves of what is unusual about a session ([`Suit::off`]), if it does not make it usual: a unit is wrong by factors,
+/// a session by a few standard deviations.
+const LEFT_OF_IT: f64 = 0.1;
 
 /// Whether readings of a session suit others.
 pub(crate) type Suits<'a> = &'a (dyn Fn(&[Row], &Suit) -> bool + Sync);
@@ -65,7 +68,9 @@ pub(crate) fn check(
     config: &Config,
     known: &Known,
 ) -> Option<Check> {
-    let suits: Suits = &|_, suit| !suit.is_unusual();
+    // A session may be unusual beside a wrong unit.
+    let suits: Suits =
+        &|_, suit| !suit.is_unusual() || suit.off() < LEFT_OF_IT * as_described.off();
     let described = (as_described.readings, suits);
     let (otherwise, suit) = best(session, files, described, config, known)?;
     Some(Check {
