@@ -11,7 +11,7 @@ use crate::form::{Answer, Bootstrap, GRID, answers};
 use crate::heldout::Unseen;
 use crate::power::{Power, strength};
 use crate::problem::{Coefficient, Component, Direction, Linearised, Point, Problem, Term};
-use crate::profile::{Profile, profile};
+use crate::profile::{Profile, Profiles};
 use crate::query;
 use crate::screen::{Normal, Screen};
 use crate::search::{Decision, Found, Search};
@@ -1138,7 +1138,7 @@ fn profiled(w: usize, drawn: f64, bound: f64) -> Option<Profile> {
     from.terms.push((0, vec![9.0]));
     let model = setting.fit(&from, &setting.fresh());
     let own = normal(move |_| along(&[(w, drawn)]));
-    profile(&setting, &model, 0, 0, &own)
+    Profiles::new(&setting, &model, &own).of(0, 0)
 }
 
 #[test]

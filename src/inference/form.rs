@@ -10,7 +10,7 @@
 //! parametric bootstrap from the fitted model without G. Where there are several terms, a draw counts with the largest gain of any, so that p
 //! is family-wise, and the model without G is fitted once a draw.
 //!
-//! [`gain`] asks less: what the columns of one term gain over a model, by the full likelihood, as another term would. A term that gains no more
+//! [`Beside`] asks less: what the columns of one term gain over a model, by the full likelihood, as another term would. A term that gains no more
 //! beside the first than these do may be nothing but the form of the first.
 //!
 //! What u is, is answered with tau averaged over its likelihood (a flat prior; Gelman, Bayesian Analysis 1 (2006) 515): at the maximum alone,
@@ -82,11 +82,20 @@ pub fn answers(
         .collect()
 }
 
-/// What a set of further columns gains in (full) log-likelihood; nothing where the fixed effects leave nothing of it.
-pub fn gain(setting: &Setting, model: &Fitted, set: &[Vec<f64>]) -> f64 {
-    let plain = Plain::new(setting, model, Likelihood::Full);
-    let wider = plain.wider(set);
-    wider.map_or(0.0, |w| plain.gain(&w, &w.gram, &plain.maximum))
+/// A model of which sets of further columns may each be a part.
+pub struct Beside<'a>(Plain<'a>);
+
+impl<'a> Beside<'a> {
+    /// Beside a fitted model.
+    pub fn new(setting: &'a Setting<'a>, model: &'a Fitted) -> Self {
+        Self(Plain::new(setting, model, Likelihood::Full))
+    }
+
+    /// What a set gains in (full) log-likelihood; nothing where the fixed effects leave nothing of it.
+    pub fn gain(&self, set: &[Vec<f64>]) -> f64 {
+        let wider = self.0.wider(set);
+        wider.map_or(0.0, |w| self.0.gain(&w, &w.gram, &self.0.maximum))
+    }
 }
 
 /// The model without further columns.

@@ -12,6 +12,7 @@ use crate::screen::{Normal, draw};
 use crate::system::{Likelihood, Variances};
 use crate::variance::Effort;
 use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// A profile.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,70 +45,123 @@ const WIDER: f64 = 1.25;
 /// An end beyond the last step holds where the likelihood has fallen by this share of the cut.
 const NEARLY: f64 = 0.9;
 
-/// The profile of a value of a term in a fitted model; none where the value was not free.
-pub fn profile(
-    setting: &Setting,
-    model: &Fitted,
-    term: usize,
-    value: usize,
-    normal: &Normal,
-) -> Option<Profile> {
-    let place = model.place(term, value)?;
-    let error = model.covariance(&model.variances).at(place, place).sqrt();
-    if !(error > 0.0 && error.is_finite()) {
-        return None;
+/// The profiles of a fitted model; its draws serve for all of them.
+pub struct Profiles<'a> {
+    setting: &'a Setting<'a>,
+    model: &'a Fitted,
+    normal: &'a Normal<'a>,
+    variances: OnceLock<Variances>,
+    draws: OnceLock<Vec<Drawn>>,
+}
+
+/// A response drawn from the model, and the log-likelihood that the model comes to there.
+struct Drawn {
+    response: Vec<f64>,
+    log_likelihood: f64,
+}
+
+impl<'a> Profiles<'a> {
+    /// Of a model, with a source of random numbers.
+    pub fn new(setting: &'a Setting<'a>, model: &'a Fitted, normal: &'a Normal<'a>) -> Self {
+        Self {
+            setting,
+            model,
+            normal,
+            variances: OnceLock::new(),
+            draws: OnceLock::new(),
+        }
     }
-    let along = Along::new(setting, model, term, value, place)?;
-    let estimate = model.values(term)?[value];
-    let (low, high) = setting.problem.terms()[term].bounds[value];
-    let cut = -FALL_95 * along.stretch(normal);
-    let side = |sign: f64| -> (Vec<(f64, f64)>, Option<f64>) {
-        let steps = STEPS
-            .iter()
-            .map(|s| (estimate + sign * s * error).clamp(low, high));
-        let mut steps: Vec<f64> = steps.collect();
-        steps.dedup();
-        steps.retain(|a| *a != estimate);
-        let mut points = Vec::new();
-        let mut last = model.clone();
-        for a in steps {
-            last = along.at(a, &last);
-            points.push((a, last.log_likelihood - model.log_likelihood));
-            if points.len() > 1 && last.log_likelihood - model.log_likelihood < FAR * cut {
-                break;
-            }
+
+    /// The profile of a value of a term; none where the value was not free.
+    pub fn of(&self, term: usize, value: usize) -> Option<Profile> {
+        let model = self.model;
+        let place = model.place(term, value)?;
+        let error = model.covariance(&model.variances).at(place, place).sqrt();
+        if !(error > 0.0 && error.is_finite()) {
+            return None;
         }
-        // With a handful of groups an end may lie beyond the last step; where the likelihood stays up, there is none.
-        for _ in 0..BEYOND {
-            let Some(&(furthest, there)) = points.last() else {
-                break;
+        let along = Along::new(self, term, value, place)?;
+        let estimate = model.values(term)?[value];
+        let (low, high) = self.setting.problem.terms()[term].bounds[value];
+        let cut = -FALL_95 * along.stretch();
+        let side = |sign: f64| -> (Vec<(f64, f64)>, Option<f64>) {
+            let steps = STEPS
+                .iter()
+                .map(|s| (estimate + sign * s * error).clamp(low, high));
+            let mut steps: Vec<f64> = steps.collect();
+            steps.dedup();
+            steps.retain(|a| *a != estimate);
+            let mut points = Vec::new();
+            let mut last = model.clone();
+            for a in steps {
+                last = along.at(a, &last);
+                points.push((a, last.log_likelihood - model.log_likelihood));
+                if points.len() > 1 && last.log_likelihood - model.log_likelihood < FAR * cut {
+                    break;
+                }
+            }
+            // With a handful of groups an end may lie beyond the last step; where the likelihood stays up, there is none.
+            for _ in 0..BEYOND {
+                let Some(&(furthest, there)) = points.last() else {
+                    break;
+                };
+                let sought = crossing(estimate, &points, cut).unwrap_or(furthest);
+                if there < NEARLY * cut || furthest == low || furthest == high {
+                    break;
+                }
+                let further = (sought - estimate)
+                    .abs()
+                    .max(WIDER * (furthest - estimate).abs());
+                let sought = (estimate + sign * further).clamp(low, high);
+                last = along.at(sought, &last);
+                points.push((sought, last.log_likelihood - model.log_likelihood));
+            }
+            let has_fallen = points.last().is_some_and(|(_, v)| *v < NEARLY * cut);
+            let end =
+                crossing(estimate, &points, cut).filter(|a| has_fallen && (low..=high).contains(a));
+            (points, end)
+        };
+        let ((below, lower), (above, upper)) = rayon::join(|| side(-1.0), || side(1.0));
+        let mut points: Vec<(f64, f64)> = below.iter().rev().copied().collect();
+        points.push((estimate, 0.0));
+        points.extend(above);
+        Some(Profile {
+            value: estimate,
+            low: lower,
+            high: upper,
+            points,
+        })
+    }
+
+    /// Draws from the model, with how groups of their own differ in predictions.
+    fn draws(&self) -> &[Drawn] {
+        self.draws.get_or_init(|| {
+            let drawn = |k: usize| {
+                let response = draw(self.model, self.variances(), &mut *(self.normal)(k));
+                let design = &self.model.design;
+                let gram = design.with_response_of(&self.model.gram, &[], &response);
+                Drawn {
+                    log_likelihood: self.ascend(&gram),
+                    response,
+                }
             };
-            let sought = crossing(estimate, &points, cut).unwrap_or(furthest);
-            if there < NEARLY * cut || furthest == low || furthest == high {
-                break;
-            }
-            let further = (sought - estimate)
-                .abs()
-                .max(WIDER * (furthest - estimate).abs());
-            let sought = (estimate + sign * further).clamp(low, high);
-            last = along.at(sought, &last);
-            points.push((sought, last.log_likelihood - model.log_likelihood));
-        }
-        let has_fallen = points.last().is_some_and(|(_, v)| *v < NEARLY * cut);
-        let end =
-            crossing(estimate, &points, cut).filter(|a| has_fallen && (low..=high).contains(a));
-        (points, end)
-    };
-    let ((below, lower), (above, upper)) = rayon::join(|| side(-1.0), || side(1.0));
-    let mut points: Vec<(f64, f64)> = below.iter().rev().copied().collect();
-    points.push((estimate, 0.0));
-    points.extend(above);
-    Some(Profile {
-        value: estimate,
-        low: lower,
-        high: upper,
-        points,
-    })
+            (0..DRAWS).into_par_iter().map(drawn).collect()
+        })
+    }
+
+    /// The likelihood of a response in a linear model, the variances estimated again from the true ones.
+    fn ascend(&self, gram: &Gram) -> f64 {
+        let scales = self.setting.scales();
+        let maximiser = self.setting.maximiser(&scales, Likelihood::Full);
+        let known = Some(self.model.inverse.as_slice());
+        let best = maximiser.maximise_with(gram, self.variances(), EFFORT, known);
+        best.log_likelihood
+    }
+
+    fn variances(&self) -> &Variances {
+        let of = || self.model.predictive(self.setting);
+        self.variances.get_or_init(of)
+    }
 }
 
 /// Where a side of the profile falls below a cut: linear in the root of the likelihood ratio.
@@ -130,10 +184,9 @@ fn crossing(estimate: f64, points: &[(f64, f64)], cut: f64) -> Option<f64> {
 }
 
 struct Along<'a> {
+    profiles: &'a Profiles<'a>,
     /// The setting with the value held.
     held: Setting<'a>,
-    setting: &'a Setting<'a>,
-    model: &'a Fitted,
     term: usize,
     value: usize,
     /// The linear model without the column of the value, and its sums.
@@ -142,22 +195,16 @@ struct Along<'a> {
 }
 
 impl<'a> Along<'a> {
-    fn new(
-        setting: &'a Setting,
-        model: &'a Fitted,
-        term: usize,
-        value: usize,
-        place: usize,
-    ) -> Option<Self> {
+    fn new(profiles: &'a Profiles<'a>, term: usize, value: usize, place: usize) -> Option<Self> {
+        let Profiles { setting, model, .. } = profiles;
         let mut rest = model.design.clone();
         rest.x.remove(place);
         let number = model.point.terms.iter().position(|(t, _)| *t == term)?;
-        let mut held = setting.clone();
+        let mut held = (*setting).clone();
         held.pinned.push(Free::Value(number, value));
         Some(Self {
+            profiles,
             held,
-            setting,
-            model,
             term,
             value,
             pinned: setting.sums(&rest),
@@ -175,34 +222,21 @@ impl<'a> Along<'a> {
             }
         }
         let own = &beside.variances;
-        let starts = [own.clone(), self.setting.widened(own)];
+        let starts = [own.clone(), self.profiles.setting.widened(own)];
         self.held.fit(&point, &starts)
     }
 
-    /// The likelihood of a response in the linear model, the variances estimated again.
-    fn ascend(&self, gram: &Gram, from: &Variances) -> f64 {
-        let scales = self.setting.scales();
-        let maximiser = self.setting.maximiser(&scales, Likelihood::Full);
-        maximiser
-            .maximise_with(gram, from, EFFORT, Some(&self.model.inverse))
-            .log_likelihood
-    }
-
-    /// Mean of the likelihood ratio of the true value in draws from the model; at least 1. The variances are looked for from the true ones.
-    fn stretch(&self, normal: &Normal) -> f64 {
-        let variances = self.model.predictive(self.setting);
-        let ratios: Vec<f64> = (0..DRAWS)
-            .into_par_iter()
-            .map(|k| {
-                let y = draw(self.model, &variances, &mut *normal(k));
-                let design = &self.model.design;
-                let best = self.ascend(
-                    &design.with_response_of(&self.model.gram, &[], &y),
-                    &variances,
-                );
-                let pinned = self.rest.with_response_of(&self.pinned, &[], &y);
-                let pinned = self.ascend(&pinned, &variances);
-                (2.0 * (best - pinned)).max(0.0)
+    /// Mean of the likelihood ratio of the true value in draws from the model; at least 1.
+    fn stretch(&self) -> f64 {
+        let draws = self.profiles.draws();
+        let ratios: Vec<f64> = draws
+            .par_iter()
+            .map(|drawn| {
+                let gram = self
+                    .rest
+                    .with_response_of(&self.pinned, &[], &drawn.response);
+                let pinned = self.profiles.ascend(&gram);
+                (2.0 * (drawn.log_likelihood - pinned)).max(0.0)
             })
             .collect();
         (ratios.iter().sum::<f64>() / ratios.len() as f64).max(1.0)

@@ -2,7 +2,7 @@
 
 use super::{Found, Search};
 use crate::fit::Fitted;
-use crate::form;
+use crate::form::Beside;
 use crate::statistic::deviate;
 
 impl Search<'_> {
@@ -12,13 +12,15 @@ impl Search<'_> {
         loop {
             let mut order: Vec<usize> = (0..found.accepted.len()).collect();
             order.sort_by(|a, b| found.accepted[*a].gain.total_cmp(&found.accepted[*b].gain));
+            let model = found.model.clone();
+            let bent = self.bent(&model);
             let bend = order.into_iter().find_map(|place| {
-                let term = found.accepted[place].term;
-                let without = self.without(found, term);
+                let without = self.without(found, found.accepted[place].term);
                 let accepted = &found.accepted[place];
-                let least = self.least_beside_bends(&found.model, &without);
                 let amplitudes = self.setting.problem.terms()[accepted.term].amplitudes;
-                let is_bend = deviate(2.0 * least, amplitudes) < accepted.critical;
+                let shows = |gain: f64| deviate(2.0 * gain, amplitudes) >= accepted.critical;
+                let is_bend = !shows(model.log_likelihood - without.log_likelihood)
+                    || !self.shows_beside_bends(&bent, &without, shows);
                 is_bend.then_some((place, without))
             });
             let Some((place, without)) = bend else {
@@ -29,14 +31,33 @@ impl Search<'_> {
         }
     }
 
-    /// The least that a model gains over one with a term less, where the size of any other term may bend in both.
-    fn least_beside_bends(&self, model: &Fitted, without: &Fitted) -> f64 {
-        let bent = |fitted: &Fitted, term: usize| {
-            let columns = self.setting.problem.bends(&fitted.point, term);
-            fitted.log_likelihood + form::gain(self.setting, fitted, &columns)
-        };
-        let others = without.point.terms.iter();
-        let gains = others.map(|(t, _)| bent(model, *t) - bent(without, *t));
-        gains.fold(model.log_likelihood - without.log_likelihood, f64::min)
+    /// Whether a model gains enough over one with a term less, where the size of any other term may bend in both.
+    fn shows_beside_bends(
+        &self,
+        bent: &[(usize, f64)],
+        without: &Fitted,
+        is_enough: impl Fn(f64) -> bool,
+    ) -> bool {
+        let others = bent.iter();
+        let mut others = others.filter(|(term, _)| without.values(*term).is_some());
+        let beside = Beside::new(self.setting, without);
+        others.all(|(term, with)| is_enough(with - self.bent_by(&beside, without, *term)))
+    }
+
+    /// The terms of a model, each with the log-likelihood where its size may bend.
+    fn bent(&self, model: &Fitted) -> Vec<(usize, f64)> {
+        if model.point.terms.len() < 2 {
+            return Vec::new();
+        }
+        let beside = Beside::new(self.setting, model);
+        let terms = model.point.terms.iter().map(|(term, _)| *term);
+        terms
+            .map(|term| (term, self.bent_by(&beside, model, term)))
+            .collect()
+    }
+
+    fn bent_by(&self, beside: &Beside, model: &Fitted, term: usize) -> f64 {
+        let columns = self.setting.problem.bends(&model.point, term);
+        model.log_likelihood + beside.gain(&columns)
     }
 }

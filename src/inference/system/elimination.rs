@@ -6,11 +6,13 @@ use super::triangular::forward;
 use super::{Eliminated, Variances};
 use crate::gram::{Gram, Square};
 use crate::tree::Tree;
+use multiversion::multiversion;
 
 /// A pivot below this part of its diagonal is none: the column is spanned by those before it.
 const NO_PIVOT: f64 = 1e-11;
 
 /// Rows of a node's own columns in the system: scaled sums less what the groups below take off. Columns of the path, fixed effects, response.
+#[multiversion(targets("x86_64+avx2"))]
 pub(super) fn own_rows(
     tree: &Tree,
     gram: &Gram,
@@ -57,6 +59,7 @@ pub(super) fn own_rows(
 }
 
 /// Eliminates a node's own columns, to which 1 is added on the diagonal (the prior precision).
+#[multiversion(targets("x86_64+avx2"))]
 pub(super) fn eliminate(own: &Square, first: usize, width: usize) -> Eliminated {
     let n = own.n;
     let stride = n - width;
@@ -92,6 +95,7 @@ pub(super) fn eliminate(own: &Square, first: usize, width: usize) -> Eliminated 
 }
 
 /// Adds a matrix of which the upper triangle counts, without a node's own rows and columns.
+#[multiversion(targets("x86_64+avx2"))]
 pub(super) fn add_without_own(to: &mut Square, from: Option<&Square>, first: usize, width: usize) {
     let Some(from) = from else { return };
     for i in 0..to.n {

@@ -5,6 +5,7 @@ use super::triangular::inverse_of;
 use super::{Factor, Likelihood, scales};
 use crate::gram::{Part, Square};
 use crate::tree::{Block, Tree};
+use multiversion::multiversion;
 
 impl Factor<'_> {
     /// Derivatives of the log-likelihood by the logarithms of the standard deviations: components, then noise.
@@ -28,15 +29,25 @@ impl Factor<'_> {
             let own = self.own_effects(node);
             let first = tree.above(node);
             let above = expected_of(&expected, tree, node).unwrap_or(&at_root);
-            for part in &others[node] {
-                by_noise[part.class] += self.by_noise_of(part, &own, above, first);
-            }
             if node == 0 || is_parent[node] {
+                for part in &others[node] {
+                    let rows = self.scaled_rows(part);
+                    by_noise[part.class] += own.expected_squares(&rows, first, |rest| {
+                        rest.chunks_exact(own.n)
+                            .map(|row| quadratic_form(row, above))
+                            .sum()
+                    });
+                    by_noise[part.class] -= part.count as f64;
+                }
                 let here = own.expected(above, first);
                 for (k, c) in tree.components_of(node).enumerate() {
                     by_components[c] += here.at(first + k, first + k) - 1.0;
                 }
-                sums.push(Some(Below::new(here.n, by_components.len())));
+                sums.push(Some(Below::new(
+                    here.n,
+                    by_components.len(),
+                    by_noise.len(),
+                )));
                 expected.push(Some(here));
                 continue;
             }
@@ -49,10 +60,19 @@ impl Factor<'_> {
                 continue;
             };
             below.take(&own, tree.blocks(node));
+            for part in &others[node] {
+                let rows = self.scaled_rows(part);
+                by_noise[part.class] += own.expected_squares(&rows, first, |rest| {
+                    add_products(below.noise(part.class), rest, part.count);
+                    0.0
+                });
+                by_noise[part.class] -= part.count as f64;
+            }
         }
         for (below, here) in sums.iter().zip(&expected) {
             if let (Some(below), Some(here)) = (below, here) {
-                below.add_to(here, &mut by_components);
+                add_to(&mut by_components, &below.components, here);
+                add_to(&mut by_noise, &below.noise, here);
             }
         }
         // All readings together: y'P y less the squares of the random effects, and the trace of (covariance times products) = columns - what is
@@ -73,15 +93,16 @@ impl Factor<'_> {
         others
     }
 
-    /// What the readings of a part add to the derivative by their noise.
-    fn by_noise_of(&self, part: &Part, own: &OwnEffects, above: &Square, first: usize) -> f64 {
+    /// The rows of a part, each column in units of its standard deviation, all divided by the noise.
+    fn scaled_rows(&self, part: &Part) -> Vec<f64> {
         let scales = scales(self.tree, self.variances, part, self.gram.fixed);
-        let rows = part.rows.chunks_exact(scales.len());
-        rows.map(|row| {
-            let row: Vec<f64> = row.iter().zip(&scales).map(|(x, s)| x * s).collect();
-            own.expected_square(&row, above, first) - 1.0
-        })
-        .sum::<f64>()
+        let mut rows = part.rows.clone();
+        for row in rows.chunks_exact_mut(scales.len()) {
+            for (x, s) in row.iter_mut().zip(&scales) {
+                *x *= s;
+            }
+        }
+        rows
     }
 
     /// How many fixed effects the likelihood counts as estimated.
@@ -179,18 +200,29 @@ impl OwnEffects {
         e
     }
 
-    /// Expected square of a row of the path's columns, fixed effects and response times e of the node, from E of its parent.
-    fn expected_square(&self, row: &[f64], above: &Square, first: usize) -> f64 {
-        let (own, width) = (&row[first..first + self.width], self.width);
-        let mut rest: Vec<f64> = row[..first]
-            .iter()
-            .chain(&row[first + width..])
-            .copied()
-            .collect();
-        for (x, a) in own.iter().zip(self.a.chunks_exact(self.n)) {
-            add_times(&mut rest, -x, a);
+    /// Sum of the expected squares of rows of the path's columns, fixed effects and response times e of the node: what is left open of its own
+    /// effects, and what the rows are of e of its parent, `of_parent`.
+    fn expected_squares(
+        &self,
+        rows: &[f64],
+        first: usize,
+        of_parent: impl FnOnce(&[f64]) -> f64,
+    ) -> f64 {
+        let (n, width) = (self.n, self.width);
+        let rows = rows.chunks_exact(n + width);
+        let mut rest = Vec::with_capacity(rows.len() * n);
+        let mut open = 0.0;
+        for row in rows {
+            let own = &row[first..first + width];
+            let begin = rest.len();
+            rest.extend_from_slice(&row[..first]);
+            rest.extend_from_slice(&row[first + width..]);
+            for (x, a) in own.iter().zip(self.a.chunks_exact(n)) {
+                add_times(&mut rest[begin..], -x, a);
+            }
+            open += quadratic_form(own, &self.open);
         }
-        quadratic_form(&rest, above) + quadratic_form(own, &self.open)
+        open + of_parent(&rest)
     }
 }
 
@@ -198,18 +230,24 @@ impl OwnEffects {
 struct Below {
     n: usize,
     components: Vec<Option<Square>>,
+    noise: Vec<Option<Square>>,
 }
 
 impl Below {
-    fn new(n: usize, components: usize) -> Self {
+    fn new(n: usize, components: usize, classes: usize) -> Self {
         Self {
             n,
             components: vec![None; components],
+            noise: vec![None; classes],
         }
     }
 
     fn component(&mut self, component: usize) -> &mut Square {
         self.components[component].get_or_insert_with(|| Square::zeros(self.n))
+    }
+
+    fn noise(&mut self, class: usize) -> &mut Square {
+        self.noise[class].get_or_insert_with(|| Square::zeros(self.n))
     }
 
     /// Adds what the own effects of a node are to be multiplied with.
@@ -221,13 +259,14 @@ impl Below {
             from += block.columns;
         }
     }
+}
 
-    fn add_to(&self, expected: &Square, by_components: &mut [f64]) {
-        for (matrix, sum) in self.components.iter().zip(by_components) {
-            *sum += matrix
-                .as_ref()
-                .map_or(0.0, |m| product_of_upper(m, expected));
-        }
+/// Adds the products of matrices with E to sums.
+fn add_to(sums: &mut [f64], matrices: &[Option<Square>], expected: &Square) {
+    for (matrix, sum) in matrices.iter().zip(sums) {
+        *sum += matrix
+            .as_ref()
+            .map_or(0.0, |m| product_of_upper(m, expected));
     }
 }
 
@@ -246,12 +285,14 @@ fn expected_of<'e>(expected: &'e [Option<Square>], tree: &Tree, node: usize) -> 
 }
 
 /// x'A x.
+#[multiversion(targets("x86_64+avx2"))]
 fn quadratic_form(x: &[f64], a: &Square) -> f64 {
     let rows = a.a.chunks_exact(a.n).zip(x);
     rows.map(|(row, factor)| factor * dot(row, x)).sum()
 }
 
 /// Sum of the products of all entries of two symmetric matrices, of the first of which the upper triangle counts.
+#[multiversion(targets("x86_64+avx2"))]
 fn product_of_upper(upper: &Square, b: &Square) -> f64 {
     let n = upper.n;
     let rows = (0..n).map(|i| {

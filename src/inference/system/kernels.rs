@@ -1,6 +1,7 @@
 //! Sums of products over rows, each in a fixed order: the innermost loops.
 
 use crate::gram::Square;
+use multiversion::multiversion;
 
 /// Scalar product in four partial sums, in a fixed order.
 #[inline]
@@ -29,6 +30,7 @@ pub(crate) fn add_times(to: &mut [f64], factor: f64, from: &[f64]) {
 }
 
 /// Adds R'R, upper triangle, R of so many rows.
+#[multiversion(targets("x86_64+avx2"))]
 pub(super) fn add_products(to: &mut Square, r: &[f64], rows: usize) {
     let n = to.n;
     let blocks = rows / 4;
@@ -56,6 +58,7 @@ fn add_four(to: &mut [f64], rows: [&[f64]; 4]) {
 }
 
 /// Adds the rows of a matrix, each times a factor.
+#[multiversion(targets("x86_64+avx2"))]
 pub(super) fn add_combination(to: &mut [f64], factors: &[f64], rows: &[f64]) {
     let n = to.len();
     let (factors4, rows4) = (factors.chunks_exact(4), rows.chunks_exact(4 * n));

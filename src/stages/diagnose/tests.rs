@@ -12,7 +12,7 @@ use pipeline_findings::Verdict;
 use pipeline_fit::Group;
 use pipeline_inference::fit::{Free, Setting};
 use pipeline_inference::problem::Problem;
-use pipeline_inference::profile::profile;
+use pipeline_inference::profile::Profiles;
 use pipeline_mechanics::models::new;
 use pipeline_simulate::coefficients::Coefficients;
 use pipeline_simulate::rig_like;
@@ -87,7 +87,9 @@ fn at_the_ends_of_an_interval_the_likelihood_of_a_fit_has_fallen_alike() {
         let mut stream = Stream::new(1, &["profile", &k.to_string()]);
         Box::new(move || stream.normal())
     };
-    let found = profile(&setting, &model, creep.unwrap(), 0, &normal).unwrap();
+    let found = Profiles::new(&setting, &model, &normal)
+        .of(creep.unwrap(), 0)
+        .unwrap();
     let fallen = |size: f64| {
         let mut held = setting.clone();
         held.pinned.push(Free::Value(0, 0));

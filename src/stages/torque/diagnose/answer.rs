@@ -14,7 +14,7 @@ use pipeline_findings::{
 };
 use pipeline_inference::fit::Setting;
 use pipeline_inference::problem::{Point, Problem};
-use pipeline_inference::profile::profile;
+use pipeline_inference::profile::Profiles;
 use pipeline_inference::query;
 use pipeline_inference::screen::Normal;
 use pipeline_inference::search::{Accepted, Found};
@@ -90,7 +90,9 @@ impl Work<'_> {
     /// The accepted effects, strongest first.
     pub fn effects(&self) -> Vec<EffectFinding> {
         let accepted = self.found.accepted.iter();
-        let mut effects: Vec<EffectFinding> = accepted.filter_map(|a| self.effect(a)).collect();
+        let profiles = Profiles::new(self.setting, &self.found.model, self.normal);
+        let effects = accepted.filter_map(|a| self.effect(a, &profiles));
+        let mut effects: Vec<EffectFinding> = effects.collect();
         let gain = |e: &EffectFinding| e.log_likelihood_gain.unwrap_or(0.0);
         effects.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
         // One actuator a search.
@@ -99,7 +101,7 @@ impl Work<'_> {
         effects
     }
 
-    fn effect(&self, accepted: &Accepted) -> Option<EffectFinding> {
+    fn effect(&self, accepted: &Accepted, profiles: &Profiles) -> Option<EffectFinding> {
         let form = self.what(accepted.term).form()?;
         let values = self.found.model.values(accepted.term)?.to_vec();
         let others = accepted.in_its_place.iter();
@@ -115,7 +117,7 @@ impl Work<'_> {
                 class.push(id.to_owned());
             }
         }
-        let (parameters, profile) = self.parameters(accepted.term, &values);
+        let (parameters, profile) = self.parameters(accepted.term, &values, profiles);
         let change = rms(&self.change(accepted.term));
         Some(EffectFinding {
             id: form.id.to_owned(),
@@ -141,14 +143,19 @@ impl Work<'_> {
     }
 
     /// Parameters with their intervals, and the profile of the first.
-    fn parameters(&self, term: usize, values: &[f64]) -> (Vec<Parameter>, Vec<(f64, f64)>) {
+    fn parameters(
+        &self,
+        term: usize,
+        values: &[f64],
+        profiles: &Profiles,
+    ) -> (Vec<Parameter>, Vec<(f64, f64)>) {
         let Some(form) = self.what(term).form() else {
             return (Vec::new(), Vec::new());
         };
         let mut points = Vec::new();
         let parameters = values.iter().zip(form.symbols).enumerate();
         let parameters = parameters.map(|(k, (value, symbol))| {
-            let profile = profile(self.setting, &self.found.model, term, k, self.normal);
+            let profile = profiles.of(term, k);
             if let (0, Some(p)) = (k, &profile) {
                 points.clone_from(&p.points);
             }
