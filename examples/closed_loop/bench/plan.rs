@@ -8,10 +8,14 @@ use pipeline::simulate::rig_like::{Family, Mistake, Pace, Scatter};
 pub const MULTIPLES: [f64; 3] = [1.0, 1.5, 4.0];
 /// Size of everything else.
 const FOUR: f64 = 4.0;
-/// Campaigns without an effect, for one seed of every effect.
+/// Campaigns without an effect, for each seed of every effect.
 const NOTHING: u64 = 10;
+/// Campaigns with two effects, for the same.
+const PAIRS: u64 = 5;
 /// Base models that do not know the resting length.
 const BASES: [&str; 2] = ["hunt2017", "festo_tool"];
+/// Specimens, each of another length, where a campaign has as many as the laboratory's: ten of 10 mm, from 112 to 518 mm.
+pub const MANY_LENGTHS: usize = 10;
 /// Recording errors.
 const MISTAKES: [Mistake; 4] = [
     Mistake::SwappedColumns,
@@ -37,7 +41,7 @@ impl Plan {
         for multiple in MULTIPLES {
             list.extend(self.singles(rig, multiple, self.seeds));
         }
-        list.extend(self.pairs(rig, 5 * self.seeds));
+        list.extend(self.pairs(rig, PAIRS * self.seeds));
         list.extend(self.each(
             Part::OtherForm,
             rig,
@@ -46,11 +50,12 @@ impl Plan {
         ));
         list.extend(self.each(Part::Outside, rig, cases::outside(self.family), self.seeds));
         list.extend(self.rediscovery(2 * self.seeds));
+        list.extend(self.rediscovery_of_many(2 * self.seeds));
         list.extend(self.recording(3 * self.seeds));
         let clean = Scatter::Clean;
         list.extend(self.nothing(clean, NOTHING * self.seeds));
         list.extend(self.singles(clean, FOUR, self.seeds));
-        list.extend(self.pairs(clean, 5 * self.seeds));
+        list.extend(self.pairs(clean, PAIRS * self.seeds));
         list.extend(self.each(
             Part::OtherForm,
             clean,
@@ -116,16 +121,15 @@ impl Plan {
     }
 
     /// Campaigns of every case, at four detection limits. Their seeds are those of campaigns without an effect, so that these serve for
-    /// the limits; as few cases as possible share one.
+    /// the limits; as few cases as possible share one. A table of more seeds has all campaigns of a shorter one.
     fn each(&self, part: Part, scatter: Scatter, cases: &[Case], n: u64) -> Vec<Trial> {
-        let seeds = NOTHING * self.seeds.max(1);
         let one = |(k, case): (usize, &Case)| {
             let case = *case;
             (0..n).map(move |j| Trial {
                 pace: case.pace,
                 cases: vec![case],
                 multiple: FOUR,
-                ..self.trial(part, scatter, (k as u64 * n + j) % seeds)
+                ..self.trial(part, scatter, NOTHING * j + k as u64 % NOTHING)
             })
         };
         cases.iter().enumerate().flat_map(one).collect()
@@ -133,13 +137,12 @@ impl Plan {
 
     fn pairs(&self, scatter: Scatter, n: u64) -> Vec<Trial> {
         let pairs = cases::pairs();
-        let seeds = NOTHING * self.seeds.max(1);
         // A step that has no divisor in common with the number of pairs visits all of them.
         let step = (7..).find(|s| !pairs.len().is_multiple_of(*s)).unwrap_or(1);
         let one = |k: u64| Trial {
             cases: pairs[(k as usize * step) % pairs.len()].to_vec(),
             multiple: FOUR,
-            ..self.trial(Part::Two, scatter, k % seeds)
+            ..self.trial(Part::Two, scatter, NOTHING * (k / PAIRS) + k % PAIRS)
         };
         (0..n).map(one).collect()
     }
@@ -149,6 +152,16 @@ impl Plan {
             specimens: Some(6 + (k / 2) as usize % 3),
             base: BASES[k as usize % 2],
             ..self.trial(Part::Rediscovery, Scatter::RigLike, 9_000 + k)
+        };
+        (0..n).map(one).collect()
+    }
+
+    /// With as many lengths as the laboratory had that found the dependence.
+    fn rediscovery_of_many(&self, n: u64) -> Vec<Trial> {
+        let one = |k: u64| Trial {
+            specimens: Some(MANY_LENGTHS),
+            base: BASES[k as usize % 2],
+            ..self.trial(Part::Rediscovery, Scatter::RigLike, 9_500 + k)
         };
         (0..n).map(one).collect()
     }
@@ -187,7 +200,19 @@ mod tests {
             20 * cases::other_forms(Family::Published).len()
         );
         let rest = [Part::Two, Part::Outside, Part::Rediscovery, Part::Recording];
-        assert_eq!(rest.map(rig), [100, 100, 40, 60]);
+        assert_eq!(rest.map(rig), [100, 100, 80, 60]);
+    }
+
+    #[test]
+    fn a_table_of_more_seeds_has_all_campaigns_of_a_shorter_one() {
+        let names = |seeds: u64| -> BTreeSet<String> {
+            let plan = Plan {
+                family: Family::Published,
+                seeds,
+            };
+            plan.trials().iter().map(Trial::name).collect()
+        };
+        assert!(names(1).is_subset(&names(2)) && names(2).is_subset(&names(20)));
     }
 
     #[test]

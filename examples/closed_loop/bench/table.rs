@@ -1,7 +1,7 @@
 //! The table in Markdown: what was tried, how often it was right, and the bar.
 
 use super::outcome::Outcome;
-use super::plan::MULTIPLES;
+use super::plan::{MANY_LENGTHS, MULTIPLES};
 use super::rate::{Rate, median, quantile};
 use super::trial::{Part, Trial};
 use pipeline::simulate::rig_like::Scatter;
@@ -68,14 +68,17 @@ pub fn bars(trials: &[Trial], outcomes: &[Outcome], scatter: Scatter) -> Vec<Bar
     };
     let mut list = of_nothing(&of(Part::Nothing), scatter);
     list.extend(of_singles(&of(Part::Single), scatter));
-    let exact = |list: &[Pair]| Rate::of(list.iter().map(|(_, o)| o.exact));
-    let two = of(Part::Two);
+    let as_asked = |part: Part| -> Vec<Pair> {
+        let all = of(part).into_iter();
+        all.filter(|(_, o)| !o.size.capped).collect()
+    };
+    let two = as_asked(Part::Two);
     list.push(Bar::share(
         "two effects, 4 times the limit: both and nothing else",
         exact(&two),
         (0.85, 1.0),
     ));
-    let forms = of(Part::OtherForm);
+    let forms = as_asked(Part::OtherForm);
     list.push(Bar::share(
         "another form, 4 times the limit: right id and nothing else",
         exact(&forms),
@@ -84,13 +87,17 @@ pub fn bars(trials: &[Trial], outcomes: &[Outcome], scatter: Scatter) -> Vec<Bar
     let ratio = median(forms.iter().filter_map(|(_, o)| o.error_ratio));
     let title = "the same: error on unseen specimens, over that without the effect, median";
     list.push(Bar::number(title, ratio, "at most 1.10", (0.0, 1.1)));
-    list.extend(of_outside(&of(Part::Outside)));
-    let found = Rate::of(of(Part::Rediscovery).iter().map(|(_, o)| o.detected));
-    list.push(Bar::share(
-        "Hunt 2017 or the Festo tool: `rest_length_scaling` found",
-        found,
-        (0.9, 1.0),
-    ));
+    list.extend(of_outside(&as_asked(Part::Outside)));
+    for (many, lengths) in [
+        (false, "6 to 8 lengths".to_owned()),
+        (true, format!("{MANY_LENGTHS} lengths")),
+    ] {
+        let own = of(Part::Rediscovery).into_iter();
+        let own = own.filter(|(t, _)| (t.specimens == Some(MANY_LENGTHS)) == many);
+        let found = Rate::of(own.map(|(_, o)| o.detected));
+        let title = format!("Hunt 2017 or the Festo tool, {lengths}: `rest_length_scaling` found");
+        list.push(Bar::share(&title, found, (0.9, 1.0)));
+    }
     let recording = of(Part::Recording);
     let pointed = Rate::of(recording.iter().map(|(_, o)| o.detected));
     list.push(Bar::share(
@@ -106,6 +113,10 @@ pub fn bars(trials: &[Trial], outcomes: &[Outcome], scatter: Scatter) -> Vec<Bar
     ));
     list.retain(|b| b.met.is_some());
     list
+}
+
+fn exact(list: &[Pair]) -> Rate {
+    Rate::of(list.iter().map(|(_, o)| o.exact))
 }
 
 fn of_nothing(list: &[Pair], scatter: Scatter) -> Vec<Bar> {
@@ -150,9 +161,9 @@ fn of_singles(list: &[Pair], scatter: Scatter) -> Vec<Bar> {
         let own: Vec<Pair> = list
             .iter()
             .copied()
-            .filter(|(t, _)| t.multiple == multiple)
+            .filter(|(t, o)| t.multiple == multiple && !o.size.capped)
             .collect();
-        let exact = Rate::of(own.iter().map(|(_, o)| o.exact));
+        let exact = exact(&own);
         let title = format!("one effect, {multiple} times the limit: it and nothing else");
         let bounds = match multiple {
             1.0 => (0.7, 0.9),
@@ -227,7 +238,8 @@ pub fn document(trials: &[Trial], outcomes: &[Outcome]) -> String {
         text.push_str(&by_case(trials, outcomes, scatter));
         text.push_str(&by_specimens(trials, outcomes, scatter));
     }
-    text.push_str(&sizes_and_times(trials, outcomes));
+    text.push_str(&capped(trials, outcomes));
+    text.push_str(&times(trials, outcomes));
     text
 }
 
@@ -332,18 +344,45 @@ fn instead(list: &[Pair]) -> String {
     words.join(", ")
 }
 
-fn sizes_and_times(trials: &[Trial], outcomes: &[Outcome]) -> String {
-    let pairs: Vec<Pair> = trials.iter().zip(outcomes).collect();
-    let generating = pairs
-        .iter()
-        .filter(|(_, o)| o.size.generating_limit)
-        .count();
-    let capped = pairs.iter().filter(|(_, o)| o.size.capped).count();
+/// Campaigns whose effect would have been absurd at the size asked for: with the largest size that is not, which is a smaller multiple.
+fn capped(trials: &[Trial], outcomes: &[Outcome]) -> String {
+    let all = trials.iter().zip(outcomes);
+    let all: Vec<Pair> = all.filter(|(_, o)| o.size.capped).collect();
+    let of = |(part, name): (Part, &str)| {
+        let own: Vec<Pair> = all
+            .iter()
+            .copied()
+            .filter(|(t, _)| t.part == part)
+            .collect();
+        let rate = exact(&own);
+        (rate.of > 0).then(|| format!("{name} {} of {}", rate.hits, rate.of))
+    };
+    let parts = [
+        (Part::Single, "one effect"),
+        (Part::Two, "two"),
+        (Part::OtherForm, "another form"),
+        (Part::Outside, "outside the library"),
+    ];
+    let rates: Vec<String> = parts.into_iter().filter_map(of).collect();
+    if rates.is_empty() {
+        return String::new();
+    }
+    format!(
+        "\nIn {} of {} campaigns the size asked for would have been absurd. They are not counted in the rates of the first tables, but with the largest size \
+         that is not absurd, a smaller multiple of the limit, the exact set was found: {}.\n",
+        all.len(),
+        outcomes.len(),
+        rates.join(", ")
+    )
+}
+
+fn times(trials: &[Trial], outcomes: &[Outcome]) -> String {
+    let generating = outcomes.iter().filter(|o| o.size.generating_limit).count();
     let seconds = |p| quantile(outcomes.iter().map(|o| o.seconds), p).unwrap_or(f64::NAN);
     format!(
-        "\nIn {generating} of {} campaigns the findings stated no detection limit for what was put in, and that of the generating model stood in for it; in \
-         {capped} the size asked for was absurd and a smaller one was taken. A search took {:.1} s (median), {:.1} s at most, beside others on the same cores.\n",
-        pairs.len(),
+        "\nIn {generating} of {} campaigns the findings stated no detection limit for what was put in, and that of the generating model stood in for it. A \
+         search took {:.1} s (median), {:.1} s at most, beside others on the same cores.\n",
+        trials.len(),
         seconds(0.5),
         seconds(1.0)
     )
