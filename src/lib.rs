@@ -92,6 +92,7 @@
 //!   ```text
 //!   plotters, plotters-backend, resvg, rustybuzz, png, typst, typst-as-lib, typst-pdf: report
 //!   clap, clap_complete, clap_mangen, indicatif: cli
+//!   multiversion: inference
 //!   polars, polars-buffer, polars-parquet: base, formats
 //!   ```
 //!   So `cache` knows no stage, and stages know neither cache nor command line; `mechanics`, `effects`, `inference` and `numerics` do no I/O and see no data

@@ -4,6 +4,7 @@
 use crate::answers;
 use crate::args::SummaryArgs;
 use crate::columns::{Align, aligned};
+use crate::places::Places;
 use crate::print::{self, counted, line, print_json};
 use crate::{DONE, doubts, options, progress};
 use pipeline_base::diagnostics::nearest;
@@ -87,15 +88,23 @@ pub(super) fn command(args: &SummaryArgs) -> Result<u8> {
     if args.full || args.campaign.is_some() {
         detail = Detail::Full;
     }
-    let options = options(&places, args.places.jobs, None, true)?;
-    let outcome = run::run(&options, &progress::Shown::new(true))?;
-    print::diagnostics(&doubts::warnings(&outcome.doubtful), &options.raw, false);
-    let stale = outcome.work.len();
+    // The reports alone, as somebody else may have them, have answers too.
+    let missing = places.raw.iter().find(|raw| !raw.exists());
+    let stale = match missing {
+        Some(_) => None,
+        None => Some(would_run(&places, args.places.jobs)?),
+    };
     if args.places.json {
         print_json(&json!({ "answers": answers.as_json(), "would_run": stale }))?;
         return Ok(DONE);
     }
-    if stale > 0 {
+    if let Some(raw) = missing {
+        line(format!(
+            "not compared with the sessions: there is no raw directory {} (--raw names another); this is what the last run found",
+            raw.display()
+        ));
+    }
+    if let Some(stale @ 1..) = stale {
         line(format!(
             "out of date: {stale} results would be computed (`pipeline status` says why); this is what the last run found"
         ));
@@ -103,6 +112,14 @@ pub(super) fn command(args: &SummaryArgs) -> Result<u8> {
     answers.print_extent();
     answers.print(detail);
     Ok(DONE)
+}
+
+/// How many results a run would compute; warns of doubtful sessions, as it would.
+fn would_run(places: &Places, jobs: u64) -> Result<usize> {
+    let options = options(places, jobs, None, true)?;
+    let outcome = run::run(&options, &progress::Shown::new(true))?;
+    print::diagnostics(&doubts::warnings(&outcome.doubtful), &options.raw, false);
+    Ok(outcome.work.len())
 }
 
 impl Answers {

@@ -180,5 +180,8 @@ fn the_verdict_is_said_by_the_first_run_the_second_and_the_summary() {
     let models = &value["answers"][0]["models"];
     assert!(models["readings"].as_u64() > Some(0), "{value}");
     assert_eq!(models["rmse_n"][0]["model"], "new", "{value}");
+    let elsewhere = bench.run(&["summary", "--raw", "elsewhere"]);
+    assert!(elsewhere.out.contains("no raw directory elsewhere"));
+    assert_eq!(of_campaign(&elsewhere.out), said);
     assert_eq!(Bench::empty().run(&["summary"]).code, 2);
 }
