@@ -388,6 +388,8 @@ pub struct Unexplained {
     pub log_likelihood_gain: Option<f64>,
     /// Share of the variance of what the model without it leaves.
     pub share_of_variance: f64,
+    /// Columns, and ids of effects, that explain the readings as well in its place.
+    pub explained_as_well_by: Vec<String>,
     /// The empirical correction: value of the column, correction. A zero of the force that was found beside an offset is in it.
     pub curve: Vec<(f64, f64)>,
 }

@@ -9,13 +9,14 @@ use rayon::prelude::*;
 use serde_json::Value;
 
 /// What the table does not judge, beside free forms.
-const NOT_JUDGED: [&str; 6] = [
+const NOT_JUDGED: [&str; 7] = [
     "rmse_heldout_calibrated",
     "rmse_heldout_spread",
     "found_in_folds",
     "by_specimen",
     "next_measurement",
     "alternatives",
+    "explained_as_well_by",
 ];
 
 /// First of the seeds; nobody else has them.

@@ -154,7 +154,7 @@ mod tests {
     fn found(effects: Vec<Value>, columns: &[&str]) -> CampaignFindings {
         let errors = json!({"rmse_train": 1.0, "rmse_heldout": 9.0, "max_abs_error_heldout": null, "rmse_heldout_calibrated": null,
             "rmse_heldout_after": {}, "log_density_heldout": null});
-        let column = |c: &&str| json!({"column": c, "shape": "gain", "p_familywise": 0.001, "log_likelihood_gain": 9.0, "share_of_variance": 0.1, "curve": []});
+        let column = |c: &&str| json!({"column": c, "shape": "gain", "p_familywise": 0.001, "log_likelihood_gain": 9.0, "share_of_variance": 0.1, "explained_as_well_by": [], "curve": []});
         let columns: Vec<Value> = columns.iter().map(column).collect();
         let verdict = match (effects.is_empty(), columns.is_empty()) {
             (false, _) => "effect_found",

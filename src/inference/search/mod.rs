@@ -57,6 +57,20 @@ pub struct Accepted {
     pub in_its_place: Vec<Instead>,
 }
 
+impl Accepted {
+    /// Names of the terms that do as well in its place, each once.
+    pub fn names_instead(&self, name: impl Fn(usize) -> String) -> Vec<String> {
+        let mut names: Vec<String> = Vec::new();
+        for instead in &self.in_its_place {
+            let name = name(instead.term);
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    }
+}
+
 /// A term that does as well in the place of another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instead {

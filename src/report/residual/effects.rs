@@ -178,10 +178,12 @@ pub(super) fn shuffled(found: &CampaignFindings) -> String {
     .to_owned()
 }
 
-/// Column, share of the variance, gain, p.
+/// Column with what explains the readings as well, share of the variance, gain, p.
 pub(super) fn unexplained(u: &Unexplained) -> [String; 4] {
+    let columns = std::iter::once(name::column(&u.column));
+    let others = u.explained_as_well_by.iter().map(|id| name::candidate(id));
     [
-        name::capitalised(&name::column(&u.column)),
+        name::capitalised(&columns.chain(others).collect::<Vec<String>>().join(", or ")),
         percent(u.share_of_variance),
         gain_or_none(u.log_likelihood_gain),
         probability(u.p_familywise),

@@ -172,14 +172,24 @@ pub fn alias_set(effect: &EffectFinding) -> Vec<String> {
     others.map(|id| name::effect(id)).collect()
 }
 
-/// `the error depends on humidity (p = 0.002), for which the library has no effect`.
+/// `the error depends on humidity (p = 0.002; temperature explains it as well), for which the library has no effect`.
 pub(super) fn unexplained(found: &CampaignFindings) -> String {
     let columns: Vec<String> = found
         .unexplained
         .iter()
         .map(|u| {
+            let others: Vec<String> = u
+                .explained_as_well_by
+                .iter()
+                .map(|id| name::candidate(id))
+                .collect();
+            let as_well = match others.len() {
+                0 => String::new(),
+                1 => format!("; {} explains it as well", others[0]),
+                _ => format!("; {} explain it as well", listed(&others)),
+            };
             format!(
-                "{} (p {})",
+                "{} (p {}{as_well})",
                 name::column(&u.column),
                 equals_probability(u.p_familywise)
             )
