@@ -2,7 +2,8 @@
 //!
 //! A wrong sign, unit or exchange of columns may leave no reading to judge: cleaning throws away what no sensor can have shown. So the logs are
 //! read again with each of these mistakes taken back. Where the readings as described do not suit others and those of another description do,
-//! the one that suits best is named; one that leaves the session unusual as well only if little of that is left. Lengths are the business of [`crate::population`].
+//! the one that suits best is named; one that leaves the session unusual as well only if little of that is left. Lengths are the business of
+//! [`crate::population`].
 
 use crate::population::{Known, Suit};
 use crate::{Check, Seen, State, normalized, population};

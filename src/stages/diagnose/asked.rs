@@ -11,6 +11,7 @@ use pipeline_effects as effects;
 use pipeline_findings::{CampaignFindings, Errors, FreeForm, Misfit};
 use pipeline_fit::Group;
 use pipeline_inference::fit::{Fitted, Setting};
+use pipeline_inference::profile::Profiles;
 use pipeline_inference::screen::Normal;
 use pipeline_inference::search::{Decision, Found};
 use std::collections::BTreeMap;
@@ -55,7 +56,7 @@ pub(crate) fn answered(
         held: &held,
         forms: &forms,
         smallest_n: options.smallest_effect_n,
-        normal,
+        profiles: Profiles::new(setting, &found.model, normal),
     };
     let residuals = work.residuals();
     let variances = found.model.restricted(setting);

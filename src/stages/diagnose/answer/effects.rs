@@ -5,7 +5,6 @@ use crate::library::What;
 use crate::tally;
 use pipeline_effects as effects;
 use pipeline_findings::{EffectFinding, Estimate, Parameter, Tested};
-use pipeline_inference::profile::Profiles;
 use pipeline_inference::query;
 use pipeline_inference::search::Accepted;
 use pipeline_inference::statistic::upper_tail;
@@ -17,8 +16,7 @@ impl Work<'_> {
         let all = self.accepted();
         let accepted = self.found.accepted.iter();
         let named = accepted.filter(|a| !self.problem.is_origin(a.term, &all));
-        let profiles = Profiles::new(self.setting, &self.found.model, self.normal);
-        let effects = named.filter_map(|a| self.effect(a, &profiles));
+        let effects = named.filter_map(|a| self.effect(a));
         let mut effects: Vec<EffectFinding> = effects.collect();
         effects.sort_by(|a, b| {
             let gain = |e: &EffectFinding| e.log_likelihood_gain.unwrap_or(0.0);
@@ -28,7 +26,7 @@ impl Work<'_> {
         effects
     }
 
-    fn effect(&self, accepted: &Accepted, profiles: &Profiles) -> Option<EffectFinding> {
+    fn effect(&self, accepted: &Accepted) -> Option<EffectFinding> {
         let term = self.term(accepted.term);
         let What::Effect { effect, .. } = term.what else {
             return None;
@@ -50,7 +48,7 @@ impl Work<'_> {
             }
         }
         let values = self.found.model.values(accepted.term)?.to_vec();
-        let (parameters, points) = self.parameters(accepted.term, &values, profiles);
+        let (parameters, points) = self.parameters(accepted.term, &values);
         let change = rms(&self.change(accepted.term));
         Some(EffectFinding {
             id: e.id().to_owned(),
@@ -76,12 +74,7 @@ impl Work<'_> {
     }
 
     /// Parameters with their intervals, and the profile of the first amplitude.
-    fn parameters(
-        &self,
-        term: usize,
-        values: &[f64],
-        profiles: &Profiles,
-    ) -> (Vec<Parameter>, Vec<(f64, f64)>) {
+    fn parameters(&self, term: usize, values: &[f64]) -> (Vec<Parameter>, Vec<(f64, f64)>) {
         let Some(form) = self.term(term).form() else {
             return (Vec::new(), Vec::new());
         };
@@ -92,7 +85,7 @@ impl Work<'_> {
                 Some((shape, _)) if k >= amplitudes => shape,
                 _ => form.amplitude,
             };
-            let profile = profiles.of(term, k);
+            let profile = self.profiles.of(term, k);
             if let (0, Some(p)) = (k, &profile) {
                 points = p
                     .points

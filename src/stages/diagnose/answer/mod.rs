@@ -29,7 +29,7 @@ use pipeline_effects as registry;
 use pipeline_findings::{ActsOn, FreeForm};
 use pipeline_inference::fit::{Fitted, Setting};
 use pipeline_inference::problem::{Point, Problem};
-use pipeline_inference::screen::Normal;
+use pipeline_inference::profile::Profiles;
 use pipeline_inference::search::Found;
 use std::collections::BTreeMap;
 
@@ -51,8 +51,8 @@ pub struct Work<'a> {
     pub forms: &'a BTreeMap<usize, FreeForm>,
     /// Smallest effect of interest, N.
     pub smallest_n: f64,
-    /// Draws.
-    pub normal: &'a Normal<'a>,
+    /// Profiles of the final model.
+    pub profiles: Profiles<'a>,
 }
 
 /// Root of the mean square.

@@ -16,7 +16,6 @@ use pipeline_inference::fit::Setting;
 use pipeline_inference::problem::{Point, Problem};
 use pipeline_inference::profile::Profiles;
 use pipeline_inference::query;
-use pipeline_inference::screen::Normal;
 use pipeline_inference::search::{Accepted, Found};
 use pipeline_inference::statistic::upper_tail;
 use pipeline_inference::system::Variances;
@@ -44,8 +43,8 @@ pub struct Work<'a> {
     pub held: &'a HeldOut,
     /// Smallest effect of interest, N.m.
     pub smallest_nm: f64,
-    /// Draws.
-    pub normal: &'a Normal<'a>,
+    /// Profiles of the final model.
+    pub profiles: Profiles<'a>,
 }
 
 impl Work<'_> {
@@ -90,8 +89,7 @@ impl Work<'_> {
     /// The accepted effects, strongest first.
     pub fn effects(&self) -> Vec<EffectFinding> {
         let accepted = self.found.accepted.iter();
-        let profiles = Profiles::new(self.setting, &self.found.model, self.normal);
-        let effects = accepted.filter_map(|a| self.effect(a, &profiles));
+        let effects = accepted.filter_map(|a| self.effect(a));
         let mut effects: Vec<EffectFinding> = effects.collect();
         let gain = |e: &EffectFinding| e.log_likelihood_gain.unwrap_or(0.0);
         effects.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
@@ -101,7 +99,7 @@ impl Work<'_> {
         effects
     }
 
-    fn effect(&self, accepted: &Accepted, profiles: &Profiles) -> Option<EffectFinding> {
+    fn effect(&self, accepted: &Accepted) -> Option<EffectFinding> {
         let form = self.what(accepted.term).form()?;
         let values = self.found.model.values(accepted.term)?.to_vec();
         let others = accepted.in_its_place.iter();
@@ -117,7 +115,7 @@ impl Work<'_> {
                 class.push(id.to_owned());
             }
         }
-        let (parameters, profile) = self.parameters(accepted.term, &values, profiles);
+        let (parameters, profile) = self.parameters(accepted.term, &values);
         let change = rms(&self.change(accepted.term));
         Some(EffectFinding {
             id: form.id.to_owned(),
@@ -143,19 +141,14 @@ impl Work<'_> {
     }
 
     /// Parameters with their intervals, and the profile of the first.
-    fn parameters(
-        &self,
-        term: usize,
-        values: &[f64],
-        profiles: &Profiles,
-    ) -> (Vec<Parameter>, Vec<(f64, f64)>) {
+    fn parameters(&self, term: usize, values: &[f64]) -> (Vec<Parameter>, Vec<(f64, f64)>) {
         let Some(form) = self.what(term).form() else {
             return (Vec::new(), Vec::new());
         };
         let mut points = Vec::new();
         let parameters = values.iter().zip(form.symbols).enumerate();
         let parameters = parameters.map(|(k, (value, symbol))| {
-            let profile = profiles.of(term, k);
+            let profile = self.profiles.of(term, k);
             if let (0, Some(p)) = (k, &profile) {
                 points.clone_from(&p.points);
             }

@@ -16,6 +16,7 @@ use pipeline_findings::{CampaignFindings, Errors, NotAssessed, RecordingError, R
 use pipeline_inference::decisions;
 use pipeline_inference::fit::Setting;
 use pipeline_inference::problem::Problem;
+use pipeline_inference::profile::Profiles;
 use pipeline_inference::screen::Normal;
 use pipeline_inference::search::{Decision, Found, Search};
 
@@ -167,7 +168,7 @@ fn answered(
         found,
         held: &held,
         smallest_nm: options.smallest_effect_nm,
-        normal,
+        profiles: Profiles::new(setting, &found.model, normal),
     };
     let residuals = work.residuals();
     let variances = found.model.restricted(setting);
