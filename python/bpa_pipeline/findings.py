@@ -31,6 +31,7 @@ class Findings:
     budget = _frame("budget")
     tested = _frame("tested")
     detection_limits = _frame("detection_limits")
+    column_limits = _frame("column_limits")
     not_measurable = _frame("not_measurable")
     aliases = _frame("aliases")
     next_measurement = _frame("next_measurement")

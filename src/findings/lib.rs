@@ -79,6 +79,9 @@ pub struct CampaignFindings {
     pub tested: Vec<Tested>,
     /// The smallest amplitude of every effect that this campaign could have shown in 80 of 100 cases.
     pub detection_limits: Vec<DetectionLimit>,
+    /// The smallest dependence on a column that it could have shown in as many; of forces alone.
+    #[serde(default)]
+    pub column_limits: Vec<ColumnLimit>,
     /// Effects that this design cannot show at all.
     pub not_measurable: Vec<NotMeasurable>,
     /// Pairs of effects with nearly one sensitivity.
@@ -123,6 +126,7 @@ impl CampaignFindings {
             black_box_rmse_heldout: None,
             tested: Vec::new(),
             detection_limits: Vec::new(),
+            column_limits: Vec::new(),
             not_measurable: Vec::new(),
             aliases: Vec::new(),
             next_measurement: Vec::new(),
@@ -527,6 +531,19 @@ pub struct DetectionLimit {
     pub unit: String,
     /// Share of its whitened sensitivity that the fitted coefficients leave.
     pub identifiable_share: f64,
+}
+
+/// The smallest straight dependence on a column that would have been found in 80 of 100 campaigns.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ColumnLimit {
+    /// Name of the column.
+    pub column: String,
+    /// "gain" (a share of the force) or "offset".
+    pub shape: String,
+    /// Change from the smallest to the largest value of the column; none where no possible one would have been found.
+    pub smallest: Option<f64>,
+    /// Unit of `smallest`.
+    pub unit: String,
 }
 
 /// Why a design cannot show an effect.

@@ -13,7 +13,7 @@ use bench::rate::Rate;
 use bench::search::search;
 use bench::trial::{Part, Trial};
 use pipeline::base::row::Row;
-use pipeline::findings::{CampaignFindings, Verdict};
+use pipeline::findings::{CampaignFindings, ColumnLimit, Verdict};
 use pipeline::simulate::rig_like::{Campaign, Family, Mistake, Pace, Put, Settings, campaign};
 
 fn put(id: &'static str, form: &'static str, size: f64, from: f64) -> Vec<Put> {
@@ -60,6 +60,14 @@ fn scatter_alone_is_no_effect_and_is_reported_as_scatter() {
             .iter()
             .any(|l| l.id == "hysteresis" && l.smallest < 3.0)
     );
+    // Of every logged column, and of the channels themselves; not of the shuffled one.
+    let mut columns: Vec<&str> = found
+        .column_limits
+        .iter()
+        .map(|l| l.column.as_str())
+        .collect();
+    columns.dedup();
+    assert_eq!(columns, ["age_days", "humidity", "force_n", "pressure_kpa"]);
 }
 
 #[test]
@@ -187,6 +195,22 @@ mod long {
         let (found, _) = searched(214, put("humidity", "gain", 0.01, 0.0));
         assert_eq!(found.verdict, Verdict::Unexplained, "{:?}", names(&found));
         assert!(found.unexplained.iter().any(|u| u.column == "humidity"));
+    }
+
+    #[test]
+    #[ignore = "long: 30 s of processor time"]
+    fn a_dependence_on_a_column_is_found_beyond_its_limit_and_not_far_below() {
+        let (nothing, made) = searched(219, Vec::new());
+        let of_humidity = |l: &&ColumnLimit| l.column == "humidity" && l.shape == "gain";
+        let limit = nothing.column_limits.iter().find(of_humidity);
+        let change = limit.and_then(|l| l.smallest).expect("a limit");
+        let values = || made.rows.iter().map(|r| r.extras["humidity"]);
+        let range = values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min);
+        let at = |times: f64| put("humidity", "gain", times * change / range, 0.0);
+        let (beyond, _) = searched(219, at(2.5));
+        assert!(beyond.unexplained.iter().any(|u| u.column == "humidity"));
+        let (below, _) = searched(219, at(0.2));
+        assert!(below.unexplained.is_empty(), "{:?}", below.unexplained);
     }
 
     #[test]

@@ -17,8 +17,14 @@ pub struct Case {
     pub pace: Pace,
     /// It acts from this part of the campaign on.
     pub from: f64,
-    /// The form of the library that has the same equation; of another form, the one whose detection limit is taken.
+    /// The form of the library that has the same equation; of another form, the one whose detection limit is taken. Outside the library the
+    /// shape of a dependence on the column.
     pub plain: &'static str,
+    /// The simulator's form with the equation of `plain`; empty for the first. The plain form of a drift or a hysteresis is the first of the
+    /// simulator's, as it is of the library's.
+    pub line: &'static str,
+    /// Outside the library, the simulator's amplitude for a slope of 1 of `line`.
+    pub of_slope: f64,
     /// The simulator's size for an amplitude of 1 of the findings.
     pub scale: Scale,
     /// Amplitudes below 0 are possible, and half of the campaigns have one.
@@ -49,6 +55,8 @@ impl Case {
             pace: Pace::Staircase,
             from: 0.0,
             plain,
+            line: "",
+            of_slope: 1.0,
             scale: Scale::Same,
             both_signs: true,
             most,
@@ -69,6 +77,19 @@ impl Case {
             scale,
             ..self
         }
+    }
+
+    const fn line(self, line: &'static str, of_slope: f64) -> Self {
+        Self {
+            line,
+            of_slope,
+            ..self
+        }
+    }
+
+    /// Whether it has the equation of `line`.
+    pub fn is_line(&self) -> bool {
+        self.form == self.line
     }
 
     const fn scaled(self, scale: Scale) -> Self {
@@ -208,22 +229,35 @@ const OTHER_FORMS_PUBLISHED: &[Case] = &[
     Case::new("conditioning", "first_filling", "first filling", 60.0).positive(),
 ];
 
+/// Full scale of the simulator's force sensor where a case does not state it.
+const FULL_SCALE_N: f64 = 500.0;
+
 /// Effects outside the library, to design with.
 const OUTSIDE_DESIGN: &[Case] = &[
-    Case::new("humidity", "gain", "", 0.05),
-    Case::new("humidity", "offset", "", 8.0),
-    Case::new("age", "gain", "", 0.03),
-    Case::new("sensor_curvature", "quadratic", "", 0.6),
-    Case::new("sensor_curvature", "cubic", "", 0.6),
+    Case::new("humidity", "gain", "gain", 0.05).line("gain", 1.0),
+    Case::new("humidity", "offset", "offset", 8.0).line("offset", 1.0),
+    Case::new("age", "gain", "gain", 0.03).line("gain", 1.0),
+    Case::new("sensor_curvature", "quadratic", "gain", 0.6).line("quadratic", FULL_SCALE_N),
+    Case::new("sensor_curvature", "cubic", "gain", 0.6).line("quadratic", FULL_SCALE_N),
 ];
 
 /// Effects outside the library for the published table.
 const OUTSIDE_PUBLISHED: &[Case] = &[
-    Case::new("humidity", "gain", "", 0.05).with(&[55.0]),
-    Case::new("humidity", "offset", "", 8.0).with(&[55.0]),
-    Case::new("age", "saturating", "", 0.05).with(&[45.0]),
-    Case::new("sensor_curvature", "quadratic", "", 0.6).with(&[400.0]),
-    Case::new("sensor_curvature", "cubic", "", 0.6).with(&[400.0]),
+    Case::new("humidity", "gain", "gain", 0.05)
+        .with(&[55.0])
+        .line("gain", 1.0),
+    Case::new("humidity", "offset", "offset", 8.0)
+        .with(&[55.0])
+        .line("offset", 1.0),
+    Case::new("age", "saturating", "gain", 0.05)
+        .with(&[45.0])
+        .line("gain", 1.0),
+    Case::new("sensor_curvature", "quadratic", "gain", 0.6)
+        .with(&[400.0])
+        .line("quadratic", 400.0),
+    Case::new("sensor_curvature", "cubic", "gain", 0.6)
+        .with(&[400.0])
+        .line("quadratic", FULL_SCALE_N),
 ];
 
 /// Forms that differ from the library's.

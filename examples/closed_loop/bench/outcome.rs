@@ -2,15 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The smallest amplitude of an effect that a campaign could have shown.
+/// The smallest effect, or dependence on a column, that a campaign could have shown.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Limit {
     /// Id, or column.
     pub id: String,
-    /// Form.
+    /// Form, or shape.
     pub form: String,
-    /// Amplitude.
-    pub smallest: f64,
+    /// Amplitude, or change over the range of the column; none where it could have shown none.
+    pub smallest: Option<f64>,
 }
 
 /// The size of what was put in.

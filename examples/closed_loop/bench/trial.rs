@@ -173,6 +173,9 @@ impl Trial {
             size.generating_limit |= !of_findings;
             let wanted = match self.part {
                 Part::OtherForm => sizing.as_strong_as(case, self.multiple * limit),
+                Part::Outside if !case.is_line() => {
+                    sizing.as_strong_as(case, self.multiple * limit)
+                }
                 _ => self.multiple * limit,
             };
             size.capped |= wanted > case.most;
@@ -196,27 +199,40 @@ struct Sizing<'a> {
 impl Sizing<'_> {
     /// The detection limit of a case, and whether it is the findings' own.
     fn limit(&self, case: &Case) -> (f64, bool) {
-        let column = |id: &str| right_columns(case.id).iter().any(|w| id.starts_with(w));
+        let words = right_columns(case.id);
         let of_case = |l: &&Limit| {
-            let own = l.id == case.id && (case.plain.is_empty() || l.form == case.plain);
-            own || (case.plain.is_empty() && column(&l.id) && l.form == case.form)
+            let is_column = words.iter().any(|w| l.id.starts_with(w));
+            (l.id == case.id || is_column) && l.form == case.plain
         };
         // The findings' limits are of effects that act on all readings.
         let stated = self.limits.iter().find(of_case);
         match stated.filter(|_| case.from == 0.0) {
-            Some(limit) => (limit.smallest, true),
+            Some(limit) if words.is_empty() => (limit.smallest.unwrap_or(f64::INFINITY), true),
+            Some(limit) => (self.of_line(case, limit), true),
             None => (self.of_strength(case, GENERATING_LIMIT), false),
         }
+    }
+
+    /// The simulator's amplitude for a straight dependence on a column, of which the findings have the change over the column's range.
+    fn of_line(&self, case: &Case, limit: &Limit) -> f64 {
+        let Some(smallest) = limit.smallest else {
+            return f64::INFINITY;
+        };
+        let rows = self.plain.rows.iter();
+        let values = rows.map(|r| r.extras.get(&limit.id).map_or(r.force_n, |x| *x));
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        });
+        case.of_slope * smallest / (high - low)
     }
 
     /// The amplitude at which an effect in another form is as strong as the plain form at an amplitude.
     fn as_strong_as(&self, case: &Case, amplitude: f64) -> f64 {
         let plain = Case {
-            form: "",
+            form: case.line,
             others: &[],
             ..*case
         };
-        // The plain form of a drift or a hysteresis is the first of the simulator's, as it is of the library's.
         let strength = self.strength(&plain, amplitude.min(case.most));
         self.of_strength(case, strength)
     }
@@ -241,12 +257,17 @@ impl Sizing<'_> {
 }
 
 fn limits(found: &CampaignFindings) -> Vec<Limit> {
-    let list = found.detection_limits.iter();
-    list.filter(|l| l.smallest.is_finite() && l.smallest > 0.0)
-        .map(|l| Limit {
-            id: l.id.clone(),
-            form: l.form.clone(),
-            smallest: l.smallest,
-        })
-        .collect()
+    let effects = found.detection_limits.iter();
+    let effects = effects.filter(|l| l.smallest.is_finite() && l.smallest > 0.0);
+    let effects = effects.map(|l| Limit {
+        id: l.id.clone(),
+        form: l.form.clone(),
+        smallest: Some(l.smallest),
+    });
+    let columns = found.column_limits.iter().map(|l| Limit {
+        id: l.column.clone(),
+        form: l.shape.clone(),
+        smallest: l.smallest,
+    });
+    effects.chain(columns).collect()
 }

@@ -2,20 +2,30 @@
 
 use crate::number::Rounding;
 use crate::wording::name;
-use crate::wording::number::{self, error_rounding, error_with_unit, percent, plain};
+use crate::wording::number::{
+    self, NONE, error_rounding, error_with_unit, percent, plain, rounded,
+};
 use crate::wording::sentence::{
     assumed, conditions, has_terms, is_worth_credible, measurement, worth_words,
 };
 use pipeline_effects as effects;
 use pipeline_findings::{
-    CampaignFindings, DetectionLimit, EffectFinding, NextKind, NextMeasurement, NotMeasurable,
-    WhyNot,
+    CampaignFindings, ColumnLimit, DetectionLimit, EffectFinding, NextKind, NextMeasurement,
+    NotMeasurable, WhyNot,
 };
 use pipeline_torque::diagnose::terms;
 use serde::Serialize;
 
+/// The smallest detectable sizes of effects, then of dependences on columns.
+pub(super) fn limits(found: &CampaignFindings) -> Vec<[String; 4]> {
+    let effects = found.detection_limits.iter().map(limit);
+    effects
+        .chain(found.column_limits.iter().map(column_limit))
+        .collect()
+}
+
 /// Effect, form, smallest detectable size, identifiable share.
-pub(super) fn limit(l: &DetectionLimit) -> [String; 4] {
+fn limit(l: &DetectionLimit) -> [String; 4] {
     let beyond = if l.smallest > largest_possible(l) {
         ", beyond its bounds"
     } else {
@@ -26,6 +36,23 @@ pub(super) fn limit(l: &DetectionLimit) -> [String; 4] {
         l.form.clone(),
         plain(l.smallest, &l.unit) + beyond,
         percent(l.identifiable_share),
+    ]
+}
+
+/// The same of a dependence on a column: its change over the column's range.
+fn column_limit(l: &ColumnLimit) -> [String; 4] {
+    let smallest = l.smallest.map_or_else(
+        || "not at any possible size".to_owned(),
+        |smallest| match l.unit.as_str() {
+            "1" => rounded(100.0 * smallest, Rounding::Digits(2)) + "% of the force",
+            unit => plain(smallest, unit),
+        },
+    );
+    [
+        name::capitalised(&name::column(&l.column)) + " (column)",
+        l.shape.clone(),
+        smallest,
+        NONE.to_owned(),
     ]
 }
 

@@ -292,7 +292,7 @@ fn campaign(
         coefficients: held_out::coefficients(found),
         alternatives: held_out::alternatives(found),
         alternatives_sentence: held_out::alternatives_sentence(found),
-        limits: found.detection_limits.iter().map(limits::limit).collect(),
+        limits: limits::limits(found),
         limits_beside: limits::beside(found),
         not_measurable: limits::not_measurable(found),
         next: limits::next(found),

@@ -94,6 +94,7 @@ pub(crate) fn answered(
 /// What could have been seen. What cannot be seen while it is small may have been found, or stand beside what was.
 fn put_limits(findings: &mut CampaignFindings, limits: limits::Limits) {
     findings.detection_limits = limits.smallest;
+    findings.column_limits = limits.columns;
     findings.not_measurable = limits.not_measurable;
     let is_named = |id: &String| findings.effects.iter().any(|e| e.class.contains(id));
     findings.not_measurable.retain(|n| !is_named(&n.id));

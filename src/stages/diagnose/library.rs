@@ -217,6 +217,14 @@ impl Term {
         values
     }
 
+    /// Values at a size: an effect's amplitudes and shape, or a straight dependence on a column.
+    pub fn of_size(&self, size: f64) -> Vec<f64> {
+        match self.what {
+            What::Column(_) => vec![size, 0.0],
+            What::Effect { .. } => self.start(size),
+        }
+    }
+
     /// The term as the engine sees it.
     pub fn for_engine(&self, columns: usize) -> problem::Term {
         let amplitude = match self.what {

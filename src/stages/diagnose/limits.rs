@@ -1,12 +1,12 @@
-//! What this campaign could have shown: the smallest detectable amplitude of every effect, effects that it cannot show, and pairs with nearly
-//! one sensitivity.
+//! What this campaign could have shown: the smallest detectable amplitude of every effect and dependence on every column, effects that it cannot
+//! show, and pairs with nearly one sensitivity.
 
-use super::data::Data;
+use super::data::{Data, PLACEBO};
 use super::library::{Scope, Term, What};
 use super::problem::ForceProblem;
 use pipeline_effects as effects;
 use pipeline_effects::Need;
-use pipeline_findings::{Alias, DetectionLimit, NotMeasurable, WhyNot};
+use pipeline_findings::{Alias, ColumnLimit, DetectionLimit, NotMeasurable, WhyNot};
 use pipeline_inference::decisions::{IDENTIFIABLE, PARALLEL};
 use pipeline_inference::fit::{Fitted, Setting};
 use pipeline_inference::power::{Power, strength, wanted};
@@ -26,11 +26,15 @@ const REFITS: usize = 5;
 const REFOUND: f64 = 0.02;
 /// Share of a sensitivity below which it is: what other coefficients take up depends on the size.
 const TAKEN_UP: f64 = 0.7;
+/// Share of its largest size at which a dependence on a column is looked at first.
+const SMALL: f64 = 1e-3;
 
 /// The answers.
 pub struct Limits {
     /// One entry an effect's form, the smallest.
     pub smallest: Vec<DetectionLimit>,
+    /// One entry a column and shape.
+    pub columns: Vec<ColumnLimit>,
     /// What cannot be shown.
     pub not_measurable: Vec<NotMeasurable>,
     /// Pairs.
@@ -39,7 +43,7 @@ pub struct Limits {
 
 /// The limits beside a model, for a critical value of the family-wise test.
 pub fn limits(setting: &Setting, problem: &ForceProblem, model: &Fitted, critical: f64) -> Limits {
-    let all: Vec<Direction> = problem
+    let mut all: Vec<Direction> = problem
         .directions(&model.point)
         .into_iter()
         .filter(|d| {
@@ -47,6 +51,8 @@ pub fn limits(setting: &Setting, problem: &ForceProblem, model: &Fitted, critica
             term.scope == Scope::All && term.form().is_some()
         })
         .collect();
+    let lines = columns_beside(problem, model);
+    all.extend(lines.map(|t| problem.direction_at(&model.point, t, SMALL * largest(problem, t))));
     let screen = Screen::of(setting, model, all);
     let sizes = settled(setting, problem, model, critical, &screen);
     let mut smallest: Vec<DetectionLimit> = Vec::new();
@@ -66,6 +72,7 @@ pub fn limits(setting: &Setting, problem: &ForceProblem, model: &Fitted, critica
     let aliases = aliases(setting, problem, model, &screen);
     Limits {
         smallest,
+        columns: of_columns(problem, model, &sizes),
         not_measurable,
         aliases,
     }
@@ -83,14 +90,14 @@ fn settled(
     screen: &Screen,
 ) -> Sizes {
     let power = Power::new(setting, model);
-    let mut sizes = sizes(screen, &power, critical);
+    let mut sizes = sizes(screen, &power, problem, critical);
     for _ in 0..SETTLING {
         let at = |(t, (size, _)): (&usize, &(f64, f64))| {
-            let within = size.min(largest(&problem.library[*t]));
+            let within = size.min(largest(problem, *t));
             problem.direction_at(&model.point, *t, within)
         };
         let there = Screen::of(setting, model, sizes.iter().map(at).collect());
-        let mut next = self::sizes(&there, &power, critical);
+        let mut next = self::sizes(&there, &power, problem, critical);
         for (t, (size, _)) in &mut next {
             *size = sizes
                 .get(t)
@@ -130,7 +137,7 @@ fn of_effect(effect: usize, problem: &ForceProblem, model: &Fitted, sizes: &Size
     for (t, (size, share)) in mine {
         let term = &problem.library[*t];
         let Some(form) = term.form() else { continue };
-        if *size > largest(term) {
+        if *size > largest(problem, *t) {
             continue;
         }
         let limit = DetectionLimit {
@@ -155,11 +162,11 @@ fn of_effect(effect: usize, problem: &ForceProblem, model: &Fitted, sizes: &Size
 
 /// The smallest size of every term that is found, by that of its directions in which it shows most, and the share that the fixed effects leave of
 /// it.
-fn sizes(screen: &Screen, power: &Power, critical: f64) -> Sizes {
+fn sizes(screen: &Screen, power: &Power, problem: &ForceProblem, critical: f64) -> Sizes {
     let mut sizes = Sizes::new();
     for s in screen.shown(0) {
         let direction = &screen.directions[s.direction];
-        let ratio = likelihood_ratio(critical, 1);
+        let ratio = ratio_of(problem, direction.term, critical);
         let size = power.smallest(&direction.columns[0], s.length, ratio);
         let known = sizes
             .entry(direction.term)
@@ -179,16 +186,15 @@ fn refit(
     critical: f64,
     sizes: &mut Sizes,
 ) {
-    let wanted = wanted(likelihood_ratio(critical, 1));
     let again = |t: usize, first: f64| {
-        let term = &problem.library[t];
+        let wanted = wanted(ratio_of(problem, t, critical));
         let mut size = first;
         for _ in 0..REFITS {
-            let within = size.min(largest(term));
+            let within = size.min(largest(problem, t));
             let signs = [within, -within]
                 .into_iter()
-                .filter(|s| is_possible(term, *s));
-            let values: Vec<Vec<f64>> = signs.map(|s| term.start(s)).collect();
+                .filter(|s| is_possible(problem, t, *s));
+            let values: Vec<Vec<f64>> = signs.map(|s| problem.library[t].of_size(s)).collect();
             let shown = strength(setting, model, t, &values);
             let factor = (wanted / shown).clamp(0.25, 4.0).sqrt();
             size = within * factor;
@@ -215,15 +221,62 @@ fn refit(
 }
 
 /// Whether a term can have a size of this sign.
-fn is_possible(term: &Term, size: f64) -> bool {
-    let bounds = term.form().map_or((0.0, 0.0), |f| f.amplitude.bounds);
+fn is_possible(problem: &ForceProblem, t: usize, size: f64) -> bool {
+    let bounds = problem.terms()[t].bounds[0];
     size > bounds.0 || size > 0.0
 }
 
 /// The largest size that a term can have.
-fn largest(term: &Term) -> f64 {
-    let bounds = term.form().map_or((0.0, 0.0), |f| f.amplitude.bounds);
+fn largest(problem: &ForceProblem, t: usize) -> f64 {
+    let bounds = problem.terms()[t].bounds[0];
     bounds.0.abs().max(bounds.1.abs())
+}
+
+/// The likelihood ratio from which a term is accepted.
+fn ratio_of(problem: &ForceProblem, t: usize, critical: f64) -> f64 {
+    likelihood_ratio(critical, problem.terms()[t].amplitudes)
+}
+
+/// The terms without a name of which the model has none of the same column.
+fn columns_beside(problem: &ForceProblem, model: &Fitted) -> impl Iterator<Item = usize> {
+    let terms = problem.terms();
+    let in_model = |kind: usize| {
+        model
+            .point
+            .terms
+            .iter()
+            .any(|(u, _)| terms[*u].kind == kind)
+    };
+    let is_beside = move |t: &usize| match problem.library[*t].what {
+        What::Column(column) => column.name(problem.data) != PLACEBO && !in_model(terms[*t].kind),
+        What::Effect { .. } => false,
+    };
+    (0..terms.len()).filter(is_beside)
+}
+
+/// From which change over its range on a straight dependence on a column shows.
+fn of_columns(problem: &ForceProblem, model: &Fitted, sizes: &Sizes) -> Vec<ColumnLimit> {
+    let limit = |t: usize| {
+        let What::Column(column) = problem.library[t].what else {
+            return None;
+        };
+        let unit_slope = column.curve(problem.data, [1.0, 0.0]);
+        let range = unit_slope.last()?.1 - unit_slope.first()?.1;
+        let shown = sizes.get(&t);
+        let shown = shown.filter(|(size, _)| *size <= largest(problem, t));
+        let (shape, unit) = if column.is_gain() {
+            ("gain", "1")
+        } else {
+            ("offset", "N")
+        };
+        Some(ColumnLimit {
+            column: column.name(problem.data),
+            shape: shape.to_owned(),
+            smallest: shown.map(|(size, _)| size * range),
+            unit: unit.to_owned(),
+        })
+    };
+    columns_beside(problem, model).filter_map(limit).collect()
 }
 
 /// Effects that lack a quantity.

@@ -162,14 +162,14 @@ impl ForceProblem<'_> {
         far
     }
 
-    /// The change of the force by a term on all readings at an amplitude, per unit of it.
+    /// The change of the force by a term on all readings at a size, per unit of it.
     pub fn direction_at(&self, point: &Point, t: usize, amplitude: f64) -> Direction {
         let term = &self.library[t];
         let base = self.predict(point);
         Direction {
             term: t,
             start: term.start(1.0),
-            columns: vec![self.change(point, &base, t, &term.start(amplitude), amplitude)],
+            columns: vec![self.change(point, &base, t, &term.of_size(amplitude), amplitude)],
         }
     }
 
