@@ -14,8 +14,8 @@ const NOTHING: u64 = 10;
 const PAIRS: u64 = 5;
 /// Base models that do not know the resting length.
 const BASES: [&str; 2] = ["hunt2017", "festo_tool"];
-/// Specimens, each of another length, where a campaign has as many as the laboratory's: ten of 10 mm, from 112 to 518 mm.
-pub const MANY_LENGTHS: usize = 10;
+/// Specimens, each of another length, where a campaign has many: as many as the laboratory's, ten of 10 mm from 112 to 518 mm, and more.
+pub const MANY_LENGTHS: [usize; 2] = [10, 16];
 /// Recording errors.
 const MISTAKES: [Mistake; 4] = [
     Mistake::SwappedColumns,
@@ -50,7 +50,9 @@ impl Plan {
         ));
         list.extend(self.each(Part::Outside, rig, cases::outside(self.family), self.seeds));
         list.extend(self.rediscovery(2 * self.seeds));
-        list.extend(self.rediscovery_of_many(2 * self.seeds));
+        for lengths in MANY_LENGTHS {
+            list.extend(self.rediscovery_of(lengths, 2 * self.seeds));
+        }
         list.extend(self.recording(3 * self.seeds));
         let clean = Scatter::Clean;
         list.extend(self.nothing(clean, NOTHING * self.seeds));
@@ -156,10 +158,10 @@ impl Plan {
         (0..n).map(one).collect()
     }
 
-    /// With as many lengths as the laboratory had that found the dependence.
-    fn rediscovery_of_many(&self, n: u64) -> Vec<Trial> {
+    /// With so many lengths.
+    fn rediscovery_of(&self, lengths: usize, n: u64) -> Vec<Trial> {
         let one = |k: u64| Trial {
-            specimens: Some(MANY_LENGTHS),
+            specimens: Some(lengths),
             base: BASES[k as usize % 2],
             ..self.trial(Part::Rediscovery, Scatter::RigLike, 9_500 + k)
         };
@@ -200,7 +202,7 @@ mod tests {
             20 * cases::other_forms(Family::Published).len()
         );
         let rest = [Part::Two, Part::Outside, Part::Rediscovery, Part::Recording];
-        assert_eq!(rest.map(rig), [100, 100, 80, 60]);
+        assert_eq!(rest.map(rig), [100, 100, 120, 60]);
     }
 
     #[test]

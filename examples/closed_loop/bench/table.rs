@@ -88,14 +88,14 @@ pub fn bars(trials: &[Trial], outcomes: &[Outcome], scatter: Scatter) -> Vec<Bar
     let title = "the same: error on unseen specimens, over that without the effect, median";
     list.push(Bar::number(title, ratio, "at most 1.10", (0.0, 1.1)));
     list.extend(of_outside(&as_asked(Part::Outside)));
-    for (many, lengths) in [
-        (false, "6 to 8 lengths".to_owned()),
-        (true, format!("{MANY_LENGTHS} lengths")),
-    ] {
+    let few = ("6 to 8".to_owned(), 6..=8);
+    let many = MANY_LENGTHS.map(|n| (n.to_string(), n..=n));
+    for (lengths, range) in std::iter::once(few).chain(many) {
         let own = of(Part::Rediscovery).into_iter();
-        let own = own.filter(|(t, _)| (t.specimens == Some(MANY_LENGTHS)) == many);
+        let own = own.filter(|(t, _)| t.specimens.is_some_and(|n| range.contains(&n)));
         let found = Rate::of(own.map(|(_, o)| o.detected));
-        let title = format!("Hunt 2017 or the Festo tool, {lengths}: `rest_length_scaling` found");
+        let title =
+            format!("Hunt 2017 or the Festo tool, {lengths} lengths: `rest_length_scaling` found");
         list.push(Bar::share(&title, found, (0.9, 1.0)));
     }
     let recording = of(Part::Recording);

@@ -178,7 +178,8 @@ impl Trial {
                 }
                 _ => self.multiple * limit,
             };
-            size.capped |= wanted > case.most;
+            // Of another form also where the plain one would be absurd at that size.
+            size.capped |= wanted > case.most || self.multiple * limit > case.most;
             let negative = case.both_signs && !(self.seed + k as u64).is_multiple_of(2);
             let sign = if negative { -1.0 } else { 1.0 };
             let amplitude = sign * wanted.min(case.most);

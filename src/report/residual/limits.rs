@@ -49,7 +49,7 @@ fn column_limit(l: &ColumnLimit) -> [String; 4] {
         },
     );
     [
-        name::capitalised(&name::column(&l.column)) + " (column)",
+        format!("Dependence on {}", name::column(&l.column)),
         l.shape.clone(),
         smallest,
         NONE.to_owned(),
