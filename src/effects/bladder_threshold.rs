@@ -1,6 +1,7 @@
 //! The bladder must be stretched to the braid before any pressure pulls.
 //!
-//! Above the threshold this is a zero error of the pressure sensor; only readings below it tell the two apart.
+//! Above the threshold this is a zero error of the pressure sensor; only readings below it tell the two apart. A pressure below 0, as a vented channel
+//! may read it, stays as it is in both forms: else they would change readings at any threshold, however small.
 
 use super::{Argument, Conditions, Effect, Form, JointForm, Link, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
@@ -8,7 +9,7 @@ use pipeline_numerics::real::Real;
 /// Its id.
 pub const ID: &str = "bladder_threshold";
 
-/// P -> max(0, P - P_th).
+/// P -> max(0, P - P_th), of a pressure above 0.
 pub struct BladderThreshold;
 
 const THRESHOLD: Parameter = Parameter {
@@ -86,6 +87,9 @@ impl Effect for BladderThreshold {
 /// The operator.
 pub fn apply<R: Real>(form: usize, [threshold, _]: [R; 2], _at: &Conditions, link: &mut Link<R>) {
     let pressure = link.pressure;
+    if pressure.value() < 0.0 {
+        return;
+    }
     link.pressure = if form == 0 || threshold.value() < SMALLEST_KPA {
         (pressure - threshold).positive_part()
     } else {

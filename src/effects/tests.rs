@@ -276,6 +276,20 @@ fn operators_do_what_their_equations_say() {
     assert_eq!(tried.into_inner(), all, "a form has no line above");
 }
 
+#[test]
+fn a_pressure_below_nothing_is_no_matter_of_the_threshold() {
+    let mut at = somewhere();
+    at.pressure_kpa = -0.8;
+    let without = shown::<f64>(&[], &at);
+    for (form, threshold) in [(0, 1e-6), (0, 50.0), (1, 1e-6), (1, 1e-2), (1, 50.0)] {
+        let with = shown::<f64>(
+            &[applied("bladder_threshold", form, threshold, f64::NAN)],
+            &at,
+        );
+        assert_eq!(with, without, "{form} {threshold}");
+    }
+}
+
 /// Inputs first, the sensor last, whatever the order in which effects were found.
 #[test]
 fn the_order_of_the_list_does_not_matter() {

@@ -60,6 +60,7 @@ fn form(kind: usize, column: Coordinates) -> Form {
         term: Term {
             kind,
             named: true,
+            decoy: false,
             bounds: vec![(-1e6, 1e6)],
             amplitudes: 1,
             usual: f64::INFINITY,
@@ -71,6 +72,11 @@ fn form(kind: usize, column: Coordinates) -> Form {
 }
 
 impl Form {
+    fn decoy(mut self) -> Self {
+        self.term.decoy = true;
+        self.without_name()
+    }
+
     fn without_name(mut self) -> Self {
         self.term.named = false;
         self
@@ -391,6 +397,24 @@ fn a_term_comes_in_from_the_critical_value() {
                 assert_eq!(found.accepted[0].p, 0.05);
             }
         }
+    }
+}
+
+#[test]
+fn what_is_known_to_be_nothing_is_tested_and_never_comes_in() {
+    // So strong that no draws of its own are asked.
+    let strong = form(0, &[(1, 1.0)]).decoy();
+    let weak = form(1, &[(2, 1.0)]);
+    for (ratio, comes_in) in sides(9.0) {
+        let problem = line(
+            &[(1, 7.0), (2, ratio.sqrt())],
+            &[strong.clone(), weak.clone()],
+        );
+        let found = found(&problem, DECISION, 9.0);
+        assert_eq!(accepted(&found) == [1], comes_in, "{ratio}");
+        assert_eq!(found.tested[0].0, 0);
+        let mut instead = found.accepted.iter().flat_map(|a| &a.in_its_place);
+        assert!(instead.all(|i| i.term != 0));
     }
 }
 

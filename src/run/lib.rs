@@ -324,7 +324,7 @@ fn drive(
     let only_look = options.dry_run || options.only.is_some();
     let described = Described { discovery, config };
     let sessions = made.of(Scope::Session);
-    let messages = pool.install(|| messages::all(engine, sessions, &described, only_look))?;
+    let messages = messages::all(engine, sessions, &described, (jobs, only_look))?;
     let implausible = { messages.iter() }.filter(|(_, m)| !m.doubts.is_empty());
     let implausible: Vec<String> = implausible.map(|(id, _)| id.clone()).collect();
     let written = watched(progress, (report, "documents"), || {

@@ -3,6 +3,7 @@
 use crate::code;
 use crate::engine::Engine;
 use crate::made::UnitMade;
+use crate::parallel;
 use crate::stages::normalize::{REJECTS, ROWS};
 use crate::stages::{clean, ingest};
 use pipeline_base::diagnostics::{Diagnostic, Severity};
@@ -12,7 +13,6 @@ use pipeline_base::reject::{Extent, Reject};
 use pipeline_config::Config;
 use pipeline_formats::discover::Discovery;
 use pipeline_inspect::plausible::{self, Doubt};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -42,7 +42,7 @@ pub struct Described<'a> {
 /// By session: a digest of the outputs of its stages and of what judges them, and what follows from that.
 type Remembered = BTreeMap<String, (Digest, Messages)>;
 
-/// The messages about the sessions that are up to date, by id.
+/// The messages about the sessions that are up to date, by id; `jobs` sessions at a time.
 ///
 /// # Errors
 /// A damaged cache; system errors of the store.
@@ -50,10 +50,11 @@ pub fn all(
     engine: &Engine,
     sessions: &[UnitMade],
     described: &Described,
-    only_look: bool,
+    (jobs, only_look): (usize, bool),
 ) -> Result<BTreeMap<String, Messages>> {
     let before: Remembered = engine.read_aside(MESSAGES);
-    let known = sessions.par_iter().map(|session| {
+    // What looks implausible is read again, by polars: why the threads are no workers of a pool, see `parallel`.
+    let now = parallel::each(jobs, sessions, |session| {
         let Some(digest) = digest_of(session, described.config) else {
             return Ok(None);
         };
@@ -65,8 +66,7 @@ pub fn all(
             None => messages(engine, session, described)?,
         };
         Ok(Some((session.unit.name.clone(), (digest, messages))))
-    });
-    let now: Vec<Option<(String, (Digest, Messages))>> = known.collect::<Result<_>>()?;
+    })?;
     let now: Remembered = now.into_iter().flatten().collect();
     if now != before && !only_look {
         engine.write_aside(MESSAGES, &now)?;

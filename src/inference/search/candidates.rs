@@ -32,7 +32,8 @@ impl Search<'_> {
                 break;
             }
             let direction = &screen.directions[s.direction];
-            if known.iter().any(|(_, t)| *t == direction.term) {
+            let is_known = known.iter().any(|(_, t)| *t == direction.term);
+            if is_known || self.is_decoy(direction.term) {
                 continue;
             }
             let mut from = model.point.clone();
@@ -87,7 +88,7 @@ impl Search<'_> {
         for s in &shown {
             let direction = &screen.directions[s.direction];
             let kind = self.setting.problem.terms()[direction.term].kind;
-            if kinds.contains(&kind) {
+            if kinds.contains(&kind) || self.is_decoy(direction.term) {
                 continue;
             }
             if fits.len() >= FITTED {
@@ -144,6 +145,11 @@ impl Search<'_> {
         let amplitudes = values.iter().take(term_of.amplitudes);
         let mut inside = amplitudes.zip(&term_of.bounds);
         inside.all(|(x, (low, high))| x > low && x < high)
+    }
+
+    /// Whether a term is known to be nothing.
+    pub(super) fn is_decoy(&self, term: usize) -> bool {
+        self.setting.problem.terms()[term].decoy
     }
 
     /// Variances where a fit starts: those of the model before it, and usual ones.

@@ -132,6 +132,7 @@ impl Search<'_> {
             let behind = 2.0 * gain - s.likelihood_ratio;
             let same = direction.term == term || model.values(direction.term).is_some();
             if same
+                || other.decoy
                 || kinds.contains(&other.kind)
                 || behind > 4.0 * self.decision.alike + 0.3 * gain
             {

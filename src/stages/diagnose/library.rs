@@ -1,7 +1,7 @@
 //! The terms of a campaign: every form of every effect that its readings can show, on all readings, on the levels of a column of labels,
 //! or from a change point on; and smooth functions of every column.
 
-use super::data::Data;
+use super::data::{Data, PLACEBO};
 use pipeline_effects as effects;
 use pipeline_effects::{Applied, Conditions, Form, Grouping, Need, Place};
 use pipeline_inference::decisions::{FEWEST, FEWEST_SPECIMENS};
@@ -226,7 +226,7 @@ impl Term {
     }
 
     /// The term as the engine sees it.
-    pub fn for_engine(&self, columns: usize) -> problem::Term {
+    pub fn for_engine(&self, data: &Data) -> problem::Term {
         let amplitude = match self.what {
             What::Effect { .. } => self.form().map_or((0.0, 0.0), |f| f.amplitude.bounds),
             What::Column(Column::Force | Column::Pressure) => (-LARGEST_CURVE, LARGEST_CURVE),
@@ -237,7 +237,7 @@ impl Term {
         if let Some((shape, _)) = self.form().and_then(|f| f.shape) {
             bounds.push(shape.bounds);
         }
-        let effects = effects::all().len();
+        let (effects, columns) = (effects::all().len(), data.extras.len());
         let kind = match self.what {
             What::Effect { effect, .. } => effect,
             What::Column(Column::Gain(k) | Column::Offset(k)) => effects + k,
@@ -247,6 +247,7 @@ impl Term {
         problem::Term {
             kind,
             named: self.id().is_some(),
+            decoy: matches!(self.what, What::Column(c) if c.name(data) == PLACEBO),
             bounds,
             amplitudes: self.amplitudes,
             usual: f64::INFINITY,

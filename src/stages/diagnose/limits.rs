@@ -1,7 +1,7 @@
 //! What this campaign could have shown: the smallest detectable amplitude of every effect and dependence on every column, effects that it cannot
 //! show, and pairs with nearly one sensitivity.
 
-use super::data::{Data, PLACEBO};
+use super::data::Data;
 use super::library::{Scope, Term, What};
 use super::problem::ForceProblem;
 use pipeline_effects as effects;
@@ -248,7 +248,7 @@ fn columns_beside(problem: &ForceProblem, model: &Fitted) -> impl Iterator<Item 
             .any(|(u, _)| terms[*u].kind == kind)
     };
     let is_beside = move |t: &usize| match problem.library[*t].what {
-        What::Column(column) => column.name(problem.data) != PLACEBO && !in_model(terms[*t].kind),
+        What::Column(_) => !terms[*t].decoy && !in_model(terms[*t].kind),
         What::Effect { .. } => false,
     };
     (0..terms.len()).filter(is_beside)

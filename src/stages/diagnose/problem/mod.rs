@@ -135,7 +135,6 @@ impl<'a> ForceProblem<'a> {
             strokes,
         } = Hierarchy::of(data, by_stroke);
         let largest = data.force.iter().copied().fold(0.0, f64::max);
-        let columns = data.extras.len();
         let forces = data.force.iter().zip(&data.conditions);
         let side: Vec<Side> = forces
             .map(|(f, at)| slack::side(*f, largest, at, &base.shape(at)))
@@ -172,7 +171,7 @@ impl<'a> ForceProblem<'a> {
             campaigns,
             noise,
             coefficients: base.coefficients.iter().map(for_engine).collect(),
-            terms: library.iter().map(|t| t.for_engine(columns)).collect(),
+            terms: library.iter().map(|t| t.for_engine(data)).collect(),
             operators: Operators {
                 length: registered(effects::length_offset::ID),
                 zero: registered(effects::force_zero_offset::ID),

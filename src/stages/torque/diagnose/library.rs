@@ -1,7 +1,7 @@
 //! The terms of a joint: every form of every effect that means anything for it, and smooth functions of every column. A function of the torque
 //! itself is not among them: at one pressure it is a function of the angle once more, and mimics whatever yields.
 
-use super::data::Data;
+use super::data::{Data, PLACEBO};
 use super::terms::{ALL, SIZES, Term as Form};
 use pipeline_effects::JointNeed;
 use pipeline_inference::problem;
@@ -62,7 +62,7 @@ impl What {
     }
 
     /// The term as the engine sees it: forms of one effect, and what depends on one column, are alternatives.
-    pub fn for_engine(self) -> problem::Term {
+    pub fn for_engine(self, data: &Data) -> problem::Term {
         let kind = match self {
             What::Effect(k) => ALL.iter().position(|f| f.id == ALL[k].id).unwrap_or(k),
             What::Gain(k) | What::Offset(k) => ALL.len() + k,
@@ -71,6 +71,7 @@ impl What {
         problem::Term {
             kind,
             named: self.form().is_some(),
+            decoy: self.name(data) == PLACEBO,
             bounds: vec![self.form().map_or(correction, |f| f.bounds); self.values()],
             amplitudes: self.values(),
             usual: self.form().map_or(f64::INFINITY, |f| f.usual),

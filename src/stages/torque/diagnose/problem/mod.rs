@@ -133,7 +133,7 @@ impl<'a> TorqueProblem<'a> {
             noise,
             basis: bases(data),
             reference: vec![0.0; data.readings.len()],
-            terms: library.iter().map(|t| t.for_engine()).collect(),
+            terms: library.iter().map(|t| t.for_engine(data)).collect(),
             data,
             library,
             tree,
