@@ -65,7 +65,7 @@ fn main() {
                 outcome
             })
             .collect();
-        let screened = outcomes.iter().filter(|o| o.screened < decisions::LEVEL);
+        let screened = outcomes.iter().filter(|o| o.screened < decisions::COMES_IN);
         let found = outcomes.iter().filter(|o| o.found);
         println!(
             "| {specimens} | {count} | {} | {} |",
@@ -88,7 +88,7 @@ fn tried(seed: u64, settings: &Settings, redrawn: bool) -> Outcome {
     let (problem, null) = suited(&base, &data, &library, &BTreeSet::new());
     let setting = Setting::new(&problem);
     let decision = Decision {
-        level: decisions::LEVEL,
+        level: decisions::COMES_IN,
         draws: 199,
         alike: decisions::ALIKE,
         most_terms: 5,

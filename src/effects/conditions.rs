@@ -155,6 +155,9 @@ pub struct Conditions {
     pub middle_rest_length_m: f64,
     /// +1 filling, -1 venting, 0 unknown.
     pub direction: f64,
+    /// +1 after a rise of the pressure in the log, -1 after a fall, 0 where it has not moved yet or nobody knows: a reading that begins a filling of
+    /// a vented actuator has not been filled.
+    pub moved: f64,
     /// Highest pressure of the log, kPa.
     pub highest_kpa: f64,
     /// Whether this is the first filling since the length was set.
@@ -193,6 +196,7 @@ impl Conditions {
             diameter_mm: f64::NAN,
             middle_rest_length_m: rest_length_m,
             direction: 0.0,
+            moved: 0.0,
             highest_kpa: pressure_kpa,
             first_filling: false,
             log_time_s: 0.0,

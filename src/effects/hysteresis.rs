@@ -131,7 +131,7 @@ pub fn apply<R: Real>(form: usize, [h, _]: [R; 2], at: &Conditions, link: &mut L
             let friction = h * (s * at.pressure_kpa / P_620_KPA);
             link.force = link.force - within_tension(friction, link.force, at);
         }
-        4 => link.pressure = link.pressure - h * s,
+        4 => link.pressure = link.pressure - h * at.moved,
         5 => {
             let friction = h * (2.0 * s * at.sliding() * (1.0 - at.pressure_kpa / at.highest_kpa));
             link.force = link.force - within_tension(friction, link.force, at);

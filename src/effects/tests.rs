@@ -20,6 +20,7 @@ impl Actuator for Spring {
 fn somewhere() -> Conditions {
     Conditions {
         direction: 1.0,
+        moved: 1.0,
         highest_kpa: 620.0,
         first_filling: true,
         log_time_s: 12.0,

@@ -1,7 +1,7 @@
 //! The effects that were found, the candidates that were tested, and what stays without a name.
 
 use crate::number::Rounding;
-use crate::wording::SIGNIFICANT;
+use crate::wording::level;
 use crate::wording::name;
 use crate::wording::number::{
     NONE, error_with_unit, gain, gain_or_none, percent, plain, probability, rounded, size,
@@ -141,7 +141,7 @@ pub(super) fn tested(found: &CampaignFindings) -> Vec<TestedRow> {
             gain(t.log_likelihood_gain),
             probability(t.p_familywise),
         ],
-        significant: t.p_familywise < SIGNIFICANT && t.id != PLACEBO,
+        significant: t.p_familywise < level(found) && t.id != PLACEBO,
     };
     found.tested.iter().take(TESTED).map(row).collect()
 }
@@ -162,18 +162,11 @@ fn amplitude(found: &CampaignFindings, t: &Tested, value: f64) -> String {
 /// looks like nothing.
 pub(super) fn shuffled(found: &CampaignFindings) -> String {
     let mut printed = found.tested.iter().take(TESTED);
-    let low = printed.any(|t| t.id == PLACEBO && t.p_familywise < SIGNIFICANT);
-    let taken = found.unexplained.iter().any(|u| u.column == PLACEBO);
-    match (low, taken) {
-        (false, _) => "",
-        (true, false) => {
-            "The shuffled column carries no information: at the 0.05 level, one such column in twenty is significant by chance. It is not searched \
-             further."
-        }
-        (true, true) => {
-            "The shuffled column carries no information: at the 0.05 level, one such column in twenty is significant by chance. Others here may \
-             be, too."
-        }
+    let low = printed.any(|t| t.id == PLACEBO && t.p_familywise < level(found));
+    if low {
+        "The shuffled column carries no information and is never accepted: others here may be significant by chance, too."
+    } else {
+        ""
     }
     .to_owned()
 }
@@ -210,10 +203,10 @@ mod tests {
                 log_likelihood_gain: 9.1,
                 amplitude: None,
                 unit: "1".into(),
-                p_familywise: 0.04,
+                p_familywise: 0.01,
             },
         );
-        assert!(shuffled(&found).contains("one such column in twenty"));
+        assert!(shuffled(&found).contains("never accepted"));
         assert!(!tested(&found)[0].significant);
     }
 }

@@ -524,10 +524,10 @@ fn evidence_is_graded_by_p_by_searches_on_less_and_by_a_shuffled_column() {
         remarks(&found)
     };
     let all = Some(1.0);
-    assert_eq!(said(0.01, all, 0.5), "(strong)");
-    assert_eq!(said(0.0101, all, 0.5), "(moderate)");
-    assert_eq!(said(0.025, all, 0.5), "(moderate)");
-    assert_eq!(said(0.0251, all, 0.5), "(weak: p = 0.025)");
+    assert_eq!(said(0.005, all, 0.5), "(strong)");
+    assert_eq!(said(0.0051, all, 0.5), "(moderate)");
+    assert_eq!(said(0.01, all, 0.5), "(moderate)");
+    assert_eq!(said(0.0101, all, 0.5), "(weak: p = 0.010)");
     assert_eq!(said(0.005, Some(0.75), 0.5), "(moderate)");
     assert_eq!(said(0.005, Some(0.5), 0.5), "(moderate)");
     assert_eq!(

@@ -88,7 +88,7 @@ impl Campaign<'_> {
 
     fn decision(&self) -> Decision {
         Decision {
-            level: decisions::LEVEL,
+            level: decisions::COMES_IN,
             draws: self.options.draws,
             alike: decisions::ALIKE,
             most_terms: self.options.most_effects,

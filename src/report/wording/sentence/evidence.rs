@@ -3,16 +3,16 @@
 use super::form::varying;
 use super::found::opposed;
 use crate::number::Rounding;
-use crate::wording::SIGNIFICANT;
 use crate::wording::name::{nouns, without_one};
 use crate::wording::number::{equals_probability, percent, rounded, with_unit};
+use crate::wording::{OF_FORCES, SIGNIFICANT};
 use pipeline_findings::{CampaignFindings, EffectFinding, HeldOutBy, Tested};
 use pipeline_numerics::statistics::homogeneity;
 
 /// Largest family-wise p of strong evidence.
-const CLEAR: f64 = 0.01;
+const CLEAR: f64 = 0.25 * OF_FORCES;
 /// Evidence with a larger family-wise p is weak.
-const NEAR: f64 = 0.5 * SIGNIFICANT;
+const NEAR: f64 = 0.5 * OF_FORCES;
 /// Evidence for an effect that a smaller share of the searches without one unit finds again is weak.
 const SELDOM: f64 = 0.5;
 /// The column whose values were shuffled.
@@ -132,8 +132,8 @@ pub fn grades() -> String {
         "Evidence is strong where p ≤ {} and every search without one specimen (actuator) finds the effect again, with one size everywhere and the sign that its source expects; weak where p > {}, fewer than {} \
          of these searches find it, a shuffled column does as well or all tests are doubtful, else moderate. Specimens (actuators) differ where their own estimates do by more \
          than their standard errors allow (Cochran's Q).",
-        number(CLEAR, 2),
-        number(NEAR, 3),
+        number(CLEAR, 3),
+        number(NEAR, 2),
         percent(SELDOM)
     )
 }

@@ -1,4 +1,4 @@
-//! What happened before a reading: time since the last step, rate and direction of the pressure, cycles done. A column of the log says it, or
+//! What happened before a reading: time since the last step, rate and direction of the pressure and whether it has moved, cycles done. A column of the log says it, or
 //! else the sequence of the readings.
 
 use super::Data;
@@ -59,6 +59,7 @@ pub(super) fn histories(rows: &[&Row], data: &Data, conditions: &mut [Conditions
         places.sort_by(|a, b| rows[*a].time_s.total_cmp(&rows[*b].time_s).then(a.cmp(b)));
         let timed = places.iter().all(|&i| rows[i].time_s.is_finite());
         directions_by_sequence(rows, places, conditions);
+        movements(rows, places, conditions);
         let pressures = places.iter().map(|i| rows[*i].pressure_kpa);
         let highest = pressures.fold(f64::NEG_INFINITY, f64::max);
         places
@@ -156,6 +157,23 @@ fn directions_by_sequence(rows: &[&Row], places: &[usize], conditions: &mut [Con
     }
 }
 
+/// Which way the pressure moved last: the direction of a reading, once the pressure has gone that way by a step since it went the other. A log that
+/// begins with a filling begins vented.
+fn movements(rows: &[&Row], places: &[usize], conditions: &mut [Conditions]) {
+    let (mut moved, mut turned_kpa) = (0.0, 0.0);
+    for &i in places {
+        let (direction, pressure_kpa) = (conditions[i].direction, rows[i].pressure_kpa);
+        let from_top = moved == 0.0 && direction < 0.0;
+        if from_top || (pressure_kpa - turned_kpa) * direction > STEP_KPA {
+            moved = direction;
+        }
+        if direction == moved {
+            turned_kpa = pressure_kpa;
+        }
+        conditions[i].moved = moved;
+    }
+}
+
 /// Mean rate of the pressure from the reading before to the one after, within one direction.
 fn rate(rows: &[&Row], places: &[usize], k: usize) -> f64 {
     let same = |j: usize| {
@@ -219,6 +237,24 @@ mod tests {
             }
         }
         rows
+    }
+
+    #[test]
+    fn a_reading_that_begins_a_filling_has_not_been_filled() {
+        let twice = &[0.4, 200.0, 400.0, 399.0, 200.0, 0.6, 0.7, 200.0, 50.0][..];
+        let mut rows = session(&[("run1", 0.19, twice)]);
+        let up = [true, true, true, false, false, false, true, true, false];
+        for (row, up) in rows.iter_mut().zip(up) {
+            row.phase = Some(if up {
+                Phase::Pressurizing
+            } else {
+                Phase::Depressurizing
+            });
+        }
+        let rows: Vec<&Row> = rows.iter().collect();
+        let data = Data::new(&rows);
+        let moved: Vec<f64> = data.conditions.iter().map(|c| c.moved).collect();
+        assert_eq!(moved, [0.0, 1.0, 1.0, 1.0, -1.0, -1.0, -1.0, 1.0, -1.0]);
     }
 
     #[test]

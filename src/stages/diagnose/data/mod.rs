@@ -326,6 +326,7 @@ fn conditions(rows: &[&Row], data: &Data, dated: bool) -> Vec<Conditions> {
             } else {
                 0.0
             },
+            moved: 0.0,
             highest_kpa: r.pressure_kpa,
             first_filling: false,
             since_step_s: 0.0,
