@@ -141,6 +141,31 @@ fn many_sessions_with_one_doubt_are_one_warning() {
     assert!(warnings.count() <= 2, "{}", said.err);
 }
 
+/// Each is read again, by threads of polars': a thread that took up another session while it waits would fill its stack.
+#[test]
+fn hundreds_of_doubtful_sessions_are_named() {
+    let bench = single(&EXCHANGED);
+    let only = bench.raw().join("only");
+    for k in 1..240 {
+        let copy = bench.raw().join(format!("copy{k:03}"));
+        std::fs::create_dir(&copy).unwrap();
+        for file in std::fs::read_dir(&only).unwrap().flatten() {
+            // Neither an id nor a log may be that of another session.
+            let text = std::fs::read_to_string(file.path()).unwrap();
+            let is_log = file.file_name() != "session.toml";
+            let left_out = if is_log { k } else { 0 };
+            let lines: Vec<&str> = text.lines().collect();
+            let own = lines[..lines.len() - left_out].join("\n") + "\n";
+            let own = own.replace("small-b-c00", &format!("copy{k:03}"));
+            std::fs::write(copy.join(file.file_name()), own).unwrap();
+        }
+    }
+    bench.age();
+    let said = run(&bench);
+    assert_eq!(said.code, 0, "{}", said.err);
+    said.warns_of(&["look exchanged", "likewise", "other sessions of small"]);
+}
+
 #[test]
 fn exchanged_states_of_the_phase_are_named_by_run_status_and_check() {
     let bench = single(&[(
