@@ -78,7 +78,7 @@ const FORMS: &[Form] = &[
     form(
         "play in pressure",
         Place::Input,
-        "P -> P - w s",
+        "P -> P - w s, s of the last change of the pressure",
         "w",
         "kPa",
         60.0,
