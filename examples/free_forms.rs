@@ -54,7 +54,7 @@ const CASES: [Case; 6] = [
     },
 ];
 
-const GENERATING_LIMIT: f64 = 3.4 + 0.84;
+const GENERATING_LIMIT: f64 = 3.7 + 0.84;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

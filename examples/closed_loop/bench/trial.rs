@@ -57,7 +57,7 @@ pub struct Trial {
 }
 
 /// Standard deviations at which the generating model's own detection limit lies: about the family-wise level and 80% power.
-const GENERATING_LIMIT: f64 = 3.4 + 0.84;
+const GENERATING_LIMIT: f64 = 3.7 + 0.84;
 /// Between these parts of its largest size an effect of the wanted strength is looked for, in so many steps.
 const SMALLEST: f64 = 1e-4;
 const LARGEST: f64 = 2.0;
