@@ -4,7 +4,9 @@
 use super::findings::acts_on;
 use crate::described::*;
 use crate::input::ReportInput;
-use pipeline_findings::{CampaignFindings, ColumnLimit, DetectionLimit, NotMeasurable, Tested, WhyNot};
+use pipeline_findings::{
+    CampaignFindings, ColumnLimit, DetectionLimit, NotMeasurable, Tested, WhyNot,
+};
 
 /// One row a candidate.
 #[rustfmt::skip]
