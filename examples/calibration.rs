@@ -40,7 +40,8 @@ fn main() {
     let numbers: Vec<u64> = arguments.iter().filter_map(|a| a.parse().ok()).collect();
     let count = numbers.first().copied().unwrap_or(40);
     let first = numbers.get(1).copied().unwrap_or(1);
-    println!("| specimens | campaigns | screen below 0.02 | found something |");
+    let level = decisions::COMES_IN;
+    println!("| specimens | campaigns | screen below {level} | found something |");
     println!("|---|---|---|---|");
     for specimens in [4, 6, 8] {
         let settings = Settings {

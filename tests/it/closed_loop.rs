@@ -171,6 +171,17 @@ mod not_reached {
     fn the_benchmark_rediscovers_the_resting_length() {
         keep_to_bars(&[bar(Part::Rediscovery, 0.9, |o| o.detected)], 2);
     }
+
+    #[test]
+    #[ignore = "not reached: at the level of 0.02 nothing is found with 7 lengths; at 0.05 it was"]
+    fn the_dependence_on_resting_length_is_rediscovered_from_a_model_without_it() {
+        let settings = Settings {
+            specimens: Some(7),
+            ..Settings::default()
+        };
+        let found = search(&campaign(216, &settings).rows, "hunt2017");
+        assert!(has(&found, "rest_length_scaling"), "{:?}", names(&found));
+    }
 }
 
 /// Minutes: run by `.ci/run`.

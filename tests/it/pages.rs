@@ -118,3 +118,13 @@ mod long {
         assert_eq!(defects(&bench), [""; 0]);
     }
 }
+
+/// The pages speak of the levels that decide, which they do not import.
+#[test]
+fn the_levels_in_words_are_those_of_the_decisions() {
+    use pipeline::inference::decisions;
+    use pipeline::report::wording;
+    assert_eq!(wording::OF_FORCES, decisions::COMES_IN);
+    assert_eq!(wording::SIGNIFICANT, decisions::LEVEL);
+    assert_eq!(wording::ALIKE, decisions::ALIKE);
+}

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use serde_json::Value;
 
 /// What the table does not judge, beside free forms.
-const NOT_JUDGED: [&str; 8] = [
+const NOT_JUDGED: [&str; 7] = [
     "rmse_heldout_calibrated",
     "rmse_heldout_spread",
     "found_in_folds",
@@ -17,7 +17,6 @@ const NOT_JUDGED: [&str; 8] = [
     "next_measurement",
     "alternatives",
     "explained_as_well_by",
-    "column_limits",
 ];
 
 /// First of the seeds; nobody else has them.

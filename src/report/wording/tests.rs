@@ -808,7 +808,9 @@ fn implausible_sessions_are_named_and_many_counted() {
     assert_eq!(implausible(&ids(0)), None);
     let said = implausible(&ids(5)).unwrap();
     assert!(
-        said.starts_with("Doubtful are the readings of s1, s2, s3 and two more, which are not what such an actuator gives: "),
+        said.starts_with(
+            "The readings of s1, s2, s3 and two more look doubtful for such an actuator: "
+        ),
         "{said}"
     );
 }

@@ -65,7 +65,7 @@ pub fn implausible(sessions: &[String]) -> Option<String> {
     }
     (!sessions.is_empty()).then(|| {
         format!(
-            "Doubtful are the readings of {}, which are not what such an actuator gives: check columns, units, states and lengths in session.toml (`pipeline status` says why).",
+            "The readings of {} look doubtful for such an actuator: check columns, units, states and lengths in session.toml (`pipeline status` says why).",
             listed(&named)
         )
     })

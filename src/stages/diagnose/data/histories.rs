@@ -1,5 +1,5 @@
-//! What happened before a reading: time since the last step, rate and direction of the pressure and whether it has moved, cycles done. A column of the log says it, or
-//! else the sequence of the readings.
+//! What happened before a reading: time since the last step, rate and direction of the pressure and whether it has moved, cycles done. A column
+//! of the log says it, or else the sequence of the readings.
 
 use super::Data;
 use super::extras::{CYCLES, RATE, SINCE_STEP};
