@@ -52,6 +52,8 @@ struct Form {
     far: Option<f64>,
     /// How the predictions change where its size bends, for a value of 1.
     bends: Vec<Vec<f64>>,
+    /// How they change where its size scatters.
+    scatters: Vec<Vec<f64>>,
 }
 
 /// A named term of one amplitude.
@@ -68,6 +70,7 @@ fn form(kind: usize, column: Coordinates) -> Form {
         columns: vec![along(column)],
         far: None,
         bends: Vec::new(),
+        scatters: Vec::new(),
     }
 }
 
@@ -107,6 +110,11 @@ impl Form {
         self
     }
 
+    fn scattering(mut self, column: Coordinates) -> Self {
+        self.scatters.push(along(column));
+        self
+    }
+
     fn and(mut self, column: Coordinates) -> Self {
         self.term.amplitudes += 1;
         self.shaped(column)
@@ -132,6 +140,7 @@ struct Line {
     columns: Vec<Vec<Vec<f64>>>,
     far: Vec<Option<f64>>,
     bends: Vec<Vec<Vec<f64>>>,
+    scatters: Vec<Vec<Vec<f64>>>,
 }
 
 impl Line {
@@ -183,6 +192,7 @@ fn line(observed: Coordinates, forms: &[Form]) -> Line {
         columns: forms.iter().map(|f| f.columns.clone()).collect(),
         far: forms.iter().map(|f| f.far).collect(),
         bends: forms.iter().map(|f| f.bends.clone()).collect(),
+        scatters: forms.iter().map(|f| f.scatters.clone()).collect(),
     }
 }
 
@@ -256,6 +266,9 @@ impl Problem for Line {
             let scaled = |column: &Vec<f64>| column.iter().map(|x| values[0] * x).collect();
             self.bends[*t].iter().map(scaled).collect()
         })
+    }
+    fn scatters(&self, _point: &Point, term: usize) -> Vec<Vec<f64>> {
+        self.scatters[term].clone()
     }
     fn far(&self, point: &Point) -> Vec<(usize, Vec<f64>)> {
         let is_new = |t: &usize| point.terms.iter().all(|(known, _)| known != t);
@@ -470,13 +483,16 @@ fn what_a_draw_has_between_groups_is_scatter_in_its_null_too() {
     close(draws[0], deviate(4.0 * libm::log(1.5), 1), 1e-3);
 }
 
-/// A first term along w1; a second along w1 + w2, of which 12 is left beside the first. 99 draws from the null, of which `wild` have 1000 along
-/// w1 and all 4 along w2: the second has 4^2/2 = 8 in those that are not wild, and beside the first 4^2 = 16 in all.
-fn with_wild_draws(by: By, wild: usize) -> Vec<usize> {
-    let h = 0.5_f64.sqrt();
-    let forms = [form(0, &[(1, 1.0)]), form(1, &[(1, h), (2, h)])];
-    let problem = line(&[(1, 100.0), (2, 12.0_f64.sqrt())], &forms);
-    let own = normal(move |k| along(&[(1, if k < wild { 1000.0 } else { 0.0 }), (2, 4.0)]));
+/// A first term along w1; a second of which an eighth is along w2 and the rest along w1, with this likelihood ratio beside the first. All draws
+/// have 8 along w2: the second has 8^2/8 = 8 in those from the null, and beside the first 8^2 = 64.
+fn beside_a_first(by: By, ratio: f64) -> Vec<usize> {
+    let (along_w1, along_w2) = (0.875_f64.sqrt(), 0.125_f64.sqrt());
+    let forms = [
+        form(0, &[(1, 1.0)]),
+        form(1, &[(1, along_w1), (2, along_w2)]),
+    ];
+    let problem = line(&[(1, 100.0), (2, ratio.sqrt())], &forms);
+    let own = normal(|_| along(&[(2, 8.0)]));
     let decision = Decision {
         level: 0.5,
         draws: 99,
@@ -486,11 +502,19 @@ fn with_wild_draws(by: By, wild: usize) -> Vec<usize> {
 }
 
 #[test]
-fn a_further_term_is_tested_against_draws_of_its_own_model_where_it_is_close() {
-    // Level 0.5: the middle draw, 8, is critical. p = (1 + wild)/100 = 0.1 is not above 0.2 x 0.5: 12 > 8 comes in. p = 0.11 is: 12 < 16 does not.
+fn a_further_term_is_tested_against_draws_of_its_own_model_where_it_is_not_clear() {
+    // Clear is twice the deviate of what is critical, 8: deviate(8, 1) = 2.5927, and 5.1854 is that of (1 - 2/9 + 5.1854 sqrt(2/9))^3 = 33.455. Up to
+    // there the second is beside draws of 64.
+    let clear = likelihood_ratio(2.0 * deviate(8.0, 1), 1);
+    close(clear, 33.4554, 1e-3);
+    for (ratio, comes_in) in sides(clear) {
+        for by in [By::Run, By::Exchanging] {
+            let terms: &[usize] = if comes_in { &[0, 1] } else { &[0] };
+            assert_eq!(beside_a_first(by, ratio), terms, "{ratio}");
+        }
+    }
     for by in [By::Run, By::Exchanging] {
-        assert_eq!(with_wild_draws(by, 9), [0, 1]);
-        assert_eq!(with_wild_draws(by, 10), [0]);
+        assert_eq!(beside_a_first(by, 70.0), [0, 1]);
     }
 }
 
@@ -547,6 +571,36 @@ fn a_term_that_no_longer_shows_beside_the_bends_of_another_is_left_out() {
         ];
         let problem = line(&[(1, 40.0), (2, square.sqrt())], &forms);
         assert_eq!(accepted(&found(&problem, QUICK, ratio)).len(), 2);
+    }
+}
+
+#[test]
+fn a_term_that_tells_groups_apart_shows_beyond_their_scatter() {
+    // y = a w1 + b w2; the term is the sum of two groups and goes along w1, their scatter along w1 and w2. Its variance v = 1 + tau^2 is best at
+    // (a^2 + b^2)/2 without the term and at b^2/2 beside it, where that is more than 1: a likelihood ratio of 2 ln(1 + a^2/b^2) and not of a^2. It
+    // is 4 where a^2 = b^2 (e^2 - 1).
+    let b = 2.0;
+    let square = b * b * (libm::exp(2.0) - 1.0);
+    let scattering = form(0, &[(1, 1.0)])
+        .scattering(&[(1, 1.0)])
+        .scattering(&[(2, 1.0)]);
+    // Gains beside scatter are known to a twentieth.
+    for (factor, comes_in) in [(0.9_f64, false), (1.1, true)] {
+        let a = (factor * square).sqrt();
+        for (form, comes_in) in [(scattering.clone(), comes_in), (form(0, &[(1, 1.0)]), true)] {
+            let problem = line(&[(1, a), (2, b)], &[form]);
+            for decision in [DECISION, QUICK] {
+                let found = found(&problem, decision, 4.0);
+                assert_eq!(!accepted(&found).is_empty(), comes_in, "{factor}");
+            }
+        }
+    }
+    // A term that does not show beyond its scatter keeps no other out, nor does it take another's place.
+    let a = (0.9 * square).sqrt();
+    let lesser = form(1, &[(1, 0.95), (3, 0.0975_f64.sqrt())]);
+    let problem = line(&[(1, a), (2, b)], &[scattering, lesser]);
+    for decision in [DECISION, QUICK] {
+        assert_eq!(accepted(&found(&problem, decision, 4.0)), [1]);
     }
 }
 

@@ -256,7 +256,7 @@ fn projections_of_further_columns_are_those_of_the_dense_covariance() {
     for round in 0..2 {
         let gram = design.gram();
         let factor = Factor::new(&design.tree, &gram, &variances);
-        let panel = Panel::new(&design, &columns);
+        let panel = Panel::new(&design, &gram, &columns);
         let found = factor.project(&panel);
         for (j, c) in columns.iter().enumerate() {
             close(
@@ -297,6 +297,73 @@ fn the_gradient_is_that_of_differences() {
             up.noise[c] *= 1.0 + h;
             down.noise[c] *= 1.0 - h;
             close(by_noise[c], (value(&up) - value(&down)) / (2.0 * h), 1e-6);
+        }
+    }
+}
+
+#[test]
+fn a_node_that_has_faded_is_passed_over_and_changes_nothing() {
+    let design = design();
+    let gram = design.gram();
+    // Both components of a session, or that of a specimen, which has sessions below it.
+    for faded in [&[2, 3][..], &[1]] {
+        let with = |sd: f64| {
+            let mut at = variances();
+            faded.iter().for_each(|c| at.components[*c] = sd);
+            at
+        };
+        // The readings of a node add about ten times its variance to the prior precision: on either side of what counts as faded, and nothing.
+        let [above, below, none] = [1e-3, 1e-5, 0.0].map(with);
+        let nodes = |at: &Variances| Factor::new(&design.tree, &gram, at).idle_nodes();
+        assert_eq!(nodes(&above), 0);
+        assert_eq!(nodes(&below), if faded.len() == 2 { 4 } else { 2 });
+        for likelihood in [Likelihood::Full, Likelihood::Restricted] {
+            let all = [&above, &below, &none].map(|at| {
+                let factor = Factor::new(&design.tree, &gram, at);
+                let (mut slopes, by_noise) = factor.gradient(likelihood);
+                slopes.extend(by_noise);
+                let estimates = factor.estimates();
+                let panel = Panel::new(&design, &gram, &[design.y.iter().rev().copied().collect()]);
+                let projected = factor.project(&panel);
+                let mut values = slopes;
+                values.push(factor.log_likelihood(likelihood));
+                values.extend(estimates.fixed);
+                values.extend(estimates.random);
+                values.extend(projected.squares);
+                values
+            });
+            let [above, below, none] = all;
+            for ((a, b), n) in above.iter().zip(&below).zip(&none) {
+                close(*a, *n, 0.01);
+                close(*b, *n, 1e-7);
+            }
+        }
+    }
+}
+
+#[test]
+fn sums_with_further_columns_are_those_of_the_longer_design() {
+    let design = design();
+    let mut k = 7;
+    let columns: Vec<Vec<f64>> = (0..2)
+        .map(|_| (0..design.len()).map(|_| noise(&mut k)).collect())
+        .collect();
+    let mut longer = design.clone();
+    longer.x.extend(columns.iter().cloned());
+    let extra: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+    let (quick, plain) = (design.gram_with(&design.gram(), &extra), longer.gram());
+    let at = variances();
+    for likelihood in [Likelihood::Full, Likelihood::Restricted] {
+        let [quick, plain] = [&quick, &plain].map(|gram| {
+            let factor = Factor::new(&design.tree, gram, &at);
+            let (mut values, by_noise) = factor.gradient(likelihood);
+            values.extend(by_noise);
+            values.push(factor.log_likelihood(likelihood));
+            values.extend(factor.fixed());
+            values
+        });
+        for (a, b) in quick.iter().zip(&plain) {
+            close(*a, *b, 1e-10);
         }
     }
 }

@@ -138,9 +138,8 @@ impl<'a> Plain<'a> {
 
     fn wider(&self, set: &[Vec<f64>]) -> Option<Wider> {
         let plain = &self.model.design;
-        let active = |n: usize| self.setting.active[n];
         let factor = Factor::new(&plain.tree, &self.model.gram, &self.maximum.variances);
-        let left = factor.project(&Panel::of_active(plain, set, active));
+        let left = factor.project(&Panel::new(plain, &self.model.gram, set));
         let [before, after] = [&left.unprojected, &left.squares].map(|s| s.iter().sum::<f64>());
         if set.is_empty() || !(after > IDENTIFIABLE * before && after.is_finite()) {
             return None;

@@ -27,6 +27,15 @@ impl Square {
         }
     }
 
+    /// Ones on the diagonal.
+    pub fn identity(n: usize) -> Self {
+        let mut one = Self::zeros(n);
+        for k in 0..n {
+            one.a[k * n + k] = 1.0;
+        }
+        one
+    }
+
     /// An entry.
     #[inline]
     pub fn at(&self, i: usize, j: usize) -> f64 {
@@ -79,8 +88,8 @@ pub struct Part {
     pub node: usize,
     /// Class of noise.
     pub class: usize,
-    /// Readings.
-    pub count: usize,
+    /// The readings.
+    pub readings: Arc<Vec<usize>>,
     /// C'C, C the path's columns first, then the fixed effects: shared by all responses.
     pub products: Arc<Square>,
     /// C'y, then y'y.
@@ -165,7 +174,7 @@ impl Design {
             Part {
                 node,
                 class,
-                count: list.len(),
+                readings: Arc::new(list),
                 products: Arc::new(products),
                 response,
                 rows,
@@ -174,9 +183,63 @@ impl Design {
         let parts: Vec<Part> = members.into_par_iter().map(part).collect();
         let mut counts = vec![0; self.classes];
         for part in &parts {
-            counts[part.class] += part.count;
+            counts[part.class] += part.readings.len();
         }
         Gram::new(&self.tree, self.x.len(), counts, parts)
+    }
+
+    /// The sums of products with further fixed effects behind those that sums are known of.
+    pub fn gram_with(&self, gram: &Gram, extra: &[&[f64]]) -> Gram {
+        let with = |part: &Part| {
+            let (n, more) = (part.products.n, extra.len());
+            let wide = n + more;
+            let mut products = Square::zeros(wide);
+            for (from, to) in part
+                .products
+                .a
+                .chunks_exact(n)
+                .zip(products.a.chunks_exact_mut(wide))
+            {
+                to[..n].copy_from_slice(from);
+            }
+            let mut response = part.response.clone();
+            response.splice(n..n, vec![0.0; more]);
+            let mut row = vec![0.0; n + 1];
+            let mut cross = vec![0.0; n + 1];
+            for (k, column) in extra.iter().enumerate() {
+                cross.fill(0.0);
+                for &i in part.readings.iter() {
+                    self.row(i, &mut row);
+                    add_times(&mut cross, column[i], &row);
+                }
+                for (j, x) in cross[..n].iter().enumerate() {
+                    *products.at_mut(n + k, j) = *x;
+                    *products.at_mut(j, n + k) = *x;
+                }
+                response[n + k] = cross[n];
+                for (l, other) in extra[..=k].iter().enumerate() {
+                    let product = part.readings.iter().map(|&i| column[i] * other[i]).sum();
+                    *products.at_mut(n + k, n + l) = product;
+                    *products.at_mut(n + l, n + k) = product;
+                }
+            }
+            let mut rows = Vec::with_capacity(part.rows.len() / (n + 1) * (wide + 1));
+            for (row, &i) in part.rows.chunks_exact(n + 1).zip(part.readings.iter()) {
+                rows.extend_from_slice(&row[..n]);
+                rows.extend(extra.iter().map(|column| column[i]));
+                rows.push(row[n]);
+            }
+            Part {
+                readings: part.readings.clone(),
+                products: Arc::new(products),
+                response,
+                rows,
+                ..*part
+            }
+        };
+        let parts = gram.parts.iter().map(with).collect();
+        let fixed = gram.fixed + extra.len();
+        Gram::new(&self.tree, fixed, gram.counts.clone(), parts)
     }
 
     /// Columns of the path, fixed effects and response of reading `i`.
@@ -191,14 +254,12 @@ impl Design {
 
     /// Sums of some or all of this design's nodes, with further fixed effects behind its own and another response.
     pub fn with_response_of(&self, gram: &Gram, extra: &[&[f64]], y: &[f64]) -> Gram {
-        let members = self.members();
         let mut answer = gram.clone();
         for part in &mut answer.parts {
             let last = part.products.n;
             let path = last - gram.fixed;
             part.response.fill(0.0);
-            let places = readings(&members, part);
-            for &i in places {
+            for &i in part.readings.iter() {
                 let (of_path, others) = part.response.split_at_mut(path);
                 add_times(of_path, y[i], &self.z[i]);
                 for (s, column) in others.iter_mut().zip(
@@ -211,21 +272,17 @@ impl Design {
                 }
                 part.response[last] += y[i] * y[i];
             }
-            for (row, &i) in part.rows.chunks_exact_mut(last + 1).zip(places) {
+            for (row, &i) in part
+                .rows
+                .chunks_exact_mut(last + 1)
+                .zip(part.readings.iter())
+            {
                 row[last] = y[i];
             }
         }
         answer.add_up_responses(&self.tree);
         answer
     }
-}
-
-/// The readings of a part, among the members of a design.
-pub(crate) fn readings<'m>(members: &'m [(usize, usize, Vec<usize>)], part: &Part) -> &'m [usize] {
-    let found = members
-        .iter()
-        .find(|(node, class, _)| *node == part.node && *class == part.class);
-    found.map_or(&[], |(_, _, list)| list.as_slice())
 }
 
 impl Gram {

@@ -134,6 +134,12 @@ pub trait Problem: Sync {
         Vec::new()
     }
 
+    /// How the predictions change where the size of a term scatters among the groups between which the term tells differences, in a way that the null
+    /// model does not know: one column a group. None where the term does not act between groups.
+    fn scatters(&self, _point: &Point, _term: usize) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+
     /// How one term that is not in the model would show at a point: a problem may know a shorter way than to ask for all.
     fn directions_of(&self, point: &Point, term: usize) -> Vec<Direction> {
         let mut all = self.directions(point);

@@ -146,7 +146,7 @@ impl<'a> Screen<'a> {
                 }
             }
         }
-        let panel = Panel::of_active(&null.design, &columns, |n| setting.active[n]);
+        let panel = Panel::new(&null.design, &null.gram, &columns);
         let mut screen = Self {
             setting,
             null,
@@ -253,9 +253,8 @@ impl<'a> Screen<'a> {
     /// Gain of a direction with the variances estimated again.
     fn refined(&self, shown: &Shown, y: Option<&[f64]>, null_value: f64, from: &Variances) -> f64 {
         let gram = self.extended[shown.direction].get_or_init(|| {
-            let mut design = self.null.design.clone();
-            design.x.extend(self.columns(shown).cloned());
-            self.setting.sums(&design)
+            let extra: Vec<&[f64]> = self.columns(shown).map(Vec::as_slice).collect();
+            self.null.design.gram_with(&self.null.gram, &extra)
         });
         let value = match y {
             None => self.value(gram, from).1,

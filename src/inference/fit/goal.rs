@@ -1,5 +1,7 @@
 //! How far a fit is taken: to estimates, to a comparison, or at a glance.
 
+use super::Free;
+
 /// Iterations in which a fit may do anything.
 const FIRST_STEPS: usize = 4;
 
@@ -15,6 +17,8 @@ pub(super) struct Goal {
     pub(super) settled: f64,
     /// Log-likelihood below which the fit is of no use.
     least: f64,
+    /// Whether it is of no use either where an amplitude of the last term stands at its bound: at the edge of what is possible there is no estimate.
+    inside: bool,
 }
 
 impl Goal {
@@ -24,15 +28,22 @@ impl Goal {
         rest: 1e-3,
         settled: 0.02,
         least: f64::NEG_INFINITY,
+        inside: false,
     };
 
-    /// A log-likelihood that is compared with others.
+    /// As far as it takes to choose among fits, or to begin another.
+    pub(super) const APPROACHED: Self = Self {
+        rest: 0.02,
+        settled: 0.05,
+        ..Self::ESTIMATED
+    };
+
+    /// A log-likelihood that is compared with others, with estimates of the last term.
     pub(super) const fn compared(least: f64) -> Self {
         Self {
-            rest: 0.02,
-            settled: 0.05,
             least,
-            ..Self::ESTIMATED
+            inside: true,
+            ..Self::APPROACHED
         }
     }
 
@@ -41,6 +52,18 @@ impl Goal {
         iterations: 2,
         ..Self::ESTIMATED
     };
+
+    /// Whether a fit is of no use with these values at their bounds, the last term being number `last` in the model.
+    pub(super) fn is_at_its_bound(
+        self,
+        held: &[Free],
+        last: Option<usize>,
+        amplitudes: usize,
+    ) -> bool {
+        let is_of_last =
+            |f: &Free| matches!(*f, Free::Value(t, k) if Some(t) == last && k < amplitudes);
+        self.inside && held.iter().any(is_of_last)
+    }
 
     /// Whether a fit that has come so far will not reach what is of use: even ten times what it gains now would not take it there.
     pub(super) fn is_out_of_reach(self, iteration: usize, log_likelihood: f64, gains: f64) -> bool {

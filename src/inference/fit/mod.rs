@@ -60,7 +60,7 @@ impl Setting<'_> {
 
     fn afresh(&self, from: &Point, goal: Goal) -> Fitted {
         let usual = self.usual();
-        let first = usual.compare(from, &usual.fresh()[..1], f64::NEG_INFINITY);
+        let first = usual.fit_within(from, &usual.fresh()[..1], Goal::APPROACHED);
         self.fit_within(&first.point, &[self.widened(&first.variances)], goal)
     }
 
@@ -69,7 +69,8 @@ impl Setting<'_> {
         self.fit_within(from, starts, Goal::ESTIMATED)
     }
 
-    /// The same, no further than a log-likelihood needs that is compared with others, and given up where it will not come to `least`.
+    /// The same, no further than a log-likelihood needs that is compared with others, and given up where it will not come to `least`, or an
+    /// amplitude of the last term stays at its bound.
     pub fn compare(&self, from: &Point, starts: &[Variances], least: f64) -> Fitted {
         self.fit_within(from, starts, Goal::compared(least))
     }
@@ -115,6 +116,9 @@ impl Setting<'_> {
             if converged && !ends && !pressed.is_empty() {
                 // What stands at its bound and would go on is no estimate, however little it would gain.
                 held.extend(pressed);
+                if self.is_given_up(goal, &point, &held) {
+                    return here.fitted(&point, self.at_bound(&point), false);
+                }
                 known = Some(here.maximum);
                 continue;
             }
@@ -132,8 +136,18 @@ impl Setting<'_> {
             );
             held.extend(moved.stopped);
             point = moved.point;
+            if self.is_given_up(goal, &point, &held) {
+                return here.fitted(&point, self.at_bound(&point), false);
+            }
             known = Some(here.maximum);
         }
+    }
+
+    /// Whether a fit for a comparison has its last term at a bound.
+    fn is_given_up(&self, goal: Goal, point: &Point, held: &[Free]) -> bool {
+        let last = point.terms.last();
+        let amplitudes = last.map_or(0, |(t, _)| self.problem.terms()[*t].amplitudes);
+        goal.is_at_its_bound(held, point.terms.len().checked_sub(1), amplitudes)
     }
 
     /// The linear model at a point, its variances from where those of the point before it are known, or else from some starts.

@@ -107,7 +107,7 @@ impl Setting<'_> {
     ) -> f64 {
         let readings = self.problem.observed().iter().zip(predicted);
         let left = readings.map(|(y, p)| y - p).collect();
-        let panel = Panel::of_active(design, &[left], |n| self.active[n]);
+        let panel = Panel::new(design, linear.gram(), &[left]);
         let sum = linear.project(&panel).unprojected[0];
         let tree = self.problem.tree();
         let components = (0..tree.len()).flat_map(|n| tree.components_of(n));

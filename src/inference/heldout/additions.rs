@@ -27,10 +27,7 @@ impl Unseen<'_> {
             .iter()
             .map(|&i| (i, self.parameters(i), self.variance_in_new_groups(i)))
             .collect();
-        let mut covariance = Square::zeros(p);
-        for j in 0..p {
-            *covariance.at_mut(j, j) = 1.0;
-        }
+        let mut covariance = Square::identity(p);
         let times = |matrix: &Square, x: &[f64]| -> Vec<f64> {
             let rows = matrix.a.chunks_exact(p);
             rows.map(|row| dot(row, x)).collect()

@@ -3,12 +3,52 @@
 
 use super::{FITTED, Search, Way};
 use crate::fit::Fitted;
+use crate::problem::Point;
 use crate::screen::{Screen, Shown};
 use crate::system::Variances;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// A fit that keeps less than this share of what the linear model promised is made again from nothing.
 const PROMISED: f64 = 0.8;
+
+/// Of the starts of a term that are far away, how many are followed.
+const FOLLOWED: usize = 2;
+
+/// A start of a term far from nothing.
+struct Far {
+    term: usize,
+    from: Point,
+}
+
+impl Far {
+    fn new(model: &Fitted, term: usize, values: Vec<f64>) -> Self {
+        let mut from = model.point.clone();
+        from.terms.push((term, values));
+        Self { term, from }
+    }
+}
+
+/// Where a start leads.
+struct Led {
+    point: Point,
+    variances: Variances,
+    log_likelihood: f64,
+}
+
+/// The places of the starts that are followed: those of each term that lead to the largest likelihoods.
+fn followed(starts: &[Far], led: &[Led]) -> Vec<usize> {
+    let mut places: Vec<usize> = (0..starts.len()).collect();
+    places.sort_by(|a, b| led[*b].log_likelihood.total_cmp(&led[*a].log_likelihood));
+    let mut counts = BTreeMap::new();
+    places.retain(|place| {
+        let count = counts.entry(starts[*place].term).or_insert(0);
+        *count += 1;
+        *count <= FOLLOWED
+    });
+    places.sort_unstable();
+    places
+}
 
 impl Search<'_> {
     /// The strongest candidates fitted in full, beyond those that are fitted already. One that ends at its bound takes no other's place.
@@ -119,23 +159,50 @@ impl Search<'_> {
         let may_come =
             |t: usize| !kinds.contains(&terms[t].kind) && (terms[t].named || !way.named_only);
         let starts = self.setting.problem.far(&model.point);
-        let fits = starts.into_par_iter().filter(|(t, _)| may_come(*t));
-        let fits = fits.map(|(t, values)| {
-            let mut from = model.point.clone();
-            from.terms.push((t, values));
-            let starts = std::slice::from_ref(&model.variances);
-            let fit = self.setting.compare(&from, starts, least);
-            if fit.converged || fit.log_likelihood < least {
-                return (fit, t);
-            }
-            // The coefficients of the model without it may be too far off.
-            let again = self.setting.compare_afresh(&from, least);
-            let is_better = again.log_likelihood > fit.log_likelihood;
-            (if is_better { again } else { fit }, t)
+        let starts = starts.into_iter().filter(|(t, _)| may_come(*t));
+        let starts: Vec<Far> = starts
+            .map(|(t, values)| Far::new(model, t, values))
+            .collect();
+        let led: Vec<Led> = starts.par_iter().map(|far| self.led(far, model)).collect();
+        let fits = followed(&starts, &led).into_par_iter();
+        let fits = fits.map(|place| {
+            (
+                self.fit_far(&starts[place], &led[place], least),
+                starts[place].term,
+            )
         });
         let mut fits: Vec<(Fitted, usize)> = fits.collect();
         fits.retain(|(f, t)| f.log_likelihood >= least && self.is_inside(f, *t));
         fits
+    }
+
+    /// Where a start leads at a glance.
+    fn led(&self, far: &Far, model: &Fitted) -> Led {
+        let fit = self
+            .setting
+            .glance(&far.from, std::slice::from_ref(&model.variances));
+        Led {
+            point: fit.point,
+            variances: fit.variances,
+            // What has none comes last.
+            log_likelihood: fit.log_likelihood.max(f64::NEG_INFINITY),
+        }
+    }
+
+    /// The fit from a start, of which it is known where it leads.
+    fn fit_far(&self, far: &Far, led: &Led, least: f64) -> Fitted {
+        let starts = std::slice::from_ref(&led.variances);
+        let fit = self.setting.compare(&led.point, starts, least);
+        if fit.converged || fit.log_likelihood < least || !self.is_inside(&fit, far.term) {
+            return fit;
+        }
+        // The coefficients of the model without it may be too far off.
+        let again = self.setting.compare_afresh(&far.from, least);
+        if again.log_likelihood > fit.log_likelihood {
+            again
+        } else {
+            fit
+        }
     }
 
     /// Whether the amplitudes of a term lie within their bounds: at the edge of what is possible there is no estimate.

@@ -2,14 +2,15 @@
 
 use super::{Accepted, Drawn, Found, Search, WORTH_A_SWAP, Way};
 use crate::fit::Fitted;
+use crate::form::Beside;
 use crate::screen::{Normal, Screen, Shown};
 use crate::statistic::{critical, deviate, likelihood_ratio, upper_tail};
 
-/// A candidate whose probability under the draws from the null lies in this range is tested against draws from its own model as well; beyond
-/// it they could not change the answer, because the distribution of the maximum follows from the design far more than from the model.
-const CLOSE: (f64, f64) = (0.2, 4.0);
+/// A candidate whose probability under the draws from the null is more than this many times the level is not tested against draws from its own
+/// model: they could not change the answer, because the distribution of the maximum follows from the design far more than from the model.
+const TOO_PROBABLE: f64 = 4.0;
 
-/// A statistic this many times the critical one needs no draws of its own.
+/// For the same reason a statistic this many times the critical one needs no draws of its own.
 const CLEAR: f64 = 2.0;
 
 /// How often a better optimum of the model without a further term is taken up.
@@ -82,6 +83,7 @@ impl Search<'_> {
             found.model = without;
         }
         let statistic = self.statistic(&fitted, term, found.model.log_likelihood);
+        let statistic = statistic.min(self.beyond_scatter(&fitted, term, &found.model));
         if statistic >= limit {
             Step::Accepted(Box::new(Next {
                 p: upper_tail(&draws, statistic),
@@ -105,16 +107,15 @@ impl Search<'_> {
         way: Way,
         first: f64,
     ) -> Vec<f64> {
-        let close = (CLOSE.0 * self.decision.level, CLOSE.1 * self.decision.level);
         let p = upper_tail(&found.draws, first);
         let is_first = found.accepted.is_empty();
         let redrawn = match way.drawn {
             // Draws of more groups than there are here have lighter tails: they decide what is clear, no more.
-            Drawn::IfDoubtful => first >= found.critical && first < CLEAR * found.critical,
-            Drawn::IfClose => !is_first && p > close.0 && p < close.1,
-            Drawn::Always => !is_first && p > close.0,
+            Drawn::IfDoubtful => first >= found.critical,
+            Drawn::IfClose => !is_first && p < TOO_PROBABLE * self.decision.level,
+            Drawn::Always => !is_first,
         };
-        if !redrawn {
+        if !redrawn || first >= CLEAR * found.critical {
             return found.draws.clone();
         }
         let (most, level) = (self.decision.draws, self.decision.level);
@@ -148,10 +149,27 @@ impl Search<'_> {
             fits.extend(self.fits_far(model, way, least));
         }
         // What would not be accepted keeps nothing out.
-        if fits.iter().any(passes) {
-            fits.retain(passes);
+        let accepted =
+            |f: &(Fitted, usize)| passes(f) && self.beyond_scatter(&f.0, f.1, model) >= limit;
+        let is_accepted: Vec<bool> = fits.iter().map(accepted).collect();
+        if is_accepted.contains(&true) {
+            let mut keep = is_accepted.into_iter();
+            fits.retain(|_| keep.next() == Some(true));
         }
         fits
+    }
+
+    /// What a fit gains by a term where its size may scatter among the groups between which it tells differences, on the scale of [`deviate`]:
+    /// infinite where it tells none.
+    pub(super) fn beyond_scatter(&self, fitted: &Fitted, term: usize, below: &Fitted) -> f64 {
+        let columns = self.setting.problem.scatters(&fitted.point, term);
+        if columns.is_empty() {
+            return f64::INFINITY;
+        }
+        let [with, without] =
+            [fitted, below].map(|m| m.log_likelihood + Beside::new(self.setting, m).gain(&columns));
+        let amplitudes = self.setting.problem.terms()[term].amplitudes;
+        deviate(2.0 * (with - without), amplitudes)
     }
 
     /// What a fit gains by a term, on the scale of [`deviate`].

@@ -26,7 +26,9 @@ impl Search<'_> {
                 continue;
             }
             found.accepted[place].gain = gain;
-            let others = self.instead_of(&found.model, &without, term, gain, way);
+            let mut others = self.instead_of(&found.model, &without, term, gain, way);
+            let critical = found.accepted[place].critical;
+            others.retain(|(t, f)| self.beyond_scatter(f, *t, &without) >= critical);
             let better = self.better(&others, &found.model, term, way);
             if let (Some((other, fit)), true) = (better, swaps > 0) {
                 swaps -= 1;

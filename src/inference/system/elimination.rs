@@ -91,7 +91,11 @@ pub(super) fn eliminate(own: &Square, first: usize, width: usize) -> Eliminated 
             *slot *= inverse;
         }
     }
-    Eliminated { lower, rest }
+    Eliminated {
+        idle: false,
+        lower,
+        rest,
+    }
 }
 
 /// Adds a matrix of which the upper triangle counts, without a node's own rows and columns.

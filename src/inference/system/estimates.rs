@@ -95,6 +95,9 @@ impl Factor<'_> {
     pub(super) fn solved(&self, node: usize, stride: usize) -> Vec<f64> {
         let eliminated = &self.nodes[node];
         let width = self.tree.width(node);
+        if eliminated.idle {
+            return vec![0.0; width * stride];
+        }
         let mut a = eliminated.rest.clone();
         for k in (0..width).rev() {
             let (head, below) = a.split_at_mut((k + 1) * stride);

@@ -26,6 +26,11 @@ impl Factor<'_> {
         let mut expected: Vec<Option<Square>> = Vec::with_capacity(tree.len());
         let mut sums: Vec<Option<Below>> = Vec::with_capacity(tree.len());
         for node in 0..tree.len() {
+            if self.nodes[node].idle && node > 0 && !is_parent[node] && others[node].is_empty() {
+                expected.push(None);
+                sums.push(None);
+                continue;
+            }
             let own = self.own_effects(node);
             let first = tree.above(node);
             let above = expected_of(&expected, tree, node).unwrap_or(&at_root);
@@ -37,7 +42,7 @@ impl Factor<'_> {
                             .map(|row| quadratic_form(row, above))
                             .sum()
                     });
-                    by_noise[part.class] -= part.count as f64;
+                    by_noise[part.class] -= part.readings.len() as f64;
                 }
                 let here = own.expected(above, first);
                 for (k, c) in tree.components_of(node).enumerate() {
@@ -63,10 +68,10 @@ impl Factor<'_> {
             for part in &others[node] {
                 let rows = self.scaled_rows(part);
                 by_noise[part.class] += own.expected_squares(&rows, first, |rest| {
-                    add_products(below.noise(part.class), rest, part.count);
+                    add_products(below.noise(part.class), rest, part.readings.len());
                     0.0
                 });
-                by_noise[part.class] -= part.count as f64;
+                by_noise[part.class] -= part.readings.len() as f64;
             }
         }
         for (below, here) in sums.iter().zip(&expected) {
@@ -146,7 +151,11 @@ impl Factor<'_> {
             width,
             n,
             a: self.solved(node, n),
-            open: inverse_of(&eliminated.lower),
+            open: if eliminated.idle {
+                Square::identity(width)
+            } else {
+                inverse_of(&eliminated.lower)
+            },
         }
     }
 }

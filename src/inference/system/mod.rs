@@ -54,10 +54,16 @@ pub enum Likelihood {
 
 /// The factor of one node: L of its own columns, and L^-1 times the columns below which they stand.
 struct Eliminated {
+    /// Whether the node's own columns are as good as nothing: then L is 1, and the rest 0; both are empty.
+    idle: bool,
     lower: Square,
     /// Own rows by the rest: columns above, fixed effects, response.
     rest: Vec<f64>,
 }
+
+/// A node is idle where its readings add less than this to the prior precision of every random effect of its own: standard deviations have
+/// faded to where a likelihood no longer tells them from 0. A node adds less than as much to the log-likelihood for each of its columns.
+const IDLE: f64 = 1e-6;
 
 /// The factor of a system at some variances.
 pub struct Factor<'a> {
@@ -84,6 +90,29 @@ fn scales(tree: &Tree, variances: &Variances, part: &Part, fixed: usize) -> Vec<
         .collect()
 }
 
+impl Eliminated {
+    fn idle() -> Self {
+        Self {
+            idle: true,
+            lower: Square::zeros(0),
+            rest: Vec::new(),
+        }
+    }
+}
+
+/// Whether all of a node's own columns are as good as nothing.
+fn is_idle(tree: &Tree, gram: &Gram, variances: &Variances, node: usize) -> bool {
+    let above = tree.above(node);
+    tree.components_of(node).enumerate().all(|(k, c)| {
+        let classes = variances.noise.iter().enumerate();
+        let added: f64 = classes
+            .filter_map(|(class, noise)| Some((gram.total(node, class)?.0, noise)))
+            .map(|(sums, noise)| sums.at(above + k, above + k) / (noise * noise))
+            .sum();
+        variances.components[c] * variances.components[c] * added < IDLE
+    })
+}
+
 impl<'a> Factor<'a> {
     /// Factors the system.
     pub fn new(tree: &'a Tree, gram: &'a Gram, variances: &'a Variances) -> Self {
@@ -93,18 +122,28 @@ impl<'a> Factor<'a> {
         let mut taken: Vec<Option<Square>> = vec![None; tree.len()];
         for node in (0..tree.len()).rev() {
             let off = taken[node].take();
-            let own = own_rows(tree, gram, variances, node, off.as_ref());
             let (above, width) = (tree.above(node), tree.width(node));
-            let eliminated = eliminate(&own, above, width);
-            log_det += (0..width)
-                .map(|k| 2.0 * libm::log(eliminated.lower.at(k, k)))
-                .sum::<f64>();
-            let rest = above + gram.fixed + 1;
+            let eliminated = if is_idle(tree, gram, variances, node) {
+                Eliminated::idle()
+            } else {
+                let own = own_rows(tree, gram, variances, node, off.as_ref());
+                eliminate(&own, above, width)
+            };
+            if !eliminated.idle {
+                log_det += (0..width)
+                    .map(|k| 2.0 * libm::log(eliminated.lower.at(k, k)))
+                    .sum::<f64>();
+            }
             let here = if node == 0 { 0 } else { tree.parent(node) };
-            let mut parent = taken[here].take().unwrap_or_else(|| Square::zeros(rest));
-            add_without_own(&mut parent, off.as_ref(), above, width);
-            add_products(&mut parent, &eliminated.rest, width);
-            taken[here] = Some(parent);
+            if node == 0 || !eliminated.idle || off.is_some() {
+                let rest = above + gram.fixed + 1;
+                let mut parent = taken[here].take().unwrap_or_else(|| Square::zeros(rest));
+                add_without_own(&mut parent, off.as_ref(), above, width);
+                if !eliminated.idle {
+                    add_products(&mut parent, &eliminated.rest, width);
+                }
+                taken[here] = Some(parent);
+            }
             nodes.push(eliminated);
         }
         nodes.reverse();
@@ -120,6 +159,17 @@ impl<'a> Factor<'a> {
             log_det,
             quadratic,
         }
+    }
+
+    /// The sums of products that it was made of.
+    pub fn gram(&self) -> &Gram {
+        self.gram
+    }
+
+    /// How many nodes are passed over.
+    #[cfg(test)]
+    pub(crate) fn idle_nodes(&self) -> usize {
+        self.nodes.iter().filter(|n| n.idle).count()
     }
 
     /// y'P y: the squared length of the whitened response after the fixed effects.

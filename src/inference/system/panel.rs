@@ -2,7 +2,7 @@
 
 use super::kernels::add_times;
 use super::{Factor, scales};
-use crate::gram::Design;
+use crate::gram::{Design, Gram};
 
 /// Products of further columns with those of a design.
 #[derive(Clone, Debug)]
@@ -34,19 +34,19 @@ pub struct Projected {
 }
 
 impl Panel {
-    /// The products of columns, one list of all readings each, with a design.
-    pub fn new(design: &Design, columns: &[Vec<f64>]) -> Self {
+    /// The products of columns, one list of all readings each, with a design, over the readings of its sums.
+    pub fn new(design: &Design, gram: &Gram, columns: &[Vec<f64>]) -> Self {
         let width = columns.len();
-        let parts = design
-            .members()
-            .into_iter()
-            .map(|(node, _, list)| {
-                let rows = design.tree.path_columns(node) + design.x.len() + 1;
+        let parts = gram
+            .parts
+            .iter()
+            .map(|part| {
+                let rows = design.tree.path_columns(part.node) + design.x.len() + 1;
                 // Column after column here, row after row in the end.
                 let mut by_column = vec![0.0; rows * width];
                 let mut squares = vec![0.0; width];
                 let mut row = vec![0.0; rows];
-                for &i in &list {
+                for &i in part.readings.iter() {
                     design.row(i, &mut row);
                     let own = by_column.chunks_exact_mut(rows).zip(columns);
                     for ((products, column), square) in own.zip(&mut squares) {
@@ -68,21 +68,6 @@ impl Panel {
             columns: width,
             parts,
         }
-    }
-
-    /// The products with the readings of some nodes only.
-    pub fn of_active(
-        design: &Design,
-        columns: &[Vec<f64>],
-        active: impl Fn(usize) -> bool,
-    ) -> Self {
-        let mut panel = Self::new(design, columns);
-        let kept = design.members().into_iter().zip(panel.parts);
-        panel.parts = kept
-            .filter(|((node, _, _), _)| active(*node))
-            .map(|(_, part)| part)
-            .collect();
-        panel
     }
 }
 
@@ -134,6 +119,9 @@ impl Factor<'_> {
     fn pass(&self, node: usize, front: &mut [f64], width: usize, squares: &mut [f64]) {
         let (above, own) = (self.tree.above(node), self.tree.width(node));
         let eliminated = &self.nodes[node];
+        if eliminated.idle {
+            return;
+        }
         for k in 0..own {
             let (done, rest) = front.split_at_mut((above + k) * width);
             let row = &mut rest[..width];

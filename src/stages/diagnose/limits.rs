@@ -69,7 +69,7 @@ pub fn limits(setting: &Setting, problem: &ForceProblem, model: &Fitted, critica
             Shown::NotAsked => {}
         }
     }
-    let aliases = aliases(setting, problem, model, &screen);
+    let aliases = aliases(problem, model, &screen);
     Limits {
         smallest,
         columns: of_columns(problem, model, &sizes),
@@ -309,12 +309,7 @@ fn missing(data: &Data) -> Vec<NotMeasurable> {
 }
 
 /// Pairs of effects, each by its most identifiable form, whose whitened sensitivities are nearly parallel.
-fn aliases(
-    setting: &Setting,
-    problem: &ForceProblem,
-    model: &Fitted,
-    screen: &Screen,
-) -> Vec<Alias> {
+fn aliases(problem: &ForceProblem, model: &Fitted, screen: &Screen) -> Vec<Alias> {
     let mut best: Vec<(&'static str, Vec<f64>, f64)> = Vec::new();
     for s in screen.shown(0) {
         let direction = &screen.directions[s.direction];
@@ -334,7 +329,7 @@ fn aliases(
         let sum = sum.collect();
         columns.push(sum);
     }
-    let panel = Panel::of_active(&model.design, &columns, |n| setting.active[n]);
+    let panel = Panel::new(&model.design, &model.gram, &columns);
     let projected = Factor::new(&model.design.tree, &model.gram, &model.variances).project(&panel);
     let mut aliases: Vec<Alias> = pairs
         .iter()

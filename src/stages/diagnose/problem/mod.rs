@@ -304,6 +304,10 @@ impl Problem for ForceProblem<'_> {
         self.bent_columns(point, term)
     }
 
+    fn scatters(&self, point: &Point, term: usize) -> Vec<Vec<f64>> {
+        self.scattered_columns(point, term)
+    }
+
     fn directions(&self, point: &Point) -> Vec<Direction> {
         self.directions_beside(point)
     }

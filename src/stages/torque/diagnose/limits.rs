@@ -52,7 +52,7 @@ pub fn limits(setting: &Setting, problem: &TorqueProblem, model: &Fitted, critic
     Limits {
         smallest,
         not_measurable,
-        aliases: aliases(setting, problem, model, &screen),
+        aliases: aliases(problem, model, &screen),
     }
 }
 
@@ -114,12 +114,7 @@ fn missing(form: &Term) -> WhyNot {
 }
 
 /// Pairs of effects, each by its most identifiable form, whose whitened sensitivities are nearly parallel.
-fn aliases(
-    setting: &Setting,
-    problem: &TorqueProblem,
-    model: &Fitted,
-    screen: &Screen,
-) -> Vec<Alias> {
+fn aliases(problem: &TorqueProblem, model: &Fitted, screen: &Screen) -> Vec<Alias> {
     let mut best: Vec<&'static str> = Vec::new();
     let mut columns: Vec<Vec<f64>> = Vec::new();
     for s in screen.shown(0) {
@@ -142,7 +137,7 @@ fn aliases(
         let sum = sum.collect();
         columns.push(sum);
     }
-    let panel = Panel::of_active(&model.design, &columns, |n| setting.active[n]);
+    let panel = Panel::new(&model.design, &model.gram, &columns);
     let projected = Factor::new(&model.design.tree, &model.gram, &model.variances).project(&panel);
     let alias = |(k, &(i, j)): (usize, &(usize, usize))| {
         let squares = &projected.squares;
