@@ -351,10 +351,16 @@ fn sums_with_further_columns_are_those_of_the_longer_design() {
     let mut longer = design.clone();
     longer.x.extend(columns.iter().cloned());
     let extra: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-    let (quick, plain) = (design.gram_with(&design.gram(), &extra), longer.gram());
     let at = variances();
-    for likelihood in [Likelihood::Full, Likelihood::Restricted] {
-        let [quick, plain] = [&quick, &plain].map(|gram| {
+    let other: Vec<f64> = design.y.iter().rev().copied().collect();
+    let wide = design.gram_with(&design.gram(), &extra);
+    let drawn = design.with_response_of(&wide, &extra, &other);
+    let plain = longer.gram();
+    longer.y.clone_from(&other);
+    let pairs = [(&wide, &plain), (&drawn, &longer.gram())];
+    let likelihoods = [Likelihood::Full, Likelihood::Restricted];
+    for ((quick, plain), likelihood) in pairs.into_iter().zip(likelihoods) {
+        let [quick, plain] = [quick, plain].map(|gram| {
             let factor = Factor::new(&design.tree, gram, &at);
             let (mut values, by_noise) = factor.gradient(likelihood);
             values.extend(by_noise);

@@ -92,8 +92,8 @@ pub struct Part {
     pub readings: Arc<Vec<usize>>,
     /// C'C, C the path's columns first, then the fixed effects: shared by all responses.
     pub products: Arc<Square>,
-    /// C'y, then y'y.
-    pub response: Vec<f64>,
+    /// Products of C, and then of the columns that stand apart, with these: row after row. At least the response stands apart.
+    pub beside: Vec<f64>,
     /// The rows of D, of the classes of noise after the first: their gradient is cheaper by rows.
     pub rows: Vec<f64>,
 }
@@ -103,6 +103,8 @@ pub struct Part {
 pub struct Gram {
     /// Number of fixed effects.
     pub fixed: usize,
+    /// How many columns stand apart: fixed effects that were added, and the response as the last one.
+    pub apart: usize,
     /// Readings in each class.
     pub counts: Vec<usize>,
     /// One entry a node and class with readings, by node.
@@ -176,7 +178,7 @@ impl Design {
                 class,
                 readings: Arc::new(list),
                 products: Arc::new(products),
-                response,
+                beside: response,
                 rows,
             }
         };
@@ -188,58 +190,49 @@ impl Design {
         Gram::new(&self.tree, self.x.len(), counts, parts)
     }
 
-    /// The sums of products with further fixed effects behind those that sums are known of.
+    /// The sums of products with further fixed effects behind those that sums are known of: they stand apart with the response, and the rest is
+    /// shared.
     pub fn gram_with(&self, gram: &Gram, extra: &[&[f64]]) -> Gram {
+        let apart = extra.len() + 1;
         let with = |part: &Part| {
-            let (n, more) = (part.products.n, extra.len());
-            let wide = n + more;
-            let mut products = Square::zeros(wide);
-            for (from, to) in part
-                .products
-                .a
-                .chunks_exact(n)
-                .zip(products.a.chunks_exact_mut(wide))
-            {
-                to[..n].copy_from_slice(from);
-            }
-            let mut response = part.response.clone();
-            response.splice(n..n, vec![0.0; more]);
-            let mut row = vec![0.0; n + 1];
-            let mut cross = vec![0.0; n + 1];
-            for (k, column) in extra.iter().enumerate() {
-                cross.fill(0.0);
-                for &i in part.readings.iter() {
-                    self.row(i, &mut row);
-                    add_times(&mut cross, column[i], &row);
+            let n = part.products.n;
+            let mut beside = vec![0.0; (n + apart) * apart];
+            let mut row = vec![0.0; n + apart];
+            let mut rows = Vec::new();
+            for &i in part.readings.iter() {
+                self.row(i, &mut row[..=n]);
+                let columns = extra.iter().map(|column| column[i]).chain([self.y[i]]);
+                row.truncate(n);
+                row.extend(columns);
+                for (to, x) in beside.chunks_exact_mut(apart).zip(&row) {
+                    add_times(to, *x, &row[n..]);
                 }
-                for (j, x) in cross[..n].iter().enumerate() {
-                    *products.at_mut(n + k, j) = *x;
-                    *products.at_mut(j, n + k) = *x;
+                if part.class > 0 {
+                    rows.extend_from_slice(&row);
                 }
-                response[n + k] = cross[n];
-                for (l, other) in extra[..=k].iter().enumerate() {
-                    let product = part.readings.iter().map(|&i| column[i] * other[i]).sum();
-                    *products.at_mut(n + k, n + l) = product;
-                    *products.at_mut(n + l, n + k) = product;
-                }
-            }
-            let mut rows = Vec::with_capacity(part.rows.len() / (n + 1) * (wide + 1));
-            for (row, &i) in part.rows.chunks_exact(n + 1).zip(part.readings.iter()) {
-                rows.extend_from_slice(&row[..n]);
-                rows.extend(extra.iter().map(|column| column[i]));
-                rows.push(row[n]);
             }
             Part {
                 readings: part.readings.clone(),
-                products: Arc::new(products),
-                response,
+                products: part.products.clone(),
+                beside,
                 rows,
                 ..*part
             }
         };
         let parts = gram.parts.iter().map(with).collect();
-        let fixed = gram.fixed + extra.len();
-        Gram::new(&self.tree, fixed, gram.counts.clone(), parts)
+        let sum = |total: &Total| match total {
+            Total::Sum(sum, _) => Total::Sum(sum.clone(), vec![0.0; (sum.n + apart) * apart]),
+            Total::None | Total::Part(_) => total.clone(),
+        };
+        let mut wide = Gram {
+            fixed: gram.fixed + extra.len(),
+            apart,
+            counts: gram.counts.clone(),
+            parts,
+            totals: gram.totals.iter().map(sum).collect(),
+        };
+        wide.add_up_beside(&self.tree);
+        wide
     }
 
     /// Columns of the path, fixed effects and response of reading `i`.
@@ -255,32 +248,31 @@ impl Design {
     /// Sums of some or all of this design's nodes, with further fixed effects behind its own and another response.
     pub fn with_response_of(&self, gram: &Gram, extra: &[&[f64]], y: &[f64]) -> Gram {
         let mut answer = gram.clone();
+        let apart = gram.apart;
         for part in &mut answer.parts {
-            let last = part.products.n;
-            let path = last - gram.fixed;
-            part.response.fill(0.0);
+            let n = part.products.n;
+            let path = n - (gram.fixed + 1 - apart);
+            let last = n + apart - 1;
+            let mut response = vec![0.0; n + apart];
             for &i in part.readings.iter() {
-                let (of_path, others) = part.response.split_at_mut(path);
+                let (of_path, others) = response.split_at_mut(path);
                 add_times(of_path, y[i], &self.z[i]);
-                for (s, column) in others.iter_mut().zip(
-                    self.x
-                        .iter()
-                        .map(Vec::as_slice)
-                        .chain(extra.iter().copied()),
-                ) {
+                let columns = self.x.iter().map(Vec::as_slice);
+                for (s, column) in others.iter_mut().zip(columns.chain(extra.iter().copied())) {
                     *s += column[i] * y[i];
                 }
-                part.response[last] += y[i] * y[i];
+                response[last] += y[i] * y[i];
             }
-            for (row, &i) in part
-                .rows
-                .chunks_exact_mut(last + 1)
-                .zip(part.readings.iter())
-            {
+            for (to, product) in part.beside.chunks_exact_mut(apart).zip(&response) {
+                to[apart - 1] = *product;
+            }
+            part.beside[last * apart..].copy_from_slice(&response[n..]);
+            let rows = part.rows.chunks_exact_mut(last + 1);
+            for (row, &i) in rows.zip(part.readings.iter()) {
                 row[last] = y[i];
             }
         }
-        answer.add_up_responses(&self.tree);
+        answer.add_up_beside(&self.tree);
         answer
     }
 }
@@ -289,6 +281,7 @@ impl Gram {
     fn new(tree: &Tree, fixed: usize, counts: Vec<usize>, parts: Vec<Part>) -> Self {
         let mut gram = Self {
             fixed,
+            apart: 1,
             counts,
             parts,
             totals: Vec::new(),
@@ -311,11 +304,11 @@ impl Gram {
                     continue;
                 }
                 let of_parent = std::mem::replace(&mut self.totals[place], Total::None);
-                let (mut sum, response) = match of_parent {
-                    Total::Sum(sum, response) => (sum, response),
+                let (mut sum, beside) = match of_parent {
+                    Total::Sum(sum, beside) => (sum, beside),
                     Total::Part(k) => {
                         let part = &self.parts[k];
-                        (part.products.clone(), part.response.clone())
+                        (part.products.clone(), part.beside.clone())
                     }
                     Total::None => {
                         let n = above + self.fixed;
@@ -325,48 +318,49 @@ impl Gram {
                 if let Some((below, _)) = self.total(node, class) {
                     Arc::make_mut(&mut sum).add_without(below, above, width);
                 }
-                self.totals[place] = Total::Sum(sum, response);
+                self.totals[place] = Total::Sum(sum, beside);
             }
         }
-        self.add_up_responses(tree);
+        self.add_up_beside(tree);
     }
 
-    /// The sums of the responses of all nodes, from those of the parts.
-    fn add_up_responses(&mut self, tree: &Tree) {
-        let classes = self.counts.len();
+    /// The sums of what stands apart, of all nodes, from those of the parts.
+    fn add_up_beside(&mut self, tree: &Tree) {
+        let (classes, apart) = (self.counts.len(), self.apart);
         for total in &mut self.totals {
-            if let Total::Sum(_, response) = total {
-                response.fill(0.0);
+            if let Total::Sum(_, beside) = total {
+                beside.fill(0.0);
             }
         }
         for part in &self.parts {
-            if let Total::Sum(_, response) = &mut self.totals[part.node * classes + part.class] {
-                add_times(response, 1.0, &part.response);
+            if let Total::Sum(_, beside) = &mut self.totals[part.node * classes + part.class] {
+                add_times(beside, 1.0, &part.beside);
             }
         }
         for node in (1..tree.len()).rev() {
-            let (above, width) = (tree.above(node), tree.width(node));
+            let first = tree.above(node) * apart;
+            let behind_own = first + tree.width(node) * apart;
             for class in 0..classes {
                 let (before, behind) = self.totals.split_at_mut(node * classes);
                 let below = match &behind[class] {
                     Total::None => continue,
-                    Total::Part(k) => &self.parts[*k].response,
-                    Total::Sum(_, response) => response,
+                    Total::Part(k) => &self.parts[*k].beside,
+                    Total::Sum(_, beside) => beside,
                 };
                 if let Total::Sum(_, to) = &mut before[tree.parent(node) * classes + class] {
-                    add_times(&mut to[..above], 1.0, &below[..above]);
-                    add_times(&mut to[above..], 1.0, &below[above + width..]);
+                    add_times(&mut to[..first], 1.0, &below[..first]);
+                    add_times(&mut to[first..], 1.0, &below[behind_own..]);
                 }
             }
         }
     }
 
-    /// The sums over the readings of a node and all below it, of one class of noise: C'C, and C'y with y'y.
+    /// The sums over the readings of a node and all below it, of one class of noise: C'C, and the products of what stands apart as in a part.
     pub(crate) fn total(&self, node: usize, class: usize) -> Option<(&Square, &[f64])> {
         match &self.totals[node * self.counts.len() + class] {
             Total::None => None,
-            Total::Part(k) => Some((&self.parts[*k].products, &self.parts[*k].response)),
-            Total::Sum(sum, response) => Some((sum, response)),
+            Total::Part(k) => Some((&self.parts[*k].products, &self.parts[*k].beside)),
+            Total::Sum(sum, beside) => Some((sum, beside)),
         }
     }
 

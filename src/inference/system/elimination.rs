@@ -27,12 +27,15 @@ pub(super) fn own_rows(
         a: vec![0.0; width * n],
     };
     for (class, noise) in variances.noise.iter().enumerate() {
-        if let Some((sums, response)) = gram.total(node, class) {
+        if let Some((sums, beside)) = gram.total(node, class) {
             let factor = 1.0 / (noise * noise);
+            let (shared, apart) = (sums.n, gram.apart);
             for (k, row) in rows.a.chunks_exact_mut(n).enumerate() {
-                let from = &sums.a[(above + k) * (n - 1)..(above + k + 1) * (n - 1)];
-                add_times(&mut row[..n - 1], factor, from);
-                row[n - 1] += factor * response[above + k];
+                let own = above + k;
+                let from = &sums.a[own * shared..(own + 1) * shared];
+                add_times(&mut row[..shared], factor, from);
+                let from = &beside[own * apart..(own + 1) * apart];
+                add_times(&mut row[shared..], factor, from);
             }
         }
     }
@@ -130,11 +133,10 @@ pub(super) fn left_of_fixed(
             let noise = variances.noise.iter().enumerate();
             let sum: f64 = noise
                 .filter_map(|(class, s)| Some((gram.total(0, class)?, s)))
-                .map(|((sums, response), s)| {
-                    let product = if j + 1 < n {
-                        sums.at(first + i, first + j)
-                    } else {
-                        response[first + i]
+                .map(|((sums, beside), s)| {
+                    let product = match (first + j).checked_sub(sums.n) {
+                        None => sums.at(first + i, first + j),
+                        Some(k) => beside[(first + i) * gram.apart + k],
                     };
                     product / (s * s)
                 })
