@@ -117,10 +117,6 @@
 //! - **One unit a quantity inside** ([`base::units`]): N, kPa, m, rad, s, N.m, degrees Celsius; and one home of column names
 //!   ([`base::columns`]).
 
-// The search makes many small matrices, the pages many small strings.
-#[global_allocator]
-static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
-
 pub use pipeline_audit as audit;
 pub use pipeline_base as base;
 pub use pipeline_bundle as bundle;

@@ -2,6 +2,10 @@
 
 use std::process::ExitCode;
 
+// The search makes many small matrices, the pages many small strings.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() -> ExitCode {
     ExitCode::from(pipeline::cli::main(std::env::args_os()))
 }
