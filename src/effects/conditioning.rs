@@ -9,7 +9,7 @@ use pipeline_numerics::real::Real;
 /// Its id.
 pub const ID: &str = "conditioning";
 
-/// F (1 - k (1 - exp(-N/N_0))), N cycles done; or F - h in the first filling of a set length.
+/// F (1 - k (1 - exp(-N/N_0))), N cycles done, k not negative: neither softening nor wear makes it stronger; or F - h in the first filling of a set length.
 pub struct Conditioning;
 
 const FORMS: &[Form] = &[
@@ -21,7 +21,7 @@ const FORMS: &[Form] = &[
             name: "k",
             unit: "1",
             absent: 0.0,
-            bounds: (-0.5, 0.9),
+            bounds: (0.0, 0.9),
         },
         shape: Some((
             Parameter {
