@@ -7,11 +7,19 @@ use pipeline_inference::decisions::{FEWEST, MOST_LEVELS};
 use pipeline_numerics::statistics::mean;
 use std::collections::BTreeSet;
 
-/// Names under which laboratories log the time since the last step, the rate of the pressure, and the cycles done. Only the beginning
-/// of a column's name counts.
+/// Names under which laboratories log the time since the last step, the rate of the pressure, and the cycles done. What follows them in a column's
+/// name, such as a unit, begins with another sign than a letter.
 pub(super) const SINCE_STEP: &[&str] = &["time_since_step", "since_step", "dwell", "hold"];
 pub(super) const RATE: &[&str] = &["pressure_rate", "rate", "dp_dt", "dpdt", "ramp"];
 pub(super) const CYCLES: &[&str] = &["cycle", "n_cycle", "cycles", "ncycles", "cycle_count"];
+
+/// Whether a column's name is one of these.
+pub(super) fn is_named(column: &str, names: &[&str]) -> bool {
+    let lower = column.to_ascii_lowercase();
+    let rest = names.iter().filter_map(|n| lower.strip_prefix(n));
+    let mut next = rest.map(|rest| rest.chars().next());
+    next.any(|sign| !sign.is_some_and(char::is_alphabetic))
+}
 
 /// Name of the column that says in which sessions the zero is not known: its second level.
 pub const ZERO_UNKNOWN: &str = "zero_unknown";
@@ -73,12 +81,10 @@ pub(super) fn extras(rows: &[&Row], data: &Data) -> Vec<Extra> {
     let names = rows.iter().flat_map(|r| r.extras.keys());
     let names: BTreeSet<&String> = names.filter(|n| !words.contains(*n)).collect();
     let claimed = |name: &str| {
-        let lower = name.to_ascii_lowercase();
         name == TEMPERATURE
             || [SINCE_STEP, RATE, CYCLES]
-                .concat()
                 .iter()
-                .any(|n| lower.starts_with(n))
+                .any(|names| is_named(name, names))
     };
     names
         .into_iter()

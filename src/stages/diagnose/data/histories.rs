@@ -2,7 +2,7 @@
 //! of the log says it, or else the sequence of the readings.
 
 use super::Data;
-use super::extras::{CYCLES, RATE, SINCE_STEP};
+use super::extras::{CYCLES, RATE, SINCE_STEP, is_named};
 use pipeline_base::row::Row;
 use pipeline_effects::Conditions;
 use std::collections::BTreeMap;
@@ -12,10 +12,9 @@ const STEP_KPA: f64 = 5.0;
 /// A change of length that is a step, m.
 const STEP_M: f64 = 2e-4;
 fn named(row: &Row, names: &[&str]) -> Option<f64> {
-    let lower = |n: &str| n.to_ascii_lowercase();
     row.extras
         .iter()
-        .find(|(name, _)| names.iter().any(|n| lower(name).starts_with(n)))
+        .find(|(name, _)| is_named(name, names))
         .map(|(_, value)| *value)
 }
 
@@ -79,8 +78,16 @@ pub(super) fn histories(rows: &[&Row], data: &Data, conditions: &mut [Conditions
             let since = row.time_s - level_began;
             conditions[i].since_step_s =
                 named(row, SINCE_STEP).unwrap_or(if since.is_finite() { since } else { 0.0 });
-            conditions[i].rate_kpa_per_s =
-                named(row, RATE).unwrap_or_else(|| if timed { rate(rows, places, k) } else { 0.0 });
+            // On a plateau the pressure stands still, however soon the next one follows.
+            let is_plateau = row.samples > 1;
+            let by_sequence = || {
+                if timed && !is_plateau {
+                    rate(rows, places, k)
+                } else {
+                    0.0
+                }
+            };
+            conditions[i].rate_kpa_per_s = named(row, RATE).unwrap_or_else(by_sequence);
         }
     }
     first_fillings(rows, data, &logs, conditions);
@@ -195,6 +202,7 @@ fn rate(rows: &[&Row], places: &[usize], k: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::{RATE, SINCE_STEP, is_named};
     use crate::data::Data;
     use pipeline_base::row::Row;
     use pipeline_base::session::Phase;
@@ -237,6 +245,35 @@ mod tests {
             }
         }
         rows
+    }
+
+    #[test]
+    fn a_column_means_what_its_name_says_not_what_it_begins_like() {
+        for name in ["rate", "Rate_kPa_per_s", "ramp1", "dP_dt (kPa/s)"] {
+            assert!(is_named(name, RATE), "{name}");
+        }
+        for name in ["rated_load", "ramps", "holder", "kpa_rate"] {
+            assert!(
+                !is_named(name, RATE) && !is_named(name, SINCE_STEP),
+                "{name}"
+            );
+        }
+    }
+
+    #[test]
+    fn on_a_plateau_the_pressure_stands_still() {
+        let rates = |samples: i64| -> Vec<f64> {
+            let mut rows = session(&[("run1", 0.19, &[100.0, 200.0, 400.0])]);
+            for row in &mut rows {
+                row.samples = samples;
+                row.extras.clear();
+            }
+            let rows: Vec<&Row> = rows.iter().collect();
+            let data = Data::new(&rows);
+            data.conditions.iter().map(|c| c.rate_kpa_per_s).collect()
+        };
+        assert_eq!(rates(1), [100.0, 150.0, 200.0]);
+        assert_eq!(rates(50), [0.0; 3]);
     }
 
     #[test]
