@@ -2,7 +2,7 @@
 //!
 //! With the value held, the whole model is fitted again: coefficients, other amplitudes, shapes and variances. On either side each fit starts from
 //! the one before it. The cut is that of chi-squared with one degree, stretched by the mean of the likelihood ratio in draws from the
-//! fitted model (Bartlett's correction by simulation; Rocke, JASA 84 (1989) 597): with a handful of groups it is wider. In the draws the model is
+//! fitted model (Bartlett's correction by simulation; Rocke, JASA 84 (1989) 598): with a handful of groups it is wider. In the draws the model is
 //! linear.
 
 use crate::decisions::FALL_95;

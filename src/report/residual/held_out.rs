@@ -3,7 +3,7 @@
 use super::MOST_ROWS;
 use crate::number::Rounding;
 use crate::wording::ALIKE;
-use crate::wording::name::{self, listed};
+use crate::wording::name::{self, listed, nouns};
 use crate::wording::number::{
     NONE, error, error_or_none, error_with_unit, gain, percent_or_none, rounded, size,
     unit as unit_name,
@@ -59,9 +59,16 @@ fn found_without(found: &CampaignFindings, u: &UnitErrors) -> String {
         .filter(is_again)
         .count()
         .min(u.found.len());
+    let negligible = match found.effects.iter().filter(|e| e.negligible).count() {
+        0 => String::new(),
+        some => format!(" ({some} negligible)"),
+    };
     match u.found.len() - again {
-        0 => format!("{again} of the effects"),
-        others => format!("{again} of the effects, {others} more"),
+        0 => format!("{again} of {}{negligible}", found.effects.len()),
+        others => format!(
+            "{again} of {}{negligible}, {others} more",
+            found.effects.len()
+        ),
     }
 }
 
@@ -79,9 +86,13 @@ pub(super) fn is_predictive(found: &CampaignFindings) -> bool {
 pub(super) fn black_box(found: &CampaignFindings) -> String {
     let reaches = |e: f64| {
         let beats = if black_box_beats(found) {
-            ", less than the final model: part of the residual is systematic and not yet identified"
+            format!(
+                ", less than the final model: part of the residual may be systematic, or neighbouring ones of the {} {} resemble one another by chance",
+                found.design.specimens,
+                nouns(found).units
+            )
         } else {
-            ""
+            String::new()
         };
         format!(
             "A black-box smoother on the residual of the base model reaches {} on the same held-out readings{beats}.",
@@ -267,7 +278,14 @@ mod tests {
             found_without(&found, &without)
         };
         let three = said(&["hysteresis", "force_drift", "creep"]);
-        assert_eq!(three, "1 of the effects, 2 more");
+        assert_eq!(three, "1 of 1, 2 more");
+        found.effects[0].negligible = true;
+        let mut said = |ids: &[&str]| {
+            without.found = ids.iter().map(|id| (*id).to_owned()).collect();
+            found_without(&found, &without)
+        };
+        let three = said(&["hysteresis", "force_drift", "creep"]);
+        assert_eq!(three, "1 of 1 (1 negligible), 2 more");
         assert_eq!(said(&[]), "nothing");
     }
 }

@@ -3,8 +3,8 @@
 use crate::number::Rounding;
 use crate::wording::ALIKE;
 use crate::wording::name::{self, listed, nouns};
-use crate::wording::number::{count, error, error_with_unit, plain, rounded};
-use pipeline_findings::{BudgetEntry, CampaignFindings, HeldOutBy, Scatter};
+use crate::wording::number::{count, error, error_with_unit, percent, plain, rounded};
+use pipeline_findings::{BudgetEntry, CampaignFindings, HeldOutBy, Level, Scatter};
 
 /// A source that makes less than this share of the expected variance is summed up with others; noise is always named.
 const NAMED_SHARE: f64 = 0.02;
@@ -77,15 +77,16 @@ pub(super) fn budget(found: &CampaignFindings) -> Option<String> {
     ))
 }
 
-/// `largest source: set lengths, 9.6 of the 14.1 N expected`.
+/// `largest source of the expected error, 14.1 N: set lengths, 46% of its square`: roots do not add.
 pub(super) fn largest_source(found: &CampaignFindings) -> Option<String> {
     let sources = found.budget.iter();
     let largest = sources.max_by(|a, b| a.variance.total_cmp(&b.variance))?;
+    let total = found.expected_rmse_heldout?;
     Some(format!(
-        "largest source: {}, {} of the {} expected",
+        "largest source of the expected error, {}: {}, {} of its square",
+        error_with_unit(total, &found.unit),
         name::source(&largest.source),
-        error(largest.rmse, &found.unit),
-        error_with_unit(found.expected_rmse_heldout?, &found.unit)
+        percent(largest.variance / (total * total)),
     ))
 }
 
@@ -146,7 +147,19 @@ fn scattered(found: &CampaignFindings, entry: &BudgetEntry) -> String {
         return String::new();
     };
     let assumed = if is_assumed(scatter) { " assumed" } else { "" };
-    format!(" ({}{assumed})", scatter_size(scatter))
+    let of_campaigns = found
+        .scatter
+        .iter()
+        .find(|s| s.id == scatter.id && s.level == Level::Campaign);
+    match of_campaigns {
+        // Both are in the source.
+        Some(campaigns) => format!(
+            " ({} within a campaign, {} between campaigns)",
+            scatter_size(scatter),
+            scatter_size(campaigns)
+        ),
+        None => format!(" ({}{assumed})", scatter_size(scatter)),
+    }
 }
 
 /// Whether the readings hardly show a scatter: what is expected of unseen groups is then the usual one, neither declared nor measured.

@@ -1,6 +1,6 @@
 //! How strong the evidence for an effect is, and whether the units agree on its size: in words that follow from its values.
 
-use super::form::varying;
+use super::form::{undetermined, varying};
 use super::found::opposed;
 use crate::number::Rounding;
 use crate::wording::name::{nouns, without_one};
@@ -56,7 +56,8 @@ fn graded(found: &CampaignFindings, e: &EffectFinding) -> (Evidence, Vec<Reason>
         Evidence::Strong
     };
     // One size with the expected sign does not describe what is there: the effect may be another.
-    let is_one_size = differ(found, e).is_none() && opposed(e).is_none() && varying(e).is_none();
+    let doubts = [differ(found, e), opposed(e), varying(e), undetermined(e)];
+    let is_one_size = doubts.iter().all(Option::is_none);
     let by_size = if is_one_size {
         Evidence::Strong
     } else {

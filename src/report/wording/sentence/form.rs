@@ -32,7 +32,15 @@ pub fn form(effect: &EffectFinding) -> Option<String> {
     })
 }
 
-/// `varies with the pressure: −44 to 5.5 N`, of a size that varies by more than itself, so that one value beside its name would mislead.
+/// That a size has no interval: the readings tell that the effect is there, and not how large.
+pub(super) fn undetermined(effect: &EffectFinding) -> Option<String> {
+    let size = effect.parameters.first()?;
+    let is_open = size.ci_low.is_none() && size.ci_high.is_none();
+    is_open.then(|| "its size is not determined by these readings".to_owned())
+}
+
+/// `varies with the pressure: −44 to 5.5 N, everything else refitted`, of a size that varies by more than itself, so that one value beside its name
+/// would mislead.
 pub(super) fn varying(effect: &EffectFinding) -> Option<String> {
     let free = effect.free_form.as_ref().filter(|free| free.differs)?;
     let size = effect.parameters.first()?;
@@ -45,7 +53,7 @@ pub(super) fn varying(effect: &EffectFinding) -> Option<String> {
     is_misleading.then(|| {
         let rounding = Rounding::ByInterval { low, high };
         format!(
-            "varies with the {}: {} to {}",
+            "varies with the {}: {} to {}, everything else refitted",
             name::column(&free.argument),
             rounded(low, rounding),
             with_unit(&rounded(high, rounding), &size.unit)

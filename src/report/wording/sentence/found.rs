@@ -1,11 +1,13 @@
 //! What was found: effects with their sizes, columns without a name, contradicted declarations.
 
 use super::evidence::{differ, grade, weak};
-use super::form::varying;
+use super::form::{undetermined, varying};
 use crate::wording::name::{self, listed, nouns};
 use crate::wording::number::{amounts, count, equals_probability, percent, plain, with_unit};
 use pipeline_effects as effects;
-use pipeline_findings::{ActsOn, CampaignFindings, EffectFinding, Level, Scatter, Verdict};
+use pipeline_findings::{
+    ActsOn, CampaignFindings, EffectFinding, Level, Scatter, Unexplained, Verdict,
+};
 use pipeline_torque::diagnose::terms::usual;
 
 /// Most members of an alias set, and most recording errors, that a sentence names.
@@ -13,7 +15,7 @@ pub(super) const MOST_NAMED: usize = 3;
 
 /// What was found, without the errors; of an effect its name and size, and all remarks in one bracket.
 pub(super) fn answer(found: &CampaignFindings) -> String {
-    let remarks = |e: &EffectFinding| [weak(found, e), opposed(e)];
+    let remarks = |e: &EffectFinding| [weak(found, e), undetermined(e), opposed(e)];
     answer_with(found, &|e| remarks(e).into_iter().flatten().collect())
 }
 
@@ -31,7 +33,8 @@ fn called_weak(found: &CampaignFindings, e: &EffectFinding) -> Option<String> {
 pub(super) fn graded_answer(found: &CampaignFindings) -> String {
     let graded = |e: &EffectFinding| {
         let differ = differ(found, e).map(|_| format!("{} differ", nouns(found).units));
-        let all = [Some(grade(found, e)), varying(e), differ, opposed(e)];
+        let open = undetermined(e);
+        let all = [Some(grade(found, e)), open, varying(e), differ, opposed(e)];
         all.into_iter().flatten().collect()
     };
     answer_with(found, &graded)
@@ -189,8 +192,9 @@ pub(super) fn unexplained(found: &CampaignFindings) -> String {
                 _ => format!("; {} explain it as well", listed(&others)),
             };
             format!(
-                "{} (p {}{as_well})",
+                "{} ({}p {}{as_well})",
                 name::column(&u.column),
+                over_its_range(u, found),
                 equals_probability(u.p_familywise)
             )
         })
@@ -199,6 +203,26 @@ pub(super) fn unexplained(found: &CampaignFindings) -> String {
         "the error depends on {}, for which the library has no effect",
         listed(&columns)
     )
+}
+
+/// `8.4% of the force over its range, `: how far a dependence goes, empty where that is not known.
+fn over_its_range(u: &Unexplained, found: &CampaignFindings) -> String {
+    let values = || u.curve.iter().map(|(_, change)| *change);
+    let far = values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min);
+    if !(far > 0.0 && far.is_finite()) {
+        return String::new();
+    }
+    let size = if u.shape == "gain" {
+        let of = if found.kind == "knee-torque" {
+            "torque"
+        } else {
+            "force"
+        };
+        format!("{} of the {of}", percent(far))
+    } else {
+        plain(far, &found.unit)
+    };
+    format!("{size} over its range, ")
 }
 
 /// The same beside effects that were found.
