@@ -576,11 +576,10 @@ fn a_term_that_no_longer_shows_beside_the_bends_of_another_is_left_out() {
 
 #[test]
 fn a_term_that_tells_groups_apart_shows_beyond_their_scatter() {
-    // y = a w1 + b w2; the term is the sum of two groups and goes along w1, their scatter along w1 and w2. Its variance v = 1 + tau^2 is best at
-    // (a^2 + b^2)/2 without the term and at b^2/2 beside it, where that is more than 1: a likelihood ratio of 2 ln(1 + a^2/b^2) and not of a^2. It
-    // is 4 where a^2 = b^2 (e^2 - 1).
-    let b = 2.0;
-    let square = b * b * (libm::exp(2.0) - 1.0);
+    // y = a w1 + b w2; the term is the sum of two groups and goes along w1, their scatter along w1 and w2. Beside the term its variance v = 1 + tau^2
+    // is best at b^2/2 = 8, and the term has a likelihood ratio of a^2/v, not of a^2.
+    let b = 4.0;
+    let square = 4.0 * 0.5 * b * b;
     let scattering = form(0, &[(1, 1.0)])
         .scattering(&[(1, 1.0)])
         .scattering(&[(2, 1.0)]);

@@ -96,6 +96,31 @@ impl<'a> Beside<'a> {
         let wider = self.0.wider(set);
         wider.map_or(0.0, |w| self.0.gain(&w, &w.gram, &self.0.maximum))
     }
+
+    /// The same by an ascent that goes on to its end, and the standard deviation of the coefficients with which it does.
+    pub fn scatter(&self, set: &[Vec<f64>]) -> (f64, f64) {
+        let Some(wider) = self.0.wider(set) else {
+            return (0.0, 0.0);
+        };
+        let plain = &self.0.maximum;
+        let with = self.0.ascent(&wider, &wider.gram, plain, Effort::STEP);
+        let gain = with.log_likelihood - plain.log_likelihood;
+        if gain > 0.0 {
+            (gain, with.variances.components[self.0.scales.len()])
+        } else {
+            (0.0, 0.0)
+        }
+    }
+
+    /// What a set gains with a known standard deviation of the coefficients: less than nothing where that is too large.
+    pub fn gain_at(&self, set: &[Vec<f64>], sd: f64) -> f64 {
+        if sd == 0.0 {
+            return 0.0;
+        }
+        let known = |wider: &Wider| self.0.with_known(wider, &self.0.maximum.variances, sd);
+        let with = self.0.wider(set).map(|wider| known(&wider).log_likelihood);
+        with.map_or(0.0, |with| with - self.0.maximum.log_likelihood)
+    }
 }
 
 /// The model without further columns.
@@ -286,16 +311,22 @@ impl<'a> Plain<'a> {
         }
     }
 
-    /// The model with a known standard deviation of the coefficients.
-    fn point(&self, wider: &Wider, from: &Variances, sd: f64) -> Point {
+    /// The other variances where the standard deviation of the coefficients is known.
+    fn with_known(&self, wider: &Wider, from: &Variances, sd: f64) -> Maximum {
         let component = self.scales.len();
         let mut scales = wider.scales.clone();
         scales[component].prior = Prior::Fixed(sd);
         let mut from = from.clone();
-        from.components[component] = sd;
+        from.components.truncate(component);
+        from.components.push(sd);
         let inverse = Some(self.maximum.inverse.as_slice());
         let effort = Effort::SHORT;
-        let at = self.maximise(wider, &scales, &wider.gram, &from, effort, inverse);
+        self.maximise(wider, &scales, &wider.gram, &from, effort, inverse)
+    }
+
+    /// The model with a known standard deviation of the coefficients.
+    fn point(&self, wider: &Wider, from: &Variances, sd: f64) -> Point {
+        let at = self.with_known(wider, from, sd);
         let factor = Factor::new(&wider.design.tree, &wider.gram, &at.variances);
         let estimates = factor.estimates();
         let root = wider.design.tree.width(0);

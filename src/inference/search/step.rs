@@ -159,15 +159,17 @@ impl Search<'_> {
         fits
     }
 
-    /// What a fit gains by a term where its size may scatter among the groups between which it tells differences, on the scale of [`deviate`]:
-    /// infinite where it tells none.
+    /// What a fit gains by a term where its size may scatter among the groups between which it tells differences, as much as it does beside the term
+    /// (differences between are measured by the variance within), on the scale of [`deviate`]: infinite where it tells none.
     pub(super) fn beyond_scatter(&self, fitted: &Fitted, term: usize, below: &Fitted) -> f64 {
         let columns = self.setting.problem.scatters(&fitted.point, term);
         if columns.is_empty() {
             return f64::INFINITY;
         }
-        let [with, without] =
-            [fitted, below].map(|m| m.log_likelihood + Beside::new(self.setting, m).gain(&columns));
+        let (gain, sd) = Beside::new(self.setting, fitted).scatter(&columns);
+        let with = fitted.log_likelihood + gain;
+        let known = Beside::new(self.setting, below).gain_at(&columns, sd);
+        let without = below.log_likelihood + known;
         let amplitudes = self.setting.problem.terms()[term].amplitudes;
         deviate(2.0 * (with - without), amplitudes)
     }

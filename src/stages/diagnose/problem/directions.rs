@@ -3,7 +3,7 @@
 use super::ForceProblem;
 use super::misfit::LawSpan;
 use crate::bent::Bent;
-use crate::library::{Column, Scope, Term, What};
+use crate::library::{Scope, Term, What};
 use pipeline_effects as effects;
 use pipeline_inference::problem::{Direction, Point, Problem};
 use rayon::prelude::*;
@@ -62,26 +62,19 @@ impl ForceProblem<'_> {
         Vec::new()
     }
 
-    /// Columns by which the size of a term may scatter among sessions: the operator with a value for each of them. Of a term that acts on parts of the
-    /// sessions, or depends on a logged column: what it tells apart is sessions.
+    /// Columns by which the size of a term that acts on parts of the sessions may scatter among sessions: the operator with a value for each of them.
     pub(super) fn scattered_columns(&self, point: &Point, term: usize) -> Vec<Vec<f64>> {
         let of = &self.library[term];
+        if of.scope == Scope::All {
+            return Vec::new();
+        }
         let mut without = point.clone();
         without.terms.retain(|(t, _)| *t != term);
         let base = self.predict(&without);
-        let column = match of.what {
-            What::Column(Column::Gain(_)) => base,
-            What::Column(Column::Offset(_)) => vec![1.0; base.len()],
-            What::Effect { .. } if of.scope != Scope::All => {
-                let whole = self.library.iter().position(|t| same(t, of.what));
-                let directions = whole.map(|t| self.whole_directions(&without, &base, t));
-                let first = directions.and_then(|d| d.into_iter().next());
-                match first {
-                    Some(mut direction) => direction.columns.swap_remove(0),
-                    None => return Vec::new(),
-                }
-            }
-            What::Column(_) | What::Effect { .. } => return Vec::new(),
+        let whole = self.library.iter().position(|t| same(t, of.what));
+        let directions = whole.map_or_else(Vec::new, |t| self.whole_directions(&without, &base, t));
+        let Some(column) = directions.first().and_then(|d| d.columns.first()) else {
+            return Vec::new();
         };
         let sessions = 0..self.data.sessions.len();
         let of_session = |s: usize| {
