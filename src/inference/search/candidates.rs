@@ -51,21 +51,32 @@ fn followed(starts: &[Far], led: &[Led]) -> Vec<usize> {
 }
 
 impl Search<'_> {
-    /// The strongest candidates fitted in full, beyond those that are fitted already. One that ends at its bound takes no other's place.
+    /// The strongest candidates fitted in full, beyond those that are fitted already. One that ends at its bound, or does not show beyond its scatter,
+    /// takes no other's place; where the strongest of a kind that tells groups apart does not, no other such one would.
     pub(super) fn fits(
         &self,
         screen: &Screen,
         model: &Fitted,
         shown: &[Shown],
         known: &[(Fitted, usize)],
+        limit: f64,
     ) -> Vec<(Fitted, usize)> {
+        let kind = |t: usize| self.setting.problem.terms()[t].kind;
+        let mut scattered = Vec::new();
+        let mut tried = 0;
         let mut fits: Vec<(Fitted, usize)> = Vec::new();
         let gain = |f: &Fitted| 2.0 * (f.log_likelihood - model.log_likelihood);
         let mut gained = known.iter().fold(0.0_f64, |m, (f, _)| m.max(gain(f)));
-        for s in shown.iter().take(2 * Screen::refined_in_draws()) {
-            if fits.len() >= FITTED {
+        for s in shown {
+            if fits.len() >= FITTED || tried >= 2 * Screen::refined_in_draws() {
                 break;
             }
+            let term = screen.directions[s.direction].term;
+            let acts_on_parts = || !self.setting.problem.scatters(&model.point, term).is_empty();
+            if scattered.contains(&kind(term)) && acts_on_parts() {
+                continue;
+            }
+            tried += 1;
             // What promises less than was gained already is left to the swaps, if it cannot be alike either.
             let alike = gained - 2.0 * self.decision.alike;
             if s.likelihood_ratio < alike.min(PROMISED * gained) {
@@ -88,10 +99,16 @@ impl Search<'_> {
             let better = better
                 .filter(|f| self.is_inside(f, direction.term))
                 .max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood));
-            if let Some(fit) = better {
-                gained = gained.max(gain(&fit));
-                fits.push((fit, direction.term));
+            let Some(fit) = better else {
+                continue;
+            };
+            if self.beyond_scatter(&fit, direction.term, model) < limit {
+                scattered.push(kind(direction.term));
+                tried -= 1;
+                continue;
             }
+            gained = gained.max(gain(&fit));
+            fits.push((fit, direction.term));
         }
         fits
     }

@@ -136,7 +136,7 @@ impl Search<'_> {
     ) -> Vec<(Fitted, usize)> {
         let mut fits = self.fits_tried(model);
         if strongest(shown) >= limit {
-            let others = self.fits(screen, model, shown, &fits);
+            let others = self.fits(screen, model, shown, &fits, limit);
             fits.extend(others);
         }
         if self.decision.thorough && (is_first || fits.is_empty()) {
