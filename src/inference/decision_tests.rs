@@ -597,9 +597,25 @@ fn a_term_that_tells_groups_apart_shows_beyond_their_scatter() {
     // A term that does not show beyond its scatter keeps no other out, nor does it take another's place.
     let a = (0.9 * square).sqrt();
     let lesser = form(1, &[(1, 0.95), (3, 0.0975_f64.sqrt())]);
-    let problem = line(&[(1, a), (2, b)], &[scattering, lesser]);
+    let problem = line(&[(1, a), (2, b)], &[scattering.clone(), lesser.clone()]);
     for decision in [DECISION, QUICK] {
         assert_eq!(accepted(&found(&problem, decision, 4.0)), [1]);
+    }
+    // Not even many of them, be they of one kind or of several.
+    for kinds in [[1, 1, 1, 1], [1, 2, 3, 4]] {
+        let many = kinds.map(|kind| {
+            let mut form = scattering.clone();
+            form.term.kind = kind;
+            form
+        });
+        let mut forms = many.to_vec();
+        let mut last = lesser.clone();
+        last.term.kind = 5;
+        forms.push(last);
+        let problem = line(&[(1, a), (2, b)], &forms);
+        for decision in [DECISION, QUICK] {
+            assert_eq!(accepted(&found(&problem, decision, 4.0)), [4], "{kinds:?}");
+        }
     }
 }
 
