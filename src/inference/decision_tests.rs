@@ -483,6 +483,30 @@ fn what_a_draw_has_between_groups_is_scatter_in_its_null_too() {
     close(draws[0], deviate(4.0 * libm::log(1.5), 1), 1e-3);
 }
 
+/// A first term along w1; a second along w1 + w2, of which 12 is left beside the first. 99 draws from the null, of which `wild` have 1000 along
+/// w1 and all 4 along w2: the second has 4^2/2 = 8 in those that are not wild, and beside the first 4^2 = 16 in all.
+fn with_wild_draws(by: By, wild: usize) -> Vec<usize> {
+    let h = 0.5_f64.sqrt();
+    let forms = [form(0, &[(1, 1.0)]), form(1, &[(1, h), (2, h)])];
+    let problem = line(&[(1, 100.0), (2, 12.0_f64.sqrt())], &forms);
+    let own = normal(move |k| along(&[(1, if k < wild { 1000.0 } else { 0.0 }), (2, 4.0)]));
+    let decision = Decision {
+        level: 0.5,
+        draws: 99,
+        ..QUICK
+    };
+    accepted(&searched(&problem, decision, by, None, &own))
+}
+
+#[test]
+fn a_further_term_is_tested_against_draws_of_its_own_model_where_it_is_close() {
+    // Level 0.5: the middle draw, 8, is critical. p = (1 + wild)/100 = 0.1 is not above 0.2 x 0.5: 12 > 8 comes in. p = 0.11 is: 12 < 16 does not.
+    for by in [By::Run, By::Exchanging] {
+        assert_eq!(with_wild_draws(by, 9), [0, 1]);
+        assert_eq!(with_wild_draws(by, 10), [0]);
+    }
+}
+
 /// A first term along w1; a second of which an eighth is along w2 and the rest along w1, with this likelihood ratio beside the first. All draws
 /// have 8 along w2: the second has 8^2/8 = 8 in those from the null, and beside the first 8^2 = 64.
 fn beside_a_first(by: By, ratio: f64) -> Vec<usize> {
@@ -494,7 +518,7 @@ fn beside_a_first(by: By, ratio: f64) -> Vec<usize> {
     let problem = line(&[(1, 100.0), (2, ratio.sqrt())], &forms);
     let own = normal(|_| along(&[(2, 8.0)]));
     let decision = Decision {
-        level: 0.5,
+        level: 0.02,
         draws: 99,
         ..QUICK
     };
@@ -502,8 +526,9 @@ fn beside_a_first(by: By, ratio: f64) -> Vec<usize> {
 }
 
 #[test]
-fn a_further_term_is_tested_against_draws_of_its_own_model_where_it_is_not_clear() {
-    // Clear is twice the deviate of what is critical, 8: deviate(8, 1) = 2.5927, and 5.1854 is that of (1 - 2/9 + 5.1854 sqrt(2/9))^3 = 33.455. Up to
+fn where_draws_are_few_a_further_term_is_tested_against_draws_of_its_own_model_unless_it_is_clear()
+{
+    // Level 0.02: of 99 draws none comes to the second, p = 0.01, which is above 0.2 x 0.02. Clear is twice the deviate of what is critical, 8: deviate(8, 1) = 2.5927, and 5.1854 is that of (1 - 2/9 + 5.1854 sqrt(2/9))^3 = 33.455. Up to
     // there the second is beside draws of 64.
     let clear = likelihood_ratio(2.0 * deviate(8.0, 1), 1);
     close(clear, 33.4554, 1e-3);

@@ -1,7 +1,5 @@
 //! How far a fit is taken: to estimates, to a comparison, or at a glance.
 
-use super::Free;
-
 /// Iterations in which a fit may do anything.
 const FIRST_STEPS: usize = 4;
 
@@ -18,7 +16,7 @@ pub(super) struct Goal {
     /// Log-likelihood below which the fit is of no use.
     least: f64,
     /// Whether it is of no use either where an amplitude of the last term stands at its bound: at the edge of what is possible there is no estimate.
-    inside: bool,
+    pub(super) inside: bool,
 }
 
 impl Goal {
@@ -52,18 +50,6 @@ impl Goal {
         iterations: 2,
         ..Self::ESTIMATED
     };
-
-    /// Whether a fit is of no use with these values at their bounds, the last term being number `last` in the model.
-    pub(super) fn is_at_its_bound(
-        self,
-        held: &[Free],
-        last: Option<usize>,
-        amplitudes: usize,
-    ) -> bool {
-        let is_of_last =
-            |f: &Free| matches!(*f, Free::Value(t, k) if Some(t) == last && k < amplitudes);
-        self.inside && held.iter().any(is_of_last)
-    }
 
     /// Whether a fit that has come so far will not reach what is of use: even ten times what it gains now would not take it there.
     pub(super) fn is_out_of_reach(self, iteration: usize, log_likelihood: f64, gains: f64) -> bool {

@@ -145,9 +145,12 @@ impl Setting<'_> {
 
     /// Whether a fit for a comparison has its last term at a bound.
     fn is_given_up(&self, goal: Goal, point: &Point, held: &[Free]) -> bool {
-        let last = point.terms.last();
-        let amplitudes = last.map_or(0, |(t, _)| self.problem.terms()[*t].amplitudes);
-        goal.is_at_its_bound(held, point.terms.len().checked_sub(1), amplitudes)
+        let Some((place, (term, _))) = point.terms.iter().enumerate().next_back() else {
+            return false;
+        };
+        let amplitudes = self.problem.terms()[*term].amplitudes;
+        let is_of_last = |f: &Free| matches!(*f, Free::Value(t, k) if t == place && k < amplitudes);
+        goal.inside && held.iter().any(is_of_last)
     }
 
     /// The linear model at a point, its variances from where those of the point before it are known, or else from some starts.

@@ -15,39 +15,25 @@ const PROMISED: f64 = 0.8;
 /// Of the starts of a term that are far away, how many are followed.
 const FOLLOWED: usize = 2;
 
-/// A start of a term far from nothing.
+/// A start of a term far from nothing, and where it leads at a glance.
 struct Far {
     term: usize,
     from: Point,
-}
-
-impl Far {
-    fn new(model: &Fitted, term: usize, values: Vec<f64>) -> Self {
-        let mut from = model.point.clone();
-        from.terms.push((term, values));
-        Self { term, from }
-    }
-}
-
-/// Where a start leads.
-struct Led {
-    point: Point,
+    led_to: Point,
     variances: Variances,
     log_likelihood: f64,
 }
 
-/// The places of the starts that are followed: those of each term that lead to the largest likelihoods.
-fn followed(starts: &[Far], led: &[Led]) -> Vec<usize> {
-    let mut places: Vec<usize> = (0..starts.len()).collect();
-    places.sort_by(|a, b| led[*b].log_likelihood.total_cmp(&led[*a].log_likelihood));
+/// The starts that are followed: those of each term that lead to the largest likelihoods.
+fn followed(mut starts: Vec<Far>) -> Vec<Far> {
+    starts.sort_by(|a, b| b.log_likelihood.total_cmp(&a.log_likelihood));
     let mut counts = BTreeMap::new();
-    places.retain(|place| {
-        let count = counts.entry(starts[*place].term).or_insert(0);
+    starts.retain(|start| {
+        let count = counts.entry(start.term).or_insert(0);
         *count += 1;
         *count <= FOLLOWED
     });
-    places.sort_unstable();
-    places
+    starts
 }
 
 impl Search<'_> {
@@ -175,41 +161,36 @@ impl Search<'_> {
             .collect();
         let may_come =
             |t: usize| !kinds.contains(&terms[t].kind) && (terms[t].named || !way.named_only);
-        let starts = self.setting.problem.far(&model.point);
-        let starts = starts.into_iter().filter(|(t, _)| may_come(*t));
-        let starts: Vec<Far> = starts
-            .map(|(t, values)| Far::new(model, t, values))
-            .collect();
-        let led: Vec<Led> = starts.par_iter().map(|far| self.led(far, model)).collect();
-        let fits = followed(&starts, &led).into_par_iter();
-        let fits = fits.map(|place| {
-            (
-                self.fit_far(&starts[place], &led[place], least),
-                starts[place].term,
-            )
-        });
+        let starts = self.setting.problem.far(&model.point).into_par_iter();
+        let starts = starts.filter(|(t, _)| may_come(*t));
+        let starts = starts.map(|(term, values)| self.glanced(model, term, values));
+        let fits = followed(starts.collect()).into_par_iter();
+        let fits = fits.map(|far| (self.fit_far(&far, least), far.term));
         let mut fits: Vec<(Fitted, usize)> = fits.collect();
         fits.retain(|(f, t)| f.log_likelihood >= least && self.is_inside(f, *t));
         fits
     }
 
-    /// Where a start leads at a glance.
-    fn led(&self, far: &Far, model: &Fitted) -> Led {
-        let fit = self
-            .setting
-            .glance(&far.from, std::slice::from_ref(&model.variances));
-        Led {
-            point: fit.point,
+    /// A start, and where it leads.
+    fn glanced(&self, model: &Fitted, term: usize, values: Vec<f64>) -> Far {
+        let mut from = model.point.clone();
+        from.terms.push((term, values));
+        let starts = std::slice::from_ref(&model.variances);
+        let fit = self.setting.glance(&from, starts);
+        Far {
+            term,
+            from,
+            led_to: fit.point,
             variances: fit.variances,
             // What has none comes last.
             log_likelihood: fit.log_likelihood.max(f64::NEG_INFINITY),
         }
     }
 
-    /// The fit from a start, of which it is known where it leads.
-    fn fit_far(&self, far: &Far, led: &Led, least: f64) -> Fitted {
-        let starts = std::slice::from_ref(&led.variances);
-        let fit = self.setting.compare(&led.point, starts, least);
+    /// The fit from a start.
+    fn fit_far(&self, far: &Far, least: f64) -> Fitted {
+        let starts = std::slice::from_ref(&far.variances);
+        let fit = self.setting.compare(&far.led_to, starts, least);
         if fit.converged || fit.log_likelihood < least || !self.is_inside(&fit, far.term) {
             return fit;
         }

@@ -1,6 +1,7 @@
 //! The search: forward from the null model, one term at a time, each tested against the maximum over all candidates; then deletions and
 //! swaps among terms that show alike. A term that tells groups apart has to show beyond the scatter of its size among them as well
-//! ([`crate::problem::Problem::scatters`]): what scatters from group to group differs between any two sets of groups. At the end a term stays only if it also shows where the size of any other one may bend along its own argument
+//! ([`crate::problem::Problem::scatters`]): what scatters from group to group differs between any two sets of groups. At the end a term stays
+//! only if it also shows where the size of any other one may bend along its own argument
 //! ([`crate::problem::Problem::bends`]): an effect whose form the library does not have must not call up a second one.
 //!
 //! | file | idea |

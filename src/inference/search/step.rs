@@ -6,11 +6,13 @@ use crate::form::Beside;
 use crate::screen::{Normal, Screen, Shown};
 use crate::statistic::{critical, deviate, likelihood_ratio, upper_tail};
 
-/// A candidate whose probability under the draws from the null is more than this many times the level is not tested against draws from its own
-/// model: they could not change the answer, because the distribution of the maximum follows from the design far more than from the model.
-const TOO_PROBABLE: f64 = 4.0;
+/// A candidate whose probability under the draws from the null lies in this range, as a multiple of the level, is tested against draws from its own
+/// model as well; beyond it they could not change the answer, because the distribution of the maximum follows from the design far more than from
+/// the model.
+const CLOSE: (f64, f64) = (0.2, 4.0);
 
-/// For the same reason a statistic this many times the critical one needs no draws of its own.
+/// A statistic this many times the critical one, to which none of the draws comes, needs no draws of its own either: there may be too few to show so
+/// small a probability.
 const CLEAR: f64 = 2.0;
 
 /// How often a better optimum of the model without a further term is taken up.
@@ -107,15 +109,18 @@ impl Search<'_> {
         way: Way,
         first: f64,
     ) -> Vec<f64> {
+        let close = (CLOSE.0 * self.decision.level, CLOSE.1 * self.decision.level);
         let p = upper_tail(&found.draws, first);
+        let is_far = first >= CLEAR * found.critical;
+        let is_clear = p <= close.0 || is_far && p <= upper_tail(&found.draws, f64::INFINITY);
         let is_first = found.accepted.is_empty();
         let redrawn = match way.drawn {
             // Draws of more groups than there are here have lighter tails: they decide what is clear, no more.
-            Drawn::IfDoubtful => first >= found.critical,
-            Drawn::IfClose => !is_first && p < TOO_PROBABLE * self.decision.level,
-            Drawn::Always => !is_first,
+            Drawn::IfDoubtful => first >= found.critical && !is_far,
+            Drawn::IfClose => !is_first && !is_clear && p < close.1,
+            Drawn::Always => !is_first && !is_clear,
         };
-        if !redrawn || first >= CLEAR * found.critical {
+        if !redrawn {
             return found.draws.clone();
         }
         let (most, level) = (self.decision.draws, self.decision.level);
@@ -134,13 +139,15 @@ impl Search<'_> {
         limit: f64,
         way: Way,
     ) -> Vec<(Fitted, usize)> {
+        let shows = |f: &(Fitted, usize)| self.beyond_scatter(&f.0, f.1, model) >= limit;
         let mut fits = self.fits_tried(model);
+        fits.retain(shows);
         if strongest(shown) >= limit {
             let others = self.fits(screen, model, shown, &fits, limit);
             fits.extend(others);
         }
         if self.decision.thorough && (is_first || fits.is_empty()) {
-            fits.extend(self.fits_afresh(model, way));
+            fits.extend(self.fits_afresh(model, way).into_iter().filter(shows));
         }
         let passes =
             |(f, t): &(Fitted, usize)| self.statistic(f, *t, model.log_likelihood) >= limit;
@@ -149,12 +156,8 @@ impl Search<'_> {
             fits.extend(self.fits_far(model, way, least));
         }
         // What would not be accepted keeps nothing out.
-        let accepted =
-            |f: &(Fitted, usize)| passes(f) && self.beyond_scatter(&f.0, f.1, model) >= limit;
-        let is_accepted: Vec<bool> = fits.iter().map(accepted).collect();
-        if is_accepted.contains(&true) {
-            let mut keep = is_accepted.into_iter();
-            fits.retain(|_| keep.next() == Some(true));
+        if fits.iter().any(passes) {
+            fits.retain(passes);
         }
         fits
     }
