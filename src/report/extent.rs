@@ -21,23 +21,36 @@ pub const MOST_NAMED: usize = 10;
 /// Which of the groups have a section of their own: those of several campaigns first, then those in which something was found, then those with most
 /// readings.
 pub fn with_section(groups: &[GroupInput]) -> Vec<bool> {
-    let mut order: Vec<usize> = (0..groups.len()).collect();
-    let is_found = |k: usize| {
-        let diagnosis = groups[k].diagnosis.as_ref();
-        let verdict = diagnosis.map(|d| d.findings.verdict);
+    let is_found = |group: &GroupInput| {
+        let verdict = group.diagnosis.as_ref().map(|d| d.findings.verdict);
         matches!(verdict, Some(Verdict::EffectFound | Verdict::Unexplained))
     };
-    let weight = |k: usize| {
-        (
-            groups[k].fit.group.members.len() > 1,
-            is_found(k),
-            groups[k].fit.rows,
-        )
-    };
-    order.sort_by_key(|k| std::cmp::Reverse(weight(*k)));
-    let mut shown = vec![false; groups.len()];
+    let weight = |g: &GroupInput| (g.fit.group.members.len() > 1, is_found(g), g.fit.rows);
+    heaviest(&groups.iter().map(weight).collect::<Vec<_>>())
+}
+
+/// Of groups with these weights, those that are shown: the heaviest, and of equal ones the first.
+fn heaviest(weights: &[(bool, bool, usize)]) -> Vec<bool> {
+    let mut order: Vec<usize> = (0..weights.len()).collect();
+    order.sort_by_key(|k| std::cmp::Reverse(weights[*k]));
+    let mut shown = vec![false; weights.len()];
     for k in order.into_iter().take(MOST_GROUPS) {
         shown[k] = true;
     }
     shown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pools_and_what_was_found_are_shown_before_what_has_more_readings() {
+        let mut groups = vec![(false, false, 1000); MOST_GROUPS];
+        groups.push((false, true, 10));
+        groups.push((true, false, 5));
+        let shown = heaviest(&groups);
+        let left_out: Vec<usize> = (0..groups.len()).filter(|k| !shown[*k]).collect();
+        assert_eq!(left_out, [MOST_GROUPS - 2, MOST_GROUPS - 1]);
+    }
 }

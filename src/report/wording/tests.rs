@@ -7,7 +7,7 @@ use super::sentence::{
 };
 use crate::table::Cell;
 use pipeline_findings::{
-    CampaignFindings, Estimate, Findings, FormPoint, FreeForm, HeldOutBy, NextKind,
+    CampaignFindings, Estimate, Findings, FormPoint, FreeForm, HeldOutBy, Level, NextKind,
     NextMeasurement, NotAssessed, Parameter, Tested, Verdict,
 };
 
@@ -171,7 +171,9 @@ fn noise_is_the_largest_source_where_it_is() {
     let noise = noise.unwrap();
     (noise.variance, noise.rmse) = (144.1, 12.004);
     let line = super::sentence::in_three_lines(&found).swap_remove(2);
-    assert!(line.contains(": noise, 80% of its square"), "{line}");
+    let line = line.replace('\u{a0}', " ");
+    let said = "largest source of the expected error, 13.4 N: noise, 80% of its square";
+    assert!(line.starts_with(said), "{line}");
 }
 
 #[test]
@@ -588,6 +590,50 @@ fn evidence_of_a_size_that_differs_or_has_the_wrong_sign_is_not_strong() {
         "{}",
         remarks(&found)
     );
+}
+
+#[test]
+fn a_size_without_an_interval_is_not_determined_and_not_strong() {
+    let mut found = example();
+    found.effects.truncate(1);
+    found.effects[0].class.truncate(1);
+    let mut with = |low, high| {
+        let size = &mut found.effects[0].parameters[0];
+        (size.ci_low, size.ci_high) = (low, high);
+        (remarks(&found), clauses(&found).found)
+    };
+    let open = "its size is not determined by these readings";
+    let (graded, said) = with(None, None);
+    assert_eq!(graded, format!("(moderate; {open})"));
+    assert!(said.contains(open), "{said}");
+    for (low, high) in [
+        (Some(50.0), None),
+        (None, Some(70.0)),
+        (Some(50.0), Some(70.0)),
+    ] {
+        let (graded, said) = with(low, high);
+        assert_eq!(graded, "(strong)");
+        assert!(!said.contains(open), "{said}");
+    }
+}
+
+#[test]
+fn what_scatters_between_campaigns_stands_beside_what_does_within_them() {
+    let mut found = example();
+    let set_lengths =
+        |found: &CampaignFindings| clauses(found).budget.unwrap().replace('\u{a0}', " ");
+    assert!(set_lengths(&found).contains("12.0 from set lengths (0.90 mm)"));
+    let of_session = found
+        .scatter
+        .iter()
+        .find(|s| s.id == "length_offset")
+        .unwrap();
+    let mut of_campaign = of_session.clone();
+    (of_campaign.level, of_campaign.sd_predictive) = (Level::Campaign, 2.0);
+    found.scatter.push(of_campaign);
+    let said = set_lengths(&found);
+    let both = "12.0 from set lengths (0.90 mm within a campaign, 2.0 mm between campaigns)";
+    assert!(said.contains(both), "{said}");
 }
 
 #[test]
