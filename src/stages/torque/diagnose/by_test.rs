@@ -111,23 +111,27 @@ fn length_miss(readings: &[Reading], sizes: &[f64; SIZES]) -> Option<f64> {
 }
 
 /// The sizes with so much more of an offset of the length, mm.
-fn shifted(sizes: &[f64; SIZES], more: f64) -> [f64; SIZES] {
+pub(super) fn shifted(sizes: &[f64; SIZES], more: f64) -> [f64; SIZES] {
     let mut own = *sizes;
     own[place::LENGTH] += more;
     own
 }
 
-/// The offset that is best for some readings, all other sizes held, less that of the fit; mm. A search on a grid that narrows: one number, and
-/// the sum of squares may have several minima where forces are cut off at zero.
-fn own_offset(sizes: &[f64; SIZES], readings: &[Reading]) -> f64 {
+/// The offset that is best for some readings, all other sizes held, less that of the fit; mm.
+pub(super) fn own_offset(sizes: &[f64; SIZES], readings: &[Reading]) -> f64 {
     let sse = |more: f64| size(readings, &shifted(sizes, more)).map_or(f64::INFINITY, |s| s.sse);
-    let (mut best, mut step) = (0.0, REACH_MM / 16.0);
+    narrowed(REACH_MM, sse)
+}
+
+/// Where a function of a length in mm is least, up to `reach` mm from 0. A search on a grid that narrows: one number, and a sum of squares may have
+/// several minima where forces are cut off at zero.
+pub(super) fn narrowed(reach: f64, of: impl Fn(f64) -> f64) -> f64 {
+    let (mut best, mut step) = (0.0, reach / 16.0);
     while step > FOUND_MM {
         let near = (-16..=16).map(|k| best + f64::from(k) * step);
-        let near = near.filter(|x| x.abs() <= REACH_MM);
-        best = near
-            .min_by(|a, b| sse(*a).total_cmp(&sse(*b)))
-            .unwrap_or(best);
+        let near = near.filter(|x| x.abs() <= reach);
+        let least = near.map(|x| (x, of(x))).min_by(|a, b| a.1.total_cmp(&b.1));
+        best = least.map_or(best, |(x, _)| x);
         step /= 8.0;
     }
     best

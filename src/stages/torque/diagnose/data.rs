@@ -122,6 +122,13 @@ impl<'a> Data<'a> {
         self
     }
 
+    /// The same without a test.
+    pub fn without(self, test: usize) -> Self {
+        let mut readings = self.readings;
+        readings.retain(|r| r.test != test);
+        Self::new(readings, self.tests, self.actuators)
+    }
+
     /// Whether the joint turned both ways often enough for friction to show.
     pub fn turns_both_ways(&self) -> bool {
         let turned = |sense: f64| self.readings.iter().filter(|r| r.at.sense == sense).count();

@@ -324,19 +324,23 @@ impl Fits<'_> {
 }
 
 /// A length of one fitting by least squares.
-struct LeastSquares {
-    fitting_m: f64,
-    standard_error_m: f64,
+pub(super) struct LeastSquares {
+    pub(super) fitting_m: f64,
+    /// NaN where the length stands at its bound.
+    pub(super) standard_error_m: f64,
 }
 
 impl LeastSquares {
     /// Fitted to the active tests; none where they do not show it.
-    fn new(setting: &Setting) -> Option<Self> {
+    pub(super) fn new(setting: &Setting) -> Option<Self> {
         let mut from = setting.problem.start();
         from.terms.push((0, vec![0.0]));
         let fitted = setting.fit(&from, &setting.fresh()[..1]);
         let offset_mm = fitted.values(0)?[0];
-        let variance = fitted.covariance(&fitted.variances).at(0, 0);
+        // At its bound, or where every actuator is slack, it has no error.
+        let covariance = fitted.covariance(&fitted.variances);
+        let variance = fitted.place(0, 0).map(|k| covariance.at(k, k));
+        let variance = variance.filter(|v| *v > 0.0).unwrap_or(f64::NAN);
         let fitting_m = BEFORE_M + 0.5e-3 * offset_mm;
         fitting_m.is_finite().then_some(Self {
             fitting_m,

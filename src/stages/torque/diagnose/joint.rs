@@ -20,11 +20,10 @@ use pipeline_inference::profile::Profiles;
 use pipeline_inference::screen::Normal;
 use pipeline_inference::search::{Decision, Found, Search};
 
-/// A search and what was set aside for it.
+/// A search and its result.
 pub(super) struct Searched<'s> {
     pub(super) setting: Setting<'s>,
     pub(super) found: Found,
-    aside: Vec<(usize, RecordingError)>,
 }
 
 fn decision(options: &DiagnoseOptions) -> Decision {
@@ -37,7 +36,6 @@ fn decision(options: &DiagnoseOptions) -> Decision {
     }
 }
 
-/// The search, again without each test that what was found makes too improbable.
 fn searched<'s>(
     problem: &'s TorqueProblem<'s>,
     group: &Group,
@@ -50,32 +48,14 @@ fn searched<'s>(
             setting.active[*node] = false;
         }
     }
-    let mut aside: Vec<(usize, RecordingError)> = Vec::new();
-    loop {
-        let null = setting.fit_afresh(&problem.start());
-        let search = Search {
-            setting: &setting,
-            decision,
-            tried: None,
-        };
-        let found = search.run_exchanging(null, normal, None);
-        let outlier = recording::furthest_off(&setting, problem, &found.model);
-        match outlier {
-            Some((test, error)) if aside.len() < decisions::MOST_MISTAKEN_TESTS => {
-                if let Some(node) = problem.tests[test] {
-                    setting.active[node] = false;
-                }
-                aside.push((test, error));
-            }
-            _ => {
-                return Searched {
-                    setting,
-                    found,
-                    aside,
-                };
-            }
-        }
-    }
+    let null = setting.fit_afresh(&problem.start());
+    let search = Search {
+        setting: &setting,
+        decision,
+        tried: None,
+    };
+    let found = search.run_exchanging(null, normal, None);
+    Searched { setting, found }
 }
 
 /// The readings of a joint that are searched, the mistakes that were seen without a search, and whether they are enough.
@@ -117,16 +97,15 @@ pub(super) fn one(
     options: &DiagnoseOptions,
 ) -> JointDiagnosis {
     let Chosen {
-        data,
+        mut data,
         mut mistakes,
         enough,
     } = Chosen::of(group);
-    let mut findings = unassessed(campaign, simulated, group, &data);
-    let not_assessed = |reason, mistakes, findings| JointDiagnosis {
+    let not_assessed = |reason, mistakes, data: &Data| JointDiagnosis {
         findings: CampaignFindings {
             not_assessed: Some(reason),
             recording_errors: mistakes,
-            ..findings
+            ..unassessed(campaign, simulated, group, data)
         },
         residuals: Residuals::default(),
         tests: group.tests(&[0.0; SIZES], &[], None),
@@ -134,21 +113,33 @@ pub(super) fn one(
         curves: group.curves(&[0.0; SIZES], &[]),
     };
     if !enough {
-        return not_assessed(NotAssessed::TooFewReadings, mistakes, findings);
+        return not_assessed(NotAssessed::TooFewReadings, mistakes, &data);
     }
-    let library = library::terms(&data);
-    let problem = TorqueProblem::new(&data, &library).with_reference();
     let normal = |k: usize| -> Box<dyn FnMut() -> f64> {
         let mut stream = Stream::new(options.seed, &["torque draw", &k.to_string()]);
         Box::new(move || stream.normal())
     };
-    let searched = searched(&problem, group, decision(options), &normal);
-    mistakes.extend(searched.aside.iter().map(|(_, error)| error.clone()));
-    if !searched.found.null.log_likelihood.is_finite() {
-        return not_assessed(NotAssessed::NoConvergence, mistakes, findings);
+    let mut aside = 0;
+    loop {
+        let library = library::terms(&data);
+        let problem = TorqueProblem::new(&data, &library).with_reference();
+        let searched = searched(&problem, group, decision(options), &normal);
+        if !searched.found.null.log_likelihood.is_finite() {
+            return not_assessed(NotAssessed::NoConvergence, mistakes, &data);
+        }
+        let model = &searched.found.model;
+        let odd = (aside < decisions::MOST_MISTAKEN_TESTS)
+            .then(|| recording::furthest_off(&searched.setting, &problem, model));
+        let Some((test, error)) = odd.flatten() else {
+            let mut findings = unassessed(campaign, simulated, group, &data);
+            findings.recording_errors = mistakes;
+            return answered(group, &problem, &searched, options, &normal, findings);
+        };
+        recording::without_what_it_explains(&mut mistakes, &error);
+        mistakes.push(error);
+        data = data.without(test);
+        aside += 1;
     }
-    findings.recording_errors = mistakes;
-    answered(group, &problem, &searched, options, &normal, findings)
 }
 
 /// Everything that is asked of the result of a search.
@@ -160,8 +151,15 @@ fn answered(
     normal: &Normal,
     mut findings: CampaignFindings,
 ) -> JointDiagnosis {
-    let Searched { setting, found, .. } = searched;
-    let held = unseen::held_out(setting, problem, found, decision(options), normal);
+    let Searched { setting, found } = searched;
+    let held = unseen::held_out(
+        setting,
+        problem,
+        &group.held,
+        found,
+        decision(options),
+        normal,
+    );
     let work = Work {
         problem,
         setting,

@@ -2,7 +2,8 @@
 //! ([`pipeline_diagnose`]).
 //!
 //! One joint at a time: the sessions of one diameter whose actuators run along one route over one knee, because route, fittings and brackets are theirs.
-//! The law of force is the published one and is not refitted: a knee has too few pressures and lengths to determine it.
+//! The law of force is the published one and is not refitted: a knee has too few pressures and lengths to determine it. What its coefficients are off by
+//! is a random effect of the joint.
 //!
 //! | file | idea |
 //! |---|---|
@@ -13,6 +14,7 @@
 //! | [`problem`] | the joint as the engine sees it: groups, nuisance components, readings of torque, length and arm |
 //! | [`settings`] | what is plausible of a joint |
 //! | [`recording`] | mistakes of recording: torques of the other sign, tests that the others make too improbable |
+//! | [`mistakes`] | the usual mistakes of a test, each taken back |
 //! | `group` | everything of one joint, ready to be searched |
 //! | `joint` | one joint: the readings that are searched, the search, what is asked of it |
 //! | `unassessed` | the findings of a joint of which nothing is said yet |
@@ -36,6 +38,7 @@ mod joint;
 pub mod library;
 pub mod limits;
 pub mod measurers;
+pub mod mistakes;
 pub mod operator;
 pub mod problem;
 pub mod recording;

@@ -8,7 +8,7 @@
 //! On which side of the corner to slackness a reading is, is decided once ([`Joint::side`], [`pipeline_diagnose::slack`]): the law is then
 //! smooth in every size.
 
-use super::terms::{KINKS_FROM_RAD, SIZES, place};
+use super::terms::{KINKS_FROM_RAD, LAW_COEFFICIENTS, SIZES, place};
 use crate::build::Build;
 use pipeline_diagnose::base::Base;
 use pipeline_diagnose::slack::{self, Shape, Side, Sided};
@@ -71,6 +71,16 @@ impl<'a> Joint<'a> {
             feet: ["origin", "insertion"].map(|end| foot(build, end)),
             wraps_below: Some(first).filter(|b| via && b.is_finite()),
         }
+    }
+
+    /// What it is built of.
+    pub fn build(&self) -> &'a Build {
+        self.build
+    }
+
+    /// Its law of force.
+    pub fn law(&self) -> &'a Base {
+        self.law
     }
 
     /// Whether it has a part of a joint that an effect needs. In which sense it turned is of its readings.
@@ -194,8 +204,17 @@ impl<'a> Joint<'a> {
             length = length - sizes[place::WRAPPING] * on_knee * slack * slack;
         }
         let pressure = -sizes[place::PRESSURE] - sizes[place::THRESHOLD] + at.pressure_kpa;
-        let coefficients = self.law.starts().into_iter().map(R::constant);
-        let coefficients: Vec<R> = coefficients.collect();
+        let coefficients: Vec<R> = self
+            .law
+            .coefficients
+            .iter()
+            .map(
+                |c| match LAW_COEFFICIENTS.iter().position(|n| *n == c.name) {
+                    Some(k) => (sizes[place::LAW + k] + 1.0) * c.start,
+                    None => R::constant(c.start),
+                },
+            )
+            .collect();
         let conditions = self.conditions(at, length.value());
         let pulled = law.force(&coefficients, pressure.positive_part(), length, &conditions);
         pulled * (sizes[place::GAIN] + 1.0)

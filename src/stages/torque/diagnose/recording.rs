@@ -5,8 +5,9 @@
 //! test that is merely mounted 1 mm off where others scatter by 1 mm is about 1 off. How much tests scatter is known from the other tests alone, so that
 //! Student's t with their number judges it.
 
-use super::by_test::{self, Predictors, TestErrors};
+use super::by_test;
 use super::data::{Data, Reading};
+use super::mistakes;
 use super::problem::TorqueProblem;
 use super::settings;
 use super::terms::SIZES;
@@ -165,47 +166,46 @@ pub fn furthest_off(
     if p > LEVEL {
         return None;
     }
-    let errors = |t: usize| own_errors(problem.data, t, &sizes);
-    let (own, of_test) = (errors(test), problem.data.tests[test]);
+    let of = |t: usize| -> Vec<Reading> {
+        let all = problem.data.readings.iter();
+        all.filter(|r| r.test == t).copied().collect()
+    };
     let left: Vec<f64> = tests
         .iter()
         .filter(|(t, _)| *t != test)
-        .filter_map(|(t, _)| Some(errors(*t).with_own_offset?.rmse))
+        .filter_map(|(t, _)| {
+            let own = of(*t);
+            let offset = by_test::own_offset(&sizes, &own);
+            Some(by_test::size(&own, &by_test::shifted(&sizes, offset))?.rmse)
+        })
         .collect();
-    let noise = median(&left);
-    let corrected = own
-        .with_own_offset
-        .map(|s| s.rmse)
-        .filter(|rmse| *rmse <= EXPLAINS * noise);
+    let own = of(test);
+    let taken = mistakes::explanation(&own, &sizes, median(&left));
     let error = RecordingError {
-        group: of_test.to_owned(),
+        group: problem.data.tests[test].to_owned(),
         level: Level::Test,
-        kind: match corrected {
-            Some(_) => ErrorKind::Length,
-            None => ErrorKind::Outlier,
-        },
-        quantity: corrected.map(|_| "mounting_length".to_owned()),
-        value: corrected.map(|_| own.own_offset_mm),
-        unit: "mm".to_owned(),
+        kind: taken.as_ref().map_or(ErrorKind::Outlier, |t| t.kind),
+        quantity: taken.as_ref().map(|t| t.quantity.to_owned()),
+        value: taken.as_ref().map(|t| t.value),
+        unit: taken.as_ref().map_or("", |t| t.unit).to_owned(),
         p: Some(p),
-        rms: own.after.map_or(f64::NAN, |s| s.rmse),
-        rms_corrected: corrected,
+        rms: by_test::size(&own, &sizes).map_or(f64::NAN, |s| s.rmse),
+        rms_corrected: taken.map(|t| t.rms),
         set_aside: true,
     };
     Some((test, error))
 }
 
-fn own_errors(data: &Data, test: usize, sizes: &[f64; SIZES]) -> TestErrors {
-    let own: Vec<Reading> = data
-        .readings
-        .iter()
-        .filter(|r| r.test == test)
-        .copied()
-        .collect();
-    let with = Predictors {
-        all: sizes,
-        held_out: None,
-        largest: None,
+/// Lengths by hand that were called odd because the test is mounted elsewhere than noted are right: one mistake is named, not two.
+pub fn without_what_it_explains(errors: &mut Vec<RecordingError>, mounted: &RecordingError) {
+    let of = |e: &RecordingError, quantity: &str| {
+        e.value.filter(|_| e.quantity.as_deref() == Some(quantity))
     };
-    by_test::errors((data.tests[test], ""), &own, (true, false), &with)
+    let Some(by) = of(mounted, "mounting_length") else {
+        return;
+    };
+    errors.retain(|e| {
+        let odd = of(e, "muscle_length").filter(|_| e.group == mounted.group);
+        odd.is_none_or(|odd| (odd - by).abs() > EXPLAINS * settings::USUAL_BIAS_MM)
+    });
 }

@@ -30,8 +30,8 @@ impl Deref for Term {
 
 /// Number of forms.
 pub const TERMS: usize = 16;
-/// Number of sizes: one of most forms, two of a shift.
-pub const SIZES: usize = 18;
+/// Number of sizes: one of most forms, two of a shift, and what the coefficients of the law are off by.
+pub const SIZES: usize = place::LAW + LAW_COEFFICIENTS.len();
 
 /// Where sizes stand: [`super::operator`] needs them by name.
 pub mod place {
@@ -65,7 +65,12 @@ pub mod place {
     pub const ORIGIN_SHIFT: usize = 14;
     /// The same of the insertion.
     pub const INSERTION_SHIFT: usize = 16;
+    /// What the coefficients of the law ([`super::LAW_COEFFICIENTS`]) are off by, relative: no term's, but a random effect of the joint.
+    pub const LAW: usize = 18;
 }
+
+/// The coefficients of the law that may be off, one place each. What the scale of the force is off by is a gain.
+pub const LAW_COEFFICIENTS: [&str; 3] = ["c0", "c1", "c2"];
 
 /// Sizes of the knee angle beyond which an actuator may kink, rad (30 and 75 degrees).
 pub const KINKS_FROM_RAD: [f64; 2] = [0.523_598_775_598_298_8, 1.308_996_938_995_747_2];
@@ -177,6 +182,6 @@ mod tests {
         }
         assert_eq!(forms, TERMS);
         places.sort_unstable();
-        assert_eq!(places, (0..SIZES).collect::<Vec<_>>());
+        assert_eq!(places, (0..place::LAW).collect::<Vec<_>>());
     }
 }

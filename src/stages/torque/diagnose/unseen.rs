@@ -56,15 +56,16 @@ struct Answer {
     terms: Vec<usize>,
 }
 
-/// The held-out errors, the whole search inside each fold.
+/// The held-out errors, the whole search inside each fold; `held` are the tests that their owner held out.
 pub fn held_out(
     setting: &Setting,
     problem: &TorqueProblem,
+    held: &[bool],
     found: &Found,
     decision: Decision,
     normal: &Normal,
 ) -> HeldOut {
-    let (folds, by) = folds(setting, problem);
+    let (folds, by) = folds(problem, held);
     let answer =
         |nodes: &Vec<(String, usize)>| answer(setting, problem, found, decision, normal, nodes);
     let answers: Vec<Answer> = folds.par_iter().map(answer).collect();
@@ -111,14 +112,15 @@ pub fn held_out(
 }
 
 /// Tests that their owner held out, or else each actuator in turn; names and nodes.
-fn folds(setting: &Setting, problem: &TorqueProblem) -> (Vec<Vec<(String, usize)>>, HeldOutBy) {
+fn folds(problem: &TorqueProblem, held: &[bool]) -> (Vec<Vec<(String, usize)>>, HeldOutBy) {
     let named = |names: &[&str], nodes: &[Option<usize>]| -> Vec<(String, usize)> {
         let all = names.iter().zip(nodes);
         all.filter_map(|(name, node)| Some(((*name).to_owned(), (*node)?)))
             .collect()
     };
-    let mut kept_out = named(&problem.data.tests, &problem.tests);
-    kept_out.retain(|(_, node)| !setting.active[*node]);
+    let of_owner = problem.tests.iter().zip(held);
+    let of_owner: Vec<Option<usize>> = of_owner.map(|(n, held)| n.filter(|_| *held)).collect();
+    let kept_out = named(&problem.data.tests, &of_owner);
     if !kept_out.is_empty() {
         return (vec![kept_out], HeldOutBy::Holdout);
     }

@@ -20,6 +20,10 @@ pub const TEST_MISFIT: usize = 4;
 pub const LENGTH_BIAS: usize = 5;
 /// Bias of a test's hand-measured arms, mm.
 pub const ARM_BIAS: usize = 6;
+/// Friction at those readings of a test before which nobody knows how the joint turned, N.m.
+pub const UNKNOWN_SENSE: usize = 7;
+/// What the coefficients of the law are off by, relative, the first of them.
+pub const LAW: usize = 8;
 
 pub(super) fn components(data: &Data, actuators: usize, tests: usize) -> Vec<Component> {
     let of = |scale: f64, usual: f64, groups: usize| Component {
@@ -43,7 +47,7 @@ pub(super) fn components(data: &Data, actuators: usize, tests: usize) -> Vec<Com
         ..component
     };
     let bias = || of(settings::USUAL_BIAS_MM, settings::USUAL_BIAS_MM, tests);
-    vec![
+    let mut all = vec![
         misfit(settings::COMMON_MISFIT, tests),
         known(
             of(settings::LARGEST_GAIN, shared::USUAL_GAIN, actuators),
@@ -61,5 +65,15 @@ pub(super) fn components(data: &Data, actuators: usize, tests: usize) -> Vec<Com
         misfit(shared::SESSION_MISFIT, tests),
         bias(),
         bias(),
-    ]
+        scatter(settings::USUAL_ZERO * data.largest_nm, tests),
+    ];
+    all.extend(settings::LAW_SD.map(|sd| Component {
+        scale: Scale {
+            prior: Prior::Fixed(sd),
+            usual: sd,
+            groups: 1,
+        },
+        ..of(sd, sd, 1)
+    }));
+    all
 }

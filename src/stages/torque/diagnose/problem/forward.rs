@@ -3,19 +3,21 @@
 use super::{MOST_TERMS, Quantity, TorqueProblem, component};
 use crate::diagnose::operator::Shown;
 use crate::diagnose::settings;
-use crate::diagnose::terms::{SIZES, place};
+use crate::diagnose::terms::{LAW_COEFFICIENTS, SIZES, place};
 use pipeline_diagnose::slack::Side;
 use pipeline_inference::problem::{Linearised, Point};
 use pipeline_numerics::real::{Dual, Real};
 
-/// Slots of the derivatives: mounting, gain, two for each term.
-const SLOTS: usize = 2 + 2 * MOST_TERMS;
+/// Slots of the derivatives: mounting, gain, coefficients of the law, two for each term.
+const SLOTS: usize = TERMS + 2 * MOST_TERMS;
 
 const MOUNTING: usize = 0;
 
 const GAIN: usize = 1;
 
-const TERMS: usize = 2;
+const LAW: usize = 2;
+
+const TERMS: usize = LAW + LAW_COEFFICIENTS.len();
 
 /// What a row shows, in the units of the engine: N.m, mm, mm.
 pub(super) type Three<R> = [R; 3];
@@ -46,9 +48,11 @@ impl TorqueProblem<'_> {
         &self,
         r: usize,
         [mounting, gain]: [R; 2],
+        law: [R; LAW_COEFFICIENTS.len()],
         terms: &[(usize, [R; 2])],
     ) -> Three<R> {
         let mut sizes = [R::constant(0.0); SIZES];
+        sizes[place::LAW..].copy_from_slice(&law);
         for (t, values) in terms {
             self.library[*t].add(*values, &mut sizes);
         }
@@ -87,7 +91,7 @@ impl TorqueProblem<'_> {
     pub(super) fn values(&self, point: &Point, r: usize) -> Three<f64> {
         let terms: Vec<(usize, [f64; 2])> =
             point.terms.iter().map(|(t, v)| (*t, pair(v))).collect();
-        self.shows(r, self.random(point, r), &terms)
+        self.shows(r, self.random(point, r), [0.0; _], &terms)
     }
 
     /// The scale of the misfit of row `r`, N.m.
@@ -118,7 +122,8 @@ impl TorqueProblem<'_> {
         };
         let terms: Vec<(usize, [Dual<SLOTS>; 2])> =
             point.terms.iter().enumerate().map(of).collect();
-        self.shows(r, random, &terms)
+        let law = std::array::from_fn(|k| Dual::variable(0.0, LAW + k));
+        self.shows(r, random, law, &terms)
     }
 
     /// Predictions and derivatives at a point.
@@ -156,12 +161,17 @@ impl TorqueProblem<'_> {
         let scale = only(Quantity::Torque) * self.misfit_scale(r);
         let misfit = || self.basis[r].iter().map(move |c| c * scale);
         let mut row: Vec<f64> = misfit().collect();
+        row.extend(self.along_pressure[r].iter().map(|c| c * scale));
+        row.extend_from_slice(&shown.gradient[LAW..TERMS]);
         row.push(shown.gradient[GAIN]);
         row.push(shown.gradient[MOUNTING]);
         row.push(only(Quantity::Torque));
         row.extend(misfit());
         row.push(only(Quantity::Length));
         row.push(only(Quantity::Arm));
+        row.push(
+            only(Quantity::Torque) * f64::from(u8::from(self.data.readings[r].at.sense == 0.0)),
+        );
         row
     }
 }

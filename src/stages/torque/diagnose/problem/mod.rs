@@ -2,9 +2,10 @@
 //!
 //! Torque, length and arm of a row follow from one balance ([`super::operator`]). M_i = M(theta_i, P_i; phi, d_t, g_k) + z_t + misfit + noise, where d_t is
 //! the mounting of the test (an offset of the length, mm), z_t the zero of its torque and g_k the gain of the actuator. The law of force is the
-//! published one: a knee has too few pressures and lengths to determine it, so there are no free coefficients. The misfit is proportional to a
-//! frozen torque with a floor, and absent where the actuator is slack: one along the angle that all tests share, with a constant (the law may be
-//! wrong by a factor on all actuators), and one of each test.
+//! published one: a knee has too few pressures and lengths to determine it, so there are no free coefficients; what it is off by is a random
+//! effect of the joint, one of each coefficient but its scale. The misfit is proportional to a frozen torque with a floor, and absent where the
+//! actuator is slack: one along the angle and the pressure that all tests share, with a constant (the law may be wrong by a factor on all actuators),
+//! and one of each test along the angle. How the joint turned before the first reading of a test nobody knows: friction there has a value of its own.
 //!
 //! Lengths and arms taken by hand are further readings of the same geometry, in mm, each with its noise and with a bias of its test: where
 //! attachments are elsewhere than drawn, torque, length and arm say so together.
@@ -22,12 +23,14 @@ mod forward;
 #[cfg(test)]
 mod tests;
 
-use super::data::Data;
+use super::data::{Data, Reading};
 use super::library::What;
 use super::settings;
+use super::terms::LAW_COEFFICIENTS;
 use class::noise;
 use component::components;
 use forward::Three;
+use pipeline_diagnose::settings as shared;
 use pipeline_diagnose::slack::Side;
 use pipeline_diagnose::smooth::cosines;
 use pipeline_inference::fit::Setting;
@@ -35,6 +38,7 @@ use pipeline_inference::problem::Term as EngineTerm;
 use pipeline_inference::problem::{Coefficient, Component, Direction, Linearised, Point, Problem};
 use pipeline_inference::tree::{Block, Tree};
 use pipeline_inference::variance::{Prior, Scale};
+use pipeline_mechanics::models::P_620_KPA;
 use rayon::prelude::*;
 
 /// Most terms in one model.
@@ -42,6 +46,9 @@ pub const MOST_TERMS: usize = 4;
 
 /// Cosines of the misfits along the angle.
 const COSINES: usize = 8;
+
+/// Cosines of the common misfit along the pressure; a constant is among those along the angle.
+const ALONG_PRESSURE: usize = 3;
 
 /// What is read in a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,8 +78,10 @@ pub struct TorqueProblem<'a> {
     components: Vec<Component>,
     noise: Vec<Scale>,
     terms: Vec<EngineTerm>,
-    /// Cosines of the misfits, row by row.
+    /// Cosines of the misfits along the angle, row by row.
     basis: Vec<Vec<f64>>,
+    /// Cosines of the common misfit along the pressure, row by row.
+    along_pressure: Vec<Vec<f64>>,
     /// The torque by which the misfit is scaled, N.m, row by row: that of a fit without misfit, and no more than the largest that was measured. It is
     /// frozen, so that all models have one covariance for it; it is not the measured one, because a misfit in proportion to that could take
     /// the place of the law.
@@ -83,7 +92,9 @@ impl<'a> TorqueProblem<'a> {
     /// The problem of some rows.
     pub fn new(data: &'a Data<'a>, library: &'a [What]) -> Self {
         let block = |component, columns| Block { component, columns };
-        let mut tree = Tree::new(vec![block(component::COMMON_MISFIT, COSINES)]);
+        let mut common = vec![block(component::COMMON_MISFIT, COSINES + ALONG_PRESSURE)];
+        common.extend((0..LAW_COEFFICIENTS.len()).map(|k| block(component::LAW + k, 1)));
+        let mut tree = Tree::new(common);
         let mut actuators = vec![None; data.actuators.len()];
         let mut tests = vec![None; data.tests.len()];
         let (mut row, mut quantity, mut node) = (Vec::new(), Vec::new(), Vec::new());
@@ -98,6 +109,7 @@ impl<'a> TorqueProblem<'a> {
                     block(component::TEST_MISFIT, COSINES),
                     block(component::LENGTH_BIAS, 1),
                     block(component::ARM_BIAS, 1),
+                    block(component::UNKNOWN_SENSE, 1),
                 ];
                 tree.add(above, blocks)
             });
@@ -132,6 +144,7 @@ impl<'a> TorqueProblem<'a> {
             components: components(data, present(&actuators), present(&tests)),
             noise,
             basis: bases(data),
+            along_pressure: along_pressure(data),
             reference: vec![0.0; data.readings.len()],
             terms: library.iter().map(|t| t.for_engine(data)).collect(),
             data,
@@ -199,6 +212,15 @@ fn bases(data: &Data) -> Vec<Vec<f64>> {
         .iter()
         .map(|a| cosines(COSINES, (a - low) / range, length))
         .collect()
+}
+
+/// Cosines along the pressure without the constant.
+fn along_pressure(data: &Data) -> Vec<Vec<f64>> {
+    let of = |r: &Reading| {
+        let share = r.at.pressure_kpa / P_620_KPA;
+        cosines(ALONG_PRESSURE + 1, share, shared::SURFACE_LENGTH).split_off(1)
+    };
+    data.readings.iter().map(of).collect()
 }
 
 impl Problem for TorqueProblem<'_> {

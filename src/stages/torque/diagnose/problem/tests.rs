@@ -3,6 +3,9 @@
 use super::{TorqueProblem, component};
 use crate::build::Build;
 use crate::diagnose::data::{Data, Reading};
+use crate::diagnose::fittings::LeastSquares;
+use crate::diagnose::library::What;
+use crate::diagnose::mistakes;
 use crate::diagnose::operator::{At, Joint};
 use crate::diagnose::terms::{SIZES, place};
 use crate::diagnose::{library, recording};
@@ -11,6 +14,7 @@ use pipeline_base::random::Stream;
 use pipeline_config::FitOptions;
 use pipeline_diagnose::base::Base;
 use pipeline_diagnose::slack::Side;
+use pipeline_findings::ErrorKind;
 use pipeline_inference::decisions;
 use pipeline_inference::fit::{Free, Setting};
 use pipeline_inference::problem::Problem;
@@ -270,4 +274,124 @@ fn torques_of_the_other_sign_are_pointed_at() {
         errors.iter().map(|e| e.group.as_str()).collect::<Vec<_>>(),
         ["b1"]
     );
+}
+
+/// What one test shows of itself with a mistake in it, and the mistake that is taken back.
+fn taken_back(mistake: impl Fn(&mut Reading)) -> Option<mistakes::Taken> {
+    let (builds, law, none) = (builds(), law(), BTreeMap::new());
+    let mut own = readings(&builds, &law, &none, &with(&[]));
+    own.retain(|r| r.test == 3);
+    own.iter_mut().for_each(mistake);
+    mistakes::explanation(&own, &with(&[]), 0.2)
+}
+
+#[test]
+fn units_and_lengths_of_a_test_are_taken_back() {
+    let factor = |quantity, value: f64, taken: Option<mistakes::Taken>| {
+        let taken = taken.unwrap();
+        assert_eq!((taken.kind, taken.quantity), (ErrorKind::Unit, quantity));
+        assert!((taken.value / value - 1.0).abs() < 1e-3, "{taken:?}");
+    };
+    factor(
+        "pressure",
+        6.895,
+        taken_back(|r| r.at.pressure_kpa /= 6.895),
+    );
+    factor(
+        "pressure",
+        100.0,
+        taken_back(|r| r.at.pressure_kpa /= 100.0),
+    );
+    factor("torque", 1.356, taken_back(|r| r.torque_nm /= 1.356));
+    factor("torque", 1e-3, taken_back(|r| r.torque_nm *= 1e3));
+    // 20 mm more of a tendon, and a resting length noted 20 mm too long.
+    let mounted = taken_back(|r| {
+        let mut shown = with(&[]);
+        shown[place::LENGTH] = 20.0;
+        r.torque_nm += r.joint.seen(&r.at, &shown).unwrap().torque
+            - r.joint.seen(&r.at, &with(&[])).unwrap().torque;
+    });
+    let mounted = mounted.unwrap();
+    assert_eq!(mounted.quantity, "mounting_length");
+    assert!((mounted.value - 20.0).abs() < 4.0, "{mounted:?}");
+    let mut long = builds()[1].clone();
+    long.setup.rest_length_m += 0.02;
+    let law = law();
+    let noted = Joint::new(&long, &law);
+    let resting = {
+        let (builds, none) = (builds(), BTreeMap::new());
+        let mut own = readings(&builds, &law, &none, &with(&[]));
+        own.retain(|r| r.test == 3);
+        own.iter_mut().for_each(|r| r.joint = noted);
+        mistakes::explanation(&own, &with(&[]), 0.2).unwrap()
+    };
+    assert_eq!(resting.quantity, "rest_length");
+    assert!((resting.value + 20.0).abs() < 3.0, "{resting:?}");
+    // Noise of ten times what is usual is none of them.
+    let mut sign = 1.0;
+    let (builds, none) = (self::builds(), BTreeMap::new());
+    let mut noisy = readings(&builds, &law, &none, &with(&[]));
+    noisy.retain(|r| r.test == 3);
+    for r in &mut noisy {
+        r.torque_nm += 2.0 * sign;
+        sign = -sign;
+    }
+    assert_eq!(mistakes::explanation(&noisy, &with(&[]), 0.2), None);
+}
+
+#[test]
+fn a_fitting_that_nothing_shows_has_no_standard_error() {
+    let (builds, law, none) = (builds(), law(), BTreeMap::new());
+    // One or both tests of an actuator with the sign of the other muscle: the length ends at its bound, or where nothing pulls.
+    for flipped in [vec![0], vec![0, 1]] {
+        let mut all = readings(&builds, &law, &none, &with(&[]));
+        all.retain(|r| r.test < 2);
+        for r in all.iter_mut().filter(|r| flipped.contains(&r.test)) {
+            r.torque_nm = -2.0 * r.torque_nm;
+        }
+        let data = data(all).as_published();
+        let offset = library::terms(&data)
+            .into_iter()
+            .find(|t| t.form().is_some_and(|f| f.first == place::LENGTH));
+        let library: [What; 1] = [offset.unwrap()];
+        let problem = TorqueProblem::least_squares(&data, &library);
+        let length = LeastSquares::new(&Setting::new(&problem)).unwrap();
+        let error = length.standard_error_m;
+        assert!(error.is_nan(), "{flipped:?}: {error}, {}", length.fitting_m);
+    }
+}
+
+/// The first reading of a test has friction in a sense that nobody knows: it must not be called a dependence on the order.
+#[test]
+fn friction_before_the_first_reading_is_neither_order_nor_noise() {
+    let (builds, law, none) = (builds(), law(), BTreeMap::new());
+    let friction = with(&[(place::FRICTION, 0.8)]);
+    let mut all = readings(&builds, &law, &none, &with(&[]));
+    for own in all.chunk_by_mut(|a, b| a.test == b.test) {
+        let count = own.len();
+        for (k, r) in own.iter_mut().enumerate() {
+            let sense = if 2 * k < count { 1.0 } else { -1.0 };
+            r.at.sense = sense;
+            let (with, without) = (
+                r.joint.seen(&r.at, &friction),
+                r.joint.seen(&r.at, &with(&[])),
+            );
+            r.torque_nm += with.unwrap().torque - without.unwrap().torque;
+            if k == 0 {
+                r.at.sense = 0.0;
+            }
+        }
+    }
+    let data = data(all);
+    let library = library::terms(&data);
+    let problem = TorqueProblem::new(&data, &library).with_reference();
+    let found = found(&problem);
+    let ids: Vec<&str> = found
+        .accepted
+        .iter()
+        .map(|a| library[a.term].name(&data))
+        .collect();
+    assert_eq!(ids, ["joint_friction"]);
+    let size = found.model.point.terms[0].1[0];
+    assert!((size - 0.8).abs() < 0.1, "{size}");
 }
