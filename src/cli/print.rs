@@ -214,14 +214,24 @@ fn inputs_left_out(outcome: &Outcome) {
             counted(logs, "log", "logs")
         ));
     }
-    if let Some((id, why)) = outcome.excluded.first() {
-        let others = match outcome.excluded.len() {
+    let kept_out = [
+        ("excluded by `exclude` in session.toml", &outcome.excluded),
+        (
+            "in no fit because of a word in their notes (`doubtful_words`)",
+            &outcome.doubted,
+        ),
+    ];
+    for (how, sessions) in kept_out {
+        let Some((id, why)) = sessions.first() else {
+            continue;
+        };
+        let others = match sessions.len() {
             1 => String::new(),
             n => format!(" and {} more", n - 1),
         };
         line(format!(
-            "excluded by `exclude` in session.toml: {} of {}: {id} (\"{why}\"){others}",
-            outcome.excluded.len(),
+            "{how}: {} of {}: {id} (\"{why}\"){others}",
+            sessions.len(),
             counted(outcome.sessions, "session", "sessions")
         ));
     }

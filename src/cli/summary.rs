@@ -58,6 +58,9 @@ struct Summary {
 #[derive(Deserialize)]
 struct Session {
     exclude: Option<String>,
+    /// The part of its notes that keeps it out of every fit.
+    #[serde(default)]
+    doubtful: Option<String>,
 }
 
 /// The models of one campaign and diameter, on the readings that all of them answer.
@@ -68,6 +71,9 @@ pub(super) struct GroupModels {
     readings: usize,
     of: Option<usize>,
     rmse_n: Vec<ModelError>,
+    /// The error of the law alone, by least squares, where it is clearly below that of the mixed model with what was found, N.
+    #[serde(default)]
+    better_law_alone_n: Option<f64>,
 }
 
 /// The error of one model on unseen specimens, N.
@@ -189,7 +195,8 @@ impl Answers {
                 let lines = answers::lines(found, models.as_deref());
                 lines.into_iter().for_each(line);
             } else {
-                answers::in_short(found).into_iter().for_each(line);
+                let alone = self.models_of(found).and_then(|m| m.better_law_alone_n);
+                answers::in_short(found, alone).into_iter().for_each(line);
             }
         }
         if !in_full {
@@ -243,8 +250,17 @@ impl Answers {
         let all = &self.summary;
         let (used, rejected) = (all.sessions_used.len(), all.sessions_rejected.len());
         let excluded = all.sessions_used.iter().filter(|s| s.exclude.is_some());
+        let doubtful = all.sessions_used.iter();
+        let doubtful = doubtful.filter(|s| s.exclude.is_none() && s.doubtful.is_some());
+        let doubtful = match doubtful.count() {
+            0 => String::new(),
+            n => format!(
+                " {} in no fit because of their notes,",
+                counted(n, "session", "sessions")
+            ),
+        };
         line(format!(
-            "{} from {}; {} excluded in session.toml, {} and {} left out",
+            "{} from {}; {} excluded in session.toml,{doubtful} {} and {} left out",
             counted(all.readings, "reading", "readings"),
             counted(used, "session", "sessions"),
             counted(excluded.count(), "session", "sessions"),
@@ -334,8 +350,11 @@ fn models_text(models: &GroupModels) -> String {
         _ => "",
     };
     format!(
-        "RMSE on unseen specimens, laws alone by least squares: {} N (on the {}{of} readings that all of them cover){better}",
+        "RMSE on unseen specimens, laws alone by least squares: {} N (on the {}{of} readings that all of them cover){better}{}",
         all.join("; "),
-        models.readings
+        models.readings,
+        models
+            .better_law_alone_n
+            .map_or_else(String::new, answers::better_alone)
     )
 }

@@ -356,11 +356,11 @@ pub struct Scatter {
     pub ci_high: Option<f64>,
     /// Unit.
     pub unit: String,
-    /// Standard deviation declared or fixed beforehand. It is not estimated unless the readings contradict it.
+    /// Standard deviation that was declared. It is not estimated unless the readings contradict it.
     pub declared: Option<f64>,
     /// Whether the readings contradict the declared value (probability below the level of the loop). Declared set lengths are then estimated.
     pub declared_contradicted: bool,
-    /// Gain in log-likelihood over a model without it; none where it was fixed.
+    /// Gain in log-likelihood over a model without it; none where it was declared, or taken as usual (lengths that are recorded in whole mm).
     pub log_likelihood_gain: Option<f64>,
     /// Predicted value of each group.
     pub values: BTreeMap<String, f64>,

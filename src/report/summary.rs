@@ -3,6 +3,7 @@
 use crate::input::{GroupInput, ReportInput};
 use crate::left_out::LeftOut;
 use crate::opening::SHOWN;
+use crate::residual::better_law_alone;
 use crate::wording::sentence::sentences;
 use pipeline_base::error::{Error, Result};
 use pipeline_base::reject::Extent;
@@ -32,9 +33,14 @@ pub(crate) fn summary(input: &ReportInput, left_out: &[LeftOut]) -> Result<Vec<u
         .iter()
         .map(|s| &s.ingest.session)
         .filter(|s| !rejected.contains_key(s.id.as_str()));
+    let tests = input.torque().iter().flat_map(|c| &c.configurations);
+    let tests: Vec<_> = tests.flat_map(|c| &c.tests).collect();
     let session = |s: &pipeline_base::session::Session| {
+        let doubtful = tests.iter().find(|t| t.session == s.id);
+        let doubtful = doubtful.and_then(|t| t.doubtful.as_ref());
         json!({
             "id": s.id, "campaign": s.campaign, "kind": row::kind_name(s.kind), "simulated": s.is_simulated(), "exclude": s.exclude,
+            "doubtful": doubtful,
         })
     };
     let logs: Vec<_> = input
@@ -76,10 +82,10 @@ fn verdict_json(found: &CampaignFindings) -> serde_json::Value {
 }
 
 /// The models of the first page on the readings that all of them answer, of one group in `summary.json`; none where no model stands beside the new one.
-fn models_json(group: &GroupInput) -> Option<serde_json::Value> {
+fn models_json(input: &GroupInput) -> Option<serde_json::Value> {
     let GroupComparison {
         group, comparisons, ..
-    } = &group.comparison;
+    } = &input.comparison;
     let of = |model: &str, split: &str| {
         let mut all = comparisons.iter();
         all.find(|c| c.model == model && c.split == split)
@@ -93,6 +99,7 @@ fn models_json(group: &GroupInput) -> Option<serde_json::Value> {
         json!({
             "campaign": group.campaign, "diameter_mm": group.diameter_mm, "readings": new.n,
             "of": of(NEW, "loso").map(|c| c.n + c.n_excluded), "rmse_n": errors,
+            "better_law_alone_n": better_law_alone(input),
         })
     })
 }

@@ -50,10 +50,12 @@ use messages::{Described, Messages};
 use pipeline_base::diagnostics::Diagnostic;
 use pipeline_base::error::{Error, Result};
 use pipeline_base::reject::{Extent, Reject};
+use pipeline_base::session::Kind;
 use pipeline_config::Config;
 use pipeline_formats::discover::{Discovery, Located, discover};
 use pipeline_inspect::plausible::Doubt;
 use pipeline_report::left_out::LeftOut;
+use pipeline_torque::doubt;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -125,6 +127,8 @@ pub struct Outcome {
     pub rejected_logs: Vec<Rejected>,
     /// Sessions that their owner keeps out of every fit: id, and why.
     pub excluded: Vec<(String, String)>,
+    /// Sessions of torque that their notes call in doubt, which keeps them out of every fit as well: id, and the clause that does.
+    pub doubted: Vec<(String, String)>,
     /// What is wrong with the inputs.
     pub diagnostics: Vec<Diagnostic>,
     /// Sessions whose readings no such actuator gives.
@@ -331,7 +335,7 @@ fn drive(
         let drawn = (figures.as_slice(), implausible.as_slice());
         pool.install(|| reports::pages(engine, &done, drawn, tables, options))
     })?;
-    let mut outcome = summary(discovery, messages);
+    let mut outcome = summary(discovery, config, messages);
     outcome.pdfs = written.pdfs;
     outcome.written = written.changed;
     outcome.findings_file = written.findings;
@@ -422,13 +426,28 @@ fn excluded(discovery: &Discovery) -> Vec<(String, String)> {
     excluded.collect()
 }
 
+/// The sessions of torque that take part in no fit because of a word in their notes.
+fn doubted(discovery: &Discovery, config: &Config) -> Vec<(String, String)> {
+    let words = &config.torque.doubtful_words;
+    let sessions = discovery.sessions.iter().map(|l| &l.session);
+    let of_torque = sessions.filter(|s| s.kind == Kind::KneeTorque && s.exclude.is_none());
+    of_torque
+        .filter_map(|s| Some((s.id.clone(), doubt::of(s.notes.as_deref()?, words)?)))
+        .collect()
+}
+
 /// The messages about the inputs.
-fn summary(discovery: &Discovery, mut messages: BTreeMap<String, Messages>) -> Outcome {
+fn summary(
+    discovery: &Discovery,
+    config: &Config,
+    mut messages: BTreeMap<String, Messages>,
+) -> Outcome {
     let mut outcome = Outcome {
         sessions: discovery.sessions.len(),
         unusable: discovery.unusable.len(),
         diagnostics: discovery.diagnostics.clone(),
         excluded: excluded(discovery),
+        doubted: doubted(discovery, config),
         ..Outcome::default()
     };
     for unusable in &discovery.unusable {

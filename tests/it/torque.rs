@@ -545,8 +545,9 @@ fn the_loop_finds_the_length_that_the_simulated_legs_lack() {
     // Compliance of another form takes part of the length.
     let d = found["effects"][0]["parameters"][0]["value"].as_f64();
     assert!((d.unwrap() - 15.2).abs() < 1.0, "{found}");
+    // Without one of the two actuators the length alone is found: what yields is no more than a law that is not exact may be off by.
     assert!(
-        found["after"]["rmse_heldout"].as_f64().unwrap() < 0.4,
+        found["after"]["rmse_heldout"].as_f64().unwrap() < 0.5,
         "{found}"
     );
 }

@@ -1,4 +1,4 @@
-"""Writes docs/bpa-findings-2.schema.json, and the section "Every field" of docs/findings.md, from src/findings/mod.rs.
+"""Writes docs/bpa-findings-2.schema.json, and the section "Every field" of docs/findings.md, from src/findings/lib.rs.
 
     python3 tests/scripts/findings_schema.py        # from the root of the repository
 
@@ -8,7 +8,7 @@ tests/it/findings_schema.rs checks what it wrote against what the program writes
 import json
 import re
 
-SOURCE = "src/findings/mod.rs"
+SOURCE = "src/findings/lib.rs"
 SCHEMA = "docs/bpa-findings-2.schema.json"
 PAGE = "docs/findings.md"
 SECTION = "## Every field\n"

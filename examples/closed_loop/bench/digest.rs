@@ -29,8 +29,9 @@ pub fn answers() -> String {
         .par_iter()
         .enumerate()
         .map(|(k, settings)| {
+            let (settings, base) = settings;
             let made = campaign(FIRST_SEED + k as u64, settings);
-            let found = search(&made.rows, "new");
+            let found = search(&made.rows, base);
             let mut text = String::new();
             let mut value = serde_json::to_value(&found).expect("findings are JSON");
             for effect in value["effects"].as_array_mut().into_iter().flatten() {
@@ -61,45 +62,54 @@ fn leave_out(value: &mut Value, key: &str) {
     }
 }
 
-fn fixed() -> Vec<Settings> {
+/// The campaigns, with the base model of each search: none, one or two effects, other forms, a column, recording errors, another law.
+fn fixed() -> Vec<(Settings, &'static str)> {
     let small = || Settings {
         specimens: Some(4),
         ..Settings::default()
     };
-    let with = |id, form, size, from| Settings {
-        effects: vec![Put {
-            id,
-            form,
-            size,
-            others: &[],
-            from,
-        }],
-        ..small()
+    let put = |id, form, size, from| Put {
+        id,
+        form,
+        size,
+        others: &[],
+        from,
     };
+    let with = |effects: Vec<Put>| Settings { effects, ..small() };
     let wrong = |mistake| Settings {
         mistake: Some(mistake),
         ..small()
     };
-    vec![
+    let compliance = put("series_compliance", "linear", 12.0, 0.0);
+    let threshold = put("bladder_threshold", "sharp", 55.0, 0.0);
+    let of_the_new_law = [
         small(),
         Settings {
             scatter: Scatter::Clean,
-            ..small()
+            ..with(vec![compliance, put("temperature", "linear", 0.01, 0.0)])
         },
-        with("hysteresis", "constant", 4.0, 0.0),
-        with("bladder_threshold", "sharp", 55.0, 0.0),
-        with("length_offset", "constant", 3.0, 0.0),
-        with("series_compliance", "stiffening", 40.0, 0.0),
-        with("pressure_gain", "constant", 1.1, 0.5),
-        with("temperature", "linear", 0.02, 0.0),
-        with("humidity", "gain", 0.008, 0.0),
+        with(vec![
+            put("hysteresis", "constant", 4.0, 0.0),
+            threshold.clone(),
+        ]),
+        with(vec![threshold]),
+        with(vec![put("length_offset", "constant", 3.0, 0.0)]),
+        with(vec![put("series_compliance", "stiffening", 40.0, 0.0)]),
+        with(vec![put("pressure_gain", "constant", 1.1, 0.5)]),
+        with(vec![put("humidity", "gain", 0.008, 0.0)]),
         Settings {
             pace: Pace::Dwell,
-            ..with("creep", "logarithm", 0.02, 0.0)
+            ..with(vec![put("creep", "logarithm", 0.02, 0.0)])
         },
         wrong(Mistake::RestLength),
         wrong(Mistake::SwappedColumns),
-    ]
+    ];
+    let of_others = with(vec![put("hysteresis", "constant", 4.0, 0.0)]);
+    let of_the_new_law = of_the_new_law.map(|settings| (settings, "new"));
+    of_the_new_law
+        .into_iter()
+        .chain([(of_others, "hunt2017")])
+        .collect()
 }
 
 /// One text for one meaning: keys in order, numbers to six significant digits.

@@ -27,14 +27,15 @@ pub(super) fn not_assessed<'a>(
 /// The errors of one model of a campaign on held-out units, by what is known of these.
 #[derive(Serialize)]
 pub(super) struct ErrorRow {
-    /// The campaign; empty in its second row.
+    /// The campaign; empty in its further rows.
     campaign: String,
     effects: &'static str,
     /// Nothing known; after 1, 2, 3 and 5 readings; its own gain and lengths known.
     cells: [String; 6],
 }
 
-/// The rows of a campaign: without effects, and with them where there are any; none where nothing was held out.
+/// The rows of a campaign: without effects, and with them where there are any, the last also with its readings in time order; none where nothing was
+/// held out.
 pub(super) fn errors(found: &CampaignFindings) -> Vec<ErrorRow> {
     if found.before.rmse_heldout.is_none() {
         return Vec::new();
@@ -45,15 +46,36 @@ pub(super) fn errors(found: &CampaignFindings) -> Vec<ErrorRow> {
         let (unseen, known) = (words(e.rmse_heldout), words(e.rmse_heldout_calibrated));
         [unseen, one, two, three, five, known]
     };
-    let row = |campaign, effects, errors| ErrorRow {
+    let in_time_order = |e: &Errors| {
+        let [one, two, three, five] = GIVEN.map(|k| words(e.rmse_heldout_after.get(k).copied()));
+        [String::new(), one, two, three, five, String::new()]
+    };
+    let row = |campaign, effects, cells| ErrorRow {
         campaign,
         effects,
-        cells: cells(errors),
+        cells,
     };
     let name = format!("{} ({})", name::campaign(found), unit(&found.unit));
-    let after = has_terms(found).then(|| row(String::new(), "with", &found.after));
-    let before = row(name, "without", &found.before);
-    [before].into_iter().chain(after).collect()
+    let before = row(name, "without", cells(&found.before));
+    let (after, last) = match has_terms(found) {
+        true => (
+            Some(row(String::new(), "with", cells(&found.after))),
+            row(
+                String::new(),
+                "with, in time order",
+                in_time_order(&found.after),
+            ),
+        ),
+        false => (
+            None,
+            row(
+                String::new(),
+                "without, in time order",
+                in_time_order(&found.before),
+            ),
+        ),
+    };
+    [before].into_iter().chain(after).chain([last]).collect()
 }
 
 /// The answer, a pointer to the detection limits apart.

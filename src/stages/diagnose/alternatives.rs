@@ -1,13 +1,15 @@
-//! What a yielding frame and a dependence on the resting length explain of one another: the law with and without each.
+//! What a yielding frame, the shape of the ends and a dependence on the resting length explain of one another: the law with and without each. All
+//! three cost a short actuator more of its strain than a long one.
 
 use crate::base::{self, Base};
+use crate::library::{Scope, Term};
 use crate::problem::ForceProblem;
-use crate::{answer, library, unseen};
+use crate::{answer, unseen};
 use pipeline_inference::fit::Setting;
 use pipeline_inference::search::Found;
 
-/// The law with and without its dependence on the resting length, and with and without a frame that yields: what a yielding frame and a
-/// dependence on the length explain of one another.
+/// The law with and without its dependence on the resting length, each alone and with a frame that yields, or with a constant length that its ends take
+/// (`length_offset`). Effects that were found are in all of them but for these two.
 pub(crate) fn alternatives(
     problem: &ForceProblem,
     setting: &Setting,
@@ -20,32 +22,40 @@ pub(crate) fn alternatives(
     let other = problem.with_base(&short);
     let mut without = Setting::new(&other);
     without.active.clone_from(&setting.active);
-    let frame = problem
-        .library
-        .iter()
-        .position(|t| t.scope == library::Scope::All && t.is_frame());
-    let Some(frame) = frame else {
+    let of_all = |is: &dyn Fn(&Term) -> bool| {
+        let all = problem.library.iter();
+        all.clone().position(|t| t.scope == Scope::All && is(t))
+    };
+    let is_of_ends = |t: &Term| problem.is_length_offset(t);
+    let Some(frame) = of_all(&Term::is_frame) else {
         return Vec::new();
     };
+    let ends = of_all(&is_of_ends);
+    let parts = [None, Some(frame)].into_iter().chain(ends.map(Some));
     let mut list = Vec::new();
-    for (law, yields) in [(false, false), (true, false), (false, true), (true, true)] {
-        let setting = if law { setting } else { &without };
-        let mut from = found.model.point.clone();
-        from.terms.retain(|(t, _)| !problem.library[*t].is_frame());
-        if !law {
-            from.coefficients[base::LENGTH_LAW] = short.coefficients[base::LENGTH_LAW].start;
+    for part in parts {
+        for law in [false, true] {
+            let setting = if law { setting } else { &without };
+            let mut from = found.model.point.clone();
+            from.terms.retain(|(t, _)| {
+                let term = &problem.library[*t];
+                !term.is_frame() && !(is_of_ends(term) && term.scope == Scope::All)
+            });
+            if !law {
+                from.coefficients[base::LENGTH_LAW] = short.coefficients[base::LENGTH_LAW].start;
+            }
+            if let Some(term) = part {
+                from.terms.push((term, problem.library[term].start(1.0)));
+            }
+            let fit = setting.fit(&from, std::slice::from_ref(&found.model.variances));
+            list.push(answer::alternative(
+                &fit,
+                law,
+                part,
+                problem,
+                unseen::of_model(setting, if law { problem } else { &other }, &fit),
+            ));
         }
-        if yields {
-            from.terms.push((frame, problem.library[frame].start(1.0)));
-        }
-        let fit = setting.fit(&from, std::slice::from_ref(&found.model.variances));
-        list.push(answer::alternative(
-            &fit,
-            law,
-            yields.then_some(frame),
-            problem,
-            unseen::of_model(setting, if law { problem } else { &other }, &fit),
-        ));
     }
     let first = list.first().map_or(0.0, |a| a.log_likelihood);
     for a in &mut list {

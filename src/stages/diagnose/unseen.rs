@@ -224,9 +224,9 @@ fn tally(model: &Unseen, node: usize, problem: &ForceProblem, unseen: bool) -> T
 /// The source of a component, as the budget names it.
 fn source(component: usize) -> Option<&'static str> {
     match component {
-        component::GAIN | component::CAMPAIGN_GAIN => Some("specimen_gain"),
+        component::GAIN => Some("specimen_gain"),
         component::SET_LENGTH | component::DECLARED_LENGTH => Some(SET_LENGTH),
-        component::ZERO | component::CAMPAIGN_ZERO => Some("force_zero"),
+        component::ZERO => Some("force_zero"),
         component::REST_LENGTH | component::CONTRACTED_LENGTH => Some("specimen_lengths"),
         component::SESSION_MISFIT => Some("session_misfit"),
         component::STROKE_MISFIT => Some("stroke_misfit"),

@@ -89,7 +89,9 @@ pub(super) fn in_names(found: &CampaignFindings) -> String {
         let remarks = [large, called_weak(found, e)];
         bracketed(size_of(e), remarks.into_iter().flatten())
     };
-    let all: Vec<String> = weighty.map(marked).collect();
+    let unnamed = found.unexplained.iter();
+    let unnamed = unnamed.map(|u| format!("a dependence on the {}", name::column(&u.column)));
+    let all: Vec<String> = weighty.map(marked).chain(unnamed).collect();
     match found.verdict {
         Verdict::EffectFound => all.join(", "),
         Verdict::None => "no effect detected".to_owned(),

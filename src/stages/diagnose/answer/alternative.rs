@@ -1,4 +1,4 @@
-//! The law with or without its dependence on the resting length, and with or without a frame that yields.
+//! The law with or without its dependence on the resting length, and with or without a frame that yields or ends that take a length.
 
 use crate::base::LENGTH_LAW;
 use crate::problem::ForceProblem;
@@ -6,11 +6,11 @@ use pipeline_findings::{Alternative, Parameter};
 use pipeline_inference::decisions;
 use pipeline_inference::fit::{Fitted, Free};
 
-/// The law with or without its dependence on the resting length, and with or without a frame that yields.
+/// The law with or without its dependence on the resting length, and with or without another part, a term.
 pub fn alternative(
     fit: &Fitted,
     length_law: bool,
-    frame: Option<usize>,
+    part: Option<usize>,
     problem: &ForceProblem,
     held_out: Option<(f64, f64)>,
 ) -> Alternative {
@@ -42,7 +42,7 @@ pub fn alternative(
             place,
         ));
     }
-    if let Some(term) = frame {
+    if let Some(term) = part {
         parts.extend(problem.library[term].id().map(str::to_owned));
         if let (Some(form), Some(values)) = (problem.library[term].form(), fit.values(term)) {
             let a = form.amplitude;

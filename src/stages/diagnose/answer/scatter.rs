@@ -29,42 +29,51 @@ impl Work<'_> {
     pub fn scatter(&self, variances: &Variances) -> Vec<Scatter> {
         let data = self.data();
         let p = self.problem;
-        let groups = |level: Level| -> Vec<(String, usize)> {
-            let (names, nodes) = match level {
-                Level::Specimen => (&data.specimens, &p.specimens),
-                Level::Campaign => (&data.campaigns, &p.campaigns),
-                _ => (&data.sessions, &p.sessions),
+        let column = |node: usize, c: usize| -> Option<usize> {
+            let known = Some(node).filter(|n| *n < p.tree().len())?;
+            p.tree().columns_of(known, c).map(|(k, _)| k)
+        };
+        let groups = |level: Level, c: usize| -> Vec<(String, Option<usize>)> {
+            let of = |names: &[String], nodes: &[usize]| {
+                let columns = nodes.iter().map(|n| column(*n, c));
+                names.iter().cloned().zip(columns).collect()
             };
-            names.iter().cloned().zip(nodes.iter().copied()).collect()
+            match level {
+                Level::Campaign => {
+                    let all = data.campaigns.iter().enumerate();
+                    all.map(|(k, name)| (name.clone(), p.campaign_column(k, c)))
+                        .collect()
+                }
+                Level::Specimen => of(&data.specimens, &p.specimens),
+                _ => of(&data.sessions, &p.sessions),
+            }
         };
         let predictive = self.found.model.predictive(self.setting);
         RANDOM_EFFECTS
             .into_iter()
             .filter_map(|(c, id, level, unit)| {
                 let named = (id, level, unit);
-                self.one_scatter([variances, &predictive], c, named, &groups(level))
+                self.one_scatter([variances, &predictive], c, named, &groups(level, c))
             })
             .collect()
     }
 
-    /// The scatter of a component, from the standard deviations and from those of predictions; none where no group has it.
+    /// The scatter of a component, from the standard deviations and from those of predictions; the groups with their columns. None where no group has
+    /// it.
     fn one_scatter(
         &self,
         [variances, predictive]: [&Variances; 2],
         c: usize,
         (id, level, unit): (&str, Level, &str),
-        groups: &[(String, usize)],
+        groups: &[(String, Option<usize>)],
     ) -> Option<Scatter> {
-        let tree = self.problem.tree();
         let mut values = BTreeMap::new();
         let mut units = Vec::new();
-        for (place, (name, node)) in groups.iter().enumerate() {
-            if *node < tree.len()
-                && let Some((k, _)) = tree.columns_of(*node, c)
-            {
+        for (place, (name, column)) in groups.iter().enumerate() {
+            if let Some(k) = column {
                 let unit = self.unit_of(c, place);
                 units.push(unit);
-                values.insert(name.clone(), unit * self.found.model.point.random[k]);
+                values.insert(name.clone(), unit * self.found.model.point.random[*k]);
             }
         }
         if units.is_empty() {
@@ -88,7 +97,7 @@ impl Work<'_> {
             ci_low,
             ci_high,
             unit: unit.to_owned(),
-            declared: (is_declared || is_fixed).then_some(unit_sd),
+            declared: is_declared.then_some(unit_sd),
             declared_contradicted: is_declared
                 && (!is_fixed
                     || query::is_too_small(self.setting, &self.found.model, variances, c)),

@@ -92,18 +92,27 @@ impl ForceProblem<'_> {
         })
     }
 
+    /// The column of what a campaign of a pool has of its own; none outside a pool.
+    pub(crate) fn campaign_column(&self, campaign: usize, component: usize) -> Option<usize> {
+        let (first, _) = self.tree.columns_of(0, component)?;
+        Some(first + campaign)
+    }
+
     /// Gain (as a factor), set length and zero that act on reading `i`.
     fn random(&self, point: &Point, i: usize) -> [f64; 3] {
         let b = &point.random;
         let of = |node: usize, c: usize| self.tree.columns_of(node, c).map_or(0.0, |(k, _)| b[k]);
         let session = self.sessions[self.data.session[i]];
         let specimen = self.tree.parent(session);
-        let campaign = self.tree.parent(specimen);
+        let of_campaign = |c: usize| {
+            self.campaign_column(self.data.campaign[i], c)
+                .map_or(0.0, |k| b[k])
+        };
         [
-            (1.0 + of(specimen, component::GAIN)) * (1.0 + of(campaign, component::CAMPAIGN_GAIN)),
+            (1.0 + of(specimen, component::GAIN)) * (1.0 + of_campaign(component::CAMPAIGN_GAIN)),
             of(session, component::SET_LENGTH)
                 + self.set_length_unit(i) * of(session, component::DECLARED_LENGTH),
-            of(session, component::ZERO) + of(campaign, component::CAMPAIGN_ZERO),
+            of(session, component::ZERO) + of_campaign(component::CAMPAIGN_ZERO),
         ]
     }
 
@@ -259,9 +268,15 @@ impl ForceProblem<'_> {
         // The gain is a product of two: its derivative by each is that by the product times the other.
         let by_gain = force.gradient[GAIN];
         let of_specimen = 1.0 + of(specimen, component::GAIN);
-        if !self.campaigns.is_empty() {
-            row.push(by_gain * of_specimen);
-            row.push(force.gradient[ZERO]);
+        let of_campaign = [
+            (component::CAMPAIGN_GAIN, by_gain * of_specimen),
+            (component::CAMPAIGN_ZERO, force.gradient[ZERO]),
+        ];
+        row.resize(self.tree.width(0), 0.0);
+        for (c, derivative) in of_campaign {
+            if let Some(column) = self.campaign_column(self.data.campaign[i], c) {
+                row[column] = derivative;
+            }
         }
         row.push(by_gain * gain / of_specimen);
         row.extend(self.by_lengths(point, i, force));

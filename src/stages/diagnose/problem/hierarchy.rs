@@ -1,4 +1,5 @@
-//! The groups of the readings as a tree: campaigns of a pool, specimens, sessions, strokes.
+//! The groups of the readings as a tree: specimens, sessions, strokes. What the campaigns of a pool have of their own stands at the root: an unseen
+//! specimen is one of a campaign whose other specimens tell its gain and its zero.
 
 use super::component;
 use super::misfit::{SESSION_COSINES, STROKE_COSINES, common_pairs};
@@ -12,8 +13,6 @@ pub(super) struct Hierarchy {
     pub(super) node: Vec<usize>,
     pub(super) specimens: Vec<usize>,
     pub(super) sessions: Vec<usize>,
-    /// Of a pool.
-    pub(super) campaigns: Vec<usize>,
     /// Number of strokes that are nodes.
     pub(super) strokes: usize,
 }
@@ -21,23 +20,19 @@ pub(super) struct Hierarchy {
 impl Hierarchy {
     /// A specimen that was measured in two campaigns is one specimen in each.
     pub(super) fn of(data: &Data, by_stroke: bool) -> Self {
-        let root = vec![block(component::COMMON_MISFIT, common_pairs().count())];
+        let mut root = vec![block(component::COMMON_MISFIT, common_pairs().count())];
+        let campaigns = data.campaigns.len();
+        if campaigns > 1 {
+            root.push(block(component::CAMPAIGN_GAIN, campaigns));
+            root.push(block(component::CAMPAIGN_ZERO, campaigns));
+        }
         let mut all = Self {
             tree: Tree::new(root),
             node: Vec::with_capacity(data.len()),
             specimens: vec![usize::MAX; data.specimens.len()],
             sessions: vec![usize::MAX; data.sessions.len()],
-            campaigns: Vec::new(),
             strokes: 0,
         };
-        if data.campaigns.len() > 1 {
-            let of = |_| {
-                let gain = block(component::CAMPAIGN_GAIN, 1);
-                let zero = block(component::CAMPAIGN_ZERO, 1);
-                all.tree.add(0, vec![gain, zero])
-            };
-            all.campaigns = (0..data.campaigns.len()).map(of).collect();
-        }
         let mut nodes = BTreeMap::new();
         for (i, stroke) in data.strokes().into_iter().enumerate() {
             let session = all.session_of(data, i);
@@ -58,13 +53,12 @@ impl Hierarchy {
     fn session_of(&mut self, data: &Data, i: usize) -> usize {
         let (k, s) = (data.specimen[i], data.session[i]);
         if self.specimens[k] == usize::MAX {
-            let campaign = self.campaigns.get(data.campaign[i]);
             let blocks = vec![
                 block(component::GAIN, 1),
                 block(component::REST_LENGTH, 1),
                 block(component::CONTRACTED_LENGTH, 1),
             ];
-            self.specimens[k] = self.tree.add(campaign.copied().unwrap_or(0), blocks);
+            self.specimens[k] = self.tree.add(0, blocks);
         }
         if self.sessions[s] == usize::MAX {
             let length = if data.set_length_sd_mm[s].is_finite() {

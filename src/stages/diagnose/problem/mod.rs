@@ -76,8 +76,6 @@ pub struct ForceProblem<'a> {
     pub specimens: Vec<usize>,
     /// Node of each session.
     pub sessions: Vec<usize>,
-    /// Node of each campaign of a pool.
-    pub campaigns: Vec<usize>,
     components: Vec<Component>,
     noise: Vec<Scale>,
     coefficients: Vec<Coefficient>,
@@ -131,7 +129,6 @@ impl<'a> ForceProblem<'a> {
             mut node,
             specimens,
             sessions,
-            campaigns,
             strokes,
         } = Hierarchy::of(data, by_stroke);
         let largest = data.force.iter().copied().fold(0.0, f64::max);
@@ -167,8 +164,7 @@ impl<'a> ForceProblem<'a> {
             node,
             specimens,
             sessions,
-            components: components(base, data, !campaigns.is_empty(), strokes),
-            campaigns,
+            components: components(base, data, data.campaigns.len() > 1, strokes),
             noise,
             coefficients: base.coefficients.iter().map(for_engine).collect(),
             terms: library.iter().map(|t| t.for_engine(data)).collect(),
@@ -201,6 +197,11 @@ impl<'a> ForceProblem<'a> {
             .map(|c| variances.noise[*c] * variances.noise[*c])
             .collect();
         (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+    }
+
+    /// Whether a term is an offset of the length, the operator of the random set lengths.
+    pub(crate) fn is_length_offset(&self, term: &Term) -> bool {
+        term.effect() == Some((self.operators.length, 0))
     }
 
     /// Whether the actuator pulls at reading `i`: it is neither slack nor near it.

@@ -64,10 +64,10 @@ impl<'a> Seen<'a> {
             1.0 + column.map_or(0.0, |(k, _)| fit.point.random[k])
         };
         let above = tree.path(node);
-        let factor = above
-            .iter()
-            .map(|n| gain(*n, component::GAIN) * gain(*n, component::CAMPAIGN_GAIN))
-            .product();
+        let of_campaign = problem.campaign_column(campaign, component::CAMPAIGN_GAIN);
+        let of_campaign = 1.0 + of_campaign.map_or(0.0, |k| fit.point.random[k]);
+        let factor = above.iter().map(|n| gain(*n, component::GAIN));
+        let factor = of_campaign * factor.product::<f64>();
         let readings = |s: usize| (0..data.len()).filter(|i| data.session[*i] == s).collect();
         let others = fit.predicted.iter().zip(problem.node());
         let usual = |c: usize| problem.components()[c].scale.usual;

@@ -22,7 +22,7 @@ pub const LENGTH_BIAS: usize = 5;
 pub const ARM_BIAS: usize = 6;
 /// Friction at those readings of a test before which nobody knows how the joint turned, N.m.
 pub const UNKNOWN_SENSE: usize = 7;
-/// What the coefficients of the law are off by, relative, the first of them.
+/// What the coefficients of the law are off by, in units of [`settings::LAW_SD`].
 pub const LAW: usize = 8;
 
 pub(super) fn components(data: &Data, actuators: usize, tests: usize) -> Vec<Component> {
@@ -47,7 +47,7 @@ pub(super) fn components(data: &Data, actuators: usize, tests: usize) -> Vec<Com
         ..component
     };
     let bias = || of(settings::USUAL_BIAS_MM, settings::USUAL_BIAS_MM, tests);
-    let mut all = vec![
+    vec![
         misfit(settings::COMMON_MISFIT, tests),
         known(
             of(settings::LARGEST_GAIN, shared::USUAL_GAIN, actuators),
@@ -66,14 +66,13 @@ pub(super) fn components(data: &Data, actuators: usize, tests: usize) -> Vec<Com
         bias(),
         bias(),
         scatter(settings::USUAL_ZERO * data.largest_nm, tests),
-    ];
-    all.extend(settings::LAW_SD.map(|sd| Component {
-        scale: Scale {
-            prior: Prior::Fixed(sd),
-            usual: sd,
-            groups: 1,
+        Component {
+            scale: Scale {
+                prior: Prior::Fixed(1.0),
+                usual: 1.0,
+                groups: 1,
+            },
+            ..misfit(1.0, 1)
         },
-        ..of(sd, sd, 1)
-    }));
-    all
+    ]
 }

@@ -162,7 +162,8 @@ impl TorqueProblem<'_> {
         let misfit = || self.basis[r].iter().map(move |c| c * scale);
         let mut row: Vec<f64> = misfit().collect();
         row.extend(self.along_pressure[r].iter().map(|c| c * scale));
-        row.extend_from_slice(&shown.gradient[LAW..TERMS]);
+        let by_law = shown.gradient[LAW..TERMS].iter();
+        row.extend(by_law.zip(settings::LAW_SD).map(|(d, sd)| d * sd));
         row.push(shown.gradient[GAIN]);
         row.push(shown.gradient[MOUNTING]);
         row.push(only(Quantity::Torque));

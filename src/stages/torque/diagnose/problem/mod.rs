@@ -92,9 +92,10 @@ impl<'a> TorqueProblem<'a> {
     /// The problem of some rows.
     pub fn new(data: &'a Data<'a>, library: &'a [What]) -> Self {
         let block = |component, columns| Block { component, columns };
-        let mut common = vec![block(component::COMMON_MISFIT, COSINES + ALONG_PRESSURE)];
-        common.extend((0..LAW_COEFFICIENTS.len()).map(|k| block(component::LAW + k, 1)));
-        let mut tree = Tree::new(common);
+        let mut tree = Tree::new(vec![
+            block(component::COMMON_MISFIT, COSINES + ALONG_PRESSURE),
+            block(component::LAW, LAW_COEFFICIENTS.len()),
+        ]);
         let mut actuators = vec![None; data.actuators.len()];
         let mut tests = vec![None; data.tests.len()];
         let (mut row, mut quantity, mut node) = (Vec::new(), Vec::new(), Vec::new());
