@@ -756,9 +756,16 @@ fn a_size_that_varies_and_one_of_the_wrong_sign_are_said_beside_it() {
         found.effects[0].free_form = Some(free);
         remarks(&found)
     };
-    let said = "(moderate; varies with the pressure: −44 to 6 kPa, everything else refitted)";
+    let said = "(moderate; with a size for every pressure it would change its sign: something else may stand behind it)";
     found.effects[0].parameters[0].value = 49.0;
     assert_eq!(with(&found, true, 620.0), said);
+    // Slightly below 0 at an end is no change of sign.
+    let mut kept = free.clone();
+    kept.curve = vec![point(186.0, -2.0), point(620.0, 52.0)];
+    let mut same_sign = found.clone();
+    same_sign.effects[0].free_form = Some(kept);
+    let said = "(moderate; varies with the pressure: −2 to 52 kPa, everything else refitted)";
+    assert_eq!(remarks(&same_sign), said);
     assert_eq!(with(&found, false, 620.0), "(strong)");
     // Over a range that is too short nothing can be said.
     assert_eq!(with(&found, true, 200.0), "(strong)");

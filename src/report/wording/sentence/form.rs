@@ -5,7 +5,8 @@ use crate::wording::name::{self};
 use crate::wording::number::{equals_probability, plain, rounded, with_unit};
 use pipeline_findings::{EffectFinding, FormPoint, FreeForm};
 
-/// A range that is shorter than this share of its larger end says nothing of a change along it.
+/// A range that is shorter than this share of its larger end says nothing of a change along it; sizes on the other side of 0 by less than this share of
+/// their range are no change of sign.
 const NARROW: f64 = 0.1;
 
 /// `Its size changes with the force: one number is not enough (p = 0.01).`, or that one number is enough over the range in which it acts; none where
@@ -39,8 +40,8 @@ pub(super) fn undetermined(effect: &EffectFinding) -> Option<String> {
     is_open.then(|| "its size is not determined by these readings".to_owned())
 }
 
-/// `varies with the pressure: −44 to 5.5 N, everything else refitted`, of a size that varies by more than itself, so that one value beside its name
-/// would mislead.
+/// `varies with the pressure: 4.1 to 14.4 N, everything else refitted`, of a size that varies by more than itself, so that one value beside its name
+/// would mislead; of one that even changes its sign, which no such effect does, that something else may stand behind it.
 pub(super) fn varying(effect: &EffectFinding) -> Option<String> {
     let free = effect.free_form.as_ref().filter(|free| free.differs)?;
     let size = effect.parameters.first()?;
@@ -51,10 +52,15 @@ pub(super) fn varying(effect: &EffectFinding) -> Option<String> {
     );
     let is_misleading = high - low > size.value.abs() && !is_narrow(range_of(free)?);
     is_misleading.then(|| {
+        let along = name::column(&free.argument);
+        if (-low).min(high) > NARROW * (high - low) {
+            return format!(
+                "with a size for every {along} it would change its sign: something else may stand behind it"
+            );
+        }
         let rounding = Rounding::ByInterval { low, high };
         format!(
-            "varies with the {}: {} to {}, everything else refitted",
-            name::column(&free.argument),
+            "varies with the {along}: {} to {}, everything else refitted",
             rounded(low, rounding),
             with_unit(&rounded(high, rounding), &size.unit)
         )
