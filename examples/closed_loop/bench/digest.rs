@@ -88,10 +88,7 @@ fn fixed() -> Vec<(Settings, &'static str)> {
             scatter: Scatter::Clean,
             ..with(vec![compliance, put("temperature", "linear", 0.01, 0.0)])
         },
-        with(vec![
-            put("hysteresis", "constant", 4.0, 0.0),
-            threshold.clone(),
-        ]),
+        with(vec![put("hysteresis", "constant", 4.0, 0.0), threshold]),
         with(vec![threshold]),
         with(vec![put("length_offset", "constant", 3.0, 0.0)]),
         with(vec![put("series_compliance", "stiffening", 40.0, 0.0)]),

@@ -39,7 +39,8 @@ pub(crate) fn alternatives(
             let mut from = found.model.point.clone();
             from.terms.retain(|(t, _)| {
                 let term = &problem.library[*t];
-                !term.is_frame() && !(is_of_ends(term) && term.scope == Scope::All)
+                let stands_for_ends = is_of_ends(term) && term.scope == Scope::All;
+                !term.is_frame() && !stands_for_ends
             });
             if !law {
                 from.coefficients[base::LENGTH_LAW] = short.coefficients[base::LENGTH_LAW].start;

@@ -347,7 +347,7 @@ fn a_fitting_that_nothing_shows_has_no_standard_error() {
         let mut all = readings(&builds, &law, &none, &with(&[]));
         all.retain(|r| r.test < 2);
         for r in all.iter_mut().filter(|r| flipped.contains(&r.test)) {
-            r.torque_nm = -2.0 * r.torque_nm;
+            r.torque_nm *= -2.0;
         }
         let data = data(all).as_published();
         let offset = library::terms(&data)
