@@ -132,7 +132,10 @@ fn three_lines_have_names_numbers_and_what_is_worth_most() {
     let lines: Vec<String> = lines.iter().map(|l| l.replace('\u{a0}', " ")).collect();
     assert_eq!(lines.len(), 3, "{lines:?}");
     for (line, part) in [
-        (0, "threshold pressure of the bladder 60.0 kPa; "),
+        (
+            0,
+            "threshold pressure of the bladder 60.0 kPa, a dependence on the humidity; ",
+        ),
         (0, "1 recording error"),
         (1, "error on unseen specimens 18.7 → 15.8 N"),
         (1, "5.1 N after three readings of each session"),
@@ -248,6 +251,31 @@ fn a_joint_is_told_of_in_actuators_and_newton_metres() {
             .ends_with("unseen actuators falls from 18.70 to 15.80\u{a0}N\u{a0}m")
     );
     assert!(c.readings.unwrap().contains("each test of a new actuator"));
+}
+
+#[test]
+fn where_one_test_alone_shows_nothing_its_mounting_is_said_if_it_is_far_off() {
+    let mut joint = example();
+    joint.kind = "knee-torque".into();
+    joint.verdict = Verdict::None;
+    joint.effects.clear();
+    joint.unexplained.clear();
+    let mut mounting = joint.scatter[0].clone();
+    mounting.id = "length_offset".into();
+    (mounting.level, mounting.unit) = (Level::Test, "mm".into());
+    let said = |values: &[(&str, f64)]| {
+        let mut joint = joint.clone();
+        let mut own = mounting.clone();
+        own.values = values.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect();
+        joint.scatter = vec![own];
+        clauses(&joint).found.replace('\u{a0}', " ")
+    };
+    assert_eq!(
+        said(&[("one", -17.6)]),
+        "no effect detected that is more than the mounting length of the only test, which would be 18 mm off"
+    );
+    assert_eq!(said(&[("one", 2.9)]), "no effect detected");
+    assert_eq!(said(&[("one", 17.6), ("two", 17.6)]), "no effect detected");
 }
 
 #[test]

@@ -55,7 +55,7 @@ fn answer_with(
     };
     match found.verdict {
         Verdict::NotAssessed => format!("not assessed: {}", name::not_assessed(found)),
-        Verdict::None if found.effects.is_empty() => "no effect detected".to_owned(),
+        Verdict::None if found.effects.is_empty() => nothing(found),
         Verdict::None => {
             let all: Vec<String> = found.effects.iter().map(of_effect).collect();
             format!(
@@ -69,6 +69,26 @@ fn answer_with(
             all.join("; ")
         }
     }
+}
+
+/// A mounting that is further off than this, mm, is no accident of a tape measure.
+const MOUNTED_OFF_MM: f64 = 3.0;
+
+/// That there is no effect; of a single test what its own mounting then stands for, which is as far off as an effect would be.
+fn nothing(found: &CampaignFindings) -> String {
+    let of_one = |s: &&Scatter| s.level == Level::Test && s.unit == "mm" && s.values.len() == 1;
+    let mut own = found.scatter.iter().filter(of_one);
+    let mounting = own.find_map(|s| {
+        let off = s.values.values().next()?.abs();
+        (off > MOUNTED_OFF_MM).then(|| {
+            format!(
+                " that is more than the {} of the only test, which would be {} off",
+                name::scatter(&s.id, s.level),
+                plain(off, &s.unit)
+            )
+        })
+    });
+    format!("no effect detected{}", mounting.unwrap_or_default())
 }
 
 /// `threshold pressure of the bladder 60 kPa (weak evidence: p = 0.045; implausibly large)`.
@@ -94,7 +114,7 @@ pub(super) fn in_names(found: &CampaignFindings) -> String {
     let all: Vec<String> = weighty.map(marked).chain(unnamed).collect();
     match found.verdict {
         Verdict::EffectFound => all.join(", "),
-        Verdict::None => "no effect detected".to_owned(),
+        Verdict::None => nothing(found),
         Verdict::Unexplained | Verdict::NotAssessed => answer(found),
     }
 }
