@@ -784,7 +784,7 @@ fn a_size_that_varies_and_one_of_the_wrong_sign_are_said_beside_it() {
         found.effects[0].free_form = Some(free);
         remarks(&found)
     };
-    let said = "(moderate; with a size for every pressure it would change its sign: something else may stand behind it)";
+    let said = "(moderate; changes its sign along the pressure: perhaps another effect)";
     found.effects[0].parameters[0].value = 49.0;
     assert_eq!(with(&found, true, 620.0), said);
     // Slightly below 0 at an end is no change of sign.

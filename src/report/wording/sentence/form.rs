@@ -54,9 +54,7 @@ pub(super) fn varying(effect: &EffectFinding) -> Option<String> {
     is_misleading.then(|| {
         let along = name::column(&free.argument);
         if (-low).min(high) > NARROW * (high - low) {
-            return format!(
-                "with a size for every {along} it would change its sign: something else may stand behind it"
-            );
+            return format!("changes its sign along the {along}: perhaps another effect");
         }
         let rounding = Rounding::ByInterval { low, high };
         format!(
