@@ -2,7 +2,6 @@
 
 use pipeline_findings::CampaignFindings;
 use pipeline_report::wording::name;
-use pipeline_report::wording::number::error_with_unit;
 use pipeline_report::wording::sentence::{clauses, in_three_lines};
 use serde_json::{Value, json};
 
@@ -56,20 +55,9 @@ pub(super) fn lines(found: &CampaignFindings, models: Option<&str>) -> Vec<Strin
     std::iter::once(name).chain(below).collect()
 }
 
-/// That the law alone does better on unseen specimens than the mixed model with what was found, to be put behind the errors.
-pub(super) fn better_alone(error_n: f64) -> String {
-    format!(
-        "; the law alone, by least squares, has {} on all readings, less than with what was found",
-        error_with_unit(error_n, "N")
-    )
-}
-
 /// The same in three lines, each of which may be wrapped; with the error of the law alone in N where that is the better one.
-pub(super) fn in_short(found: &CampaignFindings, better_alone_n: Option<f64>) -> Vec<String> {
-    let mut said = in_three_lines(found);
-    if let (Some(errors), Some(alone)) = (said.get_mut(1), better_alone_n) {
-        *errors += &better_alone(alone);
-    }
+pub(super) fn in_short(found: &CampaignFindings, better_law_alone_n: Option<f64>) -> Vec<String> {
+    let mut said = in_three_lines(found, better_law_alone_n);
     if let Some(first) = said.first_mut() {
         *first = format!("{}: {first}", name::campaign(found));
     }

@@ -217,7 +217,7 @@ fn inputs_left_out(outcome: &Outcome) {
     let kept_out = [
         ("excluded by `exclude` in session.toml", &outcome.excluded),
         (
-            "in no fit because of a word in their notes (`doubtful_words`)",
+            "kept apart because of a word in their notes (`torque.doubtful_words`)",
             &outcome.doubted,
         ),
     ];

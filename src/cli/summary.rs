@@ -15,6 +15,7 @@ use pipeline_fit::Group;
 use pipeline_report::number::Rounding;
 use pipeline_report::wording::name::{self, model_name};
 use pipeline_report::wording::number::{error, rounded};
+use pipeline_report::wording::sentence::law_alone;
 use pipeline_run as run;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -58,7 +59,7 @@ struct Summary {
 #[derive(Deserialize)]
 struct Session {
     exclude: Option<String>,
-    /// The part of its notes that keeps it out of every fit.
+    /// The part of its notes that keeps it apart.
     #[serde(default)]
     doubtful: Option<String>,
 }
@@ -255,7 +256,7 @@ impl Answers {
         let doubtful = match doubtful.count() {
             0 => String::new(),
             n => format!(
-                " {} in no fit because of their notes,",
+                " {} kept apart because of their notes,",
                 counted(n, "session", "sessions")
             ),
         };
@@ -349,12 +350,16 @@ fn models_text(models: &GroupModels) -> String {
         }
         _ => "",
     };
+    let alone = models.better_law_alone_n.map_or_else(String::new, |error| {
+        format!(
+            "; {}, less than the mixed model with what was found",
+            law_alone(error)
+        )
+    });
     format!(
         "RMSE on unseen specimens, laws alone by least squares: {} N (on the {}{of} readings that all of them cover){better}{}",
         all.join("; "),
         models.readings,
-        models
-            .better_law_alone_n
-            .map_or_else(String::new, answers::better_alone)
+        alone
     )
 }

@@ -4,8 +4,8 @@ use crate::input::{GroupInput, ReportInput};
 use crate::number::Rounding;
 use crate::residual::better_law_alone;
 use crate::wording::name;
-use crate::wording::number::{NONE, error_or_none, error_with_unit, rounded};
-use crate::wording::sentence::{answer_in_short, in_doubt};
+use crate::wording::number::{NONE, error_or_none, rounded};
+use crate::wording::sentence::{answer_in_short, in_doubt, law_alone};
 use pipeline_base::session::Session;
 use pipeline_compare::{COMMON, NEW};
 use serde::Serialize;
@@ -115,12 +115,8 @@ fn answer(group: &GroupInput) -> Vec<String> {
     let found = group.diagnosis.as_ref().map(|d| &d.findings);
     let mut of_loop = found.map_or_else(Vec::new, answer_in_short);
     if let Some(error) = better_law_alone(group) {
-        let error = error_with_unit(error, "N");
         let after_errors = of_loop.len().min(1);
-        of_loop.insert(
-            after_errors,
-            format!("The law alone, by least squares, has {error} on all readings."),
-        );
+        of_loop.insert(after_errors, name::capitalised(&law_alone(error)) + ".");
     }
     let doubtful = in_doubt(group.doubtful()).map(|s| name::capitalised(&s) + ".");
     of_loop.into_iter().chain(doubtful).collect()

@@ -127,7 +127,7 @@ pub struct Outcome {
     pub rejected_logs: Vec<Rejected>,
     /// Sessions that their owner keeps out of every fit: id, and why.
     pub excluded: Vec<(String, String)>,
-    /// Sessions of torque that their notes call in doubt, which keeps them out of every fit as well: id, and the clause that does.
+    /// Sessions of torque that their notes call in doubt, which keeps them out of the fits of the others: id, and the clause that does.
     pub doubted: Vec<(String, String)>,
     /// What is wrong with the inputs.
     pub diagnostics: Vec<Diagnostic>,
@@ -426,7 +426,7 @@ fn excluded(discovery: &Discovery) -> Vec<(String, String)> {
     excluded.collect()
 }
 
-/// The sessions of torque that take part in no fit because of a word in their notes.
+/// The sessions of torque that are kept apart because of a word in their notes.
 fn doubted(discovery: &Discovery, config: &Config) -> Vec<(String, String)> {
     let words = &config.torque.doubtful_words;
     let sessions = discovery.sessions.iter().map(|l| &l.session);

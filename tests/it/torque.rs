@@ -581,6 +581,17 @@ fn the_loop_finds_nothing_in_a_rigid_leg() {
 mod not_reached {
     use super::*;
 
+    /// What was reached with a law that is taken as exact.
+    #[test]
+    #[ignore = "not reached: without one of two actuators what yields is no more than a law may be off by"]
+    fn unseen_simulated_legs_are_predicted_to_a_sixteenth() {
+        let found = joint(&SHIPPED.findings, "pinned knee, flexor", 10);
+        assert!(
+            found["after"]["rmse_heldout"].as_f64().unwrap() < 0.4,
+            "{found}"
+        );
+    }
+
     /// What the search by sets reached on the flexors, and the mixed model does not: kept until it does.
     #[test]
     #[ignore = "not reached: lengths and arms by hand ask for another geometry than the torques of the flexors (docs/loop.md, the loop on torque)"]

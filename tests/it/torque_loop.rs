@@ -294,6 +294,11 @@ fn the_owners_held_out_tests_are_the_judge_and_an_odd_test_is_pointed_at() {
         assert!((said - squares(column)).abs() < 1e-9, "{when} {said}");
     }
     assert_eq!(row("held-b0")["takes_part"], "false");
+    // A test that is set aside is no test of its owner's to judge by, and is not counted.
+    let design = &of("odd")["design"];
+    assert_eq!(design["held_out_by"], "actuator", "{design}");
+    assert_eq!(design["sessions"], 4, "{design}");
+    assert_eq!(design["readings"], 4 * READINGS, "{design}");
     // The mistake is pointed at, and no effect is invented beside it.
     assert_eq!(of("odd")["verdict"], "none", "{}", of("odd"));
     let errors = of("odd")["recording_errors"].as_array().unwrap();
@@ -351,12 +356,13 @@ fn has_all_of_a_mixed_model(found: &Value) {
     }
 }
 
+/// What was reached with a law that is taken as exact, kept until it is reached again.
 mod not_reached {
     use super::*;
 
-    /// The smaller kinking that the search by sets found, and the mixed model with an exact law: kept until it is found again.
+    /// The smaller kinking that the search by sets found.
     #[test]
-    #[ignore = "not reached: at the contractions where it kinks a law whose coefficients are off by 5 to 10% is off by a quarter of its force"]
+    #[ignore = "not reached: where it kinks, a law whose coefficients are off by some percent is off by much of its force"]
     fn a_kinking_of_half_the_size_is_found() {
         let bench = Bench::empty();
         let missing = Missing {
@@ -366,6 +372,51 @@ mod not_reached {
         write(&bench, "kinks", &missing);
         let (chosen, ..) = first(&found(&bench), "kinks", 2);
         assert_eq!(chosen, "kinking");
+    }
+
+    #[test]
+    #[ignore = "not reached: two of three actuators do not show it beside a law that may be off where it kinks"]
+    fn unseen_actuators_that_kink_are_predicted_better() {
+        let bench = Bench::empty();
+        let missing = Missing {
+            kinks: 0.7,
+            ..Missing::default()
+        };
+        write(&bench, "kinks", &missing);
+        let (chosen, ..) = first(&found(&bench), "kinks", 2);
+        assert_eq!(chosen, "kinking");
+    }
+
+    #[test]
+    #[ignore = "not reached: at the detection limit some are missed or called something else, beside a law that may be off"]
+    fn a_zero_of_the_torque_is_named_in_every_campaign_with_its_size() {
+        let bench = Bench::empty();
+        let everywhere = Missing {
+            zero_nm: -1.2,
+            zero_at_slack: true,
+            further_deg: 12.0,
+            ..Missing::default()
+        };
+        let again = [
+            "everywhere",
+            "everywhere-2",
+            "everywhere-3",
+            "everywhere-4",
+            "everywhere-5",
+        ];
+        for campaign in again {
+            write(&bench, campaign, &everywhere);
+        }
+        let all = found(&bench);
+        let mut inside = 0;
+        for campaign in again {
+            let (id, value, [low, high]) = first(&all, campaign, 1);
+            assert_eq!(id, "force_zero_offset", "{campaign}");
+            assert!((value + 1.2).abs() < 0.2, "{campaign} {value}");
+            inside += usize::from(low < -1.2 && -1.2 < high);
+        }
+        // Of five intervals of 95% two miss in 2 of 100 cases.
+        assert!(inside >= 4, "{inside} of 5 intervals hold -1.2");
     }
 }
 

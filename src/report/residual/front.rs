@@ -57,24 +57,12 @@ pub(super) fn errors(found: &CampaignFindings) -> Vec<ErrorRow> {
     };
     let name = format!("{} ({})", name::campaign(found), unit(&found.unit));
     let before = row(name, "without", cells(&found.before));
-    let (after, last) = match has_terms(found) {
-        true => (
-            Some(row(String::new(), "with", cells(&found.after))),
-            row(
-                String::new(),
-                "with, in time order",
-                in_time_order(&found.after),
-            ),
-        ),
-        false => (
-            None,
-            row(
-                String::new(),
-                "without, in time order",
-                in_time_order(&found.before),
-            ),
-        ),
+    let after = has_terms(found).then(|| row(String::new(), "with", cells(&found.after)));
+    let (effects, last) = match after {
+        Some(_) => ("with, in time order", &found.after),
+        None => ("without, in time order", &found.before),
     };
+    let last = row(String::new(), effects, in_time_order(last));
     [before].into_iter().chain(after).chain([last]).collect()
 }
 

@@ -16,11 +16,10 @@ const CALLED: [(&str, &str); 2] = [
 ];
 
 /// What is called otherwise than by its id, of all random effects and sources of error.
-const SOURCES: [(&str, &str); 17] = [
+const SOURCES: [(&str, &str); 15] = [
     ("set_length", "set lengths"),
     ("specimen_gain", "specimen gain"),
     ("actuator_gain", "actuator gain"),
-    ("campaign_gain", "campaign gain"),
     ("force_zero", "zero of the force"),
     ("torque_zero", "zero of the torque"),
     ("specimen_lengths", "free lengths of the specimen"),
@@ -32,7 +31,6 @@ const SOURCES: [(&str, &str); 17] = [
     ("estimation", "estimation"),
     ("noise", "noise"),
     ("log_zero", "zero of the log"),
-    ("campaign_zero", "zero of the campaign"),
     ("scatter", "other scatter"),
 ];
 

@@ -128,7 +128,7 @@ fn an_error_that_falls_on_the_whole_is_said_to_grow_on_some() {
 
 #[test]
 fn three_lines_have_names_numbers_and_what_is_worth_most() {
-    let lines = super::sentence::in_three_lines(&example());
+    let lines = super::sentence::in_three_lines(&example(), None);
     let lines: Vec<String> = lines.iter().map(|l| l.replace('\u{a0}', " ")).collect();
     assert_eq!(lines.len(), 3, "{lines:?}");
     for (line, part) in [
@@ -148,6 +148,12 @@ fn three_lines_have_names_numbers_and_what_is_worth_most() {
         assert!(lines[line].contains(part), "{part}: {lines:?}");
     }
     assert!(!lines[0].contains("indistinguishable"), "{lines:?}");
+    let beside = super::sentence::in_three_lines(&example(), Some(12.0)).swap_remove(1);
+    let beside = beside.replace('\u{a0}', " ");
+    assert!(
+        beside.ends_with("; the law alone, by least squares, has 12.0 N on all readings"),
+        "{beside}"
+    );
 }
 
 #[test]
@@ -155,7 +161,7 @@ fn fewer_newtons_without_the_effects_are_said_beside_those_with_them() {
     let said = |before: f64| {
         let mut found = example();
         found.before.rmse_heldout_spread.insert("3".into(), before);
-        let of_line = super::sentence::in_three_lines(&found).swap_remove(1);
+        let of_line = super::sentence::in_three_lines(&found, None).swap_remove(1);
         [of_line, clauses(&found).readings.unwrap()].map(|s| s.replace('\u{a0}', " "))
     };
     // With the effects 5.1 N; a difference of less than a twentieth is none.
@@ -173,7 +179,7 @@ fn noise_is_the_largest_source_where_it_is() {
     let noise = found.budget.iter_mut().find(|b| b.source == "noise");
     let noise = noise.unwrap();
     (noise.variance, noise.rmse) = (144.1, 12.004);
-    let line = super::sentence::in_three_lines(&found).swap_remove(2);
+    let line = super::sentence::in_three_lines(&found, None).swap_remove(2);
     let line = line.replace('\u{a0}', " ");
     let said = "largest source of the expected error, 13.4 N: noise, 80% of its square";
     assert!(line.starts_with(said), "{line}");
@@ -185,12 +191,12 @@ fn a_line_with_nothing_to_say_is_not_there() {
     found.before.rmse_heldout = None;
     found.after.rmse_heldout = None;
     (found.budget, found.next_measurement) = (Vec::new(), Vec::new());
-    let lines = super::sentence::in_three_lines(&found);
+    let lines = super::sentence::in_three_lines(&found, None);
     assert_eq!(lines.len(), 2, "{lines:?}");
     assert!(lines[1].starts_with("next: another"), "{lines:?}");
     found.verdict = Verdict::None;
     (found.effects, found.unexplained) = (Vec::new(), Vec::new());
-    let lines = super::sentence::in_three_lines(&found);
+    let lines = super::sentence::in_three_lines(&found, None);
     assert_eq!(lines.len(), 1, "{lines:?}");
 }
 
@@ -511,7 +517,7 @@ fn an_effect_that_few_searches_find_again_is_marked_where_it_is_stated() {
     ] {
         found.effects[0].found_in_folds = share;
         assert!(said(&found).contains(words), "{}", said(&found));
-        let line = super::sentence::in_three_lines(&found).swap_remove(0);
+        let line = super::sentence::in_three_lines(&found, None).swap_remove(0);
         let line = line.replace('\u{a0}', " ");
         assert!(line.contains("(weak evidence)"), "{line}");
         let short = super::sentence::answer_in_short(&found).join(" ");
@@ -646,7 +652,7 @@ fn a_size_without_an_interval_is_not_determined_and_not_strong() {
 }
 
 #[test]
-fn what_scatters_between_campaigns_stands_beside_what_does_within_them() {
+fn what_scatters_between_campaigns_is_no_part_of_a_source() {
     let mut found = example();
     let set_lengths =
         |found: &CampaignFindings| clauses(found).budget.unwrap().replace('\u{a0}', " ");
@@ -659,9 +665,8 @@ fn what_scatters_between_campaigns_stands_beside_what_does_within_them() {
     let mut of_campaign = of_session.clone();
     (of_campaign.level, of_campaign.sd_predictive) = (Level::Campaign, 2.0);
     found.scatter.push(of_campaign);
-    let said = set_lengths(&found);
-    let both = "12.0 from set lengths (0.90 mm within a campaign, 2.0 mm between campaigns)";
-    assert!(said.contains(both), "{said}");
+    // What campaigns differ by is known of the unseen unit's, and no part of the source.
+    assert!(set_lengths(&found).contains("12.0 from set lengths (0.90 mm)"));
 }
 
 #[test]

@@ -11,6 +11,7 @@ use pipeline_config::{DiagnoseOptions, FitOptions};
 use pipeline_findings::Verdict;
 use pipeline_fit::Group;
 use pipeline_inference::fit::{Free, Setting};
+use pipeline_inference::heldout::Unseen;
 use pipeline_inference::problem::Problem;
 use pipeline_inference::profile::Profiles;
 use pipeline_mechanics::models::new;
@@ -213,4 +214,17 @@ fn campaigns_of_a_pool_have_a_gain_and_a_noise_of_their_own() {
     let variances = null.restricted(&setting);
     let gain = variances.components[component::CAMPAIGN_GAIN];
     assert!((0.05..0.3).contains(&gain), "{gain}");
+    // An unseen specimen has the gain that the others of its campaign show: without it all four would be about a tenth off, on one side.
+    let mut share_off = Vec::new();
+    for specimen in (0..data.specimens.len()).filter(|k| data.specimens[*k].starts_with("other")) {
+        let node = problem.specimens[specimen];
+        let rest = setting.without(node);
+        let fit = rest.fit(&null.cleared(&rest), std::slice::from_ref(&null.variances));
+        let predicted = Unseen::new(&rest, &fit).predict_where(node, |_| true);
+        let measured: f64 = predicted.places.iter().map(|i| data.force[*i]).sum();
+        share_off.push(predicted.errors.iter().sum::<f64>() / measured);
+    }
+    assert_eq!(share_off.len(), 4);
+    let mean = share_off.iter().sum::<f64>() / 4.0;
+    assert!(mean.abs() < 0.04, "{share_off:?}");
 }

@@ -4,7 +4,7 @@ use crate::number::Rounding;
 use crate::wording::ALIKE;
 use crate::wording::name::{self, listed, nouns};
 use crate::wording::number::{count, error, error_with_unit, percent, plain, rounded};
-use pipeline_findings::{BudgetEntry, CampaignFindings, HeldOutBy, Level, Scatter};
+use pipeline_findings::{BudgetEntry, CampaignFindings, HeldOutBy, Scatter};
 
 /// A source that makes less than this share of the expected variance is summed up with others; noise is always named.
 const NAMED_SHARE: f64 = 0.02;
@@ -147,19 +147,7 @@ fn scattered(found: &CampaignFindings, entry: &BudgetEntry) -> String {
         return String::new();
     };
     let assumed = if is_assumed(scatter) { " assumed" } else { "" };
-    let of_campaigns = found
-        .scatter
-        .iter()
-        .find(|s| s.id == scatter.id && s.level == Level::Campaign);
-    match of_campaigns {
-        // Both are in the source.
-        Some(campaigns) => format!(
-            " ({} within a campaign, {} between campaigns)",
-            scatter_size(scatter),
-            scatter_size(campaigns)
-        ),
-        None => format!(" ({}{assumed})", scatter_size(scatter)),
-    }
+    format!(" ({}{assumed})", scatter_size(scatter))
 }
 
 /// Whether the readings hardly show a scatter: what is expected of unseen groups is then the usual one, neither declared nor measured.

@@ -11,7 +11,7 @@ mod recording;
 
 use crate::number::Rounding;
 use crate::wording::name::capitalised;
-use crate::wording::number::rounded;
+use crate::wording::number::{error_with_unit, rounded};
 use budget::{budget, largest_source};
 use errors::{errors, errors_in_numbers, errors_in_short};
 use found::{answer, beside, contradicted, in_names, short_answer};
@@ -127,7 +127,8 @@ pub fn answer_in_short(found: &CampaignFindings) -> Vec<String> {
 
 /// The campaign in three lines: what was found without its remarks, and how many mistakes; the errors as numbers; where they come from and what is
 /// worth measuring. A line that has nothing to say is not there.
-pub fn in_three_lines(found: &CampaignFindings) -> Vec<String> {
+/// With the error of the law alone, N, where that is the better one.
+pub fn in_three_lines(found: &CampaignFindings, better_law_alone: Option<f64>) -> Vec<String> {
     let n = found.recording_errors.len();
     let mistakes = (n > 0).then(|| counted(n, "recording error", "recording errors"));
     let worth = worth(found);
@@ -136,12 +137,22 @@ pub fn in_three_lines(found: &CampaignFindings) -> Vec<String> {
     let errors = errors_in_numbers(found).filter(|_| is_tested);
     let next = worth.map(|worth| format!("next: {worth}"));
     let lines = [
-        [Some(in_names(found)), mistakes],
-        [errors, error_after_few(found)],
-        [largest_source(found), next],
+        [Some(in_names(found)), mistakes, None],
+        [
+            errors,
+            error_after_few(found),
+            better_law_alone.map(law_alone),
+        ],
+        [largest_source(found), next, None],
     ];
     let lines = lines.map(|parts| parts.into_iter().flatten().collect::<Vec<_>>().join("; "));
     lines.into_iter().filter(|line| !line.is_empty()).collect()
+}
+
+/// `the law alone, by least squares, has 59.0 N on all readings`: beside the errors of a search that does not come to it.
+pub fn law_alone(error_n: f64) -> String {
+    let error = error_with_unit(error_n, "N");
+    format!("the law alone, by least squares, has {error} on all readings")
 }
 
 /// A count with its noun: `1 reading`, `1,290 readings`.

@@ -74,7 +74,7 @@ pub fn errors(
     with: &Predictors,
 ) -> TestErrors {
     let rigid = [0.0; SIZES];
-    let own_offset_mm = own_offset(with.all, readings);
+    let (own_offset_mm, with_own_offset) = with_own_offset(with.all, readings);
     TestErrors {
         session: session.to_owned(),
         specimen: specimen.to_owned(),
@@ -85,7 +85,7 @@ pub fn errors(
         from_largest: with.largest.and_then(|s| size(readings, s)),
         in_largest,
         own_offset_mm,
-        with_own_offset: size(readings, &shifted(with.all, own_offset_mm)),
+        with_own_offset,
         arm_before_m: arm_miss(readings, &rigid),
         arm_after_m: arm_miss(readings, with.all),
         length_before_m: length_miss(readings, &rigid),
@@ -111,16 +111,17 @@ fn length_miss(readings: &[Reading], sizes: &[f64; SIZES]) -> Option<f64> {
 }
 
 /// The sizes with so much more of an offset of the length, mm.
-pub(super) fn shifted(sizes: &[f64; SIZES], more: f64) -> [f64; SIZES] {
+fn shifted(sizes: &[f64; SIZES], more: f64) -> [f64; SIZES] {
     let mut own = *sizes;
     own[place::LENGTH] += more;
     own
 }
 
-/// The offset that is best for some readings, all other sizes held, less that of the fit; mm.
-pub(super) fn own_offset(sizes: &[f64; SIZES], readings: &[Reading]) -> f64 {
-    let sse = |more: f64| size(readings, &shifted(sizes, more)).map_or(f64::INFINITY, |s| s.sse);
-    narrowed(REACH_MM, sse)
+/// The offset that is best for some readings, all other sizes held, less that of the fit, mm; and the errors with it.
+pub(super) fn with_own_offset(sizes: &[f64; SIZES], readings: &[Reading]) -> (f64, Option<Size>) {
+    let with = |more: f64| size(readings, &shifted(sizes, more));
+    let offset = narrowed(REACH_MM, |more| with(more).map_or(f64::INFINITY, |s| s.sse));
+    (offset, with(offset))
 }
 
 /// Where a function of a length in mm is least, up to `reach` mm from 0. A search on a grid that narrows: one number, and a sum of squares may have

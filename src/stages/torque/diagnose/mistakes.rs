@@ -1,6 +1,6 @@
 //! The usual mistakes of a test, each taken back: which of them explains how far off it is.
 
-use super::by_test::{narrowed, own_offset, shifted, size};
+use super::by_test::{narrowed, size, with_own_offset};
 use super::data::Reading;
 use super::operator::Joint;
 use super::settings;
@@ -38,14 +38,23 @@ pub struct Taken {
 /// test a mounting like those of others; a wrong length of the mounting, which is one of fittings or tendon as well, is mounting and nothing else. None
 /// where a noise of its own is likelier than any.
 pub fn explanation(readings: &[Reading], sizes: &[f64; SIZES], usual: f64) -> Option<Taken> {
-    let all = [mounting(readings, sizes, usual)]
-        .into_iter()
-        .chain([resting(readings, sizes, usual)])
-        .chain(factors(&UNITS_OF_TORQUE).map(|f| torque_unit(readings, sizes, usual, f)))
-        .chain(factors(&UNITS_OF_PRESSURE).map(|f| pressure_unit(readings, sizes, usual, f)));
+    let judge = Judge { sizes, usual };
+    let lengths = [judge.mounting(readings), judge.resting(readings)];
+    let torques = factors(&UNITS_OF_TORQUE).map(|factor| {
+        let mut taken = judge.unit(readings, ("torque", factor), |r| r.torque_nm *= factor)?;
+        // Of the readings as they were recorded: a unit that makes all torques small gains nothing by it.
+        taken.deviance -= 2.0 * readings.len() as f64 * libm::log(factor);
+        Some(taken)
+    });
+    let pressures = factors(&UNITS_OF_PRESSURE).map(|factor| {
+        judge.unit(readings, ("pressure", factor), |r| {
+            r.at.pressure_kpa *= factor
+        })
+    });
     let noisy = size(readings, sizes).map_or(f64::INFINITY, |own| {
         readings.len() as f64 * (1.0 + 2.0 * libm::log((own.rmse / usual).max(1.0)))
     });
+    let all = lengths.into_iter().chain(torques).chain(pressures);
     all.flatten()
         .filter(|t| t.rms <= EXPLAINS * usual && t.deviance < noisy)
         .min_by(|a, b| a.deviance.total_cmp(&b.deviance))
@@ -55,115 +64,82 @@ fn factors(units: &[f64]) -> impl Iterator<Item = f64> {
     units.iter().flat_map(|u| [*u, 1.0 / u])
 }
 
-/// What readings leave with an offset of their own, N.m, and that offset, mm.
-fn left(readings: &[Reading], sizes: &[f64; SIZES]) -> Option<(f64, f64)> {
-    let offset = own_offset(sizes, readings);
-    Some((size(readings, &shifted(sizes, offset))?.rmse, offset))
-}
-
-/// Minus twice the log-likelihood of what is left.
-fn deviance(count: usize, rms: f64, usual: f64) -> f64 {
-    count as f64 * (rms / usual) * (rms / usual)
-}
-
-/// The same with a mounting that is nothing but scatter.
-fn deviance_mounted(count: usize, (rms, offset): (f64, f64), usual: f64) -> f64 {
-    let share = offset / settings::LARGEST_MOUNTING_MM;
-    deviance(count, rms, usual) + share * share
-}
-
-fn mounting(readings: &[Reading], sizes: &[f64; SIZES], usual: f64) -> Option<Taken> {
-    let (rms, offset) = left(readings, sizes)?;
-    Some(Taken {
-        kind: ErrorKind::Length,
-        quantity: "mounting_length",
-        value: offset,
-        unit: "mm",
-        rms,
-        deviance: deviance(readings.len(), rms, usual),
-    })
-}
-
-fn resting(readings: &[Reading], sizes: &[f64; SIZES], usual: f64) -> Option<Taken> {
-    let first = readings.first()?.joint;
-    let with = |longer_mm: f64| {
-        let mut build = first.build().clone();
-        build.setup.rest_length_m += 1e-3 * longer_mm;
-        let possible = build.setup.rest_length_m > build.setup.contracted_length_m;
-        let joint = Joint::new(&build, first.law());
-        let longer = readings.iter().map(|r| Reading { joint, ..*r });
-        let longer: Vec<Reading> = longer.collect();
-        let mounted = possible.then(|| left(&longer, sizes)).flatten()?;
-        Some((mounted, deviance_mounted(readings.len(), mounted, usual)))
-    };
-    let worst = f64::INFINITY;
-    let value = narrowed(REACH_MM, |mm| {
-        with(mm).map_or(worst, |(_, deviance)| deviance)
-    });
-    let ((rms, _), deviance) = with(value)?;
-    Some(Taken {
-        kind: ErrorKind::Length,
-        quantity: "rest_length",
-        value,
-        unit: "mm",
-        rms,
-        deviance,
-    })
-}
-
-fn torque_unit(
-    readings: &[Reading],
-    sizes: &[f64; SIZES],
+/// How the errors of a test are judged: the sizes of the effects, and what other tests leave, N.m.
+struct Judge<'s> {
+    sizes: &'s [f64; SIZES],
     usual: f64,
-    factor: f64,
-) -> Option<Taken> {
-    let changed = readings.iter().map(|r| Reading {
-        torque_nm: r.torque_nm * factor,
-        ..*r
-    });
-    let mut taken = unit(
-        &changed.collect::<Vec<_>>(),
-        sizes,
-        usual,
-        ("torque", factor),
-    )?;
-    // Of the readings as they were recorded: a unit that makes all torques small gains nothing by it.
-    taken.deviance -= 2.0 * readings.len() as f64 * libm::log(factor);
-    Some(taken)
 }
 
-fn pressure_unit(
-    readings: &[Reading],
-    sizes: &[f64; SIZES],
-    usual: f64,
-    factor: f64,
-) -> Option<Taken> {
-    let changed = readings.iter().map(|r| {
-        let mut changed = *r;
-        changed.at.pressure_kpa *= factor;
-        changed
-    });
-    unit(
-        &changed.collect::<Vec<_>>(),
-        sizes,
-        usual,
-        ("pressure", factor),
-    )
-}
+impl Judge<'_> {
+    /// What readings leave with a mounting of their own, N.m, minus twice its log-likelihood, and the mounting, mm.
+    fn left(&self, readings: &[Reading]) -> Option<(f64, f64, f64)> {
+        let (offset, size) = with_own_offset(self.sizes, readings);
+        let rms = size?.rmse;
+        let share = rms / self.usual;
+        Some((rms, readings.len() as f64 * share * share, offset))
+    }
 
-fn unit(
-    changed: &[Reading],
-    sizes: &[f64; SIZES],
-    usual: f64,
-    (quantity, factor): (&'static str, f64),
-) -> Option<Taken> {
-    let mounted = left(changed, sizes)?;
-    Some(Taken {
-        kind: ErrorKind::Unit,
-        quantity,
-        value: factor,
-        unit: "1",
-        rms: mounted.0,
-        deviance: deviance_mounted(changed.len(), mounted, usual),
-    })
+    /// The same where the mounting is nothing but scatter.
+    fn mounted(&self, readings: &[Reading]) -> Option<(f64, f64)> {
+        let (rms, deviance, offset) = self.left(readings)?;
+        let share = offset / settings::LARGEST_MOUNTING_MM;
+        Some((rms, deviance + share * share))
+    }
+
+    fn mounting(&self, readings: &[Reading]) -> Option<Taken> {
+        let (rms, deviance, value) = self.left(readings)?;
+        Some(Taken {
+            kind: ErrorKind::Length,
+            quantity: "mounting_length",
+            value,
+            unit: "mm",
+            rms,
+            deviance,
+        })
+    }
+
+    fn resting(&self, readings: &[Reading]) -> Option<Taken> {
+        let first = readings.first()?.joint;
+        let with = |longer_mm: f64| {
+            let mut build = first.build().clone();
+            build.setup.rest_length_m += 1e-3 * longer_mm;
+            let possible = build.setup.rest_length_m > build.setup.contracted_length_m;
+            let joint = Joint::new(&build, first.law());
+            let longer = readings.iter().map(|r| Reading { joint, ..*r });
+            let longer: Vec<Reading> = longer.collect();
+            possible.then(|| self.mounted(&longer)).flatten()
+        };
+        let value = narrowed(REACH_MM, |mm| {
+            with(mm).map_or(f64::INFINITY, |(_, deviance)| deviance)
+        });
+        let (rms, deviance) = with(value)?;
+        Some(Taken {
+            kind: ErrorKind::Length,
+            quantity: "rest_length",
+            value,
+            unit: "mm",
+            rms,
+            deviance,
+        })
+    }
+
+    /// A unit by which every reading is changed.
+    fn unit(
+        &self,
+        readings: &[Reading],
+        (quantity, value): (&'static str, f64),
+        change: impl Fn(&mut Reading),
+    ) -> Option<Taken> {
+        let mut changed = readings.to_vec();
+        changed.iter_mut().for_each(change);
+        let (rms, deviance) = self.mounted(&changed)?;
+        Some(Taken {
+            kind: ErrorKind::Unit,
+            quantity,
+            value,
+            unit: "1",
+            rms,
+            deviance,
+        })
+    }
 }

@@ -173,11 +173,7 @@ pub fn furthest_off(
     let left: Vec<f64> = tests
         .iter()
         .filter(|(t, _)| *t != test)
-        .filter_map(|(t, _)| {
-            let own = of(*t);
-            let offset = by_test::own_offset(&sizes, &own);
-            Some(by_test::size(&own, &by_test::shifted(&sizes, offset))?.rmse)
-        })
+        .filter_map(|(t, _)| Some(by_test::with_own_offset(&sizes, &of(*t)).1?.rmse))
         .collect();
     let own = of(test);
     let taken = mistakes::explanation(&own, &sizes, median(&left));

@@ -72,7 +72,7 @@ pub(super) fn components(data: &Data, actuators: usize, tests: usize) -> Vec<Com
                 usual: 1.0,
                 groups: 1,
             },
-            ..misfit(1.0, 1)
+            ..of(1.0, 1.0, 1)
         },
     ]
 }

@@ -395,3 +395,22 @@ fn friction_before_the_first_reading_is_neither_order_nor_noise() {
     let size = found.model.point.terms[0].1[0];
     assert!((size - 0.8).abs() < 0.1, "{size}");
 }
+
+/// Forces of a law whose coefficients are some percent from those of the published one are no effect of the joint.
+#[test]
+fn a_law_that_is_off_is_no_effect() {
+    let (builds, law, none) = (builds(), law(), BTreeMap::new());
+    let mut other = self::law();
+    for (name, factor) in [("c0", 1.04), ("c1", 1.06), ("c2", 1.06)] {
+        let coefficient = other.coefficients.iter_mut().find(|c| c.name == name);
+        coefficient.unwrap().start *= factor;
+    }
+    let mut all = readings(&builds, &other, &none, &with(&[]));
+    for r in &mut all {
+        r.joint = Joint::new(&builds[r.actuator], &law);
+    }
+    let data = data(all);
+    let library = library::terms(&data);
+    let problem = TorqueProblem::new(&data, &library).with_reference();
+    assert_eq!(found(&problem).accepted, []);
+}
