@@ -1,4 +1,4 @@
-//! The answers of the loop on the terminal, a few lines a campaign. `findings.json` and `residual.pdf` have the rest.
+//! The answers of the loop on the terminal: three lines a campaign, or all there are. `findings.json` and `residual.pdf` have the rest.
 
 use pipeline_findings::CampaignFindings;
 use pipeline_report::wording::name;

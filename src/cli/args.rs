@@ -57,7 +57,7 @@ pub enum Command {
     Status(PlaceArgs),
     /// Print what the last run found: models, verdicts, errors and what to measure next, campaign by campaign
     #[command(
-        after_help = "Examples:\n  pipeline summary\n  pipeline summary iso10-2022-11\n  pipeline summary --full\n  pipeline summary --json\n\nWith more than two campaigns, pools or joints, each gets three lines. Nothing is computed; if the sessions have changed since, it says so."
+        after_help = "Examples:\n  pipeline summary\n  pipeline summary iso10-2022-11\n  pipeline summary --full\n  pipeline summary --json\n\nEach campaign, pool and joint gets three lines; with --full, or a campaign by its name, all there are. Nothing is computed; if the sessions have changed since, it says so."
     )]
     Summary(SummaryArgs),
     /// Bring the results up to date and compare the tables with the golden ones; exit code 1 on a difference

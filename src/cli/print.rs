@@ -177,7 +177,7 @@ pub fn run(outcome: &Outcome, answers: Option<&Answers>, took: Duration, explain
         ));
     }
     if let Some(answers) = answers {
-        answers.print(Detail::AsFits);
+        answers.print(Detail::InShort);
     }
     if let Some(file) = &outcome.findings_file {
         line(format!("findings: {}", file.display()));

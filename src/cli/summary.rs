@@ -24,8 +24,6 @@ use std::path::{Path, PathBuf};
 
 /// Campaigns that are shown before the rest is counted.
 const SHOWN: usize = 20;
-/// So many have all their lines; of more each has one or two, until they are asked for.
-const IN_FULL: usize = 2;
 
 /// The new model with its published coefficients.
 const PUBLISHED: &str = "new_published";
@@ -33,8 +31,8 @@ const PUBLISHED: &str = "new_published";
 /// How much is said.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Detail {
-    /// Everything of a few campaigns, three lines of each of many.
-    AsFits,
+    /// Three lines of each campaign.
+    InShort,
     /// Everything.
     Full,
 }
@@ -88,7 +86,7 @@ struct ModelError {
 pub(super) fn command(args: &SummaryArgs) -> Result<u8> {
     let places = args.places.places()?;
     let mut answers = Answers::load(&places.reports)?;
-    let mut detail = Detail::AsFits;
+    let mut detail = Detail::InShort;
     if let Some(campaign) = &args.campaign {
         answers.narrow(campaign)?;
     }
@@ -176,15 +174,11 @@ impl Answers {
         Ok(())
     }
 
-    /// The campaigns, a few lines each.
+    /// The campaigns, one after the other.
     pub(super) fn print(&self, detail: Detail) {
         let campaigns = &self.findings.campaigns;
-        let in_full = detail == Detail::Full || campaigns.len() <= IN_FULL;
-        let shown = if detail == Detail::Full {
-            campaigns.len()
-        } else {
-            SHOWN
-        };
+        let in_full = detail == Detail::Full;
+        let shown = if in_full { campaigns.len() } else { SHOWN };
         if !in_full {
             line("");
             self.print_models(shown);

@@ -1001,6 +1001,29 @@ fn flexible(square: f64) -> Line {
 }
 
 #[test]
+fn two_terms_come_in_for_one_where_neither_does_alone() {
+    // y = a (w1 + w2): (w1 + w2 + w3)/sqrt 3 comes first, with 4 a^2/3. Beside it either of w1 and w2 gains a^2/6, in its place they lose; both in its
+    // place gain 2 a^2/3.
+    let forms = [
+        form(0, &[(1, 1.0), (2, 1.0), (3, 1.0)]),
+        form(1, &[(1, 1.0)]),
+        form(2, &[(2, 1.0)]),
+    ];
+    for (ratio, comes_in) in sides(9.0) {
+        let a = (1.5 * ratio).sqrt();
+        let problem = line(&[(1, a), (2, a)], &forms);
+        for decision in [DECISION, QUICK] {
+            let exchanged = found_by(By::Exchanging, &problem, decision, 9.0);
+            let expected: &[usize] = if comes_in { &[1, 2] } else { &[0] };
+            let mut terms = accepted(&exchanged);
+            terms.sort_unstable();
+            assert_eq!(terms, expected, "{ratio}");
+            assert_eq!(accepted(&found(&problem, decision, 9.0)), [0]);
+        }
+    }
+}
+
+#[test]
 fn names_by_themselves_are_preferred_to_a_curve_where_forms_are_exchanged() {
     // r^2/2 against 2.
     for (square, differs) in sides(4.0) {

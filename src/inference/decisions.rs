@@ -4,12 +4,12 @@
 //! Others of the loop are no decisions: priors and physical bounds say what is plausible of a law, a rig or an actuator (`settings` of the stages,
 //! bounds of the effects in the registry); those of numerics, beside the code that they are of, say how far an iteration goes and how much is tried.
 
-/// Family-wise level at which something comes into a model of forces. A search makes one such test more than it finds effects, and where a law is
-/// wrong in ways that its misfit does not have, a test errs more often than it says: with laws of others, in 4 of 20 campaigns with nothing in them
-/// at 0.05, in 1 at 0.02. The law of a joint is known, and its few actuators would hide what is there.
+/// Family-wise level at which something comes into a model. A search makes one such test more than it finds effects, and where a law is wrong in ways
+/// that its misfit does not have, a test errs more often than it says: with laws of others, in 4 of 20 campaigns with nothing in them at 0.05, in 1 at
+/// 0.02. In simulated joints an effect at four times its limit stood alone in 148 of 172 at 0.05, in 155 of 166 at 0.02.
 pub const COMES_IN: f64 = 0.02;
 
-/// Family-wise level of every other test, and of joints: convention.
+/// Family-wise level of every other test: convention.
 pub const LEVEL: f64 = 0.05;
 
 /// Models whose log-likelihoods differ by less are indistinguishable: a ratio of likelihoods of 7.
@@ -19,7 +19,8 @@ pub const ALIKE: f64 = 2.0;
 /// those of the effect alone.
 pub const IDENTIFIABLE: f64 = 0.01;
 
-/// Cosine from which two sensitivities are reported as nearly one: the one then explains four fifths of what the other does.
+/// Cosine from which two sensitivities are reported as nearly one, or a column is the angle by another name: the one then explains four fifths of what
+/// the other does.
 pub const PARALLEL: f64 = 0.9;
 
 /// Normal deviate of the power with which a detection limit is found, 80%: convention.

@@ -124,7 +124,7 @@ mod long {
 fn the_levels_in_words_are_those_of_the_decisions() {
     use pipeline::inference::decisions;
     use pipeline::report::wording;
-    assert_eq!(wording::OF_FORCES, decisions::COMES_IN);
+    assert_eq!(wording::COMES_IN, decisions::COMES_IN);
     assert_eq!(wording::SIGNIFICANT, decisions::LEVEL);
     assert_eq!(wording::ALIKE, decisions::ALIKE);
 }

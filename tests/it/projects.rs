@@ -151,7 +151,9 @@ fn a_copy_of_a_project_is_up_to_date() {
 fn the_verdict_is_said_by_the_first_run_the_second_and_the_summary() {
     let bench = Bench::small_done();
     let of_campaign = |out: &str| {
-        let lines = out.lines().skip_while(|l| !l.starts_with("small, 10 mm"));
+        // Not the row of the table of models.
+        let is_first = |l: &&str| l.starts_with("small, 10 mm: ") || *l == "small, 10 mm";
+        let lines = out.lines().skip_while(|l| !is_first(l));
         lines
             .take_while(|l| !l.is_empty())
             .map(str::to_owned)
@@ -160,11 +162,12 @@ fn the_verdict_is_said_by_the_first_run_the_second_and_the_summary() {
     let warm = bench.run(&["run"]);
     assert!(warm.out.contains("nothing to do"), "{}", warm.out);
     let said = of_campaign(&warm.out);
+    assert!(said[0].contains(", 10 mm: "), "{said:?}");
+    assert!(said[1].trim_start().starts_with("error"), "{said:?}");
+    let full = of_campaign(&bench.run(&["summary", "--full"]).out);
     for label in ["models", "found", "error", "sources"] {
-        assert!(
-            said.iter().any(|l| l.trim_start().starts_with(label)),
-            "{label}: {said:?}"
-        );
+        let has = |l: &String| l.trim_start().starts_with(label);
+        assert!(full.iter().any(has), "{label}: {full:?}");
     }
     let summary = bench.run(&["summary"]);
     assert_eq!(of_campaign(&summary.out), said);

@@ -12,11 +12,13 @@
 //! | `without` | the model without one of its terms |
 //! | `bends` | what does not show beside another term that may bend goes |
 //! | `tidy` | deletions, swaps, and what does as well in the place of a term |
+//! | `pairs` | a term comes in while another gives way |
 //! | `exchange` | the model built anew with other forms of what was found |
 
 mod bends;
 mod candidates;
 mod exchange;
+mod pairs;
 mod step;
 mod tidy;
 mod without;
@@ -143,6 +145,8 @@ struct Way {
     named_only: bool,
     /// What each amplitude beyond the first has to gain for a term to be preferred to one without it.
     of_amplitude: f64,
+    /// Whether one may come in while another gives way.
+    in_pairs: bool,
 }
 
 impl Search<'_> {
@@ -153,6 +157,7 @@ impl Search<'_> {
             drawn: known.map_or(Drawn::IfClose, |_| Drawn::IfDoubtful),
             named_only: false,
             of_amplitude: self.decision.alike,
+            in_pairs: false,
         };
         // What gave way to a term that then went itself may come back.
         let mut ended = Vec::new();
@@ -174,13 +179,15 @@ impl Search<'_> {
     /// the others to another optimum. Where a term without a name came in, the terms with names
     /// are also tried by themselves first: a flexible curve beside half of what is there must not stand for the other half. Further terms are
     /// tested against draws from the model itself: with a handful of groups, what is between groups in the null model makes its draws wilder
-    /// than those of a model that explains it. A term with several amplitudes has to be worth each of them. For problems whose fits are cheap.
+    /// than those of a model that explains it. Where none shows, one may come in while another gives way. A term with several amplitudes has to be worth
+    /// each of them. For problems whose fits are cheap.
     pub fn run_exchanging(&self, null: Fitted, normal: &Normal, known: Option<&[f64]>) -> Found {
         let begun = self.begun(null, normal, known);
         let way = |named_only| Way {
             drawn: known.map_or(Drawn::Always, |_| Drawn::IfDoubtful),
             named_only,
             of_amplitude: self.decision.alike,
+            in_pairs: true,
         };
         let mut found = self.grown(begun.clone(), normal, way(false));
         let is_named = |a: &Accepted| self.setting.problem.terms()[a.term].named;

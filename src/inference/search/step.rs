@@ -19,11 +19,11 @@ const CLEAR: f64 = 2.0;
 const MOST_BETTER: usize = 3;
 
 /// The strongest candidate beside a model, fitted.
-struct Next {
-    fitted: Fitted,
-    term: usize,
-    p: f64,
-    critical: f64,
+pub(super) struct Next {
+    pub(super) fitted: Fitted,
+    pub(super) term: usize,
+    pub(super) p: f64,
+    pub(super) critical: f64,
 }
 
 /// What a step of the search came to.
@@ -73,7 +73,7 @@ impl Search<'_> {
         let is_first = found.accepted.is_empty();
         let fits = self.fits_beside((&model, is_first), (&screen, &shown), limit, way);
         let Some((fitted, term)) = self.preferred(&fits, way) else {
-            return Step::Nothing;
+            return self.in_pairs(found, &draws, limit, way);
         };
         let fitted = self.estimated(&fitted);
         let without = self.left_out(&fitted, term);
@@ -96,8 +96,17 @@ impl Search<'_> {
         } else if is_better {
             Step::BetterBase
         } else {
-            Step::Nothing
+            self.in_pairs(found, &draws, limit, way)
         }
+    }
+
+    /// Where no term shows: one that comes in while another gives way, if that is tried.
+    fn in_pairs(&self, found: &mut Found, draws: &[f64], limit: f64, way: Way) -> Step {
+        let pair = way
+            .in_pairs
+            .then(|| self.pair(found, draws, limit, way))
+            .flatten();
+        pair.map_or(Step::Nothing, |next| Step::Accepted(Box::new(next)))
     }
 
     /// The draws that decide on the strongest candidate: those from the null, or from the model itself where these could change the answer.
@@ -178,7 +187,7 @@ impl Search<'_> {
     }
 
     /// What a fit gains by a term, on the scale of [`deviate`].
-    fn statistic(&self, fitted: &Fitted, term: usize, below: f64) -> f64 {
+    pub(super) fn statistic(&self, fitted: &Fitted, term: usize, below: f64) -> f64 {
         let amplitudes = self.setting.problem.terms()[term].amplitudes;
         deviate(2.0 * (fitted.log_likelihood - below), amplitudes)
     }

@@ -1,7 +1,7 @@
 //! The effects that were found, the candidates that were tested, and what stays without a name.
 
 use crate::number::Rounding;
-use crate::wording::level;
+use crate::wording::COMES_IN;
 use crate::wording::name;
 use crate::wording::number::{
     NONE, error_with_unit, gain, gain_or_none, percent, plain, probability, rounded, size,
@@ -141,7 +141,7 @@ pub(super) fn tested(found: &CampaignFindings) -> Vec<TestedRow> {
             gain(t.log_likelihood_gain),
             probability(t.p_familywise),
         ],
-        significant: t.p_familywise < level(found) && t.id != PLACEBO,
+        significant: t.p_familywise < COMES_IN && t.id != PLACEBO,
     };
     found.tested.iter().take(TESTED).map(row).collect()
 }
@@ -162,7 +162,7 @@ fn amplitude(found: &CampaignFindings, t: &Tested, value: f64) -> String {
 /// looks like nothing.
 pub(super) fn shuffled(found: &CampaignFindings) -> String {
     let mut printed = found.tested.iter().take(TESTED);
-    let low = printed.any(|t| t.id == PLACEBO && t.p_familywise < level(found));
+    let low = printed.any(|t| t.id == PLACEBO && t.p_familywise < COMES_IN);
     if low {
         "The shuffled column carries no information and is never accepted: others here may be significant by chance, too."
     } else {

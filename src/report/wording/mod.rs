@@ -15,19 +15,10 @@ pub mod sentence;
 #[cfg(test)]
 pub(crate) mod tests;
 
-use pipeline_findings::CampaignFindings;
-
-/// Probability below which a test has found something, but for [`level`].
-pub const SIGNIFICANT: f64 = 0.05;
-/// Level at which the loop lets something into a model of forces.
-pub const OF_FORCES: f64 = 0.02;
 /// Level at which the loop lets something into a model.
-pub fn level(found: &CampaignFindings) -> f64 {
-    match found.kind.as_str() {
-        "knee-torque" => SIGNIFICANT,
-        _ => OF_FORCES,
-    }
-}
+pub const COMES_IN: f64 = 0.02;
+/// Probability below which any other test has found something.
+pub const SIGNIFICANT: f64 = 0.05;
 
 /// Log-likelihoods that differ by less tell nothing apart.
 pub const ALIKE: f64 = 2.0;

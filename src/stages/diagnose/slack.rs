@@ -49,13 +49,14 @@ impl Shape {
     }
 }
 
-/// The side of a reading of `force` N where the largest of the campaign is `largest`.
-pub fn side(force: f64, largest: f64, at: &Conditions, shape: &Shape) -> Side {
+/// The side of a reading of `force` N where the largest of the campaign is `largest`, and readings up to a share `near` of it may be of an actuator
+/// that is slack.
+pub fn side(force: f64, near: f64, largest: f64, at: &Conditions, shape: &Shape) -> Side {
     let below = -shape.force(at);
     // Where the law would push by `below`, the zero of a load cell alone is no pull: on the law it would be a miss of `below` and bend the
     // whole surface. On the law are readings that are as near to it, in size, as to 0.
     let halfway = below / 2.0;
-    if force.abs() >= settings::NEAR_SLACK.max(halfway) * largest {
+    if force.abs() >= near.max(halfway) * largest {
         Side::Pulls
     } else if below > settings::SURELY_SLACK {
         Side::Slack
@@ -103,6 +104,7 @@ impl Actuator for Sided<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use settings::NEAR_SLACK;
 
     #[test]
     fn sides_of_the_corner() {
@@ -110,21 +112,48 @@ mod tests {
         let at = |length_m: f64, kpa: f64| Conditions::at(0.3, 0.25, length_m, kpa);
         // The law of 20 mm pulls there.
         let half = at(0.275, 200.0);
-        assert_eq!(side(20.0, 1300.0, &half, &thin), Side::Slack);
-        assert_eq!(side(20.0, 1300.0, &half, &Shape::usual(20)), Side::Corner);
+        assert_eq!(side(20.0, NEAR_SLACK, 1300.0, &half, &thin), Side::Slack);
+        assert_eq!(
+            side(20.0, NEAR_SLACK, 1300.0, &half, &Shape::usual(20)),
+            Side::Corner
+        );
         // A force where the law pulls, of either sign.
-        assert_eq!(side(20.0, 450.0, &at(0.3, 620.0), &thin), Side::Pulls);
-        assert_eq!(side(-20.0, 450.0, &at(0.3, 620.0), &thin), Side::Pulls);
+        assert_eq!(
+            side(20.0, NEAR_SLACK, 450.0, &at(0.3, 620.0), &thin),
+            Side::Pulls
+        );
+        assert_eq!(
+            side(-20.0, NEAR_SLACK, 450.0, &at(0.3, 620.0), &thin),
+            Side::Pulls
+        );
         // Full contraction without pressure, where the law would push by 0.56 of 450 N: slack, whatever the zero of the load cell, unless the
         // force is as large as half of that.
         for zero in [1.0, -20.0, 20.0, 125.0] {
-            assert_eq!(side(zero, 450.0, &at(0.25, 0.0), &thin), Side::Slack);
+            assert_eq!(
+                side(zero, NEAR_SLACK, 450.0, &at(0.25, 0.0), &thin),
+                Side::Slack
+            );
         }
-        assert_eq!(side(127.0, 450.0, &at(0.25, 0.0), &thin), Side::Pulls);
-        assert_eq!(side(-127.0, 450.0, &at(0.25, 0.0), &thin), Side::Pulls);
+        assert_eq!(
+            side(127.0, NEAR_SLACK, 450.0, &at(0.25, 0.0), &thin),
+            Side::Pulls
+        );
+        assert_eq!(
+            side(-127.0, NEAR_SLACK, 450.0, &at(0.25, 0.0), &thin),
+            Side::Pulls
+        );
         // None, at the resting length, where a millimetre decides.
-        assert_eq!(side(1.0, 450.0, &at(0.3, 0.0), &thin), Side::Corner);
-        assert_eq!(side(13.4, 450.0, &at(0.3, 0.0), &thin), Side::Corner);
-        assert_eq!(side(13.6, 450.0, &at(0.3, 0.0), &thin), Side::Pulls);
+        assert_eq!(
+            side(1.0, NEAR_SLACK, 450.0, &at(0.3, 0.0), &thin),
+            Side::Corner
+        );
+        assert_eq!(
+            side(13.4, NEAR_SLACK, 450.0, &at(0.3, 0.0), &thin),
+            Side::Corner
+        );
+        assert_eq!(
+            side(13.6, NEAR_SLACK, 450.0, &at(0.3, 0.0), &thin),
+            Side::Pulls
+        );
     }
 }

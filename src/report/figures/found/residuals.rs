@@ -6,7 +6,7 @@ use super::{Shown, TEXT_MM};
 use crate::figures::trend::{spread, trend};
 use crate::plot::axis::{Span, Ticks};
 use crate::plot::{Axis, Figure, Ink, Layer, Mark, Panel, Series, Shape};
-use crate::wording::level;
+use crate::wording::COMES_IN;
 use crate::wording::number::equals_probability;
 use crate::wording::sentence::has_terms;
 use pipeline_base::row::{NO_LABEL, Row, label_names};
@@ -97,8 +97,6 @@ struct Tried<'a> {
     name: &'a str,
     values: &'a [f64],
     tested: Option<&'a Tested>,
-    /// Below which its test has found something.
-    level: f64,
     /// What its values stand for, from the smallest, in a column of words.
     words: Vec<String>,
 }
@@ -115,7 +113,6 @@ fn columns<'a>(shown: &'a Shown) -> Vec<Tried<'a>> {
             name,
             values,
             tested: tested(name),
-            level: level(shown.found),
             words: labels_of(shown.rows, name, values),
         })
         .collect();
@@ -156,7 +153,7 @@ fn levels(values: &[f64]) -> Vec<f64> {
 
 impl Tried<'_> {
     fn is_significant(&self) -> bool {
-        self.tested.is_some_and(|t| t.p_familywise < self.level)
+        self.tested.is_some_and(|t| t.p_familywise < COMES_IN)
     }
 
     /// Whether its values stand for names.

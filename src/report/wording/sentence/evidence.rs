@@ -5,14 +5,14 @@ use super::found::opposed;
 use crate::number::Rounding;
 use crate::wording::name::{nouns, without_one};
 use crate::wording::number::{equals_probability, percent, rounded, with_unit};
-use crate::wording::{OF_FORCES, SIGNIFICANT};
+use crate::wording::{COMES_IN, SIGNIFICANT};
 use pipeline_findings::{CampaignFindings, EffectFinding, HeldOutBy, Tested};
 use pipeline_numerics::statistics::homogeneity;
 
 /// Largest family-wise p of strong evidence.
-const CLEAR: f64 = 0.25 * OF_FORCES;
+const CLEAR: f64 = 0.25 * COMES_IN;
 /// Evidence with a larger family-wise p is weak.
-const NEAR: f64 = 0.5 * OF_FORCES;
+const NEAR: f64 = 0.5 * COMES_IN;
 /// Evidence for an effect that a smaller share of the searches without one unit finds again is weak.
 const SELDOM: f64 = 0.5;
 /// The column whose values were shuffled.

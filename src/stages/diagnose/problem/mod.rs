@@ -134,7 +134,7 @@ impl<'a> ForceProblem<'a> {
         let largest = data.force.iter().copied().fold(0.0, f64::max);
         let forces = data.force.iter().zip(&data.conditions);
         let side: Vec<Side> = forces
-            .map(|(f, at)| slack::side(*f, largest, at, &base.shape(at)))
+            .map(|(f, at)| slack::side(*f, settings::NEAR_SLACK, largest, at, &base.shape(at)))
             .collect();
         let corner = data.campaigns.len();
         let class_of = |i: usize| match side[i] {

@@ -201,7 +201,7 @@ impl Work<'_> {
                 log_likelihood_gain: Some(a.gain),
                 share_of_variance: (share * share).min(1.0),
                 explained_as_well_by: a.names_instead(|term| self.name(term)),
-                curve: what.curve(self.problem.data, [values[0], values[1]]),
+                curve: what.curve(self.problem.data, values),
             })
         };
         self.found.accepted.iter().filter_map(one).collect()

@@ -5,8 +5,9 @@ use super::settings;
 use super::terms::SIZES;
 use crate::point::{ByHand, Point};
 use pipeline_base::random::Stream;
+use pipeline_diagnose::settings as shared;
 use pipeline_diagnose::slack::Side;
-use pipeline_inference::decisions::FEWEST;
+use pipeline_inference::decisions::{FEWEST, PARALLEL};
 use pipeline_numerics::statistics::{mean, median, sd_by_median};
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -60,6 +61,8 @@ pub struct Column {
     pub sd: f64,
     /// Whether it belongs to the law, so that an offset over it would be no other than a gain.
     pub of_the_law: bool,
+    /// Whether its square is more than the angle by another name, as that of the order of readings is not where a joint turns there and back.
+    pub curved: bool,
 }
 
 /// The rows of a search.
@@ -76,10 +79,66 @@ pub struct Data<'a> {
     pub largest_nm: f64,
 }
 
-/// The torque up to which a reading may be of a slack actuator, N.m: a share of the largest, or what the readings show where the rigid leg would push by
-/// more than that.
-fn of_slack_nm(readings: &[Reading], largest_nm: f64) -> f64 {
-    let share = settings::NEAR_SLACK * largest_nm;
+/// Sizes of torques by which those of slack actuators are told from pulls, N.m.
+#[derive(Clone, Copy, Debug)]
+pub struct Torques {
+    /// The largest of the joint.
+    pub largest: f64,
+    /// Up to this a reading may be of a slack actuator where the rigid leg would pull.
+    pub near: f64,
+    /// The same where it would push.
+    pub slack: f64,
+}
+
+impl Torques {
+    fn of(readings: &[Reading]) -> Self {
+        let sizes = readings.iter().map(|r| r.torque_nm.abs());
+        let largest = sizes.fold(0.0, f64::max);
+        let share = settings::NEAR_SLACK * largest;
+        // What is within the noise of nothing may be of an actuator that an offset of its length has made slack.
+        let noise = settings::SLACK_DEVIATIONS * noise_nm(readings);
+        Self {
+            largest,
+            near: noise.min(share).max(shared::NEAR_SLACK * largest),
+            slack: of_slack_nm(readings, share),
+        }
+    }
+}
+
+/// The noise of the torques, N.m: how far each lies from the line through its neighbours in angle, among those of its test before which the joint
+/// turned the same way (Gasser, Sroka and Jennen-Steinmetz, Biometrika 73 (1986) 625; here by the median). Where the pressure varies as well, that is in it.
+fn noise_nm(readings: &[Reading]) -> f64 {
+    let mut off = Vec::new();
+    for test in readings.chunk_by(|a, b| a.test == b.test) {
+        for sense in [-1.0, 0.0, 1.0] {
+            let alike = test.iter().filter(|r| r.at.sense == sense);
+            let mut points: Vec<(f64, f64)> =
+                alike.map(|r| (r.at.angle_rad, r.torque_nm)).collect();
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            off.extend(points.windows(3).filter_map(off_the_line));
+        }
+    }
+    if off.len() < FEWEST {
+        return 0.0;
+    }
+    sd_by_median(&off)
+}
+
+/// How far the second of three points lies from the line through the others, by the deviation of one value; none at one place.
+fn off_the_line(three: &[(f64, f64)]) -> Option<f64> {
+    let [(a, x), (b, y), (c, z)] = *three else {
+        return None;
+    };
+    let share = Some((b - a) / (c - a)).filter(|s| s.is_finite())?;
+    let weights = [1.0 - share, share];
+    let off = y - weights[0] * x - weights[1] * z;
+    let variance = 1.0 + weights[0] * weights[0] + weights[1] * weights[1];
+    Some(off.abs() / variance.sqrt())
+}
+
+/// The torque up to which a reading may be of a slack actuator where the rigid leg would push, N.m: a share of the largest, or what the readings show
+/// where it would push by more than that.
+fn of_slack_nm(readings: &[Reading], share: f64) -> f64 {
     let is_slack = |r: &&Reading| r.joint.pushed_nm(&r.at).is_some_and(|push| push > share);
     let slack = readings.iter().filter(is_slack);
     let sizes: Vec<f64> = slack.map(|r| r.torque_nm.abs()).collect();
@@ -96,19 +155,16 @@ impl<'a> Data<'a> {
         tests: Vec<&'a str>,
         actuators: Vec<&'a str>,
     ) -> Self {
-        let largest_nm = readings
-            .iter()
-            .fold(0.0, |m: f64, r| m.max(r.torque_nm.abs()));
-        let slack_nm = of_slack_nm(&readings, largest_nm);
+        let torques = Torques::of(&readings);
         for r in &mut readings {
-            r.side = r.joint.side(&r.at, r.torque_nm, largest_nm, slack_nm);
+            r.side = r.joint.side(&r.at, r.torque_nm, &torques);
         }
         let mut data = Self {
             readings,
             tests,
             actuators,
             columns: Vec::new(),
-            largest_nm,
+            largest_nm: torques.largest,
         };
         data.columns = data.all_columns();
         data
@@ -157,21 +213,52 @@ impl<'a> Data<'a> {
         all.into_iter().flatten().collect()
     }
 
-    /// A standardised column; none of one that does not vary within tests: what differs between tests alone is scatter.
+    /// A standardised column; none of one that does not vary within tests, because what differs between tests alone is scatter, nor of one that is
+    /// the angle by another name.
     fn column(&self, name: &str, values: Vec<f64>, of_the_law: bool) -> Option<Column> {
         let mut pairs = self.readings.windows(2).zip(values.windows(2));
         let varies = pairs.any(|(r, v)| r[0].test == r[1].test && v[0] != v[1]);
         let middle = mean(&values);
         let squares: Vec<f64> = values.iter().map(|x| (x - middle) * (x - middle)).collect();
         let sd = mean(&squares).sqrt();
-        let usable = varies && sd > 0.0 && sd.is_finite();
-        usable.then(|| Column {
+        if !(varies && sd > 0.0 && sd.is_finite()) {
+            return None;
+        }
+        let values: Vec<f64> = values.iter().map(|x| (x - middle) / sd).collect();
+        let square: Vec<f64> = values.iter().map(|x| x * x).collect();
+        let is_more = |values: &[f64]| self.beside_the_angle(values) > 1.0 - PARALLEL * PARALLEL;
+        is_more(&values).then(|| Column {
             name: name.to_owned(),
-            values: values.iter().map(|x| (x - middle) / sd).collect(),
+            curved: is_more(&square),
+            values,
             middle,
             sd,
             of_the_law,
         })
+    }
+
+    /// The share of the squares of a column about its means by test that no parabola over the angle explains, test by test.
+    fn beside_the_angle(&self, values: &[f64]) -> f64 {
+        let mut squares = (0.0, 0.0);
+        let mut first = 0;
+        for test in self.readings.chunk_by(|a, b| a.test == b.test) {
+            let own = &values[first..first + test.len()];
+            first += test.len();
+            let angle: Vec<f64> = test.iter().map(|r| r.at.angle_rad).collect();
+            let square = angle.iter().map(|a| a * a).collect();
+            let mut left = own.to_vec();
+            let mut basis: Vec<Vec<f64>> = Vec::new();
+            for mut column in [vec![1.0; own.len()], angle, square] {
+                basis.iter().for_each(|b| take_off(&mut column, b));
+                take_off(&mut left, &column);
+                if basis.is_empty() {
+                    squares.1 += sum_of_squares(&left);
+                }
+                basis.push(column);
+            }
+            squares.0 += sum_of_squares(&left);
+        }
+        squares.0 / squares.1
     }
 
     /// The angles of every test in another order: a column that must never be chosen.
@@ -202,6 +289,20 @@ impl<'a> Data<'a> {
             .filter_map(|r| of(&r.by_hand))
             .collect();
         (!all.is_empty()).then(|| 1e3 * median(&all))
+    }
+}
+
+fn sum_of_squares(values: &[f64]) -> f64 {
+    values.iter().map(|x| x * x).sum()
+}
+
+/// Takes off the part of a vector that lies along another.
+fn take_off(vector: &mut [f64], along: &[f64]) {
+    let product: f64 = vector.iter().zip(along).map(|(v, a)| v * a).sum();
+    let share = product / sum_of_squares(along);
+    if share.is_finite() {
+        let pairs = vector.iter_mut().zip(along);
+        pairs.for_each(|(v, a)| *v -= share * a);
     }
 }
 
@@ -239,6 +340,15 @@ mod tests {
                 tendon_m: 0.0,
             },
             remarks: Vec::new(),
+        }
+    }
+
+    /// Of a joint whose largest torque is 4 N.m.
+    fn torques(slack: f64) -> Torques {
+        Torques {
+            largest: 4.0,
+            near: 0.12,
+            slack,
         }
     }
 
@@ -280,14 +390,14 @@ mod tests {
         let push = joint.pushed_nm(&at(-5.0)).unwrap();
         assert!(push > 1.0, "{push}");
         for torque in [0.49 * push, -0.49 * push] {
-            assert_eq!(joint.side(&at(-5.0), torque, 4.0, 0.1), Side::Slack);
+            assert_eq!(joint.side(&at(-5.0), torque, &torques(0.1)), Side::Slack);
         }
         for torque in [0.51 * push, -0.51 * push] {
-            assert_eq!(joint.side(&at(-5.0), torque, 4.0, 0.1), Side::Pulls);
+            assert_eq!(joint.side(&at(-5.0), torque, &torques(0.1)), Side::Pulls);
         }
         // Where it pulls, nothing is slack.
         assert_eq!(joint.pushed_nm(&at(-90.0)), None);
-        assert_eq!(joint.side(&at(-90.0), 0.5, 4.0, 1.0), Side::Pulls);
+        assert_eq!(joint.side(&at(-90.0), 0.5, &torques(1.0)), Side::Pulls);
     }
 
     #[test]
@@ -300,7 +410,7 @@ mod tests {
                 .iter()
                 .map(|t| reading(joint, -5.0, *t, &none))
                 .collect();
-            of_slack_nm(&readings, 4.0)
+            of_slack_nm(&readings, 0.4)
         };
         // Two tell nothing of the noise; three with a median of 0.2 N.m do.
         assert_eq!(slack(&[0.2, -0.2]), 0.4);
@@ -310,7 +420,102 @@ mod tests {
         assert_eq!(slack(&[0.01, -0.01, 0.01]), 0.4);
         let corner = joint.pushed_nm(&at(-28.0)).unwrap();
         assert!(corner < 0.4, "{corner}");
-        assert_eq!(joint.side(&at(-28.0), 0.6, 4.0, 0.4), Side::Pulls);
-        assert_ne!(joint.side(&at(-28.0), 0.6, 4.0, three), Side::Pulls);
+        assert_eq!(joint.side(&at(-28.0), 0.6, &torques(0.4)), Side::Pulls);
+        assert_ne!(joint.side(&at(-28.0), 0.6, &torques(three)), Side::Pulls);
+    }
+
+    #[test]
+    fn the_noise_is_what_lies_off_the_line_through_its_neighbours() {
+        let (build, law) = (extensor(), Base::new(10, false, 1, &FitOptions::default()));
+        let joint = Joint::new(&build, &law);
+        let none = BTreeMap::new();
+        let of = |points: &[(f64, f64)], sense: &dyn Fn(usize) -> f64| -> f64 {
+            let readings = points.iter().enumerate().map(|(k, (degrees, torque))| {
+                let mut reading = reading(joint, *degrees, *torque, &none);
+                reading.at.sense = sense(k);
+                reading
+            });
+            noise_nm(&readings.collect::<Vec<_>>())
+        };
+        let still = |_: usize| 0.0;
+        // In any order, at uneven steps.
+        let line = [
+            (-40.0, 2.0),
+            (-90.0, 7.0),
+            (-60.0, 4.0),
+            (-80.0, 6.0),
+            (-75.0, 5.5),
+        ];
+        assert!(of(&line, &still) < 1e-12);
+        // Each is 0.3 off the line through its neighbours, a difference with the variance 1 + 1/4 + 1/4.
+        let saw = [
+            (-80.0, 0.0),
+            (-70.0, 0.3),
+            (-60.0, 0.0),
+            (-50.0, 0.3),
+            (-40.0, 0.0),
+        ];
+        let expected = 0.3 / 1.5_f64.sqrt() / 0.674_489_750_196_082;
+        assert!((of(&saw, &still) - expected).abs() < 1e-12);
+        // Friction, which makes the saw, is no noise.
+        let turning = |k: usize| if k % 2 == 0 { 1.0 } else { -1.0 };
+        let long = |n: usize| -> Vec<(f64, f64)> {
+            let angle = |k: usize| -100.0 + 10.0 * k as f64;
+            (0..n).map(|k| (angle(k), 0.3 * (k % 2) as f64)).collect()
+        };
+        assert!(of(&long(10), &turning) < 1e-12);
+        // Two of three that are needed.
+        assert_eq!(of(&saw[..4], &still), 0.0);
+    }
+
+    #[test]
+    fn a_torque_within_the_noise_is_no_pull() {
+        let (build, law) = (extensor(), Base::new(10, false, 1, &FitOptions::default()));
+        let joint = Joint::new(&build, &law);
+        let none = BTreeMap::new();
+        // The rigid leg pulls at all of these; an offset of the length may have made it slack.
+        let saw = |height: f64| -> Vec<Reading> {
+            let torque = |k: usize| if k == 0 { 4.0 } else { height * (k % 2) as f64 };
+            let angle = |k: usize| -100.0 + 5.0 * k as f64;
+            let all = (0..12).map(|k| reading(joint, angle(k), torque(k), &none));
+            all.collect()
+        };
+        let near = |height: f64| Torques::of(&saw(height)).near;
+        let off = |height: f64| height / 1.5_f64.sqrt() / 0.674_489_750_196_082;
+        // Three deviations, no less than 3% and no more than 10% of the largest.
+        assert_eq!(near(0.0), 0.03 * 4.0);
+        assert!((near(0.1) - 3.0 * off(0.1)).abs() < 1e-12);
+        assert_eq!(near(0.4), 0.1 * 4.0);
+        let torques = Torques::of(&saw(0.1));
+        let side = |torque: f64| joint.side(&at(-70.0), torque, &torques);
+        assert_eq!(side(0.99 * torques.near), Side::Corner);
+        assert_eq!(side(1.01 * torques.near), Side::Pulls);
+    }
+
+    #[test]
+    fn what_is_the_angle_by_another_name_is_no_column() {
+        let (build, law) = (extensor(), Base::new(10, false, 1, &FitOptions::default()));
+        let joint = Joint::new(&build, &law);
+        let none = BTreeMap::new();
+        let order = |angles: &[f64]| {
+            let last = (angles.len() - 1) as f64;
+            let all = angles.iter().enumerate().map(|(k, degrees)| Reading {
+                order: k as f64 / last,
+                ..reading(joint, *degrees, 1.0, &none)
+            });
+            let data = Data::new(all.collect(), vec!["t"], vec!["a"]);
+            let mut columns = data.columns.into_iter();
+            columns.find(|c| c.name == "order").map(|c| c.curved)
+        };
+        let there: Vec<f64> = (0..10).map(|k| -100.0 + 10.0 * f64::from(k)).collect();
+        assert_eq!(order(&there), None);
+        // There and back: the square of the order is the angle, the order itself is not.
+        let back = there.iter().rev().copied();
+        let both: Vec<f64> = there.iter().copied().chain(back).collect();
+        assert_eq!(order(&both), Some(false));
+        let mixed = [
+            -50.0, -90.0, -20.0, -70.0, -10.0, -100.0, -40.0, -80.0, -30.0, -60.0,
+        ];
+        assert_eq!(order(&mixed), Some(true));
     }
 }

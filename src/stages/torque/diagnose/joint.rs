@@ -28,7 +28,7 @@ pub(super) struct Searched<'s> {
 
 fn decision(options: &DiagnoseOptions) -> Decision {
     Decision {
-        level: decisions::LEVEL,
+        level: decisions::COMES_IN,
         draws: options.draws,
         alike: decisions::ALIKE,
         most_terms: options.most_effects.min(MOST_TERMS),

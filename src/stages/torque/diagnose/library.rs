@@ -12,7 +12,7 @@ use pipeline_numerics::real::Real;
 pub enum What {
     /// A form of an effect, by its place in [`ALL`].
     Effect(usize),
-    /// M (1 + a x + b x^2), x a column by its place in the data.
+    /// M (1 + a x + b x^2), x a column by its place in the data; without b where its square is no other than the angle.
     Gain(usize),
     /// M + S (a x + b x^2), S the largest torque.
     Offset(usize),
@@ -49,8 +49,11 @@ impl What {
     }
 
     /// Number of values, all of them amplitudes.
-    pub fn values(self) -> usize {
-        self.form().map_or(2, |f| f.symbols.len())
+    pub fn values(self, data: &Data) -> usize {
+        match self {
+            What::Effect(k) => ALL[k].symbols.len(),
+            What::Gain(k) | What::Offset(k) => 1 + usize::from(data.columns[k].curved),
+        }
     }
 
     /// Id of the effect, or name of the column.
@@ -72,8 +75,8 @@ impl What {
             kind,
             named: self.form().is_some(),
             decoy: self.name(data) == PLACEBO,
-            bounds: vec![self.form().map_or(correction, |f| f.bounds); self.values()],
-            amplitudes: self.values(),
+            bounds: vec![self.form().map_or(correction, |f| f.bounds); self.values(data)],
+            amplitudes: self.values(data),
             usual: self.form().map_or(f64::INFINITY, |f| f.usual),
         }
     }
@@ -98,12 +101,13 @@ impl What {
     }
 
     /// A dependence over the range of its column: value of the column, share of the torque or N.m.
-    pub fn curve(self, data: &Data, [a, b]: [f64; 2]) -> Vec<(f64, f64)> {
+    pub fn curve(self, data: &Data, values: &[f64]) -> Vec<(f64, f64)> {
         let (column, unit) = match self {
             What::Effect(_) => return Vec::new(),
             What::Gain(k) => (&data.columns[k], 1.0),
             What::Offset(k) => (&data.columns[k], data.largest_nm),
         };
+        let shape = |x: f64| values.iter().rev().fold(0.0, |sum, a| (sum + a) * x);
         let low = column.values.iter().copied().fold(f64::INFINITY, f64::min);
         let high = column
             .values
@@ -112,7 +116,7 @@ impl What {
             .fold(f64::NEG_INFINITY, f64::max);
         (0..=20)
             .map(|k| low + f64::from(k) / 20.0 * (high - low))
-            .map(|x| (column.middle + column.sd * x, unit * (b * x + a) * x))
+            .map(|x| (column.middle + column.sd * x, unit * shape(x)))
             .collect()
     }
 }

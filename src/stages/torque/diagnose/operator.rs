@@ -8,6 +8,7 @@
 //! On which side of the corner to slackness a reading is, is decided once ([`Joint::side`], [`pipeline_diagnose::slack`]): the law is then
 //! smooth in every size.
 
+use super::data::Torques;
 use super::terms::{KINKS_FROM_RAD, LAW_COEFFICIENTS, SIZES, place};
 use crate::build::Build;
 use pipeline_diagnose::base::Base;
@@ -99,22 +100,24 @@ impl<'a> Joint<'a> {
         rigid.filter(|s| s.force < 0.0).map(|s| s.torque.abs())
     }
 
-    /// On which side of the corner to slackness a reading of `torque_nm` is, where the largest of the joint is `largest_nm` and a slack actuator shows up
-    /// to `slack_nm`. Where the rigid leg would not pull, a torque is noise and zero of the sensor, unless it is larger than that and nearer to what the
-    /// law would push, which is no share of the largest torque: that may be one at half of the contraction.
-    pub fn side(&self, at: &At, torque_nm: f64, largest_nm: f64, slack_nm: f64) -> Side {
+    /// On which side of the corner to slackness a reading of `torque_nm` is. Where the rigid leg would not pull, a torque is noise and zero of the
+    /// sensor, unless it is larger than that of slack actuators and nearer to what the law would push, which is no share of the largest torque: that
+    /// may be one at half of the contraction.
+    pub fn side(&self, at: &At, torque_nm: f64, torques: &Torques) -> Side {
         let setup = &self.build.setup;
         let length = self
             .leg
             .length(at.angle_rad)
             .map_or(f64::NAN, |l| setup.actuator_length(l));
         let pushed = self.pushed_nm(at);
-        let is_slack = pushed.is_some_and(|pushed| torque_nm.abs() < slack_nm.max(pushed / 2.0));
+        let is_slack =
+            pushed.is_some_and(|pushed| torque_nm.abs() < torques.slack.max(pushed / 2.0));
         let torque_nm = if is_slack { 0.0 } else { torque_nm };
         let at = self.conditions(at, length);
         slack::side(
             torque_nm,
-            largest_nm,
+            torques.near / torques.largest,
+            torques.largest,
             &at,
             &Shape::usual(at.diameter_mm as u32),
         )

@@ -32,9 +32,11 @@ pub const LENGTH_SD_MM: f64 = 5.0;
 pub const ARM_SD_MM: f64 = 7.0;
 /// Fewest hand-measured values from which their noise is estimated; with fewer, or where it is declared, it is taken as known.
 pub const FEWEST_FOR_NOISE: usize = 10;
-/// Share of the largest torque below which a reading may be of an actuator that is slack, where the rigid leg would not pull; and the noise of a
-/// reading that may or may not be, which says no more than that.
+/// Share of the largest torque below which a reading may be of an actuator that is slack, where the rigid leg would not pull, or where the noise is so
+/// large; and the noise of a reading that may or may not be, which says no more than that.
 pub const NEAR_SLACK: f64 = 0.1;
-/// The same in standard deviations of the torques of actuators that are surely slack, where these are larger: a reading of noise that is taken for
-/// one of an actuator that pushes bends the whole law.
+/// In standard deviations of the torques: the size below which one may be of a slack actuator. Where the rigid leg would pull, the deviations are those
+/// of neighbouring readings, because an offset of the length makes actuators slack of which the drawing says that they pull; where it would push, those
+/// of actuators that are surely slack. A reading of noise that is taken for one of an actuator that pushes bends the whole law: with noise of 0.25 N.m
+/// and 3% of the largest torque as the bound, an offset of the length of 17 to 26 mm was answered with another effect in 8 of 8 simulated joints.
 pub const SLACK_DEVIATIONS: f64 = 3.0;

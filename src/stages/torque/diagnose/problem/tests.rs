@@ -102,8 +102,8 @@ fn with(list: &[(usize, f64)]) -> [f64; SIZES] {
 fn found(problem: &TorqueProblem) -> Found {
     let setting = Setting::new(problem);
     let decision = Decision {
-        level: decisions::LEVEL,
-        draws: 59,
+        level: decisions::COMES_IN,
+        draws: 199,
         alike: decisions::ALIKE,
         most_terms: 3,
         thorough: true,
@@ -135,7 +135,7 @@ fn derivatives_are_those_of_differences() {
         let mut point = problem.start();
         // Somewhere off the origin, inside the bounds.
         let size = 0.05 * problem.terms()[t].bounds[0].1;
-        point.terms.push((t, vec![size; term.values()]));
+        point.terms.push((t, vec![size; term.values(&data)]));
         for (k, b) in point.random.iter_mut().enumerate() {
             *b = 0.01 * (k % 7) as f64;
         }
