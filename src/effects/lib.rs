@@ -94,6 +94,8 @@ pub enum Grouping {
     Whole,
     /// Also a value for some sessions only, or for one specimen only: something of the set-up.
     Parts,
+    /// A value for each specimen, all drawn from one distribution: scatter that every model has, and no candidate.
+    Drawn,
 }
 
 /// Of what an effect is.

@@ -1,10 +1,9 @@
 //! Actuators of one make differ in gain.
 //!
-//! Every model here lets each specimen have a gain of its own, F (1 + u), with u normal about 0; that is no finding. The effect is
-//! found where the gains scatter more than is usual for one batch. This file names it; the gains live in
-//! [`super::force`].
+//! Every model of the residual search lets each specimen have a gain of its own, F (1 + u), with u normal about 0: it is scatter, whose size is
+//! reported, and never a finding.
 
-use super::{Conditions, Effect, Form, Link, Parameter, Place, Subject};
+use super::{Conditions, Effect, Form, Grouping, Link, Parameter, Place, Subject};
 use pipeline_numerics::real::Real;
 
 /// Its id.
@@ -39,6 +38,9 @@ impl Effect for SpecimenVariation {
     }
     fn forms(&self) -> &'static [Form] {
         FORMS
+    }
+    fn grouping(&self) -> Grouping {
+        Grouping::Drawn
     }
     fn measurement(&self) -> &'static str {
         "measure three specimens of one resting length, and one specimen again after remounting"

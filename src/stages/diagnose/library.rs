@@ -80,7 +80,7 @@ pub fn terms(data: &Data) -> Vec<Term> {
     for (effect, e) in effects::all().iter().enumerate() {
         for (form, f) in e.forms().iter().enumerate() {
             let known = f.needs.iter().all(|n| !data.missing.contains_key(n));
-            if !known || e.id() == SPECIMEN_GAIN {
+            if !known || e.grouping() == Grouping::Drawn {
                 continue;
             }
             for shape in f.shape.map_or(&[f64::NAN][..], |(_, grid)| grid) {
@@ -104,9 +104,6 @@ pub fn terms(data: &Data) -> Vec<Term> {
     terms.extend(columns.map(|c| Term::new(What::Column(c), Scope::All, data)));
     terms
 }
-
-/// Id of the effect whose random form every model has: the gain of a specimen.
-pub const SPECIMEN_GAIN: &str = "specimen_variation";
 
 fn parts(data: &Data) -> Vec<Scope> {
     let sessions = data.sessions.len();
