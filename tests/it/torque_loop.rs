@@ -1,6 +1,9 @@
 //! The loop on torque: simulated legs with one effect that nobody declares, or none. The simulator's equations are not those of the search:
 //! compliance that stiffens, kinking that sets in smoothly; the joint is a triangle, solved in closed form.
 
+#[path = "../../examples/torque_loop/bench/mod.rs"]
+mod bench;
+
 use crate::support::Bench;
 use pipeline::base::random::Stream;
 use pipeline::models::new::NewPublished;
@@ -423,6 +426,17 @@ mod not_reached {
 /// Minutes: run by `.ci/run`.
 mod long {
     use super::*;
+
+    #[test]
+    #[ignore = "long: 15 s of processor time"]
+    fn the_published_table_is_of_this_loop() {
+        let line = bench::digest::line(&bench::digest::answers());
+        assert!(
+            include_str!("../../docs/closed-loop.md").contains(&line),
+            "docs/closed-loop.md does not have this line: {line}\nThe loop answers otherwise than when its table of joints was made. Make it again: \
+             cargo run --release --example torque_loop -- --seeds 10 --first 521"
+        );
+    }
 
     #[test]
     #[ignore = "long: 12 s of processor time"]

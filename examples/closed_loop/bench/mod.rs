@@ -11,6 +11,7 @@
 //! | [`rate`] | shares with their bounds, medians |
 //! | [`table`] | the table in Markdown, with the bars |
 //! | [`digest`] | the answers for twelve fixed campaigns as one number |
+//! | [`findings_digest`] | findings as one number |
 //!
 //! Shared by the example `closed_loop` and by the tests.
 
@@ -19,6 +20,7 @@
 
 pub mod cases;
 pub mod digest;
+pub mod findings_digest;
 pub mod judge;
 pub mod outcome;
 pub mod plan;

@@ -22,6 +22,7 @@ use crate::input::{GroupInput, ReportInput};
 use crate::knee;
 use crate::pages::{PageData, Picture};
 use crate::typeset::Pdf;
+use crate::wording::COMES_IN;
 use crate::wording::name;
 use crate::wording::number::unit;
 use crate::wording::sentence::implausible;
@@ -99,6 +100,8 @@ pub(crate) struct Campaign {
     alias_sets: Vec<effects::AliasRow>,
     tested: Vec<effects::TestedRow>,
     tested_in_all: usize,
+    /// Below which a candidate comes in.
+    level: f64,
     /// A remark on the shuffled column; empty where there is nothing to say.
     shuffled: String,
     unexplained: Vec<[String; 4]>,
@@ -279,6 +282,7 @@ fn campaign(
         alias_sets: effects::alias_sets(found),
         tested: effects::tested(found),
         tested_in_all: found.tested.len(),
+        level: COMES_IN,
         shuffled: effects::shuffled(found),
         unexplained: found.unexplained.iter().map(effects::unexplained).collect(),
         scatter: found.scatter.iter().map(groups::scatter).collect(),

@@ -10,6 +10,7 @@
 //! | [`terms`] | the effects, with unit, bounds and source |
 //! | [`operator`] | torque, length and arm with effects, force in balance at every angle, with derivatives |
 //! | [`data`] | the readings of a joint, with everything that is known of each |
+//! | [`sides`] | which torques may be of slack actuators |
 //! | [`library`] | the terms that may be added: forms of effects, and smooth functions of columns |
 //! | [`problem`] | the joint as the engine sees it: groups, nuisance components, readings of torque, length and arm |
 //! | [`settings`] | what is plausible of a joint |
@@ -43,6 +44,7 @@ pub mod operator;
 pub mod problem;
 pub mod recording;
 pub mod settings;
+pub mod sides;
 pub mod terms;
 mod unassessed;
 pub mod unseen;

@@ -8,7 +8,7 @@
 //! On which side of the corner to slackness a reading is, is decided once ([`Joint::side`], [`pipeline_diagnose::slack`]): the law is then
 //! smooth in every size.
 
-use super::data::Torques;
+use super::sides::Torques;
 use super::terms::{KINKS_FROM_RAD, LAW_COEFFICIENTS, SIZES, place};
 use crate::build::Build;
 use pipeline_diagnose::base::Base;
