@@ -105,7 +105,7 @@ pub(super) fn command(args: &SummaryArgs) -> Result<u8> {
     }
     if let Some(raw) = missing {
         line(format!(
-            "not compared with the sessions: there is no raw directory {} (--raw names another); this is what the last run found",
+            "not compared with the sessions, because there is no directory {} (--raw names another): these are the results of the last run",
             raw.display()
         ));
     }
@@ -234,7 +234,7 @@ impl Answers {
         let mut columns = vec![Align::Right; 2 + ids.len()];
         columns[0] = Align::Left;
         line(
-            "Laws alone, by least squares, on unseen specimens and the readings that all of them cover:",
+            "Laws without effects, on the readings that all of them cover; fitted: by least squares to the other specimens",
         );
         aligned(&rows, &columns).into_iter().for_each(line);
         line("");

@@ -57,8 +57,11 @@ fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, Stri
     ];
     if let Some(share) = e.found_in_folds {
         let unit = name::without_one(found);
-        let searches = format!("{} of the searches without one {unit}", percent(share));
-        facts.insert(1, ("selected in", searches));
+        let searches = format!(
+            "{} of the searches without one {unit}, in this or another form or as a member of its alias set",
+            percent(share)
+        );
+        facts.insert(1, ("found again in", searches));
     }
     if let Some(log_likelihood) = e.log_likelihood_gain {
         facts.insert(1, ("gain in log-likelihood", gain(log_likelihood)));

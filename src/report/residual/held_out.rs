@@ -232,7 +232,7 @@ pub(super) fn alternatives_sentence(found: &CampaignFindings) -> String {
         let errors = (chosen.rmse_heldout, next.rmse_heldout);
         if let (Some(here), Some(there)) = errors {
             sentence += &format!(
-                ", and the error on {} is {} instead of {}",
+                ", and the error on {} is {} against {}",
                 name::held_out(found),
                 error(here, &found.unit),
                 error_with_unit(there, &found.unit)

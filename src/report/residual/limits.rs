@@ -183,7 +183,7 @@ pub(super) fn worth_withheld(found: &CampaignFindings) -> String {
     let units = name::nouns(found).units;
     format!(
         "The worth of a measurement is the decrease in error that the model with the effects expects. It is omitted where that says nothing about \
-         unseen {units}: where their error rises with the effects, or the decrease would exceed it."
+         unseen {units}: where their error rises with the effects, is more than half as large again as expected, or is less than the decrease."
     )
 }
 
@@ -275,7 +275,7 @@ mod tests {
 
     fn said(points: Vec<NextMeasurement>) -> String {
         let mut found = example();
-        found.expected_rmse_heldout = Some(10.0);
+        found.expected_rmse_heldout = Some(12.0);
         found.next_measurement = points;
         next(&found).concat().concat().replace('\u{a0}', " ")
     }

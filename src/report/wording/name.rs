@@ -23,7 +23,7 @@ const SOURCES: [(&str, &str); 15] = [
     ("force_zero", "zero of the force"),
     ("torque_zero", "zero of the torque"),
     ("specimen_lengths", "free lengths of the specimen"),
-    ("mounting", "mounting of the tests"),
+    ("mounting", "mounting lengths of the tests"),
     ("session_misfit", "misfit of the session"),
     ("stroke_misfit", "misfit of the stroke"),
     ("test_misfit", "misfit of the test"),
@@ -340,7 +340,7 @@ pub fn why_not_of_law(none: &NotMeasurable) -> String {
         (WhyNot::NoColumn, Some(by)) => format!("{} was not recorded", column(by)),
         (WhyNot::NoColumn, None) => NOT_RECORDED.to_owned(),
         (WhyNot::Bound, _) => {
-            "its smallest detectable size is beyond what is physically possible".to_owned()
+            "only sizes beyond what is physically possible would be detected".to_owned()
         }
         (WhyNot::NoTrace, Some(by)) => format!("too few of the readings vary the {}", column(by)),
         (WhyNot::NoTrace, None) => "nothing in these readings would show it".to_owned(),

@@ -141,7 +141,7 @@ fn three_lines_have_names_numbers_and_what_is_worth_most() {
         (1, "5.1 N after three readings of each session"),
         (
             2,
-            "largest source of the expected error, 13.4 N: set lengths, 80% of its square",
+            "expected error 13.4 N; largest source: set lengths (80% of the variance)",
         ),
         (2, "next: knowing"),
     ] {
@@ -181,8 +181,20 @@ fn noise_is_the_largest_source_where_it_is() {
     (noise.variance, noise.rmse) = (144.1, 12.004);
     let line = super::sentence::in_three_lines(&found, None).swap_remove(2);
     let line = line.replace('\u{a0}', " ");
-    let said = "largest source of the expected error, 13.4 N: noise, 80% of its square";
+    let said = "expected error 13.4 N; largest source: noise (80% of the variance)";
     assert!(line.starts_with(said), "{line}");
+}
+
+/// Nothing is worth what a model promises that expected far less than what came out.
+#[test]
+fn what_a_measurement_is_worth_is_said_where_the_error_is_about_as_large_as_expected() {
+    let mut found = example();
+    for (observed, is_said) in [(1.49 * 13.4, true), (1.51 * 13.4, false)] {
+        found.before.rmse_heldout = Some(30.0);
+        found.after.rmse_heldout = Some(observed);
+        let credible = super::sentence::is_worth_credible(&found, 6.0);
+        assert_eq!(credible, is_said, "{observed}");
+    }
 }
 
 #[test]
@@ -193,7 +205,7 @@ fn a_line_with_nothing_to_say_is_not_there() {
     (found.budget, found.next_measurement) = (Vec::new(), Vec::new());
     let lines = super::sentence::in_three_lines(&found, None);
     assert_eq!(lines.len(), 2, "{lines:?}");
-    assert!(lines[1].starts_with("next: another"), "{lines:?}");
+    assert!(lines[1].starts_with("next: a second"), "{lines:?}");
     found.verdict = Verdict::None;
     (found.effects, found.unexplained) = (Vec::new(), Vec::new());
     let lines = super::sentence::in_three_lines(&found, None);
@@ -473,7 +485,7 @@ fn a_page_has_the_answer_in_points() {
     assert!(!rest[0].starts_with("Error"), "{rest:#?}");
     assert_eq!(
         rest.last().unwrap(),
-        "Next: Another specimen would show whether the effects hold: there is none to test them on"
+        "Next: A second specimen would show whether the effects hold"
     );
 }
 

@@ -343,7 +343,7 @@ fn caption(shown: &Shown, rows: &[OneResidual]) -> String {
         ("", "Predicted by")
     };
     format!(
-        "Residual (measured minus predicted) of {readings} readings{both}, against the most informative columns; _p_ is \
+        "Residual (measured minus predicted) of {readings} readings{both}, against the columns tested that show most; _p_ is \
          that of the family-wise test of a \
          smooth dependence, where the column was tested. {which}: {misfit}.{own}{units}{drawn}"
     )

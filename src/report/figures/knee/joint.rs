@@ -3,7 +3,9 @@
 use super::{angle_axis, configuration, over_angle};
 use crate::figures::Named;
 use crate::figures::formatting::{largest, listed};
-use crate::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Panel, SINGLE_MM, Series, Stroke};
+use crate::plot::{
+    Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Mark, Panel, SINGLE_MM, Series, Stroke,
+};
 use pipeline_base::names::file_name;
 use pipeline_torque::diagnose::JointDiagnosis;
 use pipeline_torque::diagnose::curves::BeforeAfter;
@@ -115,11 +117,22 @@ fn pressures(joint: &JointDiagnosis) -> String {
             format!("Curves: at the pressure of the tests, {low} to {high} kPa gauge.")
         }
         (several, _) => format!(
-            "Curves: {} kPa gauge, the torque the larger the higher the pressure.",
+            "Where there are several gauge pressures ({} kPa), each has a colour: the rigid leg dashed, with the effects found solid, found without the \
+             actuator dotted.",
             listed(several)
         ),
     }
 }
+
+/// Colours of pressures.
+const OF_PRESSURES: [Ink; 6] = [
+    Ink::Sky,
+    Ink::Vermilion,
+    Ink::Green,
+    Ink::Purple,
+    Ink::Orange,
+    Ink::Blue,
+];
 
 fn panel(joint: &JointDiagnosis, c: &Configuration) -> Panel {
     let of = |b: &&BeforeAfter| b.configuration == c.id;
@@ -151,7 +164,10 @@ fn panel(joint: &JointDiagnosis, c: &Configuration) -> Panel {
     let mut panel = Panel::new(angle_axis(), y)
         .title(&title)
         .with(Layer::zero());
-    for b in curves {
+    // One colour a model, or where a panel has several pressures one a pressure.
+    let several = curves.len() > 1;
+    let of_pressure = |k: usize| OF_PRESSURES[k % OF_PRESSURES.len()];
+    for (k, b) in curves.iter().enumerate() {
         for (name, torques, ink, dash) in [
             (
                 "rigid leg, published law",
@@ -169,16 +185,36 @@ fn panel(joint: &JointDiagnosis, c: &Configuration) -> Panel {
         ] {
             let values = torques.iter().map(|t| t.unwrap_or(f64::NAN));
             let line = over_angle(&b.angles_rad, values);
+            let (name, ink) = match (several, dash) {
+                (true, Dash::Solid) => (format!("{} kPa", b.pressure_kpa.round()), of_pressure(k)),
+                (true, _) => (String::new(), of_pressure(k)),
+                (false, _) => (name.to_owned(), ink),
+            };
             if !torques.is_empty() {
-                panel = panel.with(Series::line(name, line, Stroke::new(ink, dash)));
+                panel = panel.with(Series::line(&name, line, Stroke::new(ink, dash)));
             }
         }
     }
+    let nearest = |kpa: f64| {
+        let far = |b: &BeforeAfter| (b.pressure_kpa - kpa).abs();
+        let all = curves.iter().enumerate();
+        let nearest = all.min_by(|a, b| far(a.1).total_cmp(&far(b.1)));
+        nearest.map_or(0, |(k, _)| k)
+    };
     for (k, test) in c.tests.iter().enumerate() {
-        let points = test.points.iter();
-        let points = points.map(|p| (p.angle_rad.to_degrees(), p.torque_nm));
         let mark = configuration::mark(k, test);
-        panel = panel.with(Series::marks("", points.collect(), mark));
+        let pressures = if several { curves.len() } else { 1 };
+        for pressure in 0..pressures {
+            let points = test.points.iter();
+            let points = points.filter(|p| !several || nearest(p.pressure_kpa) == pressure);
+            let points = points.map(|p| (p.angle_rad.to_degrees(), p.torque_nm));
+            let ink = if several {
+                of_pressure(pressure)
+            } else {
+                mark.ink
+            };
+            panel = panel.with(Series::marks("", points.collect(), Mark { ink, ..mark }));
+        }
     }
     panel
 }

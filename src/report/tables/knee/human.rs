@@ -51,8 +51,8 @@ pub fn design(input: &ReportInput) -> Table {
         .number("human_largest_nm", "Human, largest", Nm, Decimals(1), |(d, _)| largest(&d.human_nm))
         .text("met_deg", "Meets the human muscle at", |(d, law)| stretches(&d.met_deg[law])).machines()
         .text("met_words", "Meets the human muscle at", |(d, law)| with_minus(&stretches(&d.met_deg[law]))).people()
-        .text("met_within_data_deg", "Of that within its data", |(d, law)| stretches(&d.met_within_data_deg[law])).machines()
-        .text("met_within_data_words", "Of that within its data", |(d, law)| with_minus(&stretches(&d.met_within_data_deg[law]))).people()
+        .text("met_within_data_deg", "Of which within its data", |(d, law)| stretches(&d.met_within_data_deg[law])).machines()
+        .text("met_within_data_words", "Of which within its data", |(d, law)| with_minus(&stretches(&d.met_within_data_deg[law]))).people()
         .rows(designs.flat_map(|d| (0..LAWS.len()).map(move |law| (d, law))))
 }
 

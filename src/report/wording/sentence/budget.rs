@@ -77,13 +77,13 @@ pub(super) fn budget(found: &CampaignFindings) -> Option<String> {
     ))
 }
 
-/// `largest source of the expected error, 14.1 N: set lengths, 46% of its square`: roots do not add.
+/// `expected error 14.1 N; largest source: set lengths (46% of the variance)`: roots do not add.
 pub(super) fn largest_source(found: &CampaignFindings) -> Option<String> {
     let sources = found.budget.iter();
     let largest = sources.max_by(|a, b| a.variance.total_cmp(&b.variance))?;
     let total = found.expected_rmse_heldout?;
     Some(format!(
-        "largest source of the expected error, {}: {}, {} of its square",
+        "expected error {}; largest source: {} ({} of the variance)",
         error_with_unit(total, &found.unit),
         name::source(&largest.source),
         percent(largest.variance / (total * total)),

@@ -53,7 +53,8 @@ pub(super) fn varying(effect: &EffectFinding) -> Option<String> {
     let is_misleading = high - low > size.value.abs() && !is_narrow(range_of(free)?);
     is_misleading.then(|| {
         let along = name::column(&free.argument);
-        if (-low).min(high) > NARROW * (high - low) {
+        let is_large = (-low).min(high) > NARROW * (high - low);
+        if is_large && is_surely_of_both_signs(free) {
             return format!("changes its sign along the {along}: perhaps another effect");
         }
         let rounding = Rounding::ByInterval { low, high };
@@ -63,6 +64,11 @@ pub(super) fn varying(effect: &EffectFinding) -> Option<String> {
             with_unit(&rounded(high, rounding), &size.unit)
         )
     })
+}
+
+/// Whether the intervals of a size exclude 0 on either side of it, each somewhere.
+fn is_surely_of_both_signs(free: &FreeForm) -> bool {
+    free.curve.iter().any(|p| p.low > 0.0) && free.curve.iter().any(|p| p.high < 0.0)
 }
 
 /// `, from 101 kPa at 38 kPa to 309 kPa at 625 kPa, everything else refitted`: the sizes at the ends of the range, and between them where it is largest

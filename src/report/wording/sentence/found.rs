@@ -138,9 +138,10 @@ pub(super) fn contradicted(found: &CampaignFindings) -> Option<String> {
 
 /// Of an effect of a joint that it is larger than such parts were measured to be, and what these have up to: something else is probably in it.
 pub fn beyond_usual(found: &CampaignFindings, e: &EffectFinding) -> Option<String> {
-    let size = e.parameters.first()?;
     let (most, unit) = usual(&e.id, &e.form).filter(|_| found.kind == "knee-torque")?;
-    (size.value.abs() > most).then(|| with_unit(&most.to_string(), unit))
+    // A shift has two parts.
+    let squares: f64 = e.parameters.iter().map(|p| p.value * p.value).sum();
+    (squares.sqrt() > most).then(|| with_unit(&most.to_string(), unit))
 }
 
 /// Of an effect of which groups scatter as well, where there is but one of them: its own value and the effect are one number.

@@ -14,11 +14,17 @@ const WORTH_SAYING: f64 = 0.05;
 /// The readings of each set-up of which the answer speaks; beside it the table has the others.
 pub(super) const READINGS_GIVEN: &str = "3";
 
+/// An error that came out so many times the expected one is not what the model knows of.
+const BEYOND_EXPECTED: f64 = 1.5;
+
 /// Whether what a measurement would be worth can be relied on: it is a fall of the error that the model with the effects expects, and says nothing
-/// where that model is worse on unseen units than the one without, or where the fall would be more than all of the error that came out.
+/// where that model is worse on unseen units than the one without, where the fall would be more than all of the error that came out, or where that is
+/// far larger than the expected one.
 pub fn is_worth_credible(found: &CampaignFindings, worth: f64) -> bool {
     let rises = error_change(found).is_some_and(|(.., change)| change == Change::Worse);
-    !rises && found.rmse_of_answer().is_none_or(|error| worth < error)
+    let expected = found.expected_rmse_heldout.unwrap_or(f64::INFINITY);
+    let is_known = |error: f64| worth < error && error < BEYOND_EXPECTED * expected;
+    !rises && found.rmse_of_answer().is_none_or(is_known)
 }
 
 /// What to measure next: the measurement that lowers the error most, else the one that separates effects best, else another unit on which to test what was
@@ -38,13 +44,11 @@ fn separation(found: &CampaignFindings) -> Option<String> {
     Some(format!("{readings} would separate {}", separated(best)))
 }
 
-/// `another actuator would show whether the effects hold: there is none to test them on`, where there is but one.
+/// `a second actuator would show whether the effects hold`, where there is but one.
 fn another_unit(found: &CampaignFindings) -> Option<String> {
     let is_untried = has_terms(found) && found.before.rmse_heldout.is_none();
     let unit = nouns(found).unit;
-    is_untried.then(|| {
-        format!("another {unit} would show whether the effects hold: there is none to test them on")
-    })
+    is_untried.then(|| format!("a second {unit} would show whether the effects hold"))
 }
 
 /// Whether even the best readings tell the effects hardly apart.
