@@ -105,7 +105,7 @@ pub(super) fn command(args: &SummaryArgs) -> Result<u8> {
     }
     if let Some(raw) = missing {
         line(format!(
-            "not compared with the sessions, because there is no directory {} (--raw names another): these are the results of the last run",
+            "not compared with the sessions, because there is no raw directory {} (--raw names another): these are the results of the last run",
             raw.display()
         ));
     }

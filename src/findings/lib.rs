@@ -346,7 +346,7 @@ pub struct Scatter {
     pub id: String,
     /// What has a value of its own.
     pub level: Level,
-    /// Standard deviation (restricted likelihood).
+    /// Standard deviation: the largest restricted likelihood times the prior of its scale, which may hold it below what the values of a few groups show.
     pub sd: f64,
     /// Standard deviation with which unseen groups are predicted: never 0 because a handful of groups happen to be alike.
     pub sd_predictive: f64,

@@ -2,7 +2,7 @@
 
 use crate::extent::{MOST_NAMED, MOST_ROWS_ON_PAGES, SIDE_BY_SIDE};
 use crate::figures::{Drawn, is_supplementary, slug};
-use crate::input::{GroupInput, ReportInput};
+use crate::input::{GroupInput, ReportInput, SessionInput};
 use crate::left_out::LeftOut;
 use crate::number::Rounding;
 use crate::opening;
@@ -57,6 +57,8 @@ struct Counts {
     rejected_sessions: usize,
     rows: String,
     readings: String,
+    /// How many of the readings are torques; empty where none is.
+    torques: String,
     rejected_logs: usize,
 }
 
@@ -233,6 +235,10 @@ fn own(input: &ReportInput, config: &Config) -> Own {
             rejected_sessions: input.unusable.len() + of_extent(Extent::Session),
             rows: grouped(input.sessions.iter().map(|s| s.clean.rows).sum::<u64>() as f64),
             readings: grouped(input.rows.len() as f64),
+            torques: match torques(input) {
+                0 => String::new(),
+                n => grouped(n as f64),
+            },
             rejected_logs: of_extent(Extent::Log),
         },
         opening: opening::lines(input),
@@ -375,6 +381,17 @@ fn at_free_length(joint: &[f64]) -> Option<String> {
             percent(left)
         )
     })
+}
+
+/// Readings of torque, which are part of `knee.pdf`.
+fn torques(input: &ReportInput) -> usize {
+    let is_torque = |s: &&SessionInput| s.ingest.session.kind == Kind::KneeTorque;
+    input
+        .sessions
+        .iter()
+        .filter(is_torque)
+        .map(|s| s.readings)
+        .sum()
 }
 
 #[cfg(test)]

@@ -41,7 +41,7 @@ pub fn found(campaigns: &[CampaignTorque]) -> Table {
         .number("found_in_folds", "In folds", PerCent, Decimals(0), |(_, e)| finite(e.and_then(|e| Some(100.0 * e.found_in_folds?)))).machines()
         .number("rms_nm", "RMS", Nm, Decimals(2), |(_, e)| finite(e.map(|e| e.rms)))
         .text("class", "Alias set", |(_, e)| e.map(|e| e.class.join(" "))).machines()
-        .note("\\v{p}: probability of a candidate as strong as this anywhere. RMS: of what it does to the torques.")
+        .note("\\v{p}: family-wise probability of so strong a candidate if there were no effect. RMS: of the change that it makes to the torques.")
         .blocks(joints(campaigns).map(|j| rows(&j.findings)))
 }
 
@@ -67,8 +67,8 @@ pub fn found_in_print(campaigns: &[CampaignTorque]) -> Table {
         .number("p_familywise", "\\v{p}", One, Digits(2), |row| finite(first(row).map(|e| e.p_familywise)))
         .number("rms_nm", "RMS", Nm, Decimals(2), |row| finite(first(row).map(|e| e.rms)))
         .note(
-            "\\v{p}: probability of a candidate as strong as this anywhere. RMS: of what it does to the torques. \\v{x} and \\v{y}: of a shift, in \
-             the frame of the bone that it is on.",
+            "\\v{p}: family-wise probability of so strong a candidate if there were no effect. RMS: of the change that it makes to the torques. \\v{x} \
+             and \\v{y}: components of a shift, in the frame of the bone that carries the attachment.",
         )
         .blocks(joints(campaigns).map(|j| sizes(&j.findings)))
 }
