@@ -495,9 +495,11 @@ mod long {
                 );
             }
         }
-        // Two of the three actuators do not show it beside a law that may be off where it kinks: unseen ones are predicted no better.
+        // Two of the three actuators do not show it beside a law that may be off where it kinks: it is the strongest candidate, and no other comes in.
         let kinks = all.iter().find(|c| c["campaign"] == "kinks").unwrap();
-        assert_eq!(kinks["effects"][0]["id"], "kinking", "{kinks}");
+        assert_eq!(kinks["tested"][0]["id"], "kinking", "{kinks}");
+        let effects = kinks["effects"].as_array().unwrap();
+        assert!(effects.iter().all(|e| e["id"] == "kinking"), "{kinks}");
     }
 
     #[test]
@@ -505,7 +507,7 @@ mod long {
     fn a_zero_of_the_torque_is_named_only_if_slack_actuators_show_it() {
         let bench = Bench::empty();
         let everywhere = Missing {
-            zero_nm: -1.2,
+            zero_nm: -1.8,
             zero_at_slack: true,
             further_deg: 12.0,
             ..Missing::default()
@@ -537,7 +539,7 @@ mod long {
         let zeros: Vec<_> = zeros.collect();
         assert!(zeros.len() >= 3, "{zeros:?}");
         for [value, low, high] in zeros {
-            assert!(low < -1.2 && -1.2 < high, "{value} [{low}, {high}]");
+            assert!(low < -1.8 && -1.8 < high, "{value} [{low}, {high}]");
         }
         let other = all.iter().find(|c| c["campaign"] == "where-it-pulls");
         let effects = other.unwrap()["effects"].as_array().unwrap();

@@ -1,7 +1,7 @@
 //! The answers for four fixed joints as one number, so that a test can say when what is published of the loop on torque is out of date.
 
 use super::findings_digest::of_findings;
-use super::joint::{KINDS, Kind};
+use super::joint::KINDS;
 use super::trial::search;
 use pipeline::findings::CampaignFindings;
 use pipeline::stages::torque::diagnose::terms::{SIZES, place};
@@ -22,14 +22,12 @@ pub fn answers() -> String {
         &[(place::AXIAL, 60.0), (place::FRICTION, 0.4)],
         &[],
     ];
-    let joints: Vec<(u64, (&Kind, &[(usize, f64)]))> =
-        (FIRST_SEED..).zip(KINDS.iter().zip(sizes)).collect();
+    let joints = KINDS.par_iter().zip(sizes.par_iter()).enumerate();
     let findings: Vec<CampaignFindings> = joints
-        .par_iter()
-        .map(|(seed, (kind, list))| {
+        .map(|(k, (kind, list))| {
             let mut sizes = [0.0; SIZES];
             list.iter().for_each(|(place, size)| sizes[*place] = *size);
-            search(**kind, &sizes, *seed)
+            search(*kind, &sizes, FIRST_SEED + k as u64)
         })
         .collect();
     of_findings(&findings)

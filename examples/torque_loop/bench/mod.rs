@@ -9,8 +9,8 @@
 //!
 //! Shared by the example `torque_loop` and by the tests; shares and digests are those of the example `closed_loop`.
 
-// The example and the tests each use a part.
-#![allow(dead_code)]
+// The example and the tests each use a part, and the tests have the shared files in both benchmarks.
+#![allow(dead_code, clippy::duplicate_mod)]
 
 pub mod digest;
 #[path = "../../closed_loop/bench/findings_digest.rs"]

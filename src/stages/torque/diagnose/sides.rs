@@ -218,7 +218,7 @@ pub(super) mod tests {
         let expected = 0.3 / 1.5_f64.sqrt() / 0.674_489_750_196_082;
         assert!((of(&saw, &still) - expected).abs() < 1e-12);
         // Friction, which makes the saw, is no noise.
-        let turning = |k: usize| if k % 2 == 0 { 1.0 } else { -1.0 };
+        let turning = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
         let long = |n: usize| -> Vec<(f64, f64)> {
             let angle = |k: usize| -100.0 + 10.0 * k as f64;
             (0..n).map(|k| (angle(k), 0.3 * (k % 2) as f64)).collect()
