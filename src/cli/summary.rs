@@ -234,7 +234,7 @@ impl Answers {
         let mut columns = vec![Align::Right; 2 + ids.len()];
         columns[0] = Align::Left;
         line(
-            "Laws without effects, on the readings that all of them cover; fitted: by least squares to the other specimens",
+            "Laws without effects, on the readings that all of them cover (fitted: by least squares to the other specimens):",
         );
         aligned(&rows, &columns).into_iter().for_each(line);
         line("");

@@ -360,8 +360,72 @@ fn has_all_of_a_mixed_model(found: &Value) {
 }
 
 /// What was reached with a law that is taken as exact, kept until it is reached again.
+/// Campaigns with a zero of the torque that slack actuators show as well.
+const EVERYWHERE: [&str; 5] = [
+    "everywhere",
+    "everywhere-2",
+    "everywhere-3",
+    "everywhere-4",
+    "everywhere-5",
+];
+
+fn everywhere(zero_nm: f64) -> Missing {
+    Missing {
+        zero_nm,
+        zero_at_slack: true,
+        further_deg: 12.0,
+        ..Missing::default()
+    }
+}
+
+/// The findings of a run over these campaigns, and over what else the bench has.
+fn found_everywhere(bench: &Bench, zero_nm: f64) -> Vec<Value> {
+    for campaign in EVERYWHERE {
+        write(bench, campaign, &everywhere(zero_nm));
+    }
+    found(bench)
+}
+
+/// In at least three of them the zero is found alone, and its interval covers it.
+fn at_least_three_are_named(all: &[Value], zero_nm: f64) {
+    let zeros = EVERYWHERE.iter().filter_map(|campaign| {
+        let found = all.iter().find(|c| c["campaign"] == *campaign).unwrap();
+        let effects = found["effects"].as_array().unwrap();
+        let alone = effects.len() == 1 && effects[0]["id"] == "force_zero_offset";
+        let zero = &effects.first()?["parameters"][0];
+        alone.then(|| ["value", "ci_low", "ci_high"].map(|name| zero[name].as_f64().unwrap()))
+    });
+    let zeros: Vec<_> = zeros.collect();
+    assert!(zeros.len() >= 3, "{zeros:?}");
+    for [value, low, high] in zeros {
+        assert!(low < zero_nm && zero_nm < high, "{value} [{low}, {high}]");
+    }
+}
+
 mod not_reached {
     use super::*;
+
+    /// What was reached at a level of 0.05.
+    #[test]
+    #[ignore = "not reached: p = 0.05, and something comes in at 0.02"]
+    fn a_kinking_that_takes_two_thirds_of_the_force_is_found() {
+        let bench = Bench::empty();
+        let missing = Missing {
+            kinks: 0.7,
+            ..Missing::default()
+        };
+        write(&bench, "kinks", &missing);
+        let all = found(&bench);
+        let kinks = all.iter().find(|c| c["campaign"] == "kinks").unwrap();
+        assert_eq!(kinks["effects"][0]["id"], "kinking", "{kinks}");
+    }
+
+    /// What was reached at a level of 0.05.
+    #[test]
+    #[ignore = "not reached: two of five, where something comes in at 0.02"]
+    fn a_smaller_zero_of_the_torque_is_named_in_three_of_five() {
+        at_least_three_are_named(&found_everywhere(&Bench::empty(), -1.2), -1.2);
+    }
 
     /// The smaller kinking that the search by sets found.
     #[test]
@@ -394,25 +458,9 @@ mod not_reached {
     #[ignore = "not reached: at the detection limit some are missed or called something else, beside a law that may be off"]
     fn a_zero_of_the_torque_is_named_in_every_campaign_with_its_size() {
         let bench = Bench::empty();
-        let everywhere = Missing {
-            zero_nm: -1.2,
-            zero_at_slack: true,
-            further_deg: 12.0,
-            ..Missing::default()
-        };
-        let again = [
-            "everywhere",
-            "everywhere-2",
-            "everywhere-3",
-            "everywhere-4",
-            "everywhere-5",
-        ];
-        for campaign in again {
-            write(&bench, campaign, &everywhere);
-        }
-        let all = found(&bench);
+        let all = found_everywhere(&bench, -1.2);
         let mut inside = 0;
-        for campaign in again {
+        for campaign in EVERYWHERE {
             let (id, value, [low, high]) = first(&all, campaign, 1);
             assert_eq!(id, "force_zero_offset", "{campaign}");
             assert!((value + 1.2).abs() < 0.2, "{campaign} {value}");
@@ -506,41 +554,14 @@ mod long {
     #[ignore = "long: 14 s of processor time"]
     fn a_zero_of_the_torque_is_named_only_if_slack_actuators_show_it() {
         let bench = Bench::empty();
-        let everywhere = Missing {
-            zero_nm: -1.8,
-            zero_at_slack: true,
-            further_deg: 12.0,
-            ..Missing::default()
-        };
-        let again = [
-            "everywhere",
-            "everywhere-2",
-            "everywhere-3",
-            "everywhere-4",
-            "everywhere-5",
-        ];
-        for campaign in again {
-            write(&bench, campaign, &everywhere);
-        }
         let where_it_pulls = Missing {
             zero_at_slack: false,
-            ..everywhere
+            ..everywhere(-1.8)
         };
         write(&bench, "where-it-pulls", &where_it_pulls);
-        let all = found(&bench);
+        let all = found_everywhere(&bench, -1.8);
         // At the limit of such a campaign, beside a law that may be off, some are missed or called something else.
-        let zeros = again.iter().filter_map(|campaign| {
-            let found = all.iter().find(|c| c["campaign"] == *campaign).unwrap();
-            let effects = found["effects"].as_array().unwrap();
-            let alone = effects.len() == 1 && effects[0]["id"] == "force_zero_offset";
-            let zero = &effects.first()?["parameters"][0];
-            alone.then(|| ["value", "ci_low", "ci_high"].map(|name| zero[name].as_f64().unwrap()))
-        });
-        let zeros: Vec<_> = zeros.collect();
-        assert!(zeros.len() >= 3, "{zeros:?}");
-        for [value, low, high] in zeros {
-            assert!(low < -1.8 && -1.8 < high, "{value} [{low}, {high}]");
-        }
+        at_least_three_are_named(&all, -1.8);
         let other = all.iter().find(|c| c["campaign"] == "where-it-pulls");
         let effects = other.unwrap()["effects"].as_array().unwrap();
         let zero = effects.iter().any(|e| e["id"] == "force_zero_offset");

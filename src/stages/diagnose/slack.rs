@@ -109,51 +109,27 @@ mod tests {
     #[test]
     fn sides_of_the_corner() {
         let thin = Shape::usual(10);
+        let of = |force, largest, at: &Conditions, shape: &Shape| {
+            side(force, NEAR_SLACK, largest, at, shape)
+        };
         let at = |length_m: f64, kpa: f64| Conditions::at(0.3, 0.25, length_m, kpa);
         // The law of 20 mm pulls there.
         let half = at(0.275, 200.0);
-        assert_eq!(side(20.0, NEAR_SLACK, 1300.0, &half, &thin), Side::Slack);
-        assert_eq!(
-            side(20.0, NEAR_SLACK, 1300.0, &half, &Shape::usual(20)),
-            Side::Corner
-        );
+        assert_eq!(of(20.0, 1300.0, &half, &thin), Side::Slack);
+        assert_eq!(of(20.0, 1300.0, &half, &Shape::usual(20)), Side::Corner);
         // A force where the law pulls, of either sign.
-        assert_eq!(
-            side(20.0, NEAR_SLACK, 450.0, &at(0.3, 620.0), &thin),
-            Side::Pulls
-        );
-        assert_eq!(
-            side(-20.0, NEAR_SLACK, 450.0, &at(0.3, 620.0), &thin),
-            Side::Pulls
-        );
+        assert_eq!(of(20.0, 450.0, &at(0.3, 620.0), &thin), Side::Pulls);
+        assert_eq!(of(-20.0, 450.0, &at(0.3, 620.0), &thin), Side::Pulls);
         // Full contraction without pressure, where the law would push by 0.56 of 450 N: slack, whatever the zero of the load cell, unless the
         // force is as large as half of that.
         for zero in [1.0, -20.0, 20.0, 125.0] {
-            assert_eq!(
-                side(zero, NEAR_SLACK, 450.0, &at(0.25, 0.0), &thin),
-                Side::Slack
-            );
+            assert_eq!(of(zero, 450.0, &at(0.25, 0.0), &thin), Side::Slack);
         }
-        assert_eq!(
-            side(127.0, NEAR_SLACK, 450.0, &at(0.25, 0.0), &thin),
-            Side::Pulls
-        );
-        assert_eq!(
-            side(-127.0, NEAR_SLACK, 450.0, &at(0.25, 0.0), &thin),
-            Side::Pulls
-        );
+        assert_eq!(of(127.0, 450.0, &at(0.25, 0.0), &thin), Side::Pulls);
+        assert_eq!(of(-127.0, 450.0, &at(0.25, 0.0), &thin), Side::Pulls);
         // None, at the resting length, where a millimetre decides.
-        assert_eq!(
-            side(1.0, NEAR_SLACK, 450.0, &at(0.3, 0.0), &thin),
-            Side::Corner
-        );
-        assert_eq!(
-            side(13.4, NEAR_SLACK, 450.0, &at(0.3, 0.0), &thin),
-            Side::Corner
-        );
-        assert_eq!(
-            side(13.6, NEAR_SLACK, 450.0, &at(0.3, 0.0), &thin),
-            Side::Pulls
-        );
+        assert_eq!(of(1.0, 450.0, &at(0.3, 0.0), &thin), Side::Corner);
+        assert_eq!(of(13.4, 450.0, &at(0.3, 0.0), &thin), Side::Corner);
+        assert_eq!(of(13.6, 450.0, &at(0.3, 0.0), &thin), Side::Pulls);
     }
 }

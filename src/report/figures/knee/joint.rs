@@ -134,6 +134,10 @@ const OF_PRESSURES: [Ink; 6] = [
     Ink::Blue,
 ];
 
+fn of_pressure(k: usize) -> Ink {
+    OF_PRESSURES[k % OF_PRESSURES.len()]
+}
+
 fn panel(joint: &JointDiagnosis, c: &Configuration) -> Panel {
     let of = |b: &&BeforeAfter| b.configuration == c.id;
     let curves: Vec<&BeforeAfter> = joint.curves.iter().filter(of).collect();
@@ -161,23 +165,33 @@ fn panel(joint: &JointDiagnosis, c: &Configuration) -> Panel {
         },
     );
     let title = format!("{:.0} mm{}", 1e3 * c.rest_length_m, tendon(c));
-    let mut panel = Panel::new(angle_axis(), y)
+    let panel = Panel::new(angle_axis(), y)
         .title(&title)
         .with(Layer::zero());
-    // One colour a model, or where a panel has several pressures one a pressure.
-    let several = curves.len() > 1;
-    let of_pressure = |k: usize| OF_PRESSURES[k % OF_PRESSURES.len()];
+    with_marks(with_curves(panel, &curves), &curves, c)
+}
+
+/// The curves of one configuration: one colour a model, or where there are several pressures one a pressure.
+fn with_curves(mut panel: Panel, curves: &[&BeforeAfter]) -> Panel {
     for (k, b) in curves.iter().enumerate() {
-        for (name, torques, ink, dash) in [
+        for (name, short, torques, ink, dash) in [
             (
                 "rigid leg, published law",
+                "rigid",
                 &b.rigid,
                 Ink::Black,
                 Dash::Dashed,
             ),
-            ("with the effects found", &b.after, Ink::Sky, Dash::Solid),
+            (
+                "with the effects found",
+                "effects",
+                &b.after,
+                Ink::Sky,
+                Dash::Solid,
+            ),
             (
                 "found without the actuator",
+                "unseen",
                 &b.held_out,
                 Ink::Vermilion,
                 Dash::Dotted,
@@ -185,16 +199,22 @@ fn panel(joint: &JointDiagnosis, c: &Configuration) -> Panel {
         ] {
             let values = torques.iter().map(|t| t.unwrap_or(f64::NAN));
             let line = over_angle(&b.angles_rad, values);
-            let (name, ink) = match (several, dash) {
-                (true, Dash::Solid) => (format!("{} kPa", b.pressure_kpa.round()), of_pressure(k)),
-                (true, _) => (String::new(), of_pressure(k)),
-                (false, _) => (name.to_owned(), ink),
+            let (name, ink) = if curves.len() > 1 {
+                let name = format!("{short}, {} kPa", b.pressure_kpa.round());
+                (name, of_pressure(k))
+            } else {
+                (name.to_owned(), ink)
             };
             if !torques.is_empty() {
                 panel = panel.with(Series::line(&name, line, Stroke::new(ink, dash)));
             }
         }
     }
+    panel
+}
+
+/// The readings of one configuration, test by test; where there are several pressures in the colour of the nearest.
+fn with_marks(mut panel: Panel, curves: &[&BeforeAfter], c: &Configuration) -> Panel {
     let nearest = |kpa: f64| {
         let far = |b: &BeforeAfter| (b.pressure_kpa - kpa).abs();
         let all = curves.iter().enumerate();
@@ -203,12 +223,11 @@ fn panel(joint: &JointDiagnosis, c: &Configuration) -> Panel {
     };
     for (k, test) in c.tests.iter().enumerate() {
         let mark = configuration::mark(k, test);
-        let pressures = if several { curves.len() } else { 1 };
-        for pressure in 0..pressures {
+        for pressure in 0..curves.len().max(1) {
             let points = test.points.iter();
-            let points = points.filter(|p| !several || nearest(p.pressure_kpa) == pressure);
+            let points = points.filter(|p| nearest(p.pressure_kpa) == pressure);
             let points = points.map(|p| (p.angle_rad.to_degrees(), p.torque_nm));
-            let ink = if several {
+            let ink = if curves.len() > 1 {
                 of_pressure(pressure)
             } else {
                 mark.ink
