@@ -151,7 +151,7 @@ impl CampaignFindings {
 }
 
 /// How much was searched.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Design {
     /// Readings in the search.
     pub readings: usize,
@@ -167,6 +167,27 @@ pub struct Design {
     pub held_out_by: HeldOutBy,
     /// Whether there are none but tests that their owner doubts, which were then searched by themselves.
     pub doubtful_only: bool,
+    /// How sure the draws and this number of specimens (actuators) can make anyone.
+    pub smallest_p: SmallestP,
+}
+
+/// The smallest probabilities that a design allows.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SmallestP {
+    /// Family-wise, by the bootstrap: 1/(draws + 1).
+    pub familywise: f64,
+    /// That all specimens (actuators) agree in the sign of an effect by chance, two-sided: 2^(1 - K) of K. None of a single one.
+    pub signs: Option<f64>,
+}
+
+impl SmallestP {
+    /// Of a bootstrap with so many draws, and so many specimens (actuators).
+    pub fn of(draws: usize, units: usize) -> Self {
+        Self {
+            familywise: 1.0 / (draws + 1) as f64,
+            signs: (units > 1).then(|| 0.5_f64.powi(units as i32 - 1)),
+        }
+    }
 }
 
 /// What the held-out errors are of.

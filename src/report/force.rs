@@ -73,7 +73,7 @@ struct Campaign {
 
 /// A zero in doubt: session, what was taken off, and the median of the others.
 #[derive(Serialize)]
-struct DoubtfulZero {
+pub(crate) struct DoubtfulZero {
     session: String,
     applied: String,
     others: String,
@@ -183,7 +183,7 @@ pub fn force_pdf(
 }
 
 /// The zeros that are far from those of the other sessions of their campaign, in the order of the sessions.
-fn doubtful_zeros(input: &ReportInput) -> Vec<DoubtfulZero> {
+pub(crate) fn doubtful_zeros(input: &ReportInput) -> Vec<DoubtfulZero> {
     let zeros = input.sessions.iter().filter_map(|s| {
         let zero = s.clean.zero.as_ref()?;
         (zero.source != ZeroSource::None).then_some((&s.ingest.session, zero.applied_n))

@@ -5,7 +5,8 @@ use pipeline::findings::CampaignFindings;
 use serde_json::Value;
 
 /// What the table does not judge, beside free forms.
-const NOT_JUDGED: [&str; 7] = [
+const NOT_JUDGED: [&str; 8] = [
+    "smallest_p",
     "rmse_heldout_calibrated",
     "rmse_heldout_spread",
     "found_in_folds",

@@ -164,7 +164,7 @@ mod tests {
         let all = json!({
             "campaign": "c", "diameter_mm": 10, "simulated": true, "kind": "isometric", "base_model": "new", "base_refitted": true,
             "unit": "N", "design": {"readings": 100, "readings_outside_domain": 0, "sessions": 16, "specimens": 4, "readings_held_out": 0,
-            "held_out_by": "specimen", "doubtful_only": false}, "verdict": verdict, "not_assessed": null, "effects": effects, "scatter": [],
+            "held_out_by": "specimen", "doubtful_only": false, "smallest_p": {"familywise": 0.005, "signs": 0.125}}, "verdict": verdict, "not_assessed": null, "effects": effects, "scatter": [],
             "misfit": {"common": 0.0, "session": 0.0, "sensitive": []}, "unexplained": columns, "recording_errors": [],
             "before": errors, "after": errors, "by_unit": [], "budget": [], "expected_rmse_heldout": 9.0, "inside_50": null,
             "inside_95": null, "pit": [], "noise": 2.0, "black_box_rmse_heldout": null, "tested": [], "detection_limits": [],

@@ -52,7 +52,7 @@ fn effect(found: &CampaignFindings, e: &EffectFinding) -> Effect {
 
 fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, String)> {
     let mut facts = vec![
-        ("family-wise p", probability(e.p_familywise)),
+        ("family-wise p", familywise(found, e.p_familywise)),
         ("RMS on its readings", error_with_unit(e.rms, &found.unit)),
     ];
     if let Some(share) = e.found_in_folds {
@@ -82,6 +82,16 @@ fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, Stri
         ));
     }
     facts
+}
+
+/// A family-wise p; with `≤` where none of the draws came as far.
+fn familywise(found: &CampaignFindings, p: f64) -> String {
+    let words = probability(p);
+    if p <= found.design.smallest_p.familywise {
+        format!("≤ {words}")
+    } else {
+        words
+    }
 }
 
 /// An alias set: its effect, and the likelihood of each other member in its place.
@@ -142,7 +152,7 @@ pub(super) fn tested(found: &CampaignFindings) -> Vec<TestedRow> {
             t.amplitude
                 .map_or_else(|| NONE.to_owned(), |a| amplitude(found, t, a)),
             gain(t.log_likelihood_gain),
-            probability(t.p_familywise),
+            familywise(found, t.p_familywise),
         ],
         significant: t.p_familywise < COMES_IN && t.id != PLACEBO,
     };
@@ -175,14 +185,14 @@ pub(super) fn shuffled(found: &CampaignFindings) -> String {
 }
 
 /// Column with what explains the readings as well, share of the variance, gain, p.
-pub(super) fn unexplained(u: &Unexplained) -> [String; 4] {
+pub(super) fn unexplained(found: &CampaignFindings, u: &Unexplained) -> [String; 4] {
     let columns = std::iter::once(name::column(&u.column));
     let others = u.explained_as_well_by.iter().map(|id| name::candidate(id));
     [
         name::capitalised(&columns.chain(others).collect::<Vec<String>>().join(", or ")),
         percent(u.share_of_variance),
         gain_or_none(u.log_likelihood_gain),
-        probability(u.p_familywise),
+        familywise(found, u.p_familywise),
     ]
 }
 

@@ -1,8 +1,11 @@
 //! What is said first: the answer in sentences, the errors in their three forms, the budget.
 
 use super::Simpler;
+use crate::number::Rounding;
 use crate::wording::name::{self, nouns};
-use crate::wording::number::{NONE, error, error_or_none, error_with_unit, percent, unit};
+use crate::wording::number::{
+    NONE, error, error_or_none, error_with_unit, percent, probability, rounded, unit,
+};
 use crate::wording::sentence::{self, Answer, clauses, counted, has_terms};
 use pipeline_findings::{CampaignFindings, Errors, Verdict};
 use pipeline_mechanics::models;
@@ -165,11 +168,31 @@ pub(super) fn design(found: &CampaignFindings) -> String {
         ""
     };
     format!(
-        "Searched: {} in {} of {}{outside}{held}{doubtful}. Base model: {law}, {base}. Held out: {}.",
+        "Searched: {} in {} of {}{outside}{held}{doubtful}. Base model: {law}, {base}. Held out: {}.{}",
         counted(d.readings, "reading", "readings"),
         counted(d.sessions, nouns.setup, nouns.setups),
         counted(d.specimens, nouns.unit, nouns.units),
-        name::held_out_by(found)
+        name::held_out_by(found),
+        smallest_p(found)
+    )
+}
+
+/// How sure the draws and this number of units can make anyone, in a sentence; empty where nothing was searched.
+fn smallest_p(found: &CampaignFindings) -> String {
+    let (d, nouns) = (&found.design, nouns(found));
+    if found.verdict == Verdict::NotAssessed {
+        return String::new();
+    }
+    let signs = d.smallest_p.signs.map_or_else(String::new, |p| {
+        format!(
+            "; the same sign of an effect in all {} has p = {} by itself",
+            counted(d.specimens, nouns.unit, nouns.units),
+            rounded(p, Rounding::Digits(3))
+        )
+    });
+    format!(
+        " The smallest family-wise p that the draws can give is {}{signs}.",
+        probability(d.smallest_p.familywise)
     )
 }
 

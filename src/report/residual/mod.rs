@@ -18,6 +18,7 @@ mod limits;
 use crate::extent::{MOST_GROUPS, MOST_ROWS_ON_PAGES};
 use crate::figures::Drawn;
 use crate::figures::found::Kind;
+use crate::force::doubtful_zeros;
 use crate::input::{GroupInput, ReportInput};
 use crate::knee;
 use crate::pages::{PageData, Picture};
@@ -72,6 +73,8 @@ struct Own {
     budget: Option<Picture>,
     /// Sessions whose readings no such actuator gives, in a sentence; empty where there are none.
     implausible: String,
+    /// How many sessions have a zero that is far from those of the others.
+    doubtful_zeros: usize,
     /// What the words for the strength of the evidence mean; empty where nothing was found.
     evidence: String,
 }
@@ -88,6 +91,8 @@ pub(crate) struct Campaign {
     unit: String,
     /// One and several of what is held out, one and several set-ups.
     nouns: [&'static str; 4],
+    /// What each search was made without.
+    without_one: &'static str,
     answer: front::Said,
     /// The same for the first page.
     in_brief: front::Brief,
@@ -226,6 +231,7 @@ pub fn residual_pdf(
     let own = Own {
         campaigns: sections(input, figures),
         implausible: implausible(&input.implausible).unwrap_or_default(),
+        doubtful_zeros: doubtful_zeros(input).len(),
         not_assessed: front::not_assessed(with_section().map(|(found, _)| found)),
         errors: with_section()
             .flat_map(|(found, _)| front::errors(found))
@@ -272,6 +278,7 @@ fn campaign(
         verdict_words: name::verdict(found.verdict),
         unit: unit(&found.unit).to_owned(),
         nouns: [nouns.unit, nouns.units, nouns.setup, nouns.setups],
+        without_one: name::without_one(found),
         answer: front::answer(found),
         in_brief: front::in_brief(found, simpler),
         design: front::design(found),
@@ -284,7 +291,9 @@ fn campaign(
         tested_in_all: found.tested.len(),
         level: COMES_IN,
         shuffled: effects::shuffled(found),
-        unexplained: found.unexplained.iter().map(effects::unexplained).collect(),
+        unexplained: { found.unexplained.iter() }
+            .map(|u| effects::unexplained(found, u))
+            .collect(),
         scatter: found.scatter.iter().map(groups::scatter).collect(),
         misfit: groups::misfit(found),
         recording_errors: groups::recording_errors(found),

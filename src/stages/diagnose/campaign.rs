@@ -50,7 +50,13 @@ impl Campaign<'_> {
             .thinned(self.options.most_readings);
         let held_out = rows.iter().filter(|r| r.role == Some(Role::Holdout));
         let kept_out: BTreeSet<&str> = held_out.map(|r| r.session.as_str()).collect();
-        let mut findings = unassessed(self.group, self.base, &data, self.outside, &kept_out);
+        let mut findings = unassessed(
+            self.group,
+            (self.base, self.options.draws),
+            &data,
+            self.outside,
+            &kept_out,
+        );
         findings.recording_errors = mistakes.to_vec();
         if let Some(reason) = too_few(&data, &kept_out) {
             return not_assessed(reason, findings);

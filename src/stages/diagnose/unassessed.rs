@@ -2,14 +2,14 @@
 
 use crate::base::Base;
 use crate::data::Data;
-use pipeline_findings::{CampaignFindings, Design, HeldOutBy};
+use pipeline_findings::{CampaignFindings, Design, HeldOutBy, SmallestP};
 use pipeline_fit::Group;
 use std::collections::BTreeSet;
 
-/// The findings of a campaign of which nothing is said yet.
+/// The findings of a campaign of which nothing is said yet, to be searched with so many draws.
 pub(crate) fn unassessed(
     group: &Group,
-    base: &Base,
+    (base, draws): (&Base, usize),
     data: &Data,
     outside: usize,
     kept_out: &BTreeSet<&str>,
@@ -24,6 +24,7 @@ pub(crate) fn unassessed(
         readings_held_out: held,
         held_out_by: HeldOutBy::None,
         doubtful_only: false,
+        smallest_p: SmallestP::of(draws, data.specimens.len()),
     };
     CampaignFindings {
         campaign: group.campaign.clone(),

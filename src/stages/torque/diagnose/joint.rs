@@ -105,7 +105,7 @@ pub(super) fn one(
         findings: CampaignFindings {
             not_assessed: Some(reason),
             recording_errors: mistakes,
-            ..unassessed(campaign, simulated, group, data)
+            ..unassessed(campaign, simulated, group, data, options.draws)
         },
         residuals: Residuals::default(),
         tests: group.tests(&[0.0; SIZES], &[], None),
@@ -131,7 +131,7 @@ pub(super) fn one(
         let odd = (aside < decisions::MOST_MISTAKEN_TESTS)
             .then(|| recording::furthest_off(&searched.setting, &problem, model));
         let Some((test, error)) = odd.flatten() else {
-            let mut findings = unassessed(campaign, simulated, group, &data);
+            let mut findings = unassessed(campaign, simulated, group, &data, options.draws);
             findings.recording_errors = mistakes;
             return answered(group, &problem, &searched, options, &normal, findings);
         };
