@@ -98,7 +98,7 @@ impl Config {
         let counts = [
             ("diagnose.most_effects", d.most_effects, 1..=most),
             ("diagnose.most_readings", d.most_readings, 100..=100_000),
-            ("diagnose.draws", d.draws, 19..=100_000),
+            ("diagnose.draws", d.draws, crate::FEWEST_DRAWS..=100_000),
             ("diagnose.pooled_specimens", d.pooled_specimens, 0..=100),
         ];
         let wrong = counts.into_iter().filter(|(_, x, of)| !of.contains(x));

@@ -6,6 +6,9 @@ use serde::{Deserialize, Serialize};
 /// Most effects in one model of the loop.
 pub const MOST_EFFECTS: usize = 6;
 
+/// Fewest draws of the residual search: with fewer no probability reaches the level of 0.02 at which something comes in, and nothing is ever found.
+pub const FEWEST_DRAWS: usize = 49;
+
 documented! {
 /// Options of the residual search.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

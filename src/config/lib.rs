@@ -28,7 +28,7 @@ use std::path::Path;
 pub use bundle::{Author, BundleOptions};
 pub use clean::{CleanOptions, ZeroRule};
 pub use compare::CompareOptions;
-pub use diagnose::{DiagnoseOptions, MOST_EFFECTS};
+pub use diagnose::{DiagnoseOptions, FEWEST_DRAWS, MOST_EFFECTS};
 pub use fit::{FitOptions, IntervalMethod};
 pub use part::Part;
 pub use paths::PathOptions;

@@ -62,14 +62,14 @@ mod tests {
         let mut set = Config::default();
         set.fit.confidence = 0.9;
         set.fit.seed += 1;
-        set.diagnose.draws = 39;
+        set.diagnose.draws = 49;
         let part = set.part(&["fit.confidence", "diagnose"]).unwrap();
         assert_eq!(part.keyed["fit.confidence"], "0.9");
         assert_eq!(part.keyed["diagnose.draws"], "39");
         assert!(!part.keyed.contains_key("fit.seed"));
         let mut expected = Config::default();
         expected.fit.confidence = 0.9;
-        expected.diagnose.draws = 39;
+        expected.diagnose.draws = 49;
         assert_eq!(part.config, expected);
         let whole = ["clean", "fit", "compare", "diagnose", "torque", "report"];
         let whole = set.part(&whole).unwrap();

@@ -294,15 +294,16 @@ impl<'a> Screen<'a> {
             .collect()
     }
 
-    /// The same, for the question whether a value is improbable at a level: no more draws than it takes to be sure.
+    /// Further draws beside the first ones, for the question whether a value is improbable at a level: no more than it takes to be sure.
     pub fn draws_to_decide(
         &self,
+        first: Vec<f64>,
         most: usize,
         normal: &Normal,
         level: f64,
         value: f64,
     ) -> Vec<f64> {
-        let mut draws = Vec::with_capacity(most);
+        let mut draws = first;
         while draws.len() < most && !is_decided(&draws, level, value) {
             let end = (draws.len() + BATCH).min(most);
             let batch = draws.len()..end;

@@ -111,7 +111,7 @@ fn an_option_redoes_the_stages_that_read_it() {
     let config = bench.root().join("pipeline.toml");
     std::fs::write(&config, "[report]\ntitle = \"Another\"\n").unwrap();
     assert_eq!(computed(&bench, &[]), set(&["report reports"]));
-    let diagnose = "[report]\ntitle = \"Another\"\n[diagnose]\ndraws = 39\n";
+    let diagnose = "[report]\ntitle = \"Another\"\n[diagnose]\ndraws = 49\n";
     std::fs::write(&config, diagnose).unwrap();
     let again = [
         "diagnose small 10 mm",

@@ -106,7 +106,7 @@ fn a_changed_option_is_named_with_both_values() {
     let usual = Config::default();
     let draws = usual.diagnose.draws;
     let draws = format!("diagnose small 10 mm: option diagnose.draws {draws} -> 39");
-    configure(&bench, "[diagnose]\ndraws = 39\n");
+    configure(&bench, "[diagnose]\ndraws = 49\n");
     let said = status(&bench);
     assert_eq!(
         said,

@@ -93,7 +93,7 @@ impl Bench {
     pub fn quick() -> Self {
         let bench = Self::small();
         let options =
-            "[fit]\nbootstrap_refits = 20\n[diagnose]\ndraws = 39\n[report]\npng_dpi = 20.0\n";
+            "[fit]\nbootstrap_refits = 20\n[diagnose]\ndraws = 49\n[report]\npng_dpi = 20.0\n";
         std::fs::write(bench.root().join(FAST), options).unwrap();
         bench
     }

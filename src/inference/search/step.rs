@@ -1,6 +1,6 @@
 //! One step forward: the strongest candidate beside a model comes in, or none is improbable enough.
 
-use super::{Accepted, Drawn, Found, Search, WORTH_A_SWAP, Way};
+use super::{Accepted, Decision, Drawn, Found, Search, WORTH_A_SWAP, Way};
 use crate::fit::Fitted;
 use crate::form::Beside;
 use crate::screen::{Normal, Screen, Shown};
@@ -14,6 +14,10 @@ const CLOSE: (f64, f64) = (0.2, 4.0);
 /// A statistic this many times the critical one, to which none of the draws comes, needs no draws of its own either: there may be too few to show so
 /// small a probability.
 const CLEAR: f64 = 2.0;
+
+/// A decision that the draws leave open gets up to this many times as many: with 199 of them an answer at the level of 2% would hang on one or two,
+/// and another seed would give another.
+const MORE_DRAWS: usize = 10;
 
 /// How often a better optimum of the model without a further term is taken up.
 const MOST_BETTER: usize = 3;
@@ -68,7 +72,7 @@ impl Search<'_> {
         let screen = self.screen(self.setting, &model, way);
         let shown = screen.shown(2 * Screen::refined_in_draws());
         let first = strongest(&shown);
-        let draws = self.draws_beside(found, &screen, normal, way, first);
+        let (mut draws, own) = self.draws_beside(found, &screen, normal, way, first);
         let limit = critical(&draws, self.decision.level);
         let is_first = found.accepted.is_empty();
         let fits = self.fits_beside((&model, is_first), (&screen, &shown), limit, way);
@@ -86,6 +90,10 @@ impl Search<'_> {
         }
         let statistic = self.statistic(&fitted, term, found.model.log_likelihood);
         let statistic = statistic.min(self.beyond_scatter(&fitted, term, &found.model));
+        if own {
+            draws = self.until_sure(draws, &screen, normal, statistic);
+        }
+        let limit = critical(&draws, self.decision.level);
         if statistic >= limit {
             Step::Accepted(Box::new(Next {
                 p: upper_tail(&draws, statistic),
@@ -109,15 +117,16 @@ impl Search<'_> {
         pair.map_or(Step::Nothing, |next| Step::Accepted(Box::new(next)))
     }
 
-    /// The draws that decide on the strongest candidate: those from the null, or from the model itself where these could change the answer.
+    /// The draws that decide on the strongest candidate: those from the null, or from the model itself where these could change the answer; more of them
+    /// where they leave it open. And whether they are from the model itself.
     fn draws_beside(
         &self,
-        found: &Found,
+        found: &mut Found,
         screen: &Screen,
         normal: &Normal,
         way: Way,
         first: f64,
-    ) -> Vec<f64> {
+    ) -> (Vec<f64>, bool) {
         let close = (CLOSE.0 * self.decision.level, CLOSE.1 * self.decision.level);
         let p = upper_tail(&found.draws, first);
         let is_far = first >= CLEAR * found.critical;
@@ -129,15 +138,34 @@ impl Search<'_> {
             Drawn::IfClose => !is_first && !is_clear && p < close.1,
             Drawn::Always => !is_first && !is_clear,
         };
-        if !redrawn {
-            return found.draws.clone();
+        if redrawn {
+            let begun = if self.decision.thorough {
+                screen.draws(self.decision.draws, normal)
+            } else {
+                Vec::new()
+            };
+            return (self.until_sure(begun, screen, normal, first), true);
         }
-        let (most, level) = (self.decision.draws, self.decision.level);
-        if self.decision.thorough {
-            screen.draws(most, normal)
-        } else {
-            screen.draws_to_decide(most, normal, level, first)
+        // Draws that were given are of another model.
+        let own = is_first && !matches!(way.drawn, Drawn::IfDoubtful);
+        if own {
+            let begun = std::mem::take(&mut found.draws);
+            found.draws = self.until_sure(begun, screen, normal, first);
+            found.critical = critical(&found.draws, self.decision.level);
         }
+        (found.draws.clone(), own)
+    }
+
+    /// Draws until it is sure on which side of the critical value a value lies, or there are too many.
+    fn until_sure(
+        &self,
+        begun: Vec<f64>,
+        screen: &Screen,
+        normal: &Normal,
+        value: f64,
+    ) -> Vec<f64> {
+        let Decision { level, draws, .. } = self.decision;
+        screen.draws_to_decide(begun, MORE_DRAWS * draws, normal, level, value)
     }
 
     /// The candidates that are worth a comparison, fitted in full: those that would be accepted, if there are any.

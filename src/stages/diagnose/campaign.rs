@@ -5,7 +5,7 @@ use crate::asked::{Searched, answered};
 use crate::base::Base;
 use crate::data::Data;
 use crate::problem::ForceProblem;
-use crate::suited::{part_of, start, suited};
+use crate::suited::{part_of, suited};
 use crate::unassessed::unassessed;
 use crate::{Diagnosis, draws, library};
 use pipeline_base::row::Row;
@@ -62,7 +62,7 @@ impl Campaign<'_> {
             return not_assessed(reason, findings);
         }
         let library = library::terms(&data);
-        let (problem, null) = suited(self.base, &data, &library, &kept_out);
+        let (problem, null) = suited(self.base, &data, &library, &kept_out, false);
         if !null.log_likelihood.is_finite() {
             return if again && groups_of(self.beside_law) != groups_of(mistakes) {
                 Answer::OtherMistakes(self.beside_law.to_vec())
@@ -123,8 +123,8 @@ impl Campaign<'_> {
         if !problem.contradicts_declared(&part_of(&problem, kept_out), &found.model) {
             return (problem, found);
         }
-        let problem = problem.with_declared_estimated();
-        let null = start(&part_of(&problem, kept_out));
+        let (data, library) = (problem.data, problem.library);
+        let (problem, null) = suited(problem.base, data, library, kept_out, true);
         let found = searched(&problem, null);
         (problem, found)
     }

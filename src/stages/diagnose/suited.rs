@@ -10,19 +10,29 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 /// The problem with the floor of the misfit under which the readings are most likely, and with a misfit of every stroke where they show it;
-/// and its model without any effect.
+/// and its model without any effect. `estimated`: whether the readings contradict the set lengths that were declared, so that their scatter is estimated.
 pub fn suited<'a>(
     base: &'a Base,
     data: &'a Data,
     library: &'a [library::Term],
     kept_out: &BTreeSet<&str>,
+    estimated: bool,
 ) -> (ForceProblem<'a>, Fitted) {
+    let assumed = |problem: ForceProblem<'a>| {
+        if estimated {
+            problem.with_declared_estimated()
+        } else {
+            problem
+        }
+    };
     let with_null = |problem: ForceProblem<'a>| {
+        let problem = assumed(problem);
         let null = start(&part_of(&problem, kept_out));
         (problem, null)
     };
     // Whether strokes differ is asked first: their misfit has the same scale, and without it another floor would be the likelier one.
-    let plain = with_null(ForceProblem::new(base, data, library).with_reference());
+    let plain = assumed(ForceProblem::new(base, data, library));
+    let plain = with_null(plain.with_reference());
     let stroked = plain.0.with_strokes().map(with_null);
     let gain = |(_, null): &(ForceProblem, Fitted)| null.log_likelihood - plain.1.log_likelihood;
     let mut best = match stroked {

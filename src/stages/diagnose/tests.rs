@@ -8,7 +8,7 @@ use super::{diagnose, library};
 use pipeline_base::random::Stream;
 use pipeline_base::row::Row;
 use pipeline_config::{DiagnoseOptions, FitOptions};
-use pipeline_findings::Verdict;
+use pipeline_findings::{CampaignFindings, Verdict};
 use pipeline_fit::Group;
 use pipeline_inference::fit::{Free, Setting};
 use pipeline_inference::heldout::Unseen;
@@ -18,8 +18,14 @@ use pipeline_mechanics::models::new;
 use pipeline_simulate::coefficients::Coefficients;
 use pipeline_simulate::rig_like;
 
-/// The scatter of set lengths of a campaign of which these standard deviations are declared, mm.
-fn scatter_of(declared_mm: f64) -> pipeline_findings::Scatter {
+#[test]
+fn with_the_fewest_draws_something_can_come_in() {
+    let smallest = 1.0 / (pipeline_config::FEWEST_DRAWS + 1) as f64;
+    assert!(smallest <= pipeline_inference::decisions::COMES_IN);
+}
+
+/// What is found in a campaign of which these standard deviations of set lengths are declared, mm.
+fn found_declaring(declared_mm: f64) -> CampaignFindings {
     let settings = rig_like::Settings {
         specimens: Some(4),
         ..rig_like::Settings::default()
@@ -30,8 +36,13 @@ fn scatter_of(declared_mm: f64) -> pipeline_findings::Scatter {
     }
     let group = rig_like::group();
     let options = DiagnoseOptions::default();
-    let found = diagnose(&group, &rows, &FitOptions::default(), &options).unwrap();
-    let scatter = found.findings.scatter.into_iter();
+    let found = diagnose(&group, &rows, &FitOptions::default(), &options);
+    found.unwrap().findings
+}
+
+/// Its scatter of set lengths.
+fn scatter_of(declared_mm: f64) -> pipeline_findings::Scatter {
+    let scatter = found_declaring(declared_mm).scatter.into_iter();
     let mut of_lengths = scatter.filter(|s| s.id == "length_offset");
     let one = of_lengths.next().unwrap();
     assert!(of_lengths.next().is_none());
@@ -55,6 +66,20 @@ fn a_declared_set_length_is_taken_and_contradicted_where_it_is_too_small() {
         low < wrong.sd && wrong.sd < high && high < 3.0,
         "{low} {high}"
     );
+}
+
+#[test]
+fn a_declaration_that_is_contradicted_changes_no_answer() {
+    let (wrong, none) = (found_declaring(0.01), found_declaring(f64::NAN));
+    let ids = |found: &CampaignFindings| -> Vec<String> {
+        found.effects.iter().map(|e| e.id.clone()).collect()
+    };
+    assert_eq!(ids(&wrong), ids(&none));
+    let errors = |found: &CampaignFindings| [&found.before, &found.after].map(|e| e.rmse_heldout);
+    for (wrong, none) in errors(&wrong).into_iter().zip(errors(&none)) {
+        let (wrong, none) = (wrong.unwrap(), none.unwrap());
+        assert!((wrong / none - 1.0).abs() < 0.02, "{wrong} {none}");
+    }
 }
 
 #[test]

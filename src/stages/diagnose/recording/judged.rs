@@ -57,6 +57,11 @@ impl Ranked {
         Self { sessions }
     }
 
+    /// How far off the furthest is.
+    pub(super) fn furthest(&self) -> f64 {
+        self.sessions.first().map_or(0.0, |(_, off)| *off)
+    }
+
     /// How far off sessions are; none with fewer than two.
     pub(super) fn usual(&self) -> Option<Usual> {
         let off: Vec<f64> = self.sessions.iter().map(|(_, off)| *off).collect();
@@ -109,7 +114,8 @@ impl<'a> Judged<'a> {
         }
     }
 
-    fn of(&self, group: Group) -> Option<&Seen<'a>> {
+    /// What is seen of a group that was judged.
+    pub(super) fn of(&self, group: Group) -> Option<&Seen<'a>> {
         self.seen.iter().find(|(g, _)| *g == group).map(|(_, s)| s)
     }
 

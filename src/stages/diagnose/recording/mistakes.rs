@@ -57,10 +57,30 @@ impl Seen<'_> {
         let rest: Change = |at, _, mm| at.rest_length_m += 1e-3 * mm;
         let contracted: Change = |at, _, mm| at.contracted_length_m += 1e-3 * mm;
         let both = [("rest_length", rest), ("contracted_length", contracted)];
-        both.map(|(quantity, change)| {
+        let lengths = both.map(|(quantity, change)| {
             self.number(ErrorKind::Length, quantity, "mm", change, stroke)
-        })
-        .to_vec()
+        });
+        let mut all = lengths.to_vec();
+        all.extend(self.of_columns());
+        all
+    }
+
+    /// Another sign of the force, and other units of force and pressure.
+    fn of_columns(&self) -> Vec<Taken> {
+        let on_force: Change = |_, f, times| *f *= times;
+        let on_pressure: Change = |at, _, times| at.pressure_kpa *= times;
+        let given = |kind, quantity, change: Change, value: Option<f64>| {
+            let x = value.unwrap_or(-1.0);
+            let off = self.off_by(&|at, f| change(at, f, x), None);
+            self.taken(kind, Some(quantity), "1", change, value, off)
+        };
+        let mut all = vec![given(ErrorKind::Sign, "force", on_force, None)];
+        for times in UNITS.iter().flat_map(|u| [*u, 1.0 / u]) {
+            let value = Some(times);
+            all.push(given(ErrorKind::Unit, "force", on_force, value));
+            all.push(given(ErrorKind::Unit, "pressure", on_pressure, value));
+        }
+        all
     }
 
     fn session_mistakes(&self) -> Vec<Taken> {
@@ -71,17 +91,10 @@ impl Seen<'_> {
             .fold(0.0, f64::max);
         let length: Change = |at, _, mm| at.length_m += 1e-3 * mm;
         let zero: Change = |_, f, n| *f += n;
-        let on_force: Change = |_, f, times| *f *= times;
-        let on_pressure: Change = |at, _, times| at.pressure_kpa *= times;
         // What a session took off as the zero of its force was then that of its pressure.
         let swap: Change = |at, f, n| {
             std::mem::swap(&mut at.pressure_kpa, f);
             *f += n;
-        };
-        let given = |kind, quantity, change: Change, value: Option<f64>| {
-            let x = value.unwrap_or(-1.0);
-            let off = self.off_by(&|at, f| change(at, f, x), None);
-            self.taken(kind, quantity, "1", change, value, off)
         };
         let (value, square) = self.at_best_length(readings, &|_, _| {}, self.factor, true);
         let mut all = vec![
@@ -89,7 +102,6 @@ impl Seen<'_> {
                 quantity: None,
                 ..self.number(ErrorKind::SwappedColumns, "force", "N", swap, largest)
             },
-            given(ErrorKind::Sign, Some("force"), on_force, None),
             self.number(ErrorKind::Zero, "force", "N", zero, largest),
             self.taken(
                 ErrorKind::Length,
@@ -100,15 +112,7 @@ impl Seen<'_> {
                 square.sqrt(),
             ),
         ];
-        for times in UNITS.iter().flat_map(|u| [*u, 1.0 / u]) {
-            all.push(given(ErrorKind::Unit, Some("force"), on_force, Some(times)));
-            all.push(given(
-                ErrorKind::Unit,
-                Some("pressure"),
-                on_pressure,
-                Some(times),
-            ));
-        }
+        all.extend(self.of_columns());
         all
     }
 

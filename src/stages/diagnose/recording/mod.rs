@@ -37,9 +37,10 @@ pub use law::Law;
 
 use super::data::Data;
 use judged::{Judged, Ranked};
-use left::Left;
+use left::{Group, Left};
 use pipeline_findings::RecordingError;
-use pipeline_inference::decisions::{LEVEL, MOST_MISTAKEN, MOST_MISTAKEN_SHARE};
+use pipeline_inference::decisions::{EXPLAINS, LEVEL, MOST_MISTAKEN, MOST_MISTAKEN_SHARE};
+use rayon::prelude::*;
 
 /// Readings of a session that are looked at: a wrong length, zero or unit shows in all of them, and the time goes with their number.
 const READINGS: usize = 16;
@@ -76,8 +77,44 @@ pub fn recording_errors(group_diameter_mm: u32, law: &Law, data: &Data) -> Vec<R
         if p.is_nan() || p >= LEVEL {
             break;
         }
-        errors.push(seen.error(group, p.min(1.0), &usual));
-        (left, ranked) = (rest, others);
+        match spoiling(law, &data, &left, &others) {
+            Some((error, rest, others)) => {
+                errors.push(error);
+                (left, ranked) = (rest, others);
+            }
+            None => {
+                errors.push(seen.error(group, p.min(1.0), &usual));
+                (left, ranked) = (rest, others);
+            }
+        }
     }
     errors
+}
+
+/// The specimen without which nobody is half as far off as somebody is without the group that is furthest off, `others` of which are given: where all
+/// sessions of a specimen are wrong they carry the fit, and it is the right ones that look mistaken.
+fn spoiling(
+    law: &Law,
+    data: &Data,
+    left: &Left,
+    others: &Ranked,
+) -> Option<(RecordingError, Left, Ranked)> {
+    let without = |k: usize| {
+        let rest = left.without(Group::Specimen(k));
+        let others = rest.is_most_of(data).then(|| Ranked::new(law, data, &rest));
+        others.map(|others| (k, rest, others))
+    };
+    let specimens = left.specimens().into_par_iter();
+    let (k, rest, agreeing) = specimens.filter_map(without).min_by(|a, b| {
+        let furthest = a.2.furthest().total_cmp(&b.2.furthest());
+        furthest.then(a.0.cmp(&b.0))
+    })?;
+    if agreeing.furthest() * EXPLAINS > others.furthest() {
+        return None;
+    }
+    let group = Group::Specimen(k);
+    let judged = Judged::new(law, data, left, vec![group]);
+    let (seen, usual) = (judged.of(group)?, agreeing.usual()?);
+    let p = usual.p(seen.off) * left.groups() as f64;
+    (p < LEVEL).then(|| (seen.error(group, p.min(1.0), &usual), rest, agreeing))
 }

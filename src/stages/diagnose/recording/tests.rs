@@ -121,6 +121,21 @@ fn pounds_are_a_unit_of_the_force() {
 }
 
 #[test]
+fn a_specimen_in_pounds_that_carries_the_fit_is_set_aside_and_no_other() {
+    for times in [UNITS[0], 1.0 / UNITS[0]] {
+        let mut campaign = simulated(None);
+        let id = campaign.rows[0].specimen.clone();
+        for row in campaign.rows.iter_mut().filter(|r| r.specimen == id) {
+            row.force_n *= times;
+        }
+        let errors = found(&campaign);
+        assert_eq!(errors.len(), 1, "{errors:?}");
+        let named = (&errors[0].group, errors[0].kind, errors[0].value);
+        assert_eq!(named, (&id, ErrorKind::Unit, Some(1.0 / times)));
+    }
+}
+
+#[test]
 fn sessions_of_an_extreme_column_are_no_mistake_beside_a_law_that_has_it() {
     let mut campaign = simulated(None);
     // One session is twice as humid as the others are at most; humidity lowers all forces in proportion.

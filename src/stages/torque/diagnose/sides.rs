@@ -33,8 +33,9 @@ impl Torques {
     }
 }
 
-/// The noise of the torques, N.m: how far each lies from the line through its neighbours in angle, among those of its test before which the joint
-/// turned the same way (Gasser, Sroka and Jennen-Steinmetz, Biometrika 73 (1986) 625; here by the median). Where the pressure varies as well, that is in it.
+/// The noise of the torques, N.m: third divided differences of neighbours in angle, among those of a test before which the joint turned the same way
+/// (Gasser, Sroka and Jennen-Steinmetz, Biometrika 73 (1986) 625, have second ones; here by the median). With readings 14 degrees apart the second ones
+/// hold the bend of the torque. Where the pressure varies as well, that is in it.
 fn noise_nm(readings: &[Reading]) -> f64 {
     let mut off = Vec::new();
     for test in readings.chunk_by(|a, b| a.test == b.test) {
@@ -43,7 +44,7 @@ fn noise_nm(readings: &[Reading]) -> f64 {
             let mut points: Vec<(f64, f64)> =
                 alike.map(|r| (r.at.angle_rad, r.torque_nm)).collect();
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
-            off.extend(points.windows(3).filter_map(off_the_line));
+            off.extend(points.windows(4).filter_map(off_the_parabola));
         }
     }
     if off.len() < FEWEST {
@@ -52,16 +53,17 @@ fn noise_nm(readings: &[Reading]) -> f64 {
     sd_by_median(&off)
 }
 
-/// How far the second of three points lies from the line through the others, by the deviation of one value; none at one place.
-fn off_the_line(three: &[(f64, f64)]) -> Option<f64> {
-    let [(a, x), (b, y), (c, z)] = *three else {
-        return None;
+/// The third divided difference of four points, by the deviation of one value; none where two are at one place.
+fn off_the_parabola(four: &[(f64, f64)]) -> Option<f64> {
+    let weight = |i: usize| {
+        let others = (0..four.len()).filter(|j| *j != i);
+        let product: f64 = others.map(|j| four[i].0 - four[j].0).product();
+        1.0 / product
     };
-    let share = Some((b - a) / (c - a)).filter(|s| s.is_finite())?;
-    let weights = [1.0 - share, share];
-    let off = y - weights[0] * x - weights[1] * z;
-    let variance = 1.0 + weights[0] * weights[0] + weights[1] * weights[1];
-    Some(off.abs() / variance.sqrt())
+    let weights: Vec<f64> = (0..four.len()).map(weight).collect();
+    let off: f64 = weights.iter().zip(four).map(|(w, (_, y))| w * y).sum();
+    let variance: f64 = weights.iter().map(|w| w * w).sum();
+    Some(off.abs() / variance.sqrt()).filter(|x| x.is_finite())
 }
 
 /// The torque up to which a reading may be of a slack actuator where the rigid leg would push, N.m: a share of the largest, or what the readings show
@@ -185,7 +187,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn the_noise_is_what_lies_off_the_line_through_its_neighbours() {
+    fn the_noise_is_what_lies_off_parabolas_through_neighbours() {
         let (build, law) = (extensor(), Base::new(10, false, 1, &FitOptions::default()));
         let joint = Joint::new(&build, &law);
         let none = BTreeMap::new();
@@ -199,23 +201,19 @@ pub(super) mod tests {
         };
         let still = |_: usize| 0.0;
         // In any order, at uneven steps.
-        let line = [
-            (-40.0, 2.0),
-            (-90.0, 7.0),
-            (-60.0, 4.0),
-            (-80.0, 6.0),
-            (-75.0, 5.5),
-        ];
-        assert!(of(&line, &still) < 1e-12);
-        // Each is 0.3 off the line through its neighbours, a difference with the variance 1 + 1/4 + 1/4.
+        let bent = [-40.0, -90.0, -60.0, -80.0, -75.0, -50.0];
+        let bent = bent.map(|x: f64| (x, 2.0 + 0.1 * x + 0.003 * x * x));
+        assert!(of(&bent, &still) < 1e-9);
+        // Differences with the weights -1, 3, -3, 1 are 1.2, their variance is 20.
         let saw = [
             (-80.0, 0.0),
             (-70.0, 0.3),
             (-60.0, 0.0),
             (-50.0, 0.3),
             (-40.0, 0.0),
+            (-30.0, 0.3),
         ];
-        let expected = 0.3 / 1.5_f64.sqrt() / 0.674_489_750_196_082;
+        let expected = 1.2 / 20_f64.sqrt() / 0.674_489_750_196_082;
         assert!((of(&saw, &still) - expected).abs() < 1e-12);
         // Friction, which makes the saw, is no noise.
         let turning = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -225,7 +223,7 @@ pub(super) mod tests {
         };
         assert!(of(&long(10), &turning) < 1e-12);
         // Two of three that are needed.
-        assert_eq!(of(&saw[..4], &still), 0.0);
+        assert_eq!(of(&saw[..5], &still), 0.0);
     }
 
     #[test]
@@ -241,7 +239,7 @@ pub(super) mod tests {
             all.collect()
         };
         let near = |height: f64| Torques::of(&saw(height)).near;
-        let off = |height: f64| height / 1.5_f64.sqrt() / 0.674_489_750_196_082;
+        let off = |height: f64| 4.0 * height / 20_f64.sqrt() / 0.674_489_750_196_082;
         // Three deviations, no less than 3% and no more than 10% of the largest.
         assert_eq!(near(0.0), 0.03 * 4.0);
         assert!((near(0.1) - 3.0 * off(0.1)).abs() < 1e-12);
