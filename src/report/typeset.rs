@@ -64,9 +64,17 @@ impl Document {
         .file(MAIN, main)
     }
 
-    /// The same document with a file that it can include, read or show, under a path from its root.
+    /// The same document with a file that it can include, read or show, under a path from its root. Characters of a text that no font has become question
+    /// marks: a remark in another script must not cost the document.
     pub fn file(mut self, path: &str, bytes: impl AsRef<[u8]>) -> Document {
-        self.files.insert(path.into(), bytes.as_ref().to_vec());
+        let bytes = bytes.as_ref();
+        let shown = match std::str::from_utf8(bytes) {
+            Ok(text) if !text.is_ascii() => {
+                text.chars().map(displayable).collect::<String>().into()
+            }
+            _ => bytes.to_vec(),
+        };
+        self.files.insert(path.into(), shown);
         self
     }
 
@@ -145,6 +153,12 @@ impl Document {
             ..PdfOptions::default()
         })
     }
+}
+
+/// A character, or what stands for it where no font has it.
+fn displayable(c: char) -> char {
+    let is_known = c.is_control() || FONTS.iter().any(|f| f.info().coverage.contains(c.into()));
+    if is_known { c } else { '?' }
 }
 
 /// A figure as a PDF of one page at the figure's size, mm.

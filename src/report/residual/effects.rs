@@ -154,7 +154,7 @@ pub(super) fn tested(found: &CampaignFindings) -> Vec<TestedRow> {
             gain(t.log_likelihood_gain),
             familywise(found, t.p_familywise),
         ],
-        significant: t.p_familywise < COMES_IN && t.id != PLACEBO,
+        significant: t.p_familywise <= COMES_IN && t.id != PLACEBO,
     };
     found.tested.iter().take(TESTED).map(row).collect()
 }
@@ -175,7 +175,7 @@ fn amplitude(found: &CampaignFindings, t: &Tested, value: f64) -> String {
 /// looks like nothing.
 pub(super) fn shuffled(found: &CampaignFindings) -> String {
     let mut printed = found.tested.iter().take(TESTED);
-    let low = printed.any(|t| t.id == PLACEBO && t.p_familywise < COMES_IN);
+    let low = printed.any(|t| t.id == PLACEBO && t.p_familywise <= COMES_IN);
     if low {
         "The shuffled column carries no information and is never accepted: others here may be significant by chance, too."
     } else {

@@ -138,7 +138,7 @@ fn three_lines_have_names_numbers_and_what_is_worth_most() {
         ),
         (0, "1 recording error"),
         (1, "error on unseen specimens 18.7 → 15.8 N"),
-        (1, "5.1 N after three readings of each session"),
+        (1, "5.1 N after three readings spread over each session"),
         (
             2,
             "expected error 13.4 N; largest source: set lengths (80% of the variance)",
@@ -290,7 +290,7 @@ fn where_one_test_alone_shows_nothing_its_mounting_is_said_if_it_is_far_off() {
     };
     assert_eq!(
         said(&[("one", -17.6)]),
-        "no effect detected that is more than the mounting length of the only test, which would be 18 mm off"
+        "no effect detected; the only test fits only with a mounting length that is 18 mm off"
     );
     assert_eq!(said(&[("one", 2.9)]), "no effect detected");
     assert_eq!(said(&[("one", 17.6), ("two", 17.6)]), "no effect detected");

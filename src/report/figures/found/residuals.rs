@@ -153,7 +153,7 @@ fn levels(values: &[f64]) -> Vec<f64> {
 
 impl Tried<'_> {
     fn is_significant(&self) -> bool {
-        self.tested.is_some_and(|t| t.p_familywise < COMES_IN)
+        self.tested.is_some_and(|t| t.p_familywise <= COMES_IN)
     }
 
     /// Whether its values stand for names.

@@ -41,8 +41,8 @@ fn shown<'a>(
     (most.into_iter().map(|k| all[k]).collect(), all.len())
 }
 
-/// The figure.
-pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
+/// The figure; none where so few readings are usable that the joint has no curve.
+pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Option<Named> {
     let found = &joint.findings;
     let part = found.part.as_deref().unwrap_or_default();
     let title = format!(
@@ -50,6 +50,9 @@ pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
         found.diameter_mm
     );
     let (shown, all) = shown(campaign, joint);
+    if shown.is_empty() {
+        return None;
+    }
     let others = if shown.len() < all {
         format!(
             " Shown are the {} of {all} configurations with the most readings.",
@@ -64,7 +67,7 @@ pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
         ""
     };
     let columns = match shown.len() {
-        0 | 1 => 1,
+        1 => 1,
         2..=4 => 2,
         5 | 6 => 3,
         _ => 4,
@@ -88,7 +91,7 @@ pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
     } else {
         "crosses are not fitted"
     };
-    Named {
+    Some(Named {
         name: name(campaign, joint),
         caption: format!(
             "{simulated}{}, {} mm: measured torque (marks, one type per test; {crosses}), the rigid leg with the published \
@@ -98,7 +101,7 @@ pub fn figure(campaign: &CampaignTorque, joint: &JointDiagnosis) -> Named {
             pressures(joint)
         ),
         figure,
-    }
+    })
 }
 
 /// At which gauge pressures the curves are.

@@ -22,7 +22,7 @@ pub fn of_campaign(campaign: &CampaignTorque) -> Vec<Option<Composed>> {
     };
     let joint = |j: &JointDiagnosis| {
         let name = joint::name(campaign, j);
-        compose(&name, || Some(joint::figure(campaign, j)))
+        compose(&name, || joint::figure(campaign, j))
     };
     let configurations = campaign.configurations.iter().map(configuration);
     let joints = campaign.diagnoses.iter().map(joint);

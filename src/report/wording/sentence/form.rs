@@ -41,7 +41,8 @@ pub(super) fn undetermined(effect: &EffectFinding) -> Option<String> {
 }
 
 /// `varies with the pressure: 4.1 to 14.4 N, everything else refitted`, of a size that varies by more than itself, so that one value beside its name
-/// would mislead; of one that even changes its sign, which no such effect does, that something else may stand behind it.
+/// would mislead; of one that even changes its sign, which no such effect does, or is nowhere as large as its one value, that something else may stand
+/// behind it.
 pub(super) fn varying(effect: &EffectFinding) -> Option<String> {
     let free = effect.free_form.as_ref().filter(|free| free.differs)?;
     let size = effect.parameters.first()?;
@@ -56,6 +57,9 @@ pub(super) fn varying(effect: &EffectFinding) -> Option<String> {
         let is_large = (-low).min(high) > NARROW * (high - low);
         if is_large && is_surely_of_both_signs(free) {
             return format!("changes its sign along the {along}: perhaps another effect");
+        }
+        if !(low..=high).contains(&size.value) {
+            return format!("has no one size along the {along}: perhaps another effect");
         }
         let rounding = Rounding::ByInterval { low, high };
         format!(

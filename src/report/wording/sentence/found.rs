@@ -76,19 +76,24 @@ const MOUNTED_OFF_MM: f64 = 3.0;
 
 /// That there is no effect; of a single test what its own mounting then stands for, which is as far off as an effect would be.
 fn nothing(found: &CampaignFindings) -> String {
+    let nothing = "no effect detected".to_owned();
+    mounted_off(found).map_or(nothing.clone(), |words| format!("{nothing}; {words}"))
+}
+
+/// `the only test fits only with a mounting length that is 18 mm off`, where there is one test whose mounting is.
+pub(super) fn mounted_off(found: &CampaignFindings) -> Option<String> {
     let of_one = |s: &&Scatter| s.level == Level::Test && s.unit == "mm" && s.values.len() == 1;
     let mut own = found.scatter.iter().filter(of_one);
-    let mounting = own.find_map(|s| {
+    own.find_map(|s| {
         let off = s.values.values().next()?.abs();
         (off > MOUNTED_OFF_MM).then(|| {
             format!(
-                " that is more than the {} of the only test, which would be {} off",
+                "the only test fits only with a {} that is {} off",
                 name::scatter(&s.id, s.level),
                 plain(off, &s.unit)
             )
         })
-    });
-    format!("no effect detected{}", mounting.unwrap_or_default())
+    })
 }
 
 /// `threshold pressure of the bladder 60 kPa (weak evidence: p = 0.045; implausibly large)`.

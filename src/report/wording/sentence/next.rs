@@ -109,7 +109,7 @@ pub(super) fn few_readings(found: &CampaignFindings) -> Option<String> {
     ))
 }
 
-/// `3.4 N after three readings of each session`, where that is less than on units of which nothing is known.
+/// `3.4 N after three readings spread over each session`, where that is less than on units of which nothing is known.
 pub(super) fn error_after_few(found: &CampaignFindings) -> Option<String> {
     let after = *found.after.rmse_heldout_spread.get(READINGS_GIVEN)?;
     let falls = after < (1.0 - WORTH_SAYING) * found.after.rmse_heldout?;
@@ -118,7 +118,7 @@ pub(super) fn error_after_few(found: &CampaignFindings) -> Option<String> {
     falls.then(|| {
         let error = error_with_unit(after, &found.unit);
         let setup = nouns(found).setup;
-        format!("{error} after three readings of each {setup}{without}")
+        format!("{error} after three readings spread over each {setup}{without}")
     })
 }
 

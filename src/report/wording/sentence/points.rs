@@ -2,7 +2,7 @@
 
 use super::budget::points as budget_points;
 use super::errors::points as error_points;
-use super::found::graded_answer;
+use super::found::{graded_answer, mounted_off};
 use super::{Clauses, clauses};
 use crate::wording::name::capitalised;
 use pipeline_findings::{CampaignFindings, Verdict};
@@ -13,7 +13,7 @@ pub const ERROR: &str = "Error";
 /// What there is to say of a campaign, point by point; each is a sentence or two without a full stop.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Points {
-    /// What was found; empty where the verdict says it.
+    /// What was found; where that is nothing, what the verdict does not say, or empty.
     pub found: String,
     /// Whether "the smallest detectable sizes are in" a table belongs behind it.
     pub limits: bool,
@@ -44,7 +44,7 @@ pub fn points(found: &CampaignFindings) -> Points {
     ];
     Points {
         found: if found.verdict == Verdict::None && found.effects.is_empty() {
-            String::new()
+            capitalised(&mounted_off(found).unwrap_or_default())
         } else {
             capitalised(&graded_answer(found))
         },
