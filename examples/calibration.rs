@@ -21,7 +21,7 @@ use pipeline::simulate::rig_like::{Family, Scatter, Settings, campaign};
 use pipeline::stages::diagnose::base::Base;
 use pipeline::stages::diagnose::data::Data;
 use pipeline::stages::diagnose::library::{self, What};
-use pipeline::stages::diagnose::suited;
+use pipeline::stages::diagnose::{Declared, suited};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
@@ -86,7 +86,7 @@ fn tried(seed: u64, settings: &Settings, redrawn: bool) -> Outcome {
         data.force = anew(&base, &data, seed);
     }
     let library = library::terms(&data);
-    let (problem, null) = suited(&base, &data, &library, &BTreeSet::new());
+    let (problem, null) = suited(&base, &data, &library, &BTreeSet::new(), Declared::Taken);
     let setting = Setting::new(&problem);
     let decision = Decision {
         level: decisions::COMES_IN,
@@ -137,7 +137,7 @@ fn tried(seed: u64, settings: &Settings, redrawn: bool) -> Outcome {
 /// Forces drawn from the null model that is fitted to some data: its own law at drawn random effects, not its tangent.
 fn anew(base: &Base, data: &Data, seed: u64) -> Vec<f64> {
     let library = Vec::new();
-    let (problem, null) = suited(base, data, &library, &BTreeSet::new());
+    let (problem, null) = suited(base, data, &library, &BTreeSet::new(), Declared::Taken);
     let setting = Setting::new(&problem);
     let sd = null.restricted(&setting);
     let mut stream = Stream::new(seed, &["redrawn"]);

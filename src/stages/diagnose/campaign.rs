@@ -5,7 +5,7 @@ use crate::asked::{Searched, answered};
 use crate::base::Base;
 use crate::data::Data;
 use crate::problem::ForceProblem;
-use crate::suited::{part_of, suited};
+use crate::suited::{Declared, part_of, suited};
 use crate::unassessed::unassessed;
 use crate::{Diagnosis, draws, library};
 use pipeline_base::row::Row;
@@ -62,7 +62,7 @@ impl Campaign<'_> {
             return not_assessed(reason, findings);
         }
         let library = library::terms(&data);
-        let (problem, null) = suited(self.base, &data, &library, &kept_out, false);
+        let (problem, null) = suited(self.base, &data, &library, &kept_out, Declared::Taken);
         if !null.log_likelihood.is_finite() {
             return if again && groups_of(self.beside_law) != groups_of(mistakes) {
                 Answer::OtherMistakes(self.beside_law.to_vec())
@@ -124,7 +124,13 @@ impl Campaign<'_> {
             return (problem, found);
         }
         let (data, library) = (problem.data, problem.library);
-        let (problem, null) = suited(problem.base, data, library, kept_out, true);
+        let (problem, null) = suited(
+            problem.base,
+            data,
+            library,
+            kept_out,
+            Declared::Contradicted,
+        );
         let found = searched(&problem, null);
         (problem, found)
     }

@@ -49,7 +49,7 @@ mod tests;
 mod unassessed;
 pub mod unseen;
 
-pub use suited::suited;
+pub use suited::{Declared, suited};
 
 use aside::{is_part, judged, mistakes_among};
 use base::Base;

@@ -9,20 +9,28 @@ use pipeline_inference::fit::{Fitted, Setting};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
+/// What is made of the standard deviations of set lengths that somebody declared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Declared {
+    /// They are taken as they are.
+    Taken,
+    /// The readings contradict them: the scatter is estimated.
+    Contradicted,
+}
+
 /// The problem with the floor of the misfit under which the readings are most likely, and with a misfit of every stroke where they show it;
-/// and its model without any effect. `estimated`: whether the readings contradict the set lengths that were declared, so that their scatter is estimated.
+/// and its model without any effect.
 pub fn suited<'a>(
     base: &'a Base,
     data: &'a Data,
     library: &'a [library::Term],
     kept_out: &BTreeSet<&str>,
-    estimated: bool,
+    declared: Declared,
 ) -> (ForceProblem<'a>, Fitted) {
     let assumed = |problem: ForceProblem<'a>| {
-        if estimated {
-            problem.with_declared_estimated()
-        } else {
-            problem
+        match declared {
+            Declared::Taken => problem,
+            Declared::Contradicted => problem.with_declared_estimated(),
         }
     };
     let with_null = |problem: ForceProblem<'a>| {
