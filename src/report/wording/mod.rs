@@ -15,10 +15,4 @@ pub mod sentence;
 #[cfg(test)]
 pub(crate) mod tests;
 
-/// Level at which the loop lets something into a model.
-pub const COMES_IN: f64 = 0.02;
-/// Probability below which any other test has found something.
-pub const SIGNIFICANT: f64 = 0.05;
-
-/// Log-likelihoods that differ by less tell nothing apart.
-pub const ALIKE: f64 = 2.0;
+pub use pipeline_inference::decisions::{ALIKE, COMES_IN, LEVEL as SIGNIFICANT};
