@@ -156,7 +156,7 @@ fn of_forces(unlike: &Unlike) -> Words {
     (
         "columns",
         found,
-        "forces within a quarter of that law".to_owned(),
+        "forces within a quarter of what that law gives".to_owned(),
         hint,
     )
 }

@@ -65,7 +65,7 @@ mod tests {
         set.diagnose.draws = 49;
         let part = set.part(&["fit.confidence", "diagnose"]).unwrap();
         assert_eq!(part.keyed["fit.confidence"], "0.9");
-        assert_eq!(part.keyed["diagnose.draws"], "39");
+        assert_eq!(part.keyed["diagnose.draws"], "49");
         assert!(!part.keyed.contains_key("fit.seed"));
         let mut expected = Config::default();
         expected.fit.confidence = 0.9;

@@ -255,6 +255,8 @@ pub struct EffectFinding {
     pub acts_on: ActsOn,
     /// The column of labels, where it acts on levels.
     pub column: Option<String>,
+    /// The level on which it does not act, beside which the others have their values.
+    pub reference_level: Option<String>,
     /// The first session that it acts on, where it acts from a change point on.
     pub from: Option<String>,
     /// Its numbers, amplitude first.
@@ -282,6 +284,8 @@ pub struct EffectFinding {
     pub free_form: Option<FreeForm>,
     /// Likelihood of each member of the class in its place: id, log-likelihood less that of the effect.
     pub in_its_place: Vec<(String, f64)>,
+    /// Columns a dependence on which explains the readings as well.
+    pub explained_as_well_by: Vec<String>,
     /// What would measure it apart from the readings.
     pub measurement: String,
     /// Where it is described.
@@ -340,6 +344,8 @@ pub struct Parameter {
     pub ci_high: Option<f64>,
     /// Unit.
     pub unit: String,
+    /// The level of `column` whose value it is, of an effect that acts on levels: beside `reference_level`.
+    pub of_level: Option<String>,
 }
 
 /// The level of a random effect.

@@ -406,8 +406,9 @@ fn a_term_comes_in_from_the_critical_value() {
             assert_eq!(!accepted(&found).is_empty(), comes_in, "{ratio}");
             if comes_in {
                 close(found.accepted[0].gain, 0.5 * ratio, 1e-9);
-                // None of the 19 draws of its own reaches it.
-                assert_eq!(found.accepted[0].p, 0.05);
+                // None of the draws of its own reaches it: a batch of 40, beside the 19 that decide nothing at this level where these are made first.
+                let draws = if decision.thorough { 59.0 } else { 40.0 };
+                assert_eq!(found.accepted[0].p, 1.0 / (1.0 + draws));
             }
         }
     }
@@ -481,6 +482,31 @@ fn what_a_draw_has_between_groups_is_scatter_in_its_null_too() {
     close(restricted, (3.5_f64 / 3.0 - 1.0).sqrt() / 2.0, 1e-3);
     let draws = Screen::new(&setting, &null).draws(1, &normal(move |_| between(5.0)));
     close(draws[0], deviate(4.0 * libm::log(1.5), 1), 1e-3);
+}
+
+/// A term along w1 whose amplitude is given, and 99 draws with amplitudes from 1 to 4, of which the critical one is 1 + 94/33; all further draws
+/// have 10.
+fn decided_by_further_draws(by: By, decision: Decision, amplitude: f64) -> bool {
+    let problem = line(&[(1, amplitude)], &[form(0, &[(1, 1.0)])]);
+    let size = |k: usize| if k < 99 { 1.0 + k as f64 / 33.0 } else { 10.0 };
+    let own = normal(move |k| along(&[(1, size(k))]));
+    let decision = Decision {
+        draws: 99,
+        ..decision
+    };
+    !accepted(&searched(&problem, decision, by, None, &own)).is_empty()
+}
+
+#[test]
+fn a_decision_that_the_draws_leave_open_gets_more_of_them() {
+    for by in [By::Run, By::Exchanging] {
+        for decision in [DECISION, QUICK] {
+            // p = 4/100 by the first 99 draws alone; with the next 40 it is a third.
+            assert!(!decided_by_further_draws(by, decision, 3.9));
+            // Far above all of the first: no other is asked.
+            assert!(decided_by_further_draws(by, decision, 8.0));
+        }
+    }
 }
 
 /// A first term along w1; a second along w1 + w2, of which 12 is left beside the first. 99 draws from the null, of which `wild` have 1000 along

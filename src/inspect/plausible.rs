@@ -9,7 +9,7 @@
 use crate::files;
 use crate::otherwise::{self, Otherwise, Suits};
 use crate::population::{self, Known};
-use pipeline_base::columns::PHASE;
+use pipeline_base::columns::{PHASE, TIME};
 use pipeline_base::row::Row;
 use pipeline_base::session::{Kind, Phase, Sampling, Session};
 use pipeline_config::{CleanOptions, Config};
@@ -117,16 +117,18 @@ pub fn doubts(located: &Located, rows: &[Row], config: &Config) -> Vec<Doubt> {
 }
 
 /// Whether the states of the phase look exchanged: most steps of the pressure between neighbouring readings of a log go the other way. None without
-/// such a column, and none of points, which may stand in any order.
+/// such a column, and none of points without their time, which may stand in any order.
 pub(crate) fn phases(session: &Session, rows: &[Row], options: &CleanOptions) -> Option<Phases> {
     session.column(PHASE)?;
-    if session.sampling == Sampling::Points {
-        return None;
+    let are_points = session.sampling == Sampling::Points;
+    if are_points {
+        session.column(TIME)?;
     }
     let step = |pair: &[Row]| {
         let [before, now] = pair else { return None };
         let step_kpa = now.pressure_kpa - before.pressure_kpa;
-        let is_step = before.log == now.log && step_kpa.abs() > options.turning_kpa;
+        let is_next = before.log == now.log && (!are_points || now.time_s > before.time_s);
+        let is_step = is_next && step_kpa.abs() > options.turning_kpa;
         let is_up = now.phase? == Phase::Pressurizing;
         is_step.then_some((step_kpa > 0.0) != is_up)
     };

@@ -408,3 +408,56 @@ mod rig {
         assert_eq!(named, 20);
     }
 }
+
+/// A session of points in the order of time, with states of the phase as given for rising pressures.
+fn points_with_time(rising: &str, falling: &str) -> Bench {
+    let bench = Bench::empty();
+    bench.write(
+        "by-hand/session.toml",
+        r#"schema = "bpa-session/1"
+id = "by-hand"
+kind = "isometric"
+sampling = "points"
+campaign = "hand"
+
+[specimen]
+id = "hand-l182"
+diameter_mm = 10
+rest_length_mm = 182
+contracted_length_mm = 152
+
+[setup]
+length_mm = 174
+
+[columns]
+pressure = { name = "pressure_kpa", unit = "kPa" }
+force = { name = "force_n", unit = "N" }
+time = { name = "time_s", unit = "s" }
+phase = { name = "phase", values = { "up" = "pressurizing", "down" = "depressurizing" } }
+
+[[log]]
+file = "points.csv"
+"#,
+    );
+    let steps = [(200, 50), (400, 150), (500, 200), (620, 280)];
+    let up = steps.iter().map(|step| (step, rising));
+    let down = steps[..3].iter().rev().map(|step| (step, falling));
+    let line = |(k, ((kpa, n), phase)): (usize, (&(i32, i32), &str))| {
+        format!("{},{kpa},{n},{phase}\n", 10 * k)
+    };
+    let lines: String = up.chain(down).enumerate().map(line).collect();
+    bench.write(
+        "by-hand/points.csv",
+        format!("time_s,pressure_kpa,force_n,phase\n{lines}"),
+    );
+    bench.age();
+    bench
+}
+
+#[test]
+fn exchanged_states_of_points_are_named_where_their_time_gives_their_order() {
+    let said = run(&points_with_time("down", "up"));
+    said.warns_of(&["by-hand/session.toml [columns.phase]", "look exchanged"]);
+    let said = run(&points_with_time("up", "down"));
+    assert!(!said.err.contains("look exchanged"), "{}", said.err);
+}

@@ -191,7 +191,7 @@ fn effect(id: &str, class: &[&str], form: &str, size: f64) -> Value {
         "id": id, "class": class, "acts_on": "all", "column": null, "from": null,
         "parameters": [{ "name": "p", "value": size, "ci_low": null, "ci_high": null, "unit": "kPa" }],
         "form": form, "equation": "an equation", "p_familywise": 0.001, "log_likelihood_gain": 20.0, "found_in_folds": 1.0,
-        "negligible": false, "rms": 5.0, "by_specimen": {}, "profile": [], "free_form": null, "in_its_place": [],
+        "negligible": false, "rms": 5.0, "by_specimen": {}, "profile": [], "free_form": null, "in_its_place": [], "explained_as_well_by": [],
         "measurement": "raise the pressure in steps", "source": "nobody",
     })
 }

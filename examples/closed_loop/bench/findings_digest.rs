@@ -5,7 +5,9 @@ use pipeline::findings::CampaignFindings;
 use serde_json::Value;
 
 /// What the table does not judge, beside free forms.
-const NOT_JUDGED: [&str; 8] = [
+const NOT_JUDGED: [&str; 10] = [
+    "reference_level",
+    "of_level",
     "smallest_p",
     "rmse_heldout_calibrated",
     "rmse_heldout_spread",

@@ -147,7 +147,7 @@ mod tests {
             "id": id, "class": class, "acts_on": "all", "column": null, "from": null, "form": "constant", "equation": "",
             "parameters": [{"name": "h", "value": 4.2, "ci_low": 3.9, "ci_high": 4.5, "unit": "N"}],
             "p_familywise": 0.001, "log_likelihood_gain": 20.0, "found_in_folds": 1.0, "negligible": false, "rms": 1.0,
-            "by_specimen": {}, "profile": [], "free_form": null, "in_its_place": [], "measurement": "", "source": "",
+            "by_specimen": {}, "profile": [], "free_form": null, "in_its_place": [], "explained_as_well_by": [], "measurement": "", "source": "",
         })
     }
 

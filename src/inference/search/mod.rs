@@ -62,11 +62,10 @@ pub struct Accepted {
 }
 
 impl Accepted {
-    /// Names of the terms that do as well in its place, each once.
-    pub fn names_instead(&self, name: impl Fn(usize) -> String) -> Vec<String> {
+    /// Names of the terms that do as well in its place, each once; those that have none are passed over.
+    pub fn names_instead(&self, name: impl Fn(usize) -> Option<String>) -> Vec<String> {
         let mut names: Vec<String> = Vec::new();
-        for instead in &self.in_its_place {
-            let name = name(instead.term);
+        for name in self.in_its_place.iter().filter_map(|i| name(i.term)) {
             if !names.contains(&name) {
                 names.push(name);
             }

@@ -81,6 +81,17 @@ impl Figure {
         self
     }
 
+    /// The same figure, by some steps of so many mm higher if it is too small for its labels: how many rows a legend takes depends on their width.
+    pub fn with_room(mut self, step_mm: f64, most_steps: usize) -> Figure {
+        for _ in 0..most_steps {
+            if self.to_svg().is_ok() {
+                break;
+            }
+            self.height_mm += step_mm;
+        }
+        self
+    }
+
     /// The figure as an SVG file.
     ///
     /// # Errors

@@ -165,6 +165,12 @@ pub fn amount(p: &Parameter) -> String {
 /// shape; of many values, one a level, the first stands for all.
 pub fn amounts(parameters: &[Parameter]) -> Option<String> {
     let first = parameters.first()?;
+    if first.of_level.is_some() {
+        let of_levels = parameters
+            .iter()
+            .filter_map(|p| Some(format!("{} for {}", amount(p), p.of_level.as_ref()?)));
+        return Some(of_levels.collect::<Vec<String>>().join(", "));
+    }
     let is_shift = parameters.iter().map(|p| p.name.as_str()).eq(["x", "y"]);
     if !is_shift {
         return Some(amount(first));
@@ -180,7 +186,9 @@ pub fn amounts(parameters: &[Parameter]) -> Option<String> {
 pub fn size(p: &Parameter) -> String {
     let (value, interval) = with_interval(p.value, p.ci_low, p.ci_high);
     let gap = if interval.is_empty() { "" } else { " " };
-    with_unit(&format!("{} = {value}{gap}{interval}", p.name), &p.unit)
+    let of = p.of_level.iter().map(|level| format!(" of {level}"));
+    let of: String = of.collect();
+    with_unit(&format!("{}{of} = {value}{gap}{interval}", p.name), &p.unit)
 }
 
 /// A small count in words, as a sentence has it.

@@ -134,9 +134,9 @@ fn three_lines_have_names_numbers_and_what_is_worth_most() {
     for (line, part) in [
         (
             0,
-            "threshold pressure of the bladder 60.0 kPa, a dependence on the humidity; ",
+            "threshold pressure of the bladder 60.0 kPa (or zero of the pressure sensor), a dependence on the humidity; ",
         ),
-        (0, "1 recording error"),
+        (0, "recording error: session s05 ("),
         (1, "error on unseen specimens 18.7 → 15.8 N"),
         (1, "5.1 N after three readings spread over each session"),
         (
@@ -154,6 +154,37 @@ fn three_lines_have_names_numbers_and_what_is_worth_most() {
         beside.ends_with("; the law alone, by least squares, has 12.0 N on all readings"),
         "{beside}"
     );
+}
+
+#[test]
+fn sizes_of_levels_are_said_with_their_levels() {
+    let mut found = example();
+    let e = &mut found.effects[0];
+    (e.column, e.reference_level) = (Some("operator".into()), Some("A".into()));
+    e.parameters[0].of_level = Some("B".into());
+    e.parameters.push(e.parameters[0].clone());
+    e.parameters[1].of_level = Some("C".into());
+    e.class.truncate(1);
+    let line = super::sentence::in_three_lines(&found, None).swap_remove(0);
+    let line = line.replace('\u{a0}', " ");
+    let sizes =
+        "threshold pressure of the bladder 60.0 kPa for B, 60.0 kPa for C against A (operator)";
+    assert!(line.starts_with(sizes), "{line}");
+    assert!(size(&found.effects[0].parameters[1]).starts_with("P_th of C = 60"));
+}
+
+#[test]
+fn a_column_that_explains_as_well_is_one_of_the_alias_set() {
+    let mut found = example();
+    found.effects[0].explained_as_well_by = vec!["age_days".into()];
+    let others = super::sentence::alias_set(&found.effects[0]);
+    assert_eq!(
+        others.last().map(String::as_str),
+        Some("a dependence on age_days")
+    );
+    found.effects[0].class.truncate(1);
+    let line = super::sentence::in_three_lines(&found, None).swap_remove(0);
+    assert!(line.contains("(or a dependence on age_days"), "{line}");
 }
 
 #[test]
@@ -347,6 +378,7 @@ fn sizes_share_their_decimals_and_an_open_end_says_so() {
         ci_low: Some(5.91),
         ci_high: Some(8.33),
         unit: "um/N".into(),
+        of_level: None,
     };
     assert_eq!(size(&c), "C = 7.1 [5.9, 8.3]\u{a0}µm/N");
     assert_eq!(amount(&c), "7.1\u{a0}µm/N");
@@ -363,6 +395,7 @@ fn sizes_share_their_decimals_and_an_open_end_says_so() {
         ci_low: Some(7.86),
         ci_high: Some(2463.0),
         unit: "s".into(),
+        of_level: None,
     };
     assert_eq!(size(&time), "tau = 15 [7.9, 2500]\u{a0}s");
 }
@@ -531,7 +564,7 @@ fn an_effect_that_few_searches_find_again_is_marked_where_it_is_stated() {
         assert!(said(&found).contains(words), "{}", said(&found));
         let line = super::sentence::in_three_lines(&found, None).swap_remove(0);
         let line = line.replace('\u{a0}', " ");
-        assert!(line.contains("(weak evidence)"), "{line}");
+        assert!(line.contains("; weak evidence)"), "{line}");
         let short = super::sentence::answer_in_short(&found).join(" ");
         assert!(
             short.contains("(weak evidence; ") && !short.contains("searches"),

@@ -278,7 +278,7 @@ mod tests {
     fn effect(class: &[&str]) -> EffectFinding {
         let text = r#"{"id": "", "class": [], "acts_on": "all", "column": null, "from": null, "parameters": [],
             "form": "constant", "equation": "", "p_familywise": 0.005, "log_likelihood_gain": 9.0, "found_in_folds": null,
-            "negligible": false, "rms": 1.0, "by_specimen": {}, "profile": [], "free_form": null, "in_its_place": [],
+            "negligible": false, "rms": 1.0, "by_specimen": {}, "profile": [], "free_form": null, "in_its_place": [], "explained_as_well_by": [],
             "measurement": "", "source": ""}"#;
         let plain: EffectFinding = pipeline_base::json::from_slice(text.as_bytes()).unwrap();
         EffectFinding {

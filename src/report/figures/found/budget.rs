@@ -3,7 +3,7 @@
 
 use super::super::Named;
 use super::super::formatting::plain;
-use super::TEXT_MM;
+use super::{TEXT_MM, ending};
 use crate::plot::{
     Anchor, Axis, Dash, Figure, Ink, Layer, Legend, Level, Panel, Place, Series, Side, Stroke,
 };
@@ -15,10 +15,14 @@ use pipeline_findings::{BudgetEntry, CampaignFindings};
 const BAND_MM: f64 = 3.9;
 const AXIS_MM: f64 = 11.0;
 const LEGEND_MM: f64 = 10.0;
+/// Bands by which the figure may grow, where names are so long that the legend takes further rows.
+const MOST_BANDS_MORE: usize = 6;
 /// Half the height of a bar, in bands.
 const HALF: f64 = 0.34;
 /// Segments narrower than this share carry no number.
 const NARROW: f64 = 0.055;
+/// Letters of the name of a campaign that a bar leaves room for.
+const LONGEST_CAMPAIGN: usize = 44;
 /// Where the totals stand, and where the axis ends.
 const TOTAL_AT: f64 = 1.02;
 const END: f64 = 1.16;
@@ -55,7 +59,8 @@ pub fn figure(all: &[&CampaignFindings]) -> Option<Named> {
     if with.is_empty() {
         return None;
     }
-    let names: Vec<String> = with.iter().map(|f| plain(&name::campaign(f))).collect();
+    let name = |f: &&&CampaignFindings| plain(&ending(&name::campaign(f), LONGEST_CAMPAIGN));
+    let names: Vec<String> = with.iter().map(name).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let x = Axis::new("Share of the expected squared error").fixed(0.0, END);
     let mut panel = Panel::new(x, Axis::categories("", &names)).legend(Legend::Above);
@@ -74,7 +79,9 @@ pub fn figure(all: &[&CampaignFindings]) -> Option<Named> {
         name: "budget".to_owned(),
         caption: "Shares of the squared error expected on an unseen specimen (actuator). Numbers are square roots, in N or N m."
             .to_owned(),
-        figure: Figure::new("Budget of the expected error", TEXT_MM, height).with(panel),
+        figure: Figure::new("Budget of the expected error", TEXT_MM, height)
+            .with(panel)
+            .with_room(BAND_MM, MOST_BANDS_MORE),
     })
 }
 
@@ -148,6 +155,13 @@ mod tests {
             unit: "N".to_owned(),
             ..example()
         };
-        assert!(figure(&[&found]).unwrap().figure.to_svg().is_ok());
+        for letters in [1, 10, 22, 30, 44, 100] {
+            let found = CampaignFindings {
+                campaign: "m".repeat(letters),
+                ..found.clone()
+            };
+            let drawn = figure(&[&found]).unwrap().figure.to_svg();
+            assert!(drawn.is_ok(), "{letters}: {drawn:?}");
+        }
     }
 }

@@ -210,7 +210,7 @@ pub(super) fn errors_in_short(found: &CampaignFindings) -> Option<String> {
     Some(sizes + &with_own_values(found) + &beside_black_box(found, REACHES))
 }
 
-/// `error on unseen specimens 18.7 → 15.8 N (larger on 1 of the 5 specimens), its stated uncertainty gets worse`.
+/// `error on unseen specimens 18.7 → 15.8 N (larger on 1 of the 5 specimens), the stated uncertainty gets worse`.
 pub(super) fn errors_in_numbers(found: &CampaignFindings) -> Option<String> {
     let on = name::held_out(found);
     let Some((before, after, change)) = error_change(found) else {
@@ -228,7 +228,7 @@ pub(super) fn errors_in_numbers(found: &CampaignFindings) -> Option<String> {
     };
     let worse = density_change(found).is_some_and(|(.., change)| change == Change::Worse);
     let density = if worse {
-        ", its stated uncertainty gets worse"
+        ", the stated uncertainty gets worse"
     } else {
         ""
     };

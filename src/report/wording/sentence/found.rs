@@ -106,12 +106,12 @@ fn bracketed(what: String, remarks: impl Iterator<Item = String>) -> String {
     }
 }
 
-/// The same in fewer words: names and sizes, with a mark where a size is no such effect's.
+/// The same in fewer words: names and sizes, with what does as well, and a mark where a size is no such effect's.
 pub(super) fn in_names(found: &CampaignFindings) -> String {
     let weighty = found.effects.iter().filter(|e| !e.negligible);
     let marked = |e: &EffectFinding| {
         let large = beyond_usual(found, e).map(|_| "implausibly large".to_owned());
-        let remarks = [large, called_weak(found, e)];
+        let remarks = [or_others(e), large, called_weak(found, e)];
         bracketed(size_of(e), remarks.into_iter().flatten())
     };
     let unnamed = found.unexplained.iter();
@@ -175,12 +175,25 @@ fn indistinguishable(effect: &EffectFinding) -> Option<String> {
     }
 }
 
+/// `or zero of the pressure sensor`; none where its alias set holds it alone.
+fn or_others(effect: &EffectFinding) -> Option<String> {
+    let others = alias_set(effect);
+    match &others[..] {
+        [] => None,
+        [one] => Some(format!("or {one}")),
+        [first, ..] => Some(format!("or {first}, or {} more", count(others.len() - 1))),
+    }
+}
+
 /// `threshold pressure of the bladder 60 kPa`.
 fn size_of(effect: &EffectFinding) -> String {
     let size = amounts(&effect.parameters).map_or_else(String::new, |amount| format!(" {amount}"));
     let from = match (&effect.from, &effect.column) {
         (Some(session), _) => format!(" from session {session} on"),
-        (None, Some(_)) => format!(", {}", name::acts_on(effect)),
+        (None, Some(column)) => match &effect.reference_level {
+            Some(level) => format!(" against {level} ({})", name::column(column)),
+            None => format!(", {}", name::acts_on(effect)),
+        },
         (None, None) => String::new(),
     };
     called(effect) + &size + &from
@@ -197,10 +210,12 @@ pub fn called(effect: &EffectFinding) -> String {
     }
 }
 
-/// The other members of an effect's alias set.
+/// The other members of an effect's alias set, then the columns a dependence on which explains the readings as well.
 pub fn alias_set(effect: &EffectFinding) -> Vec<String> {
     let others = effect.class.iter().filter(|id| **id != effect.id);
-    others.map(|id| name::effect(id)).collect()
+    let columns = effect.explained_as_well_by.iter();
+    let columns = columns.map(|column| format!("a dependence on {}", name::column(column)));
+    others.map(|id| name::effect(id)).chain(columns).collect()
 }
 
 /// `the error depends on humidity (p = 0.002; temperature explains it as well), for which the library has no effect`.

@@ -17,7 +17,7 @@ use errors::{errors, errors_in_numbers, errors_in_short};
 use found::{answer, beside, contradicted, in_names, short_answer};
 use next::{error_after_few, few_readings, worth};
 use pipeline_findings::{CampaignFindings, Verdict};
-use recording::recording_errors;
+use recording::{recording_errors, recording_errors_in_short};
 
 pub use budget::{scatter_behind, scatter_size};
 pub use errors::black_box_beats;
@@ -125,12 +125,11 @@ pub fn answer_in_short(found: &CampaignFindings) -> Vec<String> {
     sentences.map(|s| capitalised(&s) + ".").collect()
 }
 
-/// The campaign in three lines: what was found without its remarks, and how many mistakes; the errors as numbers; where they come from and what is
+/// The campaign in three lines: what was found without its remarks, and the first of the mistakes; the errors as numbers; where they come from and what is
 /// worth measuring. A line that has nothing to say is not there.
 /// With the error of the law alone, N, where that is the better one.
 pub fn in_three_lines(found: &CampaignFindings, better_law_alone: Option<f64>) -> Vec<String> {
-    let n = found.recording_errors.len();
-    let mistakes = (n > 0).then(|| counted(n, "recording error", "recording errors"));
+    let mistakes = recording_errors_in_short(&found.recording_errors);
     let worth = worth(found);
     // That there is no error is said with what would give one.
     let is_tested = found.before.rmse_heldout.is_some() || worth.is_none();

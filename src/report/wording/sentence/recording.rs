@@ -22,6 +22,21 @@ pub(super) fn recording_errors(all: &[RecordingError]) -> Option<String> {
     (!said.is_empty()).then(|| format!("recording error{plural}: {}", listed(&said)))
 }
 
+/// `recording error: session s05 (set length, −10 mm)`: the first, and how many more there are.
+pub(super) fn recording_errors_in_short(all: &[RecordingError]) -> Option<String> {
+    let first = all.iter().find(|e| e.set_aside).or_else(|| all.first())?;
+    let size = recorded_size(first).map_or_else(String::new, |s| format!(", {s}"));
+    let kind = name::recording_error(first.kind, first.quantity.as_deref());
+    let (level, group) = (name::level(first.level), &first.group);
+    let (plural, more) = match all.len() {
+        1 => ("", String::new()),
+        n => ("s", format!(" and {} more", count(n - 1))),
+    };
+    Some(format!(
+        "recording error{plural}: {level} {group} ({kind}{size}){more}"
+    ))
+}
+
 fn recording_error(e: &RecordingError) -> String {
     let size = recorded_size(e).map_or_else(String::new, |s| format!(", {s}"));
     let aside = match set_aside(e) {

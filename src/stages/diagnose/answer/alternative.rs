@@ -24,6 +24,7 @@ pub fn alternative(
             ci_low: end(-1.0),
             ci_high: end(1.0),
             unit: unit.to_owned(),
+            of_level: None,
         }
     };
     let mut parts = Vec::new();

@@ -1,7 +1,7 @@
 //! The accepted effects with their intervals, and the candidates beside the null model.
 
 use super::{Work, rms};
-use crate::library::What;
+use crate::library::{Scope, What};
 use crate::tally;
 use pipeline_effects as effects;
 use pipeline_findings::{EffectFinding, Estimate, Parameter, Tested};
@@ -34,10 +34,9 @@ impl Work<'_> {
         let e = effects::all()[effect];
         let form = term.form()?;
         let (acts_on, column, from) = self.acts_on(accepted.term);
-        let named = accepted
-            .in_its_place
-            .iter()
-            .filter(|other| self.term(other.term).id().is_some());
+        let is_column = |t: usize| self.term(t).id().is_none();
+        let named = accepted.in_its_place.iter();
+        let named = named.filter(|other| !is_column(other.term));
         let in_its_place: Vec<(String, f64)> = named
             .map(|other| (self.name(other.term), other.log_likelihood))
             .collect();
@@ -54,6 +53,7 @@ impl Work<'_> {
             id: e.id().to_owned(),
             acts_on,
             column,
+            reference_level: self.levels_of(accepted.term).first().cloned(),
             from,
             parameters,
             form: form.name.to_owned(),
@@ -67,6 +67,8 @@ impl Work<'_> {
             profile: points,
             free_form: self.forms.get(&accepted.term).cloned(),
             in_its_place,
+            explained_as_well_by: accepted
+                .names_instead(|t| is_column(t).then(|| self.name(t))),
             measurement: e.measurement().to_owned(),
             source: e.source().to_owned(),
             class,
@@ -79,6 +81,7 @@ impl Work<'_> {
             return (Vec::new(), Vec::new());
         };
         let amplitudes = self.term(term).amplitudes;
+        let levels = self.levels_of(term);
         let mut points = Vec::new();
         let parameters = values.iter().enumerate().map(|(k, value)| {
             let known = match form.shape {
@@ -100,9 +103,20 @@ impl Work<'_> {
                 ci_low: end(profile.as_ref().and_then(|p| p.low)),
                 ci_high: end(profile.as_ref().and_then(|p| p.high)),
                 unit: known.unit.to_owned(),
+                of_level: (k < amplitudes)
+                    .then(|| levels.get(k + 1).cloned())
+                    .flatten(),
             }
         });
         (parameters.collect(), points)
+    }
+
+    /// The levels of the column that a term acts on, that on which it does not act first; none where it acts on no levels.
+    fn levels_of(&self, term: usize) -> Vec<String> {
+        match self.term(term).scope {
+            Scope::Levels(column) => self.data().level_names(column),
+            Scope::All | Scope::From(_) => Vec::new(),
+        }
     }
 
     /// Each specimen's own estimate of the first amplitude, all else and the variances as found.

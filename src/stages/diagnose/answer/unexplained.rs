@@ -39,7 +39,7 @@ impl Work<'_> {
                     p_familywise: a.p,
                     log_likelihood_gain: Some(a.gain),
                     share_of_variance: (share * share).min(1.0),
-                    explained_as_well_by: a.names_instead(|term| self.name(term)),
+                    explained_as_well_by: a.names_instead(|term| Some(self.name(term))),
                     curve,
                 })
             })

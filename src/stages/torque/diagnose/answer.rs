@@ -121,6 +121,7 @@ impl Work<'_> {
             id: form.id.to_owned(),
             acts_on: ActsOn::All,
             column: None,
+            reference_level: None,
             from: None,
             parameters,
             form: form.form.to_owned(),
@@ -134,6 +135,9 @@ impl Work<'_> {
             profile,
             free_form: None,
             in_its_place,
+            explained_as_well_by: accepted.names_instead(|t| {
+                (self.what(t).form().is_none()).then(|| self.name(t))
+            }),
             measurement: form.measurement.to_owned(),
             source: form.source.to_owned(),
             class,
@@ -158,6 +162,7 @@ impl Work<'_> {
                 ci_low: profile.as_ref().and_then(|p| p.low),
                 ci_high: profile.as_ref().and_then(|p| p.high),
                 unit: form.unit.to_owned(),
+                of_level: None,
             }
         });
         (parameters.collect(), points)
@@ -200,7 +205,7 @@ impl Work<'_> {
                 p_familywise: a.p,
                 log_likelihood_gain: Some(a.gain),
                 share_of_variance: (share * share).min(1.0),
-                explained_as_well_by: a.names_instead(|term| self.name(term)),
+                explained_as_well_by: a.names_instead(|term| Some(self.name(term))),
                 curve: what.curve(self.problem.data, values),
             })
         };
