@@ -62,7 +62,7 @@
 //!   bundle    -> run, config, formats, base
 //!   export    -> run, formats, base
 //!   run       -> report, inspect, torque, clean, compare, diagnose, fit, ingest, config, formats, cache, normalize, base, findings
-//!   report    -> audit, predict, torque, clean, compare, diagnose, draft, fit, ingest, config, formats, effects, mechanics, base, findings, numerics
+//!   report    -> audit, predict, torque, clean, compare, diagnose, draft, fit, ingest, config, formats, effects, inference, mechanics, base, findings, numerics
 //!   audit     -> compare, fit, mechanics, numerics
 //!   portable  -> fit, effects, mechanics, base, findings, numerics
 //!   predict   -> compare, fit, mechanics, base, numerics

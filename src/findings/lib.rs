@@ -174,7 +174,7 @@ pub struct Design {
 /// The smallest probabilities that a design allows.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SmallestP {
-    /// Family-wise, by the bootstrap: 1/(draws + 1).
+    /// Family-wise, by the bootstrap: 1/(draws + 1). A decision that the draws leave open is made with more of them.
     pub familywise: f64,
     /// That all specimens (actuators) agree in the sign of an effect by chance, two-sided: 2^(1 - K) of K. None of a single one.
     pub signs: Option<f64>,

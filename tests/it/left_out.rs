@@ -42,11 +42,11 @@ fn summary(bench: &Bench) -> Vec<[String; 3]> {
     all.iter().map(entry).collect()
 }
 
-/// Gives a session a reason of exclusion for which the fonts of the documents have no letter.
-fn write_what_no_font_has(bench: &Bench) -> std::path::PathBuf {
+/// Gives a session a reason of exclusion with a control character, which cannot be typeset.
+fn write_what_cannot_be_typeset(bench: &Bench) -> std::path::PathBuf {
     let session = bench.raw().join("small/a/c00/session.toml");
     let text = std::fs::read_to_string(&session).unwrap();
-    let with = "exclude = \"slack \\U0001F600\"\n\n[specimen]";
+    let with = "exclude = \"slack \\u0007\"\n\n[specimen]";
     std::fs::write(&session, text.replacen("[specimen]", with, 1)).unwrap();
     session
 }
@@ -58,7 +58,7 @@ fn a_document_that_fails_takes_nothing_else_with_it() {
     assert!(summary(&bench).is_empty());
     let session = bench.raw().join("small/a/c00/session.toml");
     let before = std::fs::read(&session).unwrap();
-    write_what_no_font_has(&bench);
+    write_what_cannot_be_typeset(&bench);
     let said = run(&bench);
     assert_eq!(said.code, LEFT_OUT, "{}{}", said.out, said.err);
     // Both name the sessions that are excluded.

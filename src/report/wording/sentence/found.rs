@@ -181,7 +181,8 @@ fn or_others(effect: &EffectFinding) -> Option<String> {
     match &others[..] {
         [] => None,
         [one] => Some(format!("or {one}")),
-        [first, ..] => Some(format!("or {first}, or {} more", count(others.len() - 1))),
+        [one, other] => Some(format!("or {one}, or {other}")),
+        _ => Some(format!("or one of {} others", count(others.len()))),
     }
 }
 
