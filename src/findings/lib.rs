@@ -185,7 +185,7 @@ impl SmallestP {
     pub fn of(draws: usize, units: usize) -> Self {
         Self {
             familywise: 1.0 / (draws + 1) as f64,
-            signs: (units > 1).then(|| 0.5_f64.powi(units as i32 - 1)),
+            signs: (units > 1).then(|| (1..units).fold(1.0, |p, _| 0.5 * p)),
         }
     }
 }

@@ -184,11 +184,14 @@ fn smallest_p(found: &CampaignFindings) -> String {
         return String::new();
     }
     let signs = d.smallest_p.signs.map_or_else(String::new, |p| {
-        format!(
-            "; the same sign of an effect in all {} has p = {} by itself",
-            counted(d.specimens, nouns.unit, nouns.units),
-            rounded(p, Rounding::Digits(3))
-        )
+        // A power of two is said as it is, down to where nobody reads the digits.
+        let p = if p < 1e-4 {
+            probability(p)
+        } else {
+            format!("= {}", rounded(p, Rounding::Digits(3)))
+        };
+        let all = counted(d.specimens, nouns.unit, nouns.units);
+        format!("; the same sign of an effect in all {all} has p {p} by itself")
     });
     format!(
         " The smallest family-wise p that the draws can give is {}{signs}.",

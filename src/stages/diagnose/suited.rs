@@ -27,11 +27,9 @@ pub fn suited<'a>(
     kept_out: &BTreeSet<&str>,
     declared: Declared,
 ) -> (ForceProblem<'a>, Fitted) {
-    let assumed = |problem: ForceProblem<'a>| {
-        match declared {
-            Declared::Taken => problem,
-            Declared::Contradicted => problem.with_declared_estimated(),
-        }
+    let assumed = |problem: ForceProblem<'a>| match declared {
+        Declared::Taken => problem,
+        Declared::Contradicted => problem.with_declared_estimated(),
     };
     let with_null = |problem: ForceProblem<'a>| {
         let problem = assumed(problem);

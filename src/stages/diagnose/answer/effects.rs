@@ -67,8 +67,7 @@ impl Work<'_> {
             profile: points,
             free_form: self.forms.get(&accepted.term).cloned(),
             in_its_place,
-            explained_as_well_by: accepted
-                .names_instead(|t| is_column(t).then(|| self.name(t))),
+            explained_as_well_by: accepted.names_instead(|t| is_column(t).then(|| self.name(t))),
             measurement: e.measurement().to_owned(),
             source: e.source().to_owned(),
             class,

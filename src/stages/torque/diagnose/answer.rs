@@ -135,9 +135,8 @@ impl Work<'_> {
             profile,
             free_form: None,
             in_its_place,
-            explained_as_well_by: accepted.names_instead(|t| {
-                (self.what(t).form().is_none()).then(|| self.name(t))
-            }),
+            explained_as_well_by: accepted
+                .names_instead(|t| (self.what(t).form().is_none()).then(|| self.name(t))),
             measurement: form.measurement.to_owned(),
             source: form.source.to_owned(),
             class,
