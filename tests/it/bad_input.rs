@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 type Row = BTreeMap<String, String>;
 
-const POINTS: &str = r#"schema = "bpa-session/1"
+pub const POINTS: &str = r#"schema = "bpa-session/1"
 id = "points"
 kind = "isometric"
 sampling = "points"

@@ -162,7 +162,7 @@ pub fn amount(p: &Parameter) -> String {
 }
 
 /// The amplitudes of an effect without their intervals: `60 kPa`, or, of a shift along two axes, `(-15.5, -8.2) mm`. What has another unit is a
-/// shape; of many values, one a level, the first stands for all.
+/// shape; of values of levels all, each with its level.
 pub fn amounts(parameters: &[Parameter]) -> Option<String> {
     let first = parameters.first()?;
     if first.of_level.is_some() {

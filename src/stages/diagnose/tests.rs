@@ -8,7 +8,7 @@ use super::{diagnose, library};
 use pipeline_base::random::Stream;
 use pipeline_base::row::Row;
 use pipeline_config::{DiagnoseOptions, FitOptions};
-use pipeline_findings::{CampaignFindings, Verdict};
+use pipeline_findings::{CampaignFindings, SmallestP, Verdict};
 use pipeline_fit::Group;
 use pipeline_inference::fit::{Free, Setting};
 use pipeline_inference::heldout::Unseen;
@@ -20,7 +20,7 @@ use pipeline_simulate::rig_like;
 
 #[test]
 fn with_the_fewest_draws_something_can_come_in() {
-    let smallest = 1.0 / (pipeline_config::FEWEST_DRAWS + 1) as f64;
+    let smallest = SmallestP::of(pipeline_config::FEWEST_DRAWS, 2).familywise;
     assert!(smallest <= pipeline_inference::decisions::COMES_IN);
 }
 

@@ -76,8 +76,9 @@ const MOUNTED_OFF_MM: f64 = 3.0;
 
 /// That there is no effect; of a single test what its own mounting then stands for, which is as far off as an effect would be.
 fn nothing(found: &CampaignFindings) -> String {
-    let nothing = "no effect detected".to_owned();
-    mounted_off(found).map_or(nothing.clone(), |words| format!("{nothing}; {words}"))
+    let nothing = Some("no effect detected".to_owned());
+    let all = nothing.into_iter().chain(mounted_off(found));
+    all.collect::<Vec<String>>().join("; ")
 }
 
 /// `the only test fits only with a mounting length that is 18 mm off`, where there is one test whose mounting is.

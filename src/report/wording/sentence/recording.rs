@@ -25,20 +25,24 @@ pub(super) fn recording_errors(all: &[RecordingError]) -> Option<String> {
 /// `recording error: session s05 (set length, −10 mm)`: the first, and how many more there are.
 pub(super) fn recording_errors_in_short(all: &[RecordingError]) -> Option<String> {
     let first = all.iter().find(|e| e.set_aside).or_else(|| all.first())?;
-    let size = recorded_size(first).map_or_else(String::new, |s| format!(", {s}"));
-    let kind = name::recording_error(first.kind, first.quantity.as_deref());
-    let (level, group) = (name::level(first.level), &first.group);
     let (plural, more) = match all.len() {
         1 => ("", String::new()),
         n => ("s", format!(" and {} more", count(n - 1))),
     };
     Some(format!(
-        "recording error{plural}: {level} {group} ({kind}{size}){more}"
+        "recording error{plural}: {}{more}",
+        with_size(first, "")
     ))
 }
 
-fn recording_error(e: &RecordingError) -> String {
+/// `session s05 (set length, −10 mm)`, with what follows inside the bracket.
+fn with_size(e: &RecordingError, aside: &str) -> String {
     let size = recorded_size(e).map_or_else(String::new, |s| format!(", {s}"));
+    let kind = name::recording_error(e.kind, e.quantity.as_deref());
+    format!("{} {} ({kind}{size}{aside})", name::level(e.level), e.group)
+}
+
+fn recording_error(e: &RecordingError) -> String {
     let aside = match set_aside(e) {
         _ if !e.set_aside => String::new(),
         Some(alone) => format!("; {alone} set aside, its torques stay"),
@@ -48,8 +52,7 @@ fn recording_error(e: &RecordingError) -> String {
         }
         None => "; set aside".to_owned(),
     };
-    let kind = name::recording_error(e.kind, e.quantity.as_deref());
-    format!("{} {} ({kind}{size}{aside})", name::level(e.level), e.group)
+    with_size(e, &aside)
 }
 
 /// What a fit holds that looks mistaken, and what to do, a sentence without its full stop; none where nothing does.
