@@ -58,14 +58,14 @@
 //! - **Directions**: every folder with a `Cargo.toml` is a crate, and what it does not name there it cannot use. Each line has all that one crate
 //!   names, and names only crates of lines below it; `tests/it/crates.rs` holds every `Cargo.toml` to this list:
 //!   ```text
-//!   cli       -> bundle, export, run, report, inspect, plan, portable, predict, draft, compare, fit, config, formats, simulate, cache, golden, mechanics, base, findings
+//!   cli       -> bundle, export, run, report, inspect, plan, portable, predict, draft, compare, diagnose, fit, config, formats, simulate, cache, golden, mechanics, base, findings
 //!   bundle    -> run, config, formats, base
 //!   export    -> run, formats, base
 //!   run       -> report, inspect, torque, clean, compare, diagnose, fit, ingest, config, formats, cache, normalize, base, findings
 //!   report    -> audit, predict, torque, clean, compare, diagnose, draft, fit, ingest, config, formats, effects, inference, mechanics, base, findings, numerics
 //!   audit     -> compare, fit, mechanics, numerics
 //!   portable  -> fit, effects, mechanics, base, findings, numerics
-//!   predict   -> compare, fit, mechanics, base, numerics
+//!   predict   -> compare, diagnose, fit, mechanics, base, numerics
 //!   inspect   -> clean, diagnose, fit, ingest, config, formats, normalize, effects, mechanics, base, findings, numerics
 //!   plan      -> diagnose, fit, config, mechanics, base, findings
 //!   torque    -> diagnose, config, inference, effects, mechanics, base, findings, numerics

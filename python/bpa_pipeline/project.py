@@ -121,10 +121,10 @@ class Project:
             raise PipelineError(f"{path} is not there: run the project first")
         return pd.read_parquet(path)
 
-    def model(self, campaign: str, diameter_mm: int | None = None, effects: bool = False) -> ModuleType:
-        """The fit of a campaign as a NumPy module with `bpa_force`, `bpa_force_gradient` and `bpa_domain` (docs/model.md)."""
+    def model(self, campaign: str, diameter_mm: int | None = None, least_squares: bool = False) -> ModuleType:
+        """The mixed model of a campaign, or its plain fit by least squares, as a NumPy module with `bpa_force`, `bpa_force_gradient` and `bpa_domain` (docs/model.md)."""
         diameter = [] if diameter_mm is None else ["--diameter", f"{diameter_mm:g}"]
-        return exported(self.program, ["--campaign", campaign, *diameter, *(["--effects"] if effects else [])], self.path)
+        return exported(self.program, ["--campaign", campaign, *diameter, *(["--least-squares"] if least_squares else [])], self.path)
 
     def predict_state(
         self,

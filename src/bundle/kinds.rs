@@ -104,6 +104,11 @@ const DESCRIPTIONS: &[(&str, &str, &str)] = &[
     ),
     ("derived/fits.json", "", "Every fit with its refits"),
     (
+        "derived/mixed_laws.json",
+        "",
+        "Every mixed model, as `pipeline predict` reads it",
+    ),
+    (
         "derived/layout.json",
         "",
         "How far the pages of the reports are filled",

@@ -48,7 +48,7 @@ pub struct DesignArgs {
     /// How it is built in
     #[command(flatten)]
     pub mount: MountArgs,
-    /// Where an earlier run left fits.json
+    /// Where an earlier run left fits.json and mixed_laws.json
     #[command(flatten)]
     pub cache: DerivedArgs,
     /// Write the muscles at every point as CSV
@@ -142,15 +142,15 @@ fn joint<'a>(args: &DesignArgs, knee: &'a Knee) -> Result<Joint<'a>> {
 /// One muscle of every diameter, those that meet the curve first, the shortest one first.
 fn designs(args: &DesignArgs, curve: Curve, read: &Read) -> Result<Vec<Design>> {
     let derived = args.cache.places()?.derived;
-    let fits = predict::fits(&derived)?;
+    let laws = predict::laws(&derived)?;
     let pressure = values::quantity("--pressure", &args.pressure, Quantity::Pressure)?;
     let free = args.contraction_620.as_deref();
     let free = free
         .map(|text| values::fraction("--contraction-620", text))
         .transpose()?;
     let mut found = Vec::new();
-    for diameter_mm in diameters(args, &fits)? {
-        let choice = choose(&fits, NEW, args.campaign.as_deref(), diameter_mm)?;
+    for diameter_mm in diameters(args, &laws.fits)? {
+        let choice = choose(&laws, NEW, args.campaign.as_deref(), diameter_mm)?;
         found.push(design::shortest(
             &choice,
             free,

@@ -31,7 +31,7 @@ pub enum What {
     Snakemake(PlaceArgs),
     /// Write a model of the force as C, Python, MATLAB and Octave, MuJoCo and a table, with the points that test it
     #[command(
-        after_help = "Examples:\n  pipeline export model --campaign simulated-10mm --out bpa-10mm\n  pipeline export model --campaign simulated-10mm --effects --out bpa-10mm\n  pipeline export model --published new --diameter 20 --out bpa-20mm\n\nEvery language has bpa_force(rest_length_m, contracted_length_m, length_m, pressure_kpa) in N, tension positive, its gradient and its domain. Outside the range of the fitted readings, the force is a bounded continuation."
+        after_help = "Examples:\n  pipeline export model --campaign simulated-10mm --out bpa-10mm\n  pipeline export model --campaign simulated-10mm --least-squares --out bpa-10mm-plain\n  pipeline export model --published new --diameter 20 --out bpa-20mm\n\nEvery language has bpa_force(rest_length_m, contracted_length_m, length_m, pressure_kpa) in N, tension positive, its gradient and its domain. Outside the range of the fitted readings, the force is a bounded continuation."
     )]
     Model(Box<ModelArgs>),
 }

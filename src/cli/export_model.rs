@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("source").args(["campaign", "published"]).required(true)))]
 pub struct ModelArgs {
-    /// The fit of this campaign (a pool of them: "pooled-10mm")
+    /// The mixed model of this campaign (a pool of them: "pooled-10mm"), with what was found about the actuator, never with what was found about the rig
     #[arg(long, value_name = "ID")]
     pub campaign: Option<String>,
     /// The published coefficients of a model
@@ -34,11 +34,11 @@ pub struct ModelArgs {
     /// The folder for the files
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// With what the loop found about the actuator, never with what it found about the rig
+    /// The plain fit by least squares, as in the papers' tables, without effects
     #[arg(long, conflicts_with = "published")]
-    pub effects: bool,
+    pub least_squares: bool,
     /// Which effect it is, where readings could not tell one of the actuator from one of the rig
-    #[arg(long, value_name = "EFFECT", requires = "effects")]
+    #[arg(long, value_name = "EFFECT", conflicts_with_all = ["published", "least_squares"])]
     pub alias: Vec<String>,
     /// Replace files of another model that are there already
     #[arg(long)]
@@ -101,7 +101,7 @@ fn model(args: &ModelArgs) -> Result<Model> {
     let campaign = args.campaign.as_deref().unwrap_or_default();
     let fit = fit(&fits, campaign, diameter_mm, &places.derived)?;
     let inputs = inputs(&places.reports);
-    if !args.effects {
+    if args.least_squares {
         return source::of_fit(fit, &inputs);
     }
     let of_loop = with_effects(fit, &places, &args.alias, &inputs)?;
@@ -113,7 +113,7 @@ fn model(args: &ModelArgs) -> Result<Model> {
         model.provenance.insert(
             1,
             format!(
-                "On the {} readings of the fit, at the lengths and pressures recorded: {}; the fit without the loop's effects has {}",
+                "On the {} readings of the fit, at the lengths and pressures recorded: {}; least squares without effects has {}",
                 with.readings,
                 with.words(),
                 without.words()
@@ -122,7 +122,8 @@ fn model(args: &ModelArgs) -> Result<Model> {
         if is_worse {
             model.provenance.insert(
                 2,
-                "WARNING: larger with the effects: the coefficients assume effects of the rig that the function leaves out. Leave out --effects for this campaign"
+                "WARNING: larger than that of least squares: the coefficients assume effects of the rig that the function leaves out. If these effects are not \
+                     believed, --least-squares has the plain fit"
                     .to_owned(),
             );
         }
@@ -131,10 +132,10 @@ fn model(args: &ModelArgs) -> Result<Model> {
 }
 
 /// The model of the loop with the effects of the actuator.
-pub(super) struct WithEffects {
-    pub model: Model,
+struct WithEffects {
+    model: Model,
     /// Whether the loop found any effect.
-    pub has_effects: bool,
+    has_effects: bool,
     /// Its errors and those of the fit on the readings of the fit, where these are known.
     errors: Option<[OnReadings; 2]>,
 }
@@ -145,7 +146,7 @@ const WORSE: f64 = 1.1;
 
 impl WithEffects {
     /// Whether it does worse than the fit: where effects of the rig are left out of the function that its coefficients assume.
-    pub fn is_worse(&self) -> bool {
+    fn is_worse(&self) -> bool {
         let errors = self.errors.as_ref().filter(|_| self.has_effects);
         errors.is_some_and(|[with, without]| with.rmse_n > WORSE * without.rmse_n)
     }
@@ -155,7 +156,7 @@ impl WithEffects {
 ///
 /// # Errors
 /// There are no findings for the fit, or they cannot be exported without a choice (`alias`).
-pub(super) fn with_effects(
+fn with_effects(
     fit: &GroupFit,
     places: &Places,
     alias: &[String],
@@ -275,7 +276,7 @@ fn findings(reports: &Path) -> Result<Findings> {
     let path = reports.join("findings.json");
     let text = fs::read(&path).map_err(|e| {
         Error::Usage(format!(
-            "cannot read {} ({e}): --effects uses the effects found, which `pipeline run` writes",
+            "cannot read {} ({e}): the mixed model is in it, and `pipeline run` writes it; --least-squares exports the plain fit",
             path.display()
         ))
     })?;
@@ -294,7 +295,7 @@ fn found<'a>(findings: &'a Findings, fit: &GroupFit) -> Result<&'a CampaignFindi
     };
     findings.campaigns.iter().find(same).ok_or_else(|| {
         Error::Usage(format!(
-            "findings.json has no result for {} ({} mm): leave --effects out",
+            "findings.json has no result for {} ({} mm): --least-squares exports the plain fit",
             group.campaign, group.diameter_mm
         ))
     })

@@ -1,31 +1,27 @@
 //! `pipeline predict`.
 
 use crate::args::ResultArgs;
-use crate::places::Places;
 use crate::predict_leg::{self, LegArgs};
-use crate::{DONE, export_model, predict_calibrate, predict_print, summary, values};
+use crate::{DONE, predict_calibrate, predict_print, summary, values};
 use pipeline_base::error::{Error, Result};
 use pipeline_base::units::Quantity;
 use pipeline_compare::NEW;
+use pipeline_diagnose::mixed_law::{MixedLaw, Whose};
 use pipeline_fit::GroupFit;
-use pipeline_portable::domain;
-use pipeline_predict::answer::{Answer, Other};
 use pipeline_predict::inverse::{self, Wanted};
 use pipeline_predict::law::choose;
 use pipeline_predict::sweep::{self, Around, Axis, Steps};
-use pipeline_predict::{Contraction, FreeLength, Law, Muscle, Predictor};
+use pipeline_predict::{Contraction, FreeLength, Law, Laws, Muscle, Predictor};
 use pipeline_report::figures::{Named, files, prediction as drawing};
 use pipeline_report::render::Renderer;
 use pipeline_report::render::csv::Csv;
 use pipeline_report::table::Table;
 use pipeline_report::tables::prediction as tables;
+use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
 /// Resolution of a PNG plot, dots per inch.
 pub const PNG_DPI: f64 = 200.0;
-
-/// What the model of `pipeline export model --effects` is called beside the others.
-const WITH_EFFECTS: &str = "new, with effects";
 
 /// What is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -77,13 +73,19 @@ pub struct PredictArgs {
     /// Contraction as a fraction of that at 620 kPa, instead of a contraction
     #[arg(long, value_name = "FRACTION", allow_hyphen_values = true)]
     pub relative_contraction: Option<String>,
-    /// "new" (fitted by an earlier run) or the id of a published model
+    /// "new" (the mixed model of an earlier run), "new_least_squares" (its plain fit) or the id of a published model
     #[arg(long, value_name = "ID", default_value = "new")]
     pub model: String,
     /// Campaign whose fit is used [default: the pooled one of this diameter, else the one with most specimens]
     #[arg(long, value_name = "ID")]
     pub campaign: Option<String>,
-    /// Where an earlier run left fits.json, and for --calibrate findings.json
+    /// What the rig would read: with the effects of the rig that were found, its zeros and its noise, which are left out otherwise
+    #[arg(long)]
+    pub as_read: bool,
+    /// How well the length is known, as a standard deviation [default: as lengths are set on the rig]
+    #[arg(long, value_name = "LENGTH")]
+    pub length_sd: Option<String>,
+    /// Where an earlier run left fits.json and mixed_laws.json
     #[command(flatten)]
     pub results: ResultArgs,
     /// The pressure for this force, at a contraction or length
@@ -146,15 +148,15 @@ pub fn command(args: &PredictArgs) -> Result<u8> {
         Some(read) => read.muscle()?,
         None => muscle(args)?,
     };
-    let fits = fits(&places.derived)?;
+    let laws = laws(&places.derived)?;
     let mut choice = choose(
-        &fits,
+        &laws,
         &args.model,
         args.campaign.as_deref(),
         muscle.diameter_mm,
     )?;
-    if let (Law::Fitted(fit, _), None) = (choice.law, &read) {
-        let advice = summary::better_published(&places.reports, &fit.group);
+    if let (Law::Fitted(fitted), None) = (choice.law, &read) {
+        let advice = summary::better_published(&places.reports, &fitted.fit.group);
         choice.why = [choice.why, advice.unwrap_or_default()]
             .into_iter()
             .filter(|text| !text.is_empty())
@@ -162,15 +164,23 @@ pub fn command(args: &PredictArgs) -> Result<u8> {
             .join("; ");
     }
     let mut predictor = Predictor::new(choice, muscle)?;
-    if let Ok(fitted) = choose(&fits, NEW, None, muscle.diameter_mm)
-        && let Law::Fitted(fit, _) = fitted.law
+    if let Ok(fitted) = choose(&laws, NEW, None, muscle.diameter_mm)
+        && let Law::Fitted(fitted) = fitted.law
     {
-        predictor = predictor.with_specimens_of(fit);
+        predictor = predictor.with_specimens_of(fitted.fit);
     }
-    if let Some(read) = &read {
-        predictor.doubts.clone_from(&read.doubts);
-        let asked_for = args.model != NEW;
-        predictor.calibration = Some(read.calibration(&predictor.choice, asked_for)?);
+    if args.as_read {
+        predictor.whose = Whose::Rig;
+    }
+    let length_sd_m = args.length_sd.as_deref();
+    let length_sd_m =
+        length_sd_m.map(|text| values::quantity("--length-sd", text, Quantity::Length));
+    let length_sd_m = length_sd_m.transpose()?;
+    if let Some(read) = read {
+        predictor = read.told(predictor, args.model != NEW)?;
+    }
+    if let Some(sd_m) = length_sd_m {
+        predictor = predictor.with_length_sd(sd_m)?;
     }
     if let Some(knee) = &args.leg.knee {
         predict_leg::command(args, knee, &predictor)?;
@@ -187,7 +197,7 @@ pub fn command(args: &PredictArgs) -> Result<u8> {
     match (args.sweep, args.table) {
         (Some(swept), _) => sweep_command(args, predictor, axis(swept), around)?,
         (None, true) => table_command(args, &predictor)?,
-        (None, false) => single(args, &predictor, around, &places)?,
+        (None, false) => single(args, &predictor, around)?,
     }
     Ok(DONE)
 }
@@ -214,12 +224,7 @@ fn wanted(args: &PredictArgs, around: Around) -> Result<Option<(Wanted, f64)>> {
     )))
 }
 
-fn single(
-    args: &PredictArgs,
-    predictor: &Predictor,
-    around: Around,
-    places: &Places,
-) -> Result<()> {
+fn single(args: &PredictArgs, predictor: &Predictor, around: Around) -> Result<()> {
     no_file(args, "one state")?;
     let contraction = around.contraction.ok_or_else(|| {
         missing("a contraction: give --contraction, --length or --relative-contraction, or --sweep contraction")
@@ -227,38 +232,8 @@ fn single(
     let pressure = around
         .pressure_kpa
         .ok_or_else(|| missing("a pressure: give --pressure, or --sweep pressure"))?;
-    let mut answer = predictor.at(contraction, pressure)?;
-    let of_loop = with_effects(predictor, &answer, places);
-    answer.others.splice(0..0, of_loop);
+    let answer = predictor.at(contraction, pressure)?;
     predict_print::single(predictor, &answer, args.json)
-}
-
-/// What the model of the loop says, with the effects of the actuator that it found; none where there are none, or where it could not tell them from
-/// those of the rig, or where it does worse than the fit without these.
-fn with_effects(predictor: &Predictor, answer: &Answer, places: &Places) -> Option<Other> {
-    let Law::Fitted(fit, _) = predictor.choice.law else {
-        return None;
-    };
-    if predictor.calibration.is_some() {
-        return None;
-    }
-    let contraction_620 = answer.muscle.contraction_620?;
-    let of_loop = export_model::with_effects(fit, places, &[], "").ok()?;
-    if !of_loop.has_effects || of_loop.is_worse() {
-        return None;
-    }
-    let of_loop = of_loop.model.force(&domain::State {
-        rest_length_m: answer.muscle.rest_length_m,
-        contracted_length_m: answer.muscle.rest_length_m * (1.0 - contraction_620),
-        length_m: answer.length_m,
-        pressure_kpa: answer.pressure_kpa,
-    });
-    Some(Other {
-        model: WITH_EFFECTS,
-        title: "New model, with the loop's effects",
-        force_n: Some(of_loop.force_n).filter(|f| f.is_finite()),
-        outside: (!of_loop.inside).then(|| "outside of the readings fitted".to_owned()),
-    })
 }
 
 /// One answer fills no file.
@@ -278,7 +253,7 @@ fn sweep_command(
     axis: Axis,
     around: Around,
 ) -> Result<()> {
-    if axis == Axis::RestLength && predictor.calibration.is_some() {
+    if axis == Axis::RestLength && predictor.calibrated().is_some() {
         return Err(Error::Usage(
             "readings of a muscle do not apply to one of another length: leave out --specimen and --calibrate with --sweep rest-length"
                 .to_owned(),
@@ -386,13 +361,29 @@ fn steps(args: &PredictArgs, axis: Axis, predictor: &Predictor) -> Result<Steps>
     })
 }
 
+/// What an earlier run has; nothing where there was no run.
+pub(super) fn laws(derived: &Path) -> Result<Laws> {
+    Ok(Laws {
+        fits: fits(derived)?,
+        mixed: mixed(derived)?,
+    })
+}
+
 /// The fits of an earlier run; none where there was no run.
 pub(super) fn fits(derived: &Path) -> Result<Vec<GroupFit>> {
-    let path = derived.join("fits.json");
-    let text = match std::fs::read(&path) {
+    list(&derived.join("fits.json"))
+}
+
+/// The laws of its mixed models.
+fn mixed(derived: &Path) -> Result<Vec<MixedLaw>> {
+    list(&derived.join("mixed_laws.json"))
+}
+
+fn list<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>> {
+    let text = match std::fs::read(path) {
         Ok(text) => text,
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
-        Err(e) => return Err(Error::io("read", &path)(e)),
+        Err(e) => return Err(Error::io("read", path)(e)),
     };
     serde_json::from_slice(&text).map_err(|e| {
         Error::Usage(format!(

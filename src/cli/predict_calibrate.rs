@@ -7,12 +7,11 @@ use crate::print::{counted, line};
 use pipeline_base::error::{Error, Result};
 use pipeline_base::row::Row;
 use pipeline_base::session::Kind;
-use pipeline_findings::{CampaignFindings, Findings};
-use pipeline_fit::{GroupFit, is_usable};
+use pipeline_diagnose::mixed_law::{Muscle as Calibrated, Next};
+use pipeline_fit::is_usable;
 use pipeline_inspect::population::Known;
 use pipeline_inspect::{Inspection, Seen, State};
-use pipeline_predict::calibration::{At, Calibration, Next, Reading, Sizes};
-use pipeline_predict::{Answer, Choice, FreeLength, Law, Muscle, Predictor};
+use pipeline_predict::{Answer, FreeLength, Law, Muscle, Predictor};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -20,7 +19,6 @@ use std::path::Path;
 /// Readings of a muscle, and what the last run knows of others.
 pub struct Read {
     rows: Vec<Row>,
-    findings: Option<Findings>,
     /// What stands in the way of believing them.
     pub doubts: Vec<String>,
 }
@@ -46,7 +44,6 @@ pub fn read(args: &PredictArgs, places: &Places) -> Result<Option<Read>> {
     Ok(Some(Read {
         doubts,
         rows: of_one_muscle(rows)?,
-        findings: known.findings,
     }))
 }
 
@@ -144,69 +141,35 @@ impl Read {
         Muscle::new(row.diameter_mm, row.rest_length_m, free)
     }
 
-    /// The law of a choice, conditioned on the readings; `was_asked_for` where the choice is not the program's.
-    pub fn calibration<'a>(
-        &self,
-        choice: &Choice<'a>,
-        was_asked_for: bool,
-    ) -> Result<Calibration<'a>> {
-        let Law::Fitted(fit, joint) = choice.law else {
-            if !was_asked_for {
-                return Err(Error::Usage(
-                    "there is no fit for this diameter: `pipeline run` makes it from sessions of other muscles"
-                        .to_owned(),
+    /// A predictor that was told the readings; `was_asked_for` where its law is not the program's choice.
+    ///
+    /// # Errors
+    /// A law that does not say how muscles differ.
+    pub fn told<'a>(self, predictor: Predictor<'a>, was_asked_for: bool) -> Result<Predictor<'a>> {
+        let needs = |what: &str| {
+            Err(Error::Usage(format!(
+                "--specimen and --calibrate need the mixed model, which says how muscles differ: {what}"
+            )))
+        };
+        match predictor.choice.law {
+            Law::Fitted(fitted) if fitted.mixed.is_some() => {}
+            _ if was_asked_for => return needs("leave out --model"),
+            Law::Fitted(fitted) => {
+                return needs(&format!(
+                    "there is none of {}; the search for effects makes it of two specimens or more and 20 readings or more",
+                    fitted.fit.group.campaign
                 ));
             }
-            return Err(Error::Usage(
-                "--specimen and --calibrate need the fitted law: how muscles scatter about published models is not known; leave out --model"
-                    .to_owned(),
-            ));
-        };
-        let readings: Vec<Reading> = self.rows.iter().filter_map(reading).collect();
-        let specimen = self.rows[0].specimen.as_str();
-        Calibration::new(fit, joint, Some(specimen), self.sizes(fit), &readings).ok_or_else(|| {
-            Error::Usage(format!(
-                "--specimen and --calibrate need three specimens or more to know how muscles scatter; the fit of {} has {}",
-                fit.group.campaign,
-                fit.specimens.len()
-            ))
-        })
+            Law::Published(_) => {
+                return needs(
+                    "there is no fit for this diameter; `pipeline run` makes it from sessions of other muscles",
+                );
+            }
+        }
+        let mut told = predictor.reading(&self.rows);
+        told.doubts = self.doubts;
+        Ok(told)
     }
-
-    /// How sessions scatter about the fit: as the residual search found it, or else as is usual.
-    fn sizes(&self, fit: &GroupFit) -> Sizes {
-        let within_n = fit.scatter.as_ref().map_or(0.0, |s| s.within_n);
-        let of_group = |c: &&CampaignFindings| {
-            c.campaign == fit.group.campaign
-                && c.diameter_mm == fit.group.diameter_mm
-                && c.part.is_none()
-        };
-        let found = self.findings.iter().flat_map(|f| &f.campaigns);
-        let found = found.filter(of_group).find_map(|c| {
-            Some(Sizes {
-                length_mm: c.scatter_sd("length_offset")?,
-                zero_n: c.scatter_sd("force_zero_offset")?,
-                left_n: c.before.rmse_heldout_calibrated?,
-                noise_n: c.noise?,
-            })
-        });
-        found.unwrap_or_else(|| Sizes::usual(within_n))
-    }
-}
-
-/// A row as a reading; none without a stroke.
-fn reading(row: &Row) -> Option<Reading> {
-    let at = At {
-        rest_length_m: row.rest_length_m,
-        stroke_m: row.rest_length_m - row.contracted_length_m,
-        length_m: row.length_m,
-        pressure_kpa: row.pressure_kpa,
-    };
-    at.stroke_m.is_finite().then(|| Reading {
-        session: row.session.clone(),
-        at,
-        force_n: row.force_n,
-    })
 }
 
 /// Contractions and pressures among which the next reading is looked for: steps of the ranges that were measured.
@@ -214,34 +177,26 @@ const STEPS: (usize, usize) = (7, 7);
 
 /// The reading that would narrow the answer most.
 fn next(predictor: &Predictor, answer: &Answer) -> Option<Next> {
-    let calibration = predictor.calibration.as_ref()?;
-    let Law::Fitted(fit, _) = predictor.choice.law else {
+    let muscle = predictor.calibrated()?;
+    let Law::Fitted(fitted) = predictor.choice.law else {
         return None;
     };
-    let rest_length_m = answer.muscle.rest_length_m;
-    let stroke_m = rest_length_m * answer.muscle.contraction_620?;
+    let ranges = &fitted.fit.ranges;
+    let rest_m = answer.muscle.rest_length_m;
+    let stroke_m = rest_m * answer.muscle.contraction_620?;
     let steps = |(low, high): (f64, f64), count: usize| {
         (0..count).map(move |k| low + (high - low) * k as f64 / (count - 1) as f64)
     };
+    let state = |length_m: f64, kpa: f64| [rest_m, rest_m - stroke_m, length_m, kpa];
     let pressures = |rel: f64| {
-        steps(fit.ranges.pressure_kpa, STEPS.1).map(move |pressure_kpa| At {
-            rest_length_m,
-            stroke_m,
-            length_m: rest_length_m - rel * stroke_m,
-            pressure_kpa,
-        })
+        let all = steps(ranges.pressure_kpa, STEPS.1);
+        all.map(move |kpa| state(rest_m - rel * stroke_m, kpa))
     };
-    let (low, high) = fit.ranges.contraction_rel;
-    let all: Vec<At> = steps((low.max(0.0), high), STEPS.0)
+    let (low, high) = ranges.contraction_rel;
+    let all: Vec<[f64; 4]> = steps((low.max(0.0), high), STEPS.0)
         .flat_map(pressures)
         .collect();
-    let wanted = At {
-        rest_length_m,
-        stroke_m,
-        length_m: answer.length_m,
-        pressure_kpa: answer.pressure_kpa,
-    };
-    calibration.next(&wanted, &all)
+    muscle.next(state(answer.length_m, answer.pressure_kpa), &all)
 }
 
 /// Whether a check is about the values of readings, and neither about what was left out of them nor about a muscle that is merely strong.
@@ -256,22 +211,27 @@ fn is_of_readings(seen: &Seen) -> bool {
 }
 
 /// Prints what the readings say of the muscle.
-pub fn head(calibration: &Calibration) {
-    let (readings, sessions) = calibration.count();
+pub fn head(muscle: &Calibrated) {
+    let (readings, sessions) = muscle.count();
+    let is_among = if muscle.is_in_law() {
+        ", to which they belong"
+    } else {
+        ""
+    };
     line(format!(
-        "readings {readings} of it in {}, combined with the law of {} others (least squares, without effects)",
+        "readings {readings} of it in {}, combined with the mixed model of {} others{is_among}",
         counted(sessions, "session", "sessions"),
-        calibration.others()
+        muscle.others()
     ));
-    let gain = calibration.specimen_gain();
+    let gain = muscle.gain();
     line(format!(
         "         specimen gain {:+.1} ± {:.1}% relative to that law (standard deviation; ± {:.1}% without the readings): percentile {:.0}",
         100.0 * gain.value,
         100.0 * gain.sd,
         100.0 * gain.sd_before,
-        Calibration::percentile(&gain)
+        muscle.percentile()
     ));
-    for length in calibration.set_lengths() {
+    for length in muscle.set_lengths() {
         line(format!(
             "         {}: {:.1} ± {:.1} mm {} than noted, by that law",
             length.session.unwrap_or_default(),
@@ -311,19 +271,18 @@ pub fn tail(predictor: &Predictor, answer: &Answer) {
 
 /// The same as values.
 pub fn as_json(predictor: &Predictor, answer: Option<&Answer>) -> Value {
-    let Some(calibration) = &predictor.calibration else {
+    let Some(muscle) = predictor.calibrated() else {
         return Value::Null;
     };
-    let (readings, sessions) = calibration.count();
-    let gain = calibration.specimen_gain();
+    let (readings, sessions) = muscle.count();
     json!({
-        "others": calibration.others(),
+        "others": muscle.others(),
         "readings": readings,
         "doubts": predictor.doubts,
         "sessions": sessions,
-        "specimen_gain": gain,
-        "percentile": Calibration::percentile(&gain),
-        "set_lengths": calibration.set_lengths(),
+        "specimen_gain": muscle.gain(),
+        "percentile": muscle.percentile(),
+        "set_lengths": muscle.set_lengths(),
         "next": answer.and_then(|a| next(predictor, a)),
     })
 }

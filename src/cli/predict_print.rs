@@ -4,13 +4,14 @@ use crate::columns::{Align, aligned};
 use crate::predict_calibrate;
 use crate::print::{line, print_json};
 use pipeline_base::error::Result;
+use pipeline_diagnose::mixed_law::Whose;
 use pipeline_mechanics::models::festo_tool::TOLERANCE;
 use pipeline_predict::answer::{FreeContraction, Measured, Other};
 use pipeline_predict::interval::CONFIDENCE;
 use pipeline_predict::inverse::{Solved, Wanted};
 use pipeline_predict::muscle::mm;
 use pipeline_predict::sweep::{Axis, TABLE_KPA};
-use pipeline_predict::{Answer, Law, Predictor};
+use pipeline_predict::{Answer, Fitted, Law, Predictor};
 use pipeline_report::wording::sentence::in_doubt;
 use serde_json::{Value, json};
 
@@ -37,6 +38,7 @@ pub fn single(predictor: &Predictor, answer: &Answer, as_json: bool) -> Result<(
     line("");
     line(format!("force    {}", force(predictor, answer)));
     predict_calibrate::tail(predictor, answer);
+    effects(answer);
     if let Some(why) = no_interval(predictor) {
         line(format!("         {why}"));
     }
@@ -207,14 +209,17 @@ pub fn head(predictor: &Predictor) {
         muscle.diameter_mm,
         mm(muscle.rest_length_m)
     ));
-    if let Some(calibration) = &predictor.calibration {
-        predict_calibrate::head(calibration);
+    if let Some(muscle) = predictor.calibrated() {
+        predict_calibrate::head(muscle);
         warnings(&predictor.doubts);
     }
     let law = predictor.choice.law;
     match law {
-        Law::Fitted(fit, joint) => {
-            let (n, rows) = (fit.specimens.len(), joint.n);
+        Law::Fitted(Fitted { fit, joint, mixed }) => {
+            let (n, rows) = match mixed {
+                Some(mixed) => (mixed.specimens.len(), mixed.readings),
+                None => (fit.specimens.len(), joint.n),
+            };
             let plural = if n == 1 { "" } else { "s" };
             line(format!(
                 "model    {}: {n} specimen{plural}, {rows} readings",
@@ -231,9 +236,9 @@ pub fn head(predictor: &Predictor) {
     if !predictor.choice.why.is_empty() {
         line(format!("         {}", predictor.choice.why));
     }
-    if let Law::Fitted(fit, _) = law {
+    if let Law::Fitted(fitted) = law {
         warnings(
-            &in_doubt(fit.doubtful.iter())
+            &in_doubt(fitted.fit.doubtful.iter())
                 .into_iter()
                 .collect::<Vec<_>>(),
         );
@@ -254,9 +259,42 @@ fn force(predictor: &Predictor, answer: &Answer) -> String {
     }
 }
 
+/// A change of the force below this is none, N.
+const LEAST_CHANGE_N: f64 = 0.05;
+
+/// What the effects of the mixed model change here.
+fn effects(answer: &Answer) {
+    let shown = answer.effects.iter();
+    let shown = shown.filter(|e| e.change_n.abs() >= LEAST_CHANGE_N);
+    for (k, e) in shown.enumerate() {
+        let of = match (e.of_actuator, e.included) {
+            (true, _) => "of the actuator: in the force",
+            (false, true) => "of the rig: in the force",
+            (false, false) => "of the rig: left out (--as-read puts it in)",
+        };
+        let others: Vec<&str> = e
+            .class
+            .iter()
+            .map(String::as_str)
+            .filter(|id| *id != e.effect)
+            .collect();
+        let alike = if others.is_empty() {
+            String::new()
+        } else {
+            format!("; the readings cannot tell it from {}", others.join(", "))
+        };
+        line(format!(
+            "{}{} {:+.1} N, {of}{alike}",
+            if k == 0 { "effects  " } else { "         " },
+            e.effect,
+            e.change_n
+        ));
+    }
+}
+
 /// Of which muscle the interval is.
 fn of_which(predictor: &Predictor) -> &'static str {
-    match predictor.calibration {
+    match predictor.calibrated() {
         Some(_) => "for this muscle",
         None => "for an unmeasured muscle",
     }
@@ -269,12 +307,17 @@ fn no_interval(predictor: &Predictor) -> Option<String> {
             "no interval: the scatter of specimens is not published (Festo states {:.0}% of the force)",
             100.0 * TOLERANCE
         )),
-        Law::Fitted(fit, _) if fit.scatter.is_none() => Some(format!(
-            "no interval: too few specimens ({}) to estimate how far others differ (Festo states {:.0}% of the force)",
-            fit.specimens.len(),
+        Law::Fitted(Fitted { mixed: Some(_), .. }) => None,
+        Law::Fitted(_) if predictor.choice.is_least_squares => Some(
+            "no interval: least squares does not say how muscles differ; the mixed model (--model new) does"
+                .to_owned(),
+        ),
+        Law::Fitted(fitted) => Some(format!(
+            "no interval: there is no mixed model of {}, which would say how muscles differ: it takes two specimens and 20 readings, and a pool of \
+             so many specimens is not assessed (Festo states {:.0}% of the force)",
+            fitted.fit.group.campaign,
             100.0 * TOLERANCE
         )),
-        Law::Fitted(..) => None,
     }
 }
 
@@ -380,8 +423,10 @@ pub fn with_head(predictor: &Predictor, key: &str, value: Value) -> Value {
         "confidence": CONFIDENCE,
         "no_interval_because": no_interval(predictor),
     });
-    if let Law::Fitted(fit, _) = law {
+    if let Law::Fitted(Fitted { fit, mixed, .. }) = law {
         object["fit"] = json!({
+            "is_mixed_model": mixed.is_some(),
+            "as_read": predictor.whose == Whose::Rig,
             "campaign": fit.group.campaign,
             "simulated": fit.group.simulated,
             "specimens": fit.specimens.len(),

@@ -74,10 +74,9 @@ fn spread(model: &Model) -> Vec<String> {
         "95% interval of a reading of an unmeasured muscle of the same make, inside the box:"
             .to_owned(),
         format!(
-            "  F -/+ {:.3} sqrt(({:.4} F)^2 + ({:.3} N)^2): gains of specimens, readings about one specimen's curve ({} degrees of freedom);",
-            s.t, s.between, s.within_n, s.freedom
+            "  F -/+ {:.3} sqrt(({:.4} F)^2 + ({:.3} N)^2), {} degrees of freedom: gains of specimens; {}.",
+            s.t, s.between, s.within_n, s.freedom, s.within_of
         ),
-        "  the error of the fit itself comes on top, `pipeline predict` has it state by state."
-            .to_owned(),
+        "  `pipeline predict` has the interval state by state.".to_owned(),
     ]
 }

@@ -21,8 +21,10 @@ pub struct Named {
 pub struct Spread {
     /// Standard deviation of the gains of specimens, as a fraction of the force.
     pub between: f64,
-    /// Standard deviation of readings about a specimen's own curve, N.
+    /// Standard deviation of everything else of a reading, N.
     pub within_n: f64,
+    /// What that is.
+    pub within_of: &'static str,
     /// Student's t of a 95% interval.
     pub t: f64,
     /// Degrees of freedom of it.

@@ -91,7 +91,7 @@ pub fn of_fit(fit: &GroupFit, inputs: &str) -> Result<Model> {
     let mut coefficients: Vec<Named> = joint.coefficients.iter().map(of_coefficient).collect();
     coefficients.push(cap_length(fit));
     Ok(Model {
-        title: format!("new model, fitted to {}", campaign(fit)),
+        title: format!("new model, least-squares fit to {}", campaign(fit)),
         diameter_mm: fit.group.diameter_mm,
         domain: Domain::new(&law, fitted),
         box_of: BoxOf::Readings,
@@ -110,7 +110,7 @@ pub fn of_fit(fit: &GroupFit, inputs: &str) -> Result<Model> {
             ),
             format!("raw files: {inputs}"),
         ],
-        effects: vec!["Effects of the loop: none asked for.".to_owned()],
+        effects: vec!["Effects: none, as least squares has none.".to_owned()],
     })
 }
 
@@ -163,6 +163,7 @@ pub(crate) fn spread(fit: &GroupFit) -> Option<Spread> {
     Some(Spread {
         between: scatter.between,
         within_n: scatter.within_n,
+        within_of: "readings about one specimen's curve; the error of the fit itself comes on top",
         t: student_t_quantile(0.975, scatter.freedom as f64),
         freedom: scatter.freedom,
     })

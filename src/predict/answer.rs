@@ -1,10 +1,11 @@
 //! The answer at one state.
 
-use crate::calibration::{At, Calibration};
 use crate::interval::{self, Interval};
-use crate::law::{Choice, Law};
+use crate::law::{Choice, Fitted, LEAST_SQUARES, Law};
 use crate::muscle::{Contraction, Muscle, check_state, mm};
 use pipeline_base::error::{Error, Result};
+use pipeline_base::row::Row;
+use pipeline_diagnose::mixed_law::{self, Whose};
 use pipeline_fit::{GroupFit, Ranges};
 use pipeline_mechanics::models::{
     Direction, P_620_KPA, PRESSURE_SLACK_KPA, Prediction, Reason, State, new, published,
@@ -78,12 +79,29 @@ pub struct Answer {
     /// Force and interval before the readings of the muscle were known; none where none are.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uncalibrated: Option<(f64, Interval)>,
+    /// What each effect of the mixed model changes here; empty without one.
+    pub effects: Vec<OfEffect>,
     /// Every quantity beside its measured range; empty for a published model.
     pub measured: Vec<Measured>,
     /// What a user has to know: quantities outside of what was measured or is allowed.
     pub warnings: Vec<String>,
     /// Every other model.
     pub others: Vec<Other>,
+}
+
+/// What an effect changes at a state.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OfEffect {
+    /// Id of the effect, or name of the column.
+    pub effect: String,
+    /// Whether it goes with the muscle to another machine; else it is of the rig.
+    pub of_actuator: bool,
+    /// Whether it is in the force.
+    pub included: bool,
+    /// Change of the force of the rig, N.
+    pub change_n: f64,
+    /// Effects that the readings cannot tell from it.
+    pub class: Vec<String>,
 }
 
 impl Answer {
@@ -102,8 +120,10 @@ pub struct Predictor<'a> {
     pub muscle: Muscle,
     /// Where its eps_620 comes from.
     pub free: FreeContraction,
-    /// What readings of it say.
-    pub calibration: Option<Calibration<'a>>,
+    /// The muscle under the law of the mixed model, with what readings of it say; none where another law answers.
+    pub mixed: Option<mixed_law::Muscle<'a>>,
+    /// Whose force is asked for.
+    pub whose: Whose,
     /// What stands in the way of believing those readings.
     pub doubts: Vec<String>,
 }
@@ -124,11 +144,13 @@ impl<'a> Predictor<'a> {
             choice,
             muscle,
             free,
-            calibration: None,
+            mixed: None,
+            whose: Whose::Actuator,
             doubts: Vec::new(),
         };
-        if let Law::Fitted(fit, _) = law {
+        if let Law::Fitted(Fitted { fit, mixed, .. }) = law {
             predictor = predictor.with_specimens_of(fit);
+            predictor.mixed = mixed.map(mixed_law::Muscle::unread);
         }
         predictor.with_rest_length(rest_length_m)
     }
@@ -146,12 +168,45 @@ impl<'a> Predictor<'a> {
         self
     }
 
+    /// The same with readings of the muscle, where the law of a mixed model answers.
+    pub fn reading(mut self, rows: &[Row]) -> Self {
+        let rows: Vec<&Row> = rows.iter().collect();
+        let law = self.mixed.as_ref().map(|m| m.law);
+        self.mixed = law.map(|law| mixed_law::Muscle::read(law, &rows));
+        self
+    }
+
+    /// The same where the length is known to this standard deviation, m.
+    ///
+    /// # Errors
+    /// A length that is none; a law without an interval.
+    pub fn with_length_sd(mut self, sd_m: f64) -> Result<Self> {
+        if !(sd_m.is_finite() && sd_m >= 0.0) {
+            return Err(Error::Usage(format!(
+                "a standard deviation of {} is none: give a length from zero on, such as 0.2mm",
+                mm(sd_m)
+            )));
+        }
+        let Some(mixed) = self.mixed else {
+            return Err(Error::Usage(
+                "how well the length is known changes the interval, which only the mixed model has: leave out --length-sd".to_owned(),
+            ));
+        };
+        self.mixed = Some(mixed.with_length_sd(1e3 * sd_m));
+        Ok(self)
+    }
+
+    /// The muscle with what readings of it say; none where there are none.
+    pub fn calibrated(&self) -> Option<&mixed_law::Muscle<'a>> {
+        self.mixed.as_ref().filter(|m| m.count().0 > 0)
+    }
+
     /// The same with another resting length, m, and the same eps_620.
     ///
     /// # Errors
     /// The muscle is shorter than its end caps.
     pub fn with_rest_length(mut self, rest_length_m: f64) -> Result<Self> {
-        if let Law::Fitted(fit, _) = self.choice.law
+        if let Law::Fitted(Fitted { fit, .. }) = self.choice.law
             && rest_length_m <= fit.cap_length_m
         {
             return Err(Error::Usage(format!(
@@ -185,12 +240,13 @@ impl<'a> Predictor<'a> {
             force_n: None,
             interval: None,
             uncalibrated: None,
+            effects: Vec::new(),
             measured: Vec::new(),
             warnings: Vec::new(),
             others: others(&state, self.choice.law.id()),
         };
         match self.choice.law {
-            Law::Fitted(..) => self.fitted(&mut answer, contraction),
+            Law::Fitted(fitted) => self.fitted(&fitted, &mut answer, contraction),
             Law::Published(model) => {
                 let prediction = model.predict(&state);
                 if prediction.reason() == Some(&Reason::FreeContractionUnknown) {
@@ -209,42 +265,33 @@ impl<'a> Predictor<'a> {
     }
 
     /// Fills in what a fit says.
-    fn fitted(&self, answer: &mut Answer, contraction: Contraction) {
-        let Law::Fitted(fit, joint) = self.choice.law else {
-            return;
-        };
+    fn fitted(&self, fitted: &Fitted, answer: &mut Answer, contraction: Contraction) {
+        let Fitted { fit, joint, .. } = *fitted;
         let rest = self.muscle.rest_length_m;
         let Some(eps_620) = self.muscle.contraction_620 else {
             return;
         };
+        let c = joint.values();
+        let relative = contraction
+            .relative(rest, Some(eps_620))
+            .unwrap_or(f64::NAN);
+        let f620 = new::f620(c[0], c[1], fit.cap_length_m, rest);
         let pressure_rel = answer.pressure_kpa / P_620_KPA;
-        let force = |c: &[f64], eps_620: f64| {
-            let relative = contraction
-                .relative(rest, Some(eps_620))
-                .unwrap_or(f64::NAN);
-            let f620 = new::f620(c[0], c[1], fit.cap_length_m, rest);
-            new::force([c[2], c[3], c[4]], f620, relative, pressure_rel)
-        };
-        let assumed = match self.free {
-            FreeContraction::MeanOfSpecimens {
-                standard_deviation, ..
-            } => standard_deviation,
-            _ => None,
-        };
-        answer.force_n = Some(force(&joint.values(), eps_620));
-        answer.interval = interval::interval(fit, joint, eps_620, assumed, &force);
-        if let Some(calibration) = &self.calibration {
-            let at = At {
-                rest_length_m: rest,
-                stroke_m: rest * eps_620,
-                length_m: answer.length_m,
-                pressure_kpa: answer.pressure_kpa,
-            };
-            let of_free = answer.interval.map_or(0.0, |i| i.contraction_620_n);
-            let [(force_n, interval), before] = calibration.intervals(&at, of_free);
-            answer.uncalibrated = Some(before);
-            answer.force_n = Some(force_n);
-            answer.interval = Some(interval);
+        let least_squares = new::force([c[2], c[3], c[4]], f620, relative, pressure_rel);
+        match &self.mixed {
+            None => answer.force_n = Some(least_squares),
+            Some(mixed) => {
+                self.mixed(mixed, answer, contraction, eps_620);
+                answer.others.insert(
+                    0,
+                    Other {
+                        model: LEAST_SQUARES,
+                        title: "New model, least-squares fit",
+                        force_n: Some(least_squares),
+                        outside: None,
+                    },
+                );
+            }
         }
         answer.measured = measured(fit, answer, matches!(self.free, FreeContraction::Given));
         let slack = |contraction_rel: f64, pressure_kpa: f64| {
@@ -255,6 +302,69 @@ impl<'a> Predictor<'a> {
         forgive_slack(&mut answer.measured, &slack);
         let outside = answer.measured.iter().filter(|m| !m.inside).map(warning);
         answer.warnings.extend(outside);
+    }
+
+    /// Fills in what the mixed model says.
+    fn mixed(
+        &self,
+        muscle: &mixed_law::Muscle,
+        answer: &mut Answer,
+        contraction: Contraction,
+        eps_620: f64,
+    ) {
+        let rest = self.muscle.rest_length_m;
+        let state = |eps_620: f64| {
+            let eps = contraction.fraction(rest, Some(eps_620));
+            let length_m = rest * (1.0 - eps.unwrap_or(f64::NAN));
+            [rest, rest * (1.0 - eps_620), length_m, answer.pressure_kpa]
+        };
+        let here = state(eps_620);
+        let forecast = muscle.at(here, self.whose);
+        // A muscle whose eps_620 nobody measured has one of the distribution of the specimens.
+        let FreeContraction::MeanOfSpecimens {
+            specimens,
+            standard_deviation,
+        } = self.free
+        else {
+            return self.put(muscle, answer, here, &forecast, 0.0);
+        };
+        let of_free = standard_deviation.map_or(0.0, |sd| {
+            let at = |e: f64| {
+                muscle
+                    .at(state(e.clamp(1e-3, 1.0 - 1e-3)), self.whose)
+                    .mean_n
+            };
+            let change = at(eps_620 + sd) - at(eps_620 - sd);
+            0.5 * change.abs() * (1.0 + 1.0 / specimens as f64).sqrt()
+        });
+        self.put(muscle, answer, here, &forecast, of_free);
+    }
+
+    fn put(
+        &self,
+        muscle: &mixed_law::Muscle,
+        answer: &mut Answer,
+        state: [f64; 4],
+        forecast: &mixed_law::Forecast,
+        contraction_620_n: f64,
+    ) {
+        let interval = Interval::of(forecast, contraction_620_n);
+        answer.force_n = Some(forecast.mean_n.max(0.0));
+        answer.interval = Some(interval);
+        if self.calibrated().is_some() {
+            let before = muscle.without_readings().at(state, self.whose);
+            let interval = Interval::of(&before, contraction_620_n);
+            answer.uncalibrated = Some((before.mean_n.max(0.0), interval));
+        }
+        let terms = muscle.law.terms.iter().zip(muscle.changes(state));
+        let of = |(term, change_n): (&mixed_law::Held, f64)| OfEffect {
+            effect: term.name().to_owned(),
+            of_actuator: term.is_of_actuator(),
+            included: self.whose == Whose::Rig || term.is_of_actuator(),
+            change_n,
+            class: term.class.clone(),
+        };
+        answer.effects = terms.map(of).collect();
     }
 
     fn needs(&self) -> Error {

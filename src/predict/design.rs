@@ -5,7 +5,7 @@
 //! weaker one, so that no bisection would do.
 
 use crate::answer::Predictor;
-use crate::law::{Choice, Law};
+use crate::law::{Choice, Fitted, Law};
 use crate::muscle::{Contraction, FreeLength, Muscle};
 use pipeline_base::error::{Error, Result};
 use pipeline_mechanics::knee::{Leg, Setup};
@@ -130,7 +130,7 @@ pub fn shortest(
     pressure_kpa: f64,
     surety: Surety,
 ) -> Result<Design> {
-    let Law::Fitted(fit, _) = choice.law else {
+    let Law::Fitted(Fitted { fit, .. }) = choice.law else {
         return Err(Error::Usage(
             "a design takes a fit, whose measured lengths bound it: `pipeline run` makes fits"
                 .to_owned(),
@@ -234,7 +234,7 @@ fn at_point(
 /// The smallest contraction that was measured of muscles like this one.
 fn edge(predictor: &Predictor) -> f64 {
     match (predictor.choice.law, predictor.muscle.contraction_620) {
-        (Law::Fitted(fit, _), Some(free)) => fit.ranges.contraction_rel.0 * free,
+        (Law::Fitted(f), Some(free)) => f.fit.ranges.contraction_rel.0 * free,
         _ => 0.0,
     }
 }

@@ -92,7 +92,7 @@ struct Search<'a> {
 impl<'a> Search<'a> {
     fn new(predictor: &'a Predictor, wanted: Wanted) -> Self {
         let highest_kpa = match predictor.choice.law {
-            Law::Fitted(fit, _) => fit.ranges.pressure_kpa.1,
+            Law::Fitted(f) => f.fit.ranges.pressure_kpa.1,
             Law::Published(_) => P_620_KPA,
         };
         let free = predictor.muscle.contraction_620.unwrap_or(0.25);

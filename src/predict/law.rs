@@ -3,26 +3,60 @@
 use pipeline_base::diagnostics::nearest;
 use pipeline_base::error::{Error, Result};
 use pipeline_compare::NEW;
+use pipeline_diagnose::mixed_law::MixedLaw;
 use pipeline_fit::GroupFit;
 use pipeline_fit::engine::EquationFit;
 use pipeline_fit::equations::JOINT;
 use pipeline_mechanics::models::new::NewPublished;
 use pipeline_mechanics::models::{ForceModel, published};
 
+/// The id under which the new model by least squares, as the papers' tables have it, is asked for.
+pub const LEAST_SQUARES: &str = "new_least_squares";
+
+/// What an earlier run has: fits, and the laws of mixed models.
+#[derive(Clone, Debug, Default)]
+pub struct Laws {
+    /// One for every campaign and pool.
+    pub fits: Vec<GroupFit>,
+    /// One for those that were assessed.
+    pub mixed: Vec<MixedLaw>,
+}
+
+/// The new model with the coefficients of an earlier run.
+#[derive(Clone, Copy)]
+pub struct Fitted<'a> {
+    /// What was fitted to which readings.
+    pub fit: &'a GroupFit,
+    /// Eq. 9 by least squares.
+    pub joint: &'a EquationFit,
+    /// The law of the mixed model, which answers where there is one.
+    pub mixed: Option<&'a MixedLaw>,
+}
+
 /// A law of force.
 #[derive(Clone, Copy)]
 pub enum Law<'a> {
     /// The new model with the coefficients of an earlier run.
-    Fitted(&'a GroupFit, &'a EquationFit),
+    Fitted(Fitted<'a>),
     /// A published model.
     Published(&'static dyn ForceModel),
+}
+
+impl Laws {
+    /// The law of the mixed model of a group.
+    pub fn mixed_of(&self, fit: &GroupFit) -> Option<&MixedLaw> {
+        let group = &fit.group;
+        let of = |m: &&MixedLaw| m.campaign == group.campaign && m.diameter_mm == group.diameter_mm;
+        self.mixed.iter().find(of)
+    }
 }
 
 impl Law<'_> {
     /// Id of the model.
     pub fn id(&self) -> &'static str {
         match self {
-            Law::Fitted(..) => NEW,
+            Law::Fitted(Fitted { mixed: Some(_), .. }) => NEW,
+            Law::Fitted(_) => LEAST_SQUARES,
             Law::Published(model) => model.id(),
         }
     }
@@ -30,13 +64,18 @@ impl Law<'_> {
     /// The model, for people; says so if the data that it was fitted to are simulated.
     pub fn title(&self) -> String {
         match self {
-            Law::Fitted(fit, _) => {
+            Law::Fitted(Fitted { fit, mixed, .. }) => {
                 let simulated = if fit.group.simulated {
                     " (simulated data)"
                 } else {
                     ""
                 };
-                format!("new model, fitted to {}{simulated}", fit.group.campaign)
+                let how = if mixed.is_some() {
+                    "mixed-model fit"
+                } else {
+                    "least-squares fit"
+                };
+                format!("new model, {how} to {}{simulated}", fit.group.campaign)
             }
             Law::Published(model) => model.title().to_owned(),
         }
@@ -50,6 +89,8 @@ pub struct Choice<'a> {
     pub law: Law<'a>,
     /// Why this one, as a sentence; empty where it was asked for by name.
     pub why: String,
+    /// Whether least squares was asked for.
+    pub is_least_squares: bool,
 }
 
 /// The law of a model id and a nominal diameter; `campaign` picks among the fits.
@@ -57,12 +98,12 @@ pub struct Choice<'a> {
 /// # Errors
 /// A model or campaign that there is not, a diameter that nothing is known of.
 pub fn choose<'a>(
-    fits: &'a [GroupFit],
+    laws: &'a Laws,
     model: &str,
     campaign: Option<&str>,
     diameter_mm: u32,
 ) -> Result<Choice<'a>> {
-    if model != NEW {
+    if model != NEW && model != LEAST_SQUARES {
         if let Some(campaign) = campaign {
             return usage(format!(
                 "--campaign {campaign} picks a fit of the model {NEW}, and {model} is a published model; leave one of them out"
@@ -70,33 +111,53 @@ pub fn choose<'a>(
         }
         return by_id(model, diameter_mm);
     }
-    let usable: Vec<(&GroupFit, &EquationFit)> = fits
-        .iter()
-        .filter(|f| f.group.diameter_mm == diameter_mm)
-        .filter_map(|f| Some((f, f.equation(JOINT)?)))
-        .collect();
+    let fitted = |fit: &'a GroupFit| {
+        let mixed = laws.mixed_of(fit).filter(|_| model == NEW);
+        let joint = fit.equation(JOINT)?;
+        Some(Fitted { fit, joint, mixed })
+    };
+    let of_diameter = laws.fits.iter();
+    let of_diameter = of_diameter.filter(|f| f.group.diameter_mm == diameter_mm);
+    let usable: Vec<Fitted> = of_diameter.filter_map(fitted).collect();
     if let Some(campaign) = campaign {
-        return named(&usable, campaign, diameter_mm);
+        let choice = named(&usable, campaign, diameter_mm)?;
+        return Ok(Choice {
+            is_least_squares: model == LEAST_SQUARES,
+            ..choice
+        });
     }
-    let pooled = usable.iter().find(|(f, _)| f.group.members.len() > 1);
-    let largest = usable.iter().rev().max_by_key(|(f, _)| f.specimens.len());
+    // A large pool is not assessed, and without a mixed model nobody knows how muscles differ.
+    let assessed: Vec<Fitted> = usable
+        .iter()
+        .filter(|f| f.mixed.is_some())
+        .copied()
+        .collect();
+    let among = if assessed.is_empty() {
+        &usable
+    } else {
+        &assessed
+    };
+    let pooled = among.iter().find(|f| f.fit.group.members.len() > 1);
+    let largest = among.iter().rev().max_by_key(|f| f.fit.specimens.len());
     match (pooled, largest) {
-        (Some((fit, joint)), _) => Ok(Choice {
-            law: Law::Fitted(fit, joint),
+        (Some(fitted), _) => Ok(Choice {
+            law: Law::Fitted(*fitted),
             why: format!(
                 "{} pools all measured campaigns of {diameter_mm} mm; --campaign picks another",
-                fit.group.campaign
+                fitted.fit.group.campaign
             ),
+            is_least_squares: model == LEAST_SQUARES,
         }),
-        (None, Some((fit, joint))) => Ok(Choice {
-            law: Law::Fitted(fit, joint),
-            why: largest_of(fit, &usable),
+        (None, Some(fitted)) => Ok(Choice {
+            law: Law::Fitted(*fitted),
+            why: largest_of(fitted.fit, &usable),
+            is_least_squares: model == LEAST_SQUARES,
         }),
         (None, None) => fallback(diameter_mm),
     }
 }
 
-fn largest_of(fit: &GroupFit, usable: &[(&GroupFit, &EquationFit)]) -> String {
+fn largest_of(fit: &GroupFit, usable: &[Fitted]) -> String {
     match usable.len() {
         1 => format!(
             "{} is the only fit for {} mm",
@@ -111,24 +172,21 @@ fn largest_of(fit: &GroupFit, usable: &[(&GroupFit, &EquationFit)]) -> String {
     }
 }
 
-fn campaigns(usable: &[(&GroupFit, &EquationFit)]) -> String {
+fn campaigns(usable: &[Fitted]) -> String {
     let names: Vec<&str> = usable
         .iter()
-        .map(|(f, _)| f.group.campaign.as_str())
+        .map(|f| f.fit.group.campaign.as_str())
         .collect();
     names.join(", ")
 }
 
-fn named<'a>(
-    usable: &[(&'a GroupFit, &'a EquationFit)],
-    campaign: &str,
-    diameter_mm: u32,
-) -> Result<Choice<'a>> {
-    let found = usable.iter().find(|(f, _)| f.group.campaign == campaign);
+fn named<'a>(usable: &[Fitted<'a>], campaign: &str, diameter_mm: u32) -> Result<Choice<'a>> {
+    let found = usable.iter().find(|f| f.fit.group.campaign == campaign);
     match found {
-        Some((fit, joint)) => Ok(Choice {
-            law: Law::Fitted(fit, joint),
+        Some(fitted) => Ok(Choice {
+            law: Law::Fitted(*fitted),
             why: String::new(),
+            is_least_squares: false,
         }),
         None if usable.is_empty() => usage(format!(
             "there is no fit for {diameter_mm} mm in any campaign; `pipeline run` makes fits from sessions"
@@ -159,7 +217,8 @@ fn fallback<'a>(diameter_mm: u32) -> Result<Choice<'a>> {
 fn by_id<'a>(id: &str, diameter_mm: u32) -> Result<Choice<'a>> {
     let all = published();
     let Some(model) = all.iter().find(|m| m.id() == id) else {
-        let ids: Vec<&str> = std::iter::once(NEW)
+        let ids: Vec<&str> = [NEW, LEAST_SQUARES]
+            .into_iter()
             .chain(all.iter().map(|m| m.id()))
             .collect();
         let hint = nearest(id, ids.iter().copied())
@@ -183,6 +242,7 @@ fn by_id<'a>(id: &str, diameter_mm: u32) -> Result<Choice<'a>> {
     Ok(Choice {
         law: Law::Published(*model),
         why: String::new(),
+        is_least_squares: false,
     })
 }
 

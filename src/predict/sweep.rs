@@ -49,7 +49,7 @@ impl Steps {
             }
             Axis::RestLength => {
                 let (from, to) = match predictor.choice.law {
-                    Law::Fitted(fit, _) => fit.ranges.rest_length_m,
+                    Law::Fitted(f) => f.fit.ranges.rest_length_m,
                     Law::Published(_) => USUAL_LENGTHS_M,
                 };
                 let to = if to > from { to } else { 2.0 * from };

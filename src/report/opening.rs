@@ -157,6 +157,7 @@ mod tests {
             group.diagnosis = Some(Diagnosis {
                 findings,
                 residuals,
+                mixed_law: None,
             });
             answer(&group).join(" ")
         };
@@ -175,6 +176,7 @@ mod tests {
         group.diagnosis = Some(Diagnosis {
             findings,
             residuals,
+            mixed_law: None,
         });
         let said = answer(&group).join(" ");
         assert!(

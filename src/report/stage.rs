@@ -30,6 +30,7 @@ use pipeline_base::row::{self, Row, role_name};
 use pipeline_base::session::{Phase, Sampling};
 use pipeline_compare::GroupComparison;
 use pipeline_config::{Config, ReportOptions};
+use pipeline_diagnose::mixed_law::MixedLaw;
 use pipeline_findings::{Findings, SCHEMA};
 use pipeline_fit::{GroupFit, is_usable, split};
 use pipeline_torque::tidy;
@@ -108,6 +109,10 @@ pub fn tables(input: &ReportInput, config: &Config) -> Result<Outputs> {
         ("derived/rows.parquet".to_owned(), rows.to_parquet()?),
         ("derived/split.csv".to_owned(), split_csv(input, config)),
         ("derived/fits.json".to_owned(), fits_json(input)?),
+        (
+            "derived/mixed_laws.json".to_owned(),
+            mixed_laws_json(input)?,
+        ),
         ("reports/findings.json".to_owned(), findings_json(input)?),
     ]);
     if input.knee.is_some() {
@@ -324,6 +329,15 @@ fn fits_json(input: &ReportInput) -> Result<Vec<u8>> {
     };
     let fits: Vec<GroupFit> = input.groups.iter().map(fit).collect();
     let mut bytes = serde_json::to_vec_pretty(&fits).map_err(Error::internal)?;
+    bytes.push(b'\n');
+    Ok(bytes)
+}
+
+/// `derived/mixed_laws.json`: what the mixed models say of further readings, for `pipeline predict` and `pipeline export model`.
+fn mixed_laws_json(input: &ReportInput) -> Result<Vec<u8>> {
+    let diagnoses = input.groups.iter().filter_map(|g| g.diagnosis.as_ref());
+    let all: Vec<&MixedLaw> = diagnoses.filter_map(|d| d.mixed_law.as_ref()).collect();
+    let mut bytes = serde_json::to_vec(&all).map_err(Error::internal)?;
     bytes.push(b'\n');
     Ok(bytes)
 }

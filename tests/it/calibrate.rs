@@ -1,11 +1,7 @@
 //! `predict --calibrate` and `--specimen`: what readings of a muscle say of it.
 
 use crate::support::{Bench, FAST, Said};
-use pipeline::models::new;
-use pipeline::predict::calibration::{At, Calibration, Reading, Sizes};
 use pipeline::simulate;
-use pipeline::stages::fit::GroupFit;
-use pipeline::stages::fit::equations::JOINT;
 use serde_json::Value;
 use std::path::Path;
 
@@ -123,7 +119,7 @@ fn a_specimen_of_the_run_is_predicted_by_the_law_of_the_others_and_its_own_readi
         "before",
         "next",
         "than noted, by that law",
-        "(least squares, without effects)",
+        "the mixed model of",
     ] {
         assert!(said.out.contains(part), "{part} is not in\n{}", said.out);
     }
@@ -162,77 +158,4 @@ fn a_specimen_of_the_run_is_predicted_by_the_law_of_the_others_and_its_own_readi
     let said = bench.run(&swept);
     assert_eq!(said.code, 2);
     said.warns_of(&["another length"]);
-}
-
-/// Where the law is known exactly, one reading y gives the gain tau^2 f (y - f)/(tau^2 f^2 + s_l^2 f'^2 + s_z^2 + left^2), f' by the set length and
-/// left^2 the noise and what is left together, and the set length likewise.
-#[test]
-fn one_reading_is_shared_out_by_the_variances() {
-    let bench = Bench::quick_done();
-    let fits = std::fs::read(bench.root().join("derived/fits.json")).unwrap();
-    let fits: Vec<GroupFit> = serde_json::from_slice(&fits).unwrap();
-    let fit = &fits[0];
-    let mut joint = fit.equation(JOINT).unwrap().clone();
-    let values = joint.values();
-    for fold in &mut joint.folds {
-        fold.coefficients.clone_from(&values);
-    }
-    let sizes = Sizes {
-        length_mm: 0.9,
-        zero_n: 1.5,
-        left_n: 5.0,
-        noise_n: 2.0,
-    };
-    let state = |length_m: f64| At {
-        rest_length_m: 0.2,
-        stroke_m: 0.033,
-        length_m,
-        pressure_kpa: 500.0,
-    };
-    let law = |longer_mm: f64| {
-        let f620 = new::f620(values[0], values[1], fit.cap_length_m, 0.2);
-        let relative = (0.2 - 0.19 - 1e-3 * longer_mm) / 0.033;
-        new::force(
-            [values[2], values[3], values[4]],
-            f620,
-            relative,
-            500.0 / 620.0,
-        )
-    };
-    let (f, slope) = (law(0.0), (law(0.01) - law(-0.01)) / 0.02);
-    let tau = fit.scatter.as_ref().unwrap().between;
-    let reading = Reading {
-        session: "s".to_owned(),
-        at: state(0.19),
-        force_n: f + 3.0,
-    };
-    let known = Calibration::new(fit, &joint, None, sizes, &[reading]).unwrap();
-    let total = tau * tau * f * f + 0.81 * slope * slope + 2.25 + 25.0;
-    let close =
-        |a: f64, b: f64| assert!((a - b).abs() < 1e-2 * b.abs().max(1e-3), "{a} against {b}");
-    let gain = known.specimen_gain();
-    close(gain.value, tau * tau * f * 3.0 / total);
-    close(gain.sd, tau * (1.0 - tau * tau * f * f / total).sqrt());
-    let length = &known.set_lengths()[0];
-    // Slopes are taken anew where the length is then, a little off.
-    assert!(
-        (length.value - 0.81 * slope * 3.0 / total).abs() < 0.02,
-        "{length:?}"
-    );
-    // A reading of the same session and state comes back nearer to the reading than the force at the exact length.
-    let (again, _) = known.reading("s", &state(0.19));
-    let (exact, sd) = known.force(&state(0.19));
-    assert!(
-        f < exact && exact < again && again < f + 3.0,
-        "{f} {exact} {again}"
-    );
-    // Half of the variance of lengths is the muscle's and is carried over.
-    let carried = 0.405 * slope * 3.0 / total;
-    close(exact, (1.0 + gain.value) * law(carried));
-    let own = tau * tau * f * f + 0.405 * slope * slope;
-    let session = 0.405 * slope * slope + 2.25 + 21.0;
-    close(sd, (own - own * own / total + session).sqrt());
-    let (before, sd_before) = known.force_before(&state(0.19));
-    close(before, f);
-    close(sd_before, (own + session).sqrt());
 }

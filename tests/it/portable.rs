@@ -1,4 +1,4 @@
-//! `pipeline export model`: every language against the points, on models of a run and on the published ones, and what `--effects` takes in.
+//! `pipeline export model`: every language against the points, on models of a run and on the published ones, and which effects go with them.
 //!
 //! The programs in `tests/scripts/portable/` print the number of points and the largest difference as a multiple of what is allowed, 1e-9 of the
 //! value or 1e-9 in its unit.
@@ -13,8 +13,8 @@ const POINTS: f64 = 500.0;
 
 /// Places of arguments of `export model` for a run of [`Bench::quick_done`] and for published models, with the folder.
 const SOURCES: [(&str, &[&str]); 4] = [
-    ("fitted", &["--campaign", "small"]),
-    ("effects", &["--campaign", "small", "--effects"]),
+    ("mixed", &["--campaign", "small"]),
+    ("plain", &["--campaign", "small", "--least-squares"]),
     ("new20", &["--published", "new", "--diameter", "20"]),
     ("knee40", &["--published", "knee_paper", "--diameter", "40"]),
 ];
@@ -165,13 +165,7 @@ fn what_cannot_be_exported_says_what_to_do() {
         &["there are no fits in nowhere", "--published"],
     );
     says(
-        &[
-            "--campaign",
-            "small",
-            "--effects",
-            "--alias",
-            "bladder_threshold",
-        ],
+        &["--campaign", "small", "--alias", "bladder_threshold"],
         &["--alias bladder_threshold", "there is no such set"],
     );
     says(&[], &["--campaign", "--published"]);
@@ -208,9 +202,8 @@ fn pressures_that_pull(folder: &Path) -> (f64, f64) {
     })
 }
 
-/// The force of `predict` at the first point of an export that pulls, by the model with the effects, and that of the point; none where `predict` does
-/// not have that model.
-fn predicted_beside(bench: &Bench, folder: &Path) -> Option<[f64; 2]> {
+/// The force of `predict` by a model at the first point of an export that pulls, and that of the point.
+fn predicted_beside(bench: &Bench, folder: &Path, model: &str) -> [f64; 2] {
     let points = crate::support::read_table(&folder.join("golden_vectors.csv"));
     let number = |text: &str| text.parse::<f64>().unwrap();
     let is_pulling =
@@ -224,27 +217,30 @@ fn predicted_beside(bench: &Bench, folder: &Path) -> Option<[f64; 2]> {
     ]
     .map(|(option, column, unit)| format!("{option}={}{unit}", point[column]));
     let state: Vec<&str> = state.iter().map(String::as_str).collect();
-    let said = bench.run(&[&["predict", "--diameter", "10", "--json"], &state[..]].concat());
+    let asked = ["predict", "--diameter", "10", "--json", "--model", model];
+    let said = bench.run(&[&asked, &state[..]].concat());
     assert_eq!(said.code, 0, "{}", said.err);
     let value: Value = serde_json::from_str(&said.out).unwrap();
-    let others = value["answer"]["others"].as_array().unwrap();
-    let of_loop = others.iter().find(|o| o["model"] == "new, with effects")?;
-    Some([
-        of_loop["force_n"].as_f64().unwrap(),
+    [
+        value["answer"]["force_n"].as_f64().unwrap(),
         number(&point["force_n"]),
-    ])
+    ]
 }
 
 #[test]
-fn predict_has_the_force_of_the_exported_model_beside_its_own() {
+fn predict_has_the_force_of_the_exported_model() {
     let bench = Bench::quick_done();
-    let small = effect("bladder_threshold", &["bladder_threshold"], "sharp", 0.5);
-    with_effects(&bench, &[small]);
-    let said = export(&bench, "model", &["--campaign", "small", "--effects"]);
+    let said = export(&bench, "plain", &["--campaign", "small", "--least-squares"]);
     assert_eq!(said.code, 0, "{}", said.err);
-    assert!(!said.out.contains("WARNING"), "{}", said.out);
-    let [force, expected] = predicted_beside(&bench, &bench.root().join("model")).unwrap();
+    let plain = bench.root().join("plain");
+    let [force, expected] = predicted_beside(&bench, &plain, "new_least_squares");
     assert!((force - expected).abs() < 1e-6, "{force} {expected}");
+    // But for the smooth misfit, of a law that is right.
+    let said = export(&bench, "mixed", &["--campaign", "small"]);
+    assert!(!said.out.contains("WARNING"), "{}", said.out);
+    let mixed = bench.root().join("mixed");
+    let [force, expected] = predicted_beside(&bench, &mixed, "new");
+    assert!((force / expected - 1.0).abs() < 0.01, "{force} {expected}");
 }
 
 #[test]
@@ -262,7 +258,7 @@ fn effects_of_the_actuator_go_with_the_model_and_those_of_the_rig_stay() {
         ),
     ];
     with_effects(&bench, &effects);
-    let source = ["--campaign", "small", "--effects"];
+    let source = ["--campaign", "small"];
     let said = export(&bench, "model", &source);
     assert_eq!(said.code, 0, "{}", said.err);
     for part in [
@@ -273,13 +269,13 @@ fn effects_of_the_actuator_go_with_the_model_and_those_of_the_rig_stay() {
     ] {
         assert!(said.out.contains(part), "{part} is not in\n{}", said.out);
     }
-    // These effects are not those of the readings: the export says that it does worse, and `predict` does not offer it.
+    // These effects are not those of the readings: the export says that it does worse.
     assert!(
-        said.out.contains("WARNING: larger with the effects"),
+        said.out
+            .contains("WARNING: larger than that of least squares"),
         "{}",
         said.out
     );
-    assert_eq!(predicted_beside(&bench, &bench.root().join("model")), None);
     let header = std::fs::read_to_string(bench.root().join("model/bpa_model.h")).unwrap();
     assert!(header.contains("which is of the rig"));
     let source = std::fs::read_to_string(bench.root().join("model/bpa_model.c")).unwrap();
@@ -293,7 +289,7 @@ fn an_alias_set_of_actuator_and_rig_is_refused_until_one_is_named() {
     let bench = Bench::quick_done();
     let class = ["pressure_zero_offset", "bladder_threshold"];
     with_effects(&bench, &[effect(class[0], &class, "constant", 25.0)]);
-    let source = ["--campaign", "small", "--effects"];
+    let source = ["--campaign", "small"];
     let refused = export(&bench, "model", &source);
     assert_eq!(refused.code, 2);
     refused.warns_of(&[

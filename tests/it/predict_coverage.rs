@@ -1,13 +1,11 @@
 //! Does the interval of a prediction keep its word? Simulated campaigns, and readings of specimens that were not in them.
 
+use crate::support::searched_law;
 use pipeline::base::row::Row;
-use pipeline::config::FitOptions;
-use pipeline::predict::law::choose;
-use pipeline::predict::{Contraction, FreeLength, Muscle, Predictor};
+use pipeline::predict::interval::Interval;
 use pipeline::simulate::{self, Truth};
-use pipeline::stages::fit::equations::{cap_length_m, joint};
-use pipeline::stages::fit::scatter::scatter;
-use pipeline::stages::fit::{Group, GroupFit, Ranges};
+use pipeline::stages::diagnose::mixed_law::{MixedLaw, Muscle, Whose};
+use pipeline::stages::fit::Group;
 
 const TRUTH: &str = r#"
 schema = "bpa-truth/1"
@@ -35,38 +33,15 @@ fn truth(name: &str, lengths_mm: &[f64]) -> Truth {
     simulate::read_truth("coverage.toml", &text).unwrap_or_else(|d| panic!("{d:?}"))
 }
 
-/// The joint fit and its scatter: all that a prediction reads of a group (the other equations would take most of the time).
-fn fitted(rows: &[Row]) -> GroupFit {
-    let options = FitOptions {
-        bootstrap_refits: 0,
-        ..FitOptions::default()
+fn law_of(rows: &[Row]) -> MixedLaw {
+    let group = Group {
+        campaign: "coverage".to_owned(),
+        diameter_mm: 10,
+        members: vec!["coverage".to_owned()],
+        simulated: true,
     };
     let rows: Vec<&Row> = rows.iter().collect();
-    let joint = joint(10, &rows, &options).unwrap();
-    let everything = (0.0, f64::INFINITY);
-    GroupFit {
-        group: Group {
-            campaign: "coverage".to_owned(),
-            diameter_mm: 10,
-            members: vec!["coverage".to_owned()],
-            simulated: true,
-        },
-        rows: rows.len(),
-        rows_kept_out: 0,
-        rows_excluded: 0,
-        ranges: Ranges {
-            rest_length_m: everything,
-            pressure_kpa: everything,
-            contraction_rel: everything,
-            contraction_620: everything,
-        },
-        specimens: Vec::new(),
-        scatter: scatter(&joint, 10, &rows, &options),
-        equations: vec![joint],
-        cap_length_m: cap_length_m(10, &options),
-        notes: Vec::new(),
-        doubtful: Vec::new(),
-    }
+    searched_law(&group, &rows)
 }
 
 /// Of 100, how many readings of unseen specimens lie inside their interval, and how many of those above 20 N; over so many campaigns of
@@ -76,18 +51,16 @@ fn coverage(lengths_mm: &[f64], unseen_mm: &[f64], campaigns: u64) -> (f64, f64)
     let (mut all, mut pulling) = ([0_usize; 2], [0_usize; 2]);
     for seed in 0..campaigns {
         (seen.seed, unseen.seed) = (seed, seed);
-        let fits = [fitted(&simulate::campaign_rows(&seen).rows)];
+        let law = law_of(&simulate::campaign_rows(&seen).rows);
+        let muscle = Muscle::unread(&law);
         for row in simulate::campaign_rows(&unseen).rows {
-            let eps_620 = (row.rest_length_m - row.contracted_length_m) / row.rest_length_m;
-            let free = FreeLength::Contraction(eps_620);
-            let muscle = Muscle::new(10.0, row.rest_length_m, free).unwrap();
-            let choice = choose(&fits, "new", None, 10).unwrap();
-            let predictor = Predictor::new(choice, muscle).unwrap();
-            let contraction = Contraction::Length(row.length_m);
-            let answer = predictor
-                .at(contraction, row.pressure_kpa.max(0.0))
-                .unwrap();
-            let interval = answer.interval.unwrap();
+            let state = [
+                row.rest_length_m,
+                row.contracted_length_m,
+                row.length_m,
+                row.pressure_kpa.max(0.0),
+            ];
+            let interval = Interval::of(&muscle.at(state, Whose::Rig), 0.0);
             let force = row.force_n.max(0.0);
             let inside = usize::from(interval.low_n <= force && force <= interval.high_n);
             all = [all[0] + inside, all[1] + 1];
@@ -115,6 +88,7 @@ mod long {
         for lengths in [
             &[83.0, 112.0, 182.0, 257.0, 382.0, 455.0][..],
             &[83.0, 182.0, 300.0, 455.0],
+            &[112.0, 233.0, 382.0],
         ] {
             let (all, pulling) = coverage(lengths, &unseen, 50);
             println!(

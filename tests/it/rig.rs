@@ -1,14 +1,11 @@
 //! The real rig sessions (`support::rig`): run by `.ci/run` where they are.
 
-use crate::support::{Bench, Said, rig};
+use crate::support::{Bench, Said, rig, searched_law};
 use pipeline::base::columns::is_prediction;
 use pipeline::base::frame::Frame;
-use pipeline::base::row;
-use pipeline::findings::Findings;
+use pipeline::base::row::{self, Row};
 use pipeline::numerics::distributions::student_t_quantile;
-use pipeline::predict::calibration::{At, Calibration, Reading, Sizes};
-use pipeline::stages::fit::engine::Fold;
-use pipeline::stages::fit::equations::JOINT;
+use pipeline::stages::diagnose::mixed_law::{MixedLaw, Muscle};
 use pipeline::stages::fit::{GroupFit, is_fitted};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -314,59 +311,37 @@ fn copied_with(bench: &Bench, folder: &Path, column: &str, (old, new): (&str, &s
     to
 }
 
-/// A fit, how sessions scatter about it, and the readings of each of its actuators, session by session.
+/// The readings of every actuator, session by session, with the law of all others.
 struct Measured {
-    fit: GroupFit,
-    sizes: Sizes,
-    actuators: Vec<(String, BTreeMap<String, Vec<Reading>>)>,
+    actuators: Vec<(MixedLaw, BTreeMap<String, Vec<Row>>)>,
 }
 
 fn measured(root: &Path, campaign: &str) -> Measured {
     let read = |file: &str| std::fs::read(root.join(file)).unwrap();
     let fits: Vec<GroupFit> = serde_json::from_slice(&read("derived/fits.json")).unwrap();
-    let fit = fits
-        .into_iter()
-        .find(|f| f.group.campaign == campaign)
-        .unwrap();
-    let findings: Findings = serde_json::from_slice(&read("reports/findings.json")).unwrap();
-    let found = findings.campaigns.iter().find(|c| c.campaign == campaign);
-    let found = found.unwrap();
-    let sizes = Sizes {
-        length_mm: found.scatter_sd("length_offset").unwrap(),
-        zero_n: found.scatter_sd("force_zero_offset").unwrap(),
-        left_n: found.before.rmse_heldout_calibrated.unwrap(),
-        noise_n: found.noise.unwrap(),
-    };
+    let fit = fits.iter().find(|f| f.group.campaign == campaign).unwrap();
     let mut frame = Frame::from_parquet(&read("derived/rows.parquet")).unwrap();
     frame.columns.retain(|(name, _)| !is_prediction(name));
-    let rows = row::from_frame(&frame).unwrap();
-    let of = |fold: &Fold| {
-        let own = rows
-            .iter()
-            .filter(|r| is_fitted(r) && r.length_m.is_finite());
-        let mut sessions: BTreeMap<String, Vec<Reading>> = BTreeMap::new();
-        for r in own.filter(|r| r.specimen == fold.left_out) {
+    let group = &fit.group;
+    let mut rows = row::from_frame(&frame).unwrap();
+    rows.retain(|r| {
+        group.takes_in(&r.campaign, r.diameter_mm) && is_fitted(r) && r.length_m.is_finite()
+    });
+    let name = |r: &Row| (r.campaign.clone(), r.specimen.clone());
+    let names: BTreeSet<(String, String)> = rows.iter().map(name).collect();
+    let of = |id: &(String, String)| {
+        let (own, others): (Vec<&Row>, Vec<&Row>) = rows.iter().partition(|r| name(r) == *id);
+        let mut sessions: BTreeMap<String, Vec<Row>> = BTreeMap::new();
+        for r in own {
             sessions
                 .entry(r.session.clone())
                 .or_default()
-                .push(Reading {
-                    session: r.session.clone(),
-                    at: At {
-                        rest_length_m: r.rest_length_m,
-                        stroke_m: r.rest_length_m - r.contracted_length_m,
-                        length_m: r.length_m,
-                        pressure_kpa: r.pressure_kpa,
-                    },
-                    force_n: r.force_n,
-                });
+                .push(r.clone());
         }
-        (fold.left_out.clone(), sessions)
+        (searched_law(group, &others), sessions)
     };
-    let actuators = fit.equation(JOINT).unwrap().folds.iter().map(of).collect();
     Measured {
-        fit,
-        sizes,
-        actuators,
+        actuators: names.iter().map(of).collect(),
     }
 }
 
@@ -379,6 +354,14 @@ struct Score {
 }
 
 impl Score {
+    fn add_all(&mut self, muscle: &Muscle, asked: &[&Row]) {
+        for (forecast, reading) in muscle.forecast_of(asked).iter().zip(asked) {
+            let t = student_t_quantile(0.975, forecast.freedom);
+            let half = t * forecast.parts.variance().sqrt();
+            self.add(reading.force_n - forecast.mean_n, half);
+        }
+    }
+
     fn add(&mut self, error: f64, half: f64) {
         self.squares += error * error;
         self.inside += usize::from(error.abs() <= half);
@@ -391,20 +374,16 @@ impl Score {
     }
 }
 
-fn t_of(fit: &GroupFit) -> f64 {
-    student_t_quantile(0.975, fit.scatter.as_ref().unwrap().freedom as f64)
-}
-
 /// So many readings of a session, in their order: evenly spaced.
-fn evenly(readings: &[Reading], count: usize) -> BTreeSet<usize> {
+fn evenly(readings: &[Row], count: usize) -> BTreeSet<usize> {
     let n = readings.len();
     (0..count).map(|j| (2 * j + 1) * n / (2 * count)).collect()
 }
 
 /// The same in the order of their pressures: the highest, and evenly spaced ones below it.
-fn by_pressure(readings: &[Reading], count: usize) -> BTreeSet<usize> {
+fn by_pressure(readings: &[Row], count: usize) -> BTreeSet<usize> {
     let mut order: Vec<usize> = (0..readings.len()).collect();
-    let pressure = |k: usize| readings[k].at.pressure_kpa;
+    let pressure = |k: usize| readings[k].pressure_kpa;
     order.sort_by(|a, b| pressure(*b).total_cmp(&pressure(*a)).then(a.cmp(b)));
     (0..count)
         .map(|j| order[j * readings.len() / count])
@@ -414,19 +393,13 @@ fn by_pressure(readings: &[Reading], count: usize) -> BTreeSet<usize> {
 /// Every actuator by the law of the others and a few readings a session of its own, for 0, 1, 2, 3 and 5 readings a session: the errors on its
 /// further readings.
 fn calibrated(
-    Measured {
-        fit,
-        sizes,
-        actuators,
-    }: &Measured,
-    chosen: impl Fn(&[Reading], usize) -> BTreeSet<usize>,
+    Measured { actuators }: &Measured,
+    chosen: impl Fn(&[Row], usize) -> BTreeSet<usize>,
 ) -> Vec<(f64, f64)> {
-    let joint = fit.equation(JOINT).unwrap();
-    let t = t_of(fit);
     let mut table = Vec::new();
     for count in [0, 1, 2, 3, 5] {
         let mut score = Score::default();
-        for (specimen, sessions) in actuators {
+        for (law, sessions) in actuators {
             let (mut given, mut asked) = (Vec::new(), Vec::new());
             for readings in sessions.values() {
                 let is_given = chosen(readings, count);
@@ -436,23 +409,10 @@ fn calibrated(
                     } else {
                         &mut asked
                     };
-                    to.push(reading.clone());
+                    to.push(reading);
                 }
             }
-            // Without a reading: one that says nothing.
-            let nothing = Sizes {
-                noise_n: 1e9,
-                ..*sizes
-            };
-            let (used, given) = match given.is_empty() {
-                true => (nothing, asked[..1].to_vec()),
-                false => (*sizes, given),
-            };
-            let calibration = Calibration::new(fit, joint, Some(specimen), used, &given).unwrap();
-            for reading in &asked {
-                let (mean, sd) = calibration.reading(&reading.session, &reading.at);
-                score.add(reading.force_n - mean, t * sd);
-            }
+            score.add_all(&Muscle::read(law, &given), &asked);
         }
         table.push(score.of());
     }
@@ -460,25 +420,14 @@ fn calibrated(
 }
 
 /// Every session by the law of the other actuators and the other sessions of its own, as `predict --calibrate` answers.
-fn sessions_left_out(
-    Measured {
-        fit,
-        sizes,
-        actuators,
-    }: &Measured,
-) -> (f64, f64) {
-    let joint = fit.equation(JOINT).unwrap();
-    let t = t_of(fit);
+fn sessions_left_out(Measured { actuators }: &Measured) -> (f64, f64) {
     let mut score = Score::default();
-    for (specimen, sessions) in actuators.iter().filter(|(_, s)| s.len() > 1) {
+    for (law, sessions) in actuators.iter().filter(|(_, s)| s.len() > 1) {
         for (session, readings) in sessions {
             let others = sessions.iter().filter(|(s, _)| *s != session);
-            let given: Vec<Reading> = others.flat_map(|(_, r)| r.clone()).collect();
-            let calibration = Calibration::new(fit, joint, Some(specimen), *sizes, &given).unwrap();
-            for reading in readings {
-                let (mean, sd) = calibration.force(&reading.at);
-                score.add(reading.force_n - mean, t * sd);
-            }
+            let given: Vec<&Row> = others.flat_map(|(_, r)| r).collect();
+            let asked: Vec<&Row> = readings.iter().collect();
+            score.add_all(&Muscle::read(law, &given), &asked);
         }
     }
     score.of()

@@ -1,7 +1,18 @@
 //! What the tests share: the binary, a small campaign, and looking at what a run left.
 
+use pipeline::base::random::Stream;
+use pipeline::base::row::Row;
+use pipeline::config::{DiagnoseOptions, FitOptions};
+use pipeline::inference::decisions;
+use pipeline::inference::fit::Setting;
+use pipeline::inference::search::{Decision, Search};
 use pipeline::simulate;
-use std::collections::BTreeMap;
+use pipeline::stages::diagnose::base::Base;
+use pipeline::stages::diagnose::data::Data;
+use pipeline::stages::diagnose::mixed_law::MixedLaw;
+use pipeline::stages::diagnose::{Declared, library, suited};
+use pipeline::stages::fit::Group;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use tempfile::TempDir;
@@ -291,4 +302,41 @@ pub fn rig() -> PathBuf {
         rig.display()
     );
     rig
+}
+
+/// The law of the mixed model that a search of some readings ends with; nothing is set aside, and nothing else is asked of it.
+pub fn searched_law(group: &Group, rows: &[&Row]) -> MixedLaw {
+    let lengths: BTreeSet<u64> = rows.iter().map(|r| r.rest_length_m.to_bits()).collect();
+    let base = Base::new(
+        group.diameter_mm,
+        true,
+        lengths.len(),
+        &FitOptions::default(),
+    );
+    let options = DiagnoseOptions::default();
+    let data = Data::new(rows)
+        .beside(&base)
+        .with_placebo(options.seed)
+        .thinned(options.most_readings);
+    let library = library::terms(&data);
+    let (problem, null) = suited(&base, &data, &library, &BTreeSet::new(), Declared::Taken);
+    let setting = Setting::new(&problem);
+    let decision = Decision {
+        level: decisions::COMES_IN,
+        draws: options.draws,
+        alike: decisions::ALIKE,
+        most_terms: options.most_effects,
+        thorough: true,
+    };
+    let search = Search {
+        setting: &setting,
+        decision,
+        tried: None,
+    };
+    let normal = |k: usize| -> Box<dyn FnMut() -> f64> {
+        let mut stream = Stream::new(options.seed, &["draw", &k.to_string()]);
+        Box::new(move || stream.normal())
+    };
+    let found = search.run(null, &normal, None);
+    MixedLaw::of(group, &problem, &setting, &found.model, &[]).unwrap()
 }

@@ -70,6 +70,17 @@ impl<'a> Unseen<'a> {
         &self.variances
     }
 
+    /// Means of the root's random effects, and a lower triangular square root of the covariance of these and the fixed effects, in this order: what
+    /// the readings that were fitted say of any other.
+    pub fn parameters_known(&self) -> (&[f64], &Square) {
+        (&self.root_mean, &self.root)
+    }
+
+    /// Mean and standard deviation of what new readings show of themselves beside the model, by class of noise.
+    pub fn shown_by_class(&self) -> (&[f64], &[f64]) {
+        (&self.shown.means, &self.shown.noise)
+    }
+
     /// The readings below a node: those of one quantity, where a problem has several.
     pub fn readings(&self, node: usize, keep: impl Fn(usize) -> bool) -> Vec<usize> {
         let mut places = self.below(node);

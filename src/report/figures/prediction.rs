@@ -36,7 +36,7 @@ pub fn sweep(predictor: &Predictor, along: Along, answers: &[Answer]) -> Named {
             panel = panel.with(Series::line(name, points, Stroke::hair(ink, dash)));
         }
     }
-    let name = match &predictor.calibration {
+    let name = match predictor.calibrated() {
         Some(_) => "this muscle, by its readings".to_owned(),
         None => {
             let id = predictor.choice.law.id();
@@ -149,7 +149,7 @@ fn named(predictor: &Predictor, name: &str, held: &str, panel: Panel) -> Named {
         .contraction_620
         .map_or_else(String::new, |e| format!(", ε_{{620}} {:.1}%", 100.0 * e));
     let (diameter, law) = (muscle.diameter_mm, predictor.choice.law.title());
-    let law = match &predictor.calibration {
+    let law = match predictor.calibrated() {
         Some(_) => format!("{law}, and readings of it"),
         None => law,
     };

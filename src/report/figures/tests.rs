@@ -268,6 +268,7 @@ fn figures_of_a_diagnosis_are_fit_for_print() {
                 .to_vec(),
             ..Residuals::default()
         },
+        mixed_law: None,
     });
     let figures = composed_of_diagnosis(&group);
     let names: Vec<&str> = figures.iter().map(|n| n.name.as_str()).collect();

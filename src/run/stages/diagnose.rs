@@ -9,6 +9,7 @@ use pipeline_base::frame::{Frame, Values};
 use pipeline_config::Config;
 use pipeline_diagnose as diagnose;
 use pipeline_diagnose::Diagnosis;
+use pipeline_diagnose::mixed_law::MixedLaw;
 use pipeline_findings::{CampaignFindings, Residuals};
 use pipeline_formats::discover::Discovery;
 use std::collections::BTreeSet;
@@ -41,6 +42,9 @@ const TESTED: Artifact<Frame> = Artifact::table(NAME, "tested.parquet");
 /// What is left as the effects come in one after the other.
 const STEPS: Artifact<Vec<(String, Vec<f64>)>> = Artifact::json(NAME, "steps.json");
 
+/// The law as the mixed model has it; none where a campaign is not assessed.
+pub const MIXED_LAW: Artifact<Option<MixedLaw>> = Artifact::json(NAME, "mixed_law.json");
+
 /// A pool of many specimens is not searched, because its parts say as much in a fraction of the time.
 fn is_searched(unit: &Unit, discovery: &Discovery, config: &Config) -> bool {
     let sessions = unit.sessions.iter();
@@ -58,11 +62,13 @@ fn run(given: &Given) -> Result<Outputs> {
     let Some(Diagnosis {
         findings,
         residuals,
+        mixed_law,
     }) = diagnosis
     else {
         return FINDINGS.alone(&None);
     };
     let mut outputs = FINDINGS.alone(&Some(findings))?;
+    MIXED_LAW.put(&mixed_law, &mut outputs)?;
     RESIDUALS.put(&residuals_frame(&residuals), &mut outputs)?;
     TESTED.put(&tested_frame(&residuals), &mut outputs)?;
     STEPS.put(&residuals.steps, &mut outputs)?;
@@ -90,6 +96,7 @@ pub fn diagnosis(engine: &Engine, group: &UnitMade) -> Result<Option<Diagnosis>>
             steps: group.read(engine, &STEPS)?,
             ..residuals(found, tested)
         },
+        mixed_law: group.read(engine, &MIXED_LAW)?,
     }))
 }
 

@@ -4,6 +4,7 @@ use crate::alternatives::alternatives;
 use crate::answer::{self, Work};
 use crate::base::Base;
 use crate::expected;
+use crate::mixed_law::MixedLaw;
 use crate::problem::ForceProblem;
 use crate::{Diagnosis, draws, form, library, limits, next, unseen, verdict};
 use pipeline_config::DiagnoseOptions;
@@ -85,9 +86,11 @@ pub(crate) fn answered(
     findings.black_box_rmse_heldout = unseen::black_box(setting, problem, &residuals.predicted);
     put_limits(&mut findings, limits);
     put_held_out(&mut findings, held);
+    let mixed_law = MixedLaw::of(group, problem, setting, &found.model, &findings.effects);
     Diagnosis {
         findings,
         residuals,
+        mixed_law,
     }
 }
 

@@ -124,6 +124,23 @@ impl Base {
         }
     }
 
+    /// The new model for evaluation alone, with the shape that tells where an actuator is slack: nothing of it is fitted.
+    pub fn evaluated(diameter_mm: u32, cap_length_m: f64, shape: Shape) -> Self {
+        Self {
+            equation: Equation::New { cap_length_m },
+            shape: Some(shape),
+            ..Self::new(diameter_mm, false, 1, &FitOptions::default())
+        }
+    }
+
+    /// l_0 of the new model, m; none of another.
+    pub fn cap_length_m(&self) -> Option<f64> {
+        match self.equation {
+            Equation::New { cap_length_m } => Some(cap_length_m),
+            Equation::Hunt | Equation::Published(_) => None,
+        }
+    }
+
     /// The same for a diameter of which nothing is published: fits start at these coefficients b1, b2, c0, c1 and c2 of least squares, which also
     /// tell where an actuator is slack.
     pub fn starting_at(mut self, [b1, b2, c0, c1, c2]: [f64; 5]) -> Self {

@@ -166,5 +166,6 @@ fn not_assessed(reason: NotAssessed, findings: CampaignFindings) -> Answer {
             ..findings
         },
         residuals: Residuals::default(),
+        mixed_law: None,
     }))
 }

@@ -13,6 +13,7 @@
 //! 4. [`unseen`]: the same search without each specimen; [`tally`]: errors, predictive intervals, the budget of the expected error.
 //! 5. [`form`]: whether one number is enough for the size of what was found.
 //! 6. [`limits`]: what could have been seen, and what is indistinguishable. [`answer`]: the [`pipeline_findings`], as values.
+//! 7. [`mixed_law`]: what the model says of readings that are still to be made.
 //!
 //! `campaign` goes through these steps with what is left when the mistakes are gone (`aside`): the problem that suits the readings (`suited`), its
 //! search, and everything that is asked of the result (`asked`, `alternatives`; before that nothing is said, `unassessed`).
@@ -35,6 +36,7 @@ pub mod form;
 pub mod labels;
 pub mod library;
 pub mod limits;
+pub mod mixed_law;
 pub mod next;
 pub mod problem;
 pub mod recording;
@@ -54,6 +56,7 @@ pub use suited::{Declared, suited};
 use aside::{is_part, judged, mistakes_among};
 use base::Base;
 use campaign::{Answer, Campaign};
+use mixed_law::MixedLaw;
 use pipeline_base::random::Stream;
 use pipeline_base::row::Row;
 use pipeline_base::session::Role;
@@ -76,6 +79,8 @@ pub struct Diagnosis {
     pub findings: CampaignFindings,
     /// One entry a reading.
     pub residuals: Residuals,
+    /// The law as the mixed model has it; none of a campaign that is not assessed, or whose law is not the new one.
+    pub mixed_law: Option<MixedLaw>,
 }
 
 /// Searches the rows of a group; none where the base model has no value for any of them.

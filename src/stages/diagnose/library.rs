@@ -269,33 +269,43 @@ impl Term {
     }
 }
 
+/// A force with a dependence a x + b x^2 on a column: as a share of it, or in N.
+pub(crate) fn bent<R: Real>(force: R, [a, b]: [R; 2], x: R, is_gain: bool) -> R {
+    let change = (b * x + a) * x;
+    if is_gain {
+        force * (change + 1.0)
+    } else {
+        force + change
+    }
+}
+
+/// The argument of [`Column::Force`].
+pub(crate) fn force_argument<R: Real>(force: R) -> R {
+    force / FORCE_SCALE_N
+}
+
+/// The argument of [`Column::Pressure`].
+pub(crate) fn pressure_argument(at: &Conditions) -> f64 {
+    at.pressure_kpa / P_620_KPA
+}
+
 impl Column {
     /// The force with the dependence, of reading `i` under conditions that may be other than those recorded.
     pub fn apply<R: Real>(
         self,
         force: R,
-        [a, b]: [R; 2],
+        values: [R; 2],
         at: &Conditions,
         (data, i): (&Data, usize),
     ) -> R {
-        match self {
-            Column::Gain(column) => {
-                let x = data.extras[column].values[i];
-                force * ((b * x + a) * x + 1.0)
+        let x = match self {
+            Column::Gain(column) | Column::Offset(column) => {
+                R::constant(data.extras[column].values[i])
             }
-            Column::Offset(column) => {
-                let x = data.extras[column].values[i];
-                force + (b * x + a) * x
-            }
-            Column::Force => {
-                let x = force / FORCE_SCALE_N;
-                force * ((b * x + a) * x + 1.0)
-            }
-            Column::Pressure => {
-                let x = at.pressure_kpa / P_620_KPA;
-                force * ((b * x + a) * x + 1.0)
-            }
-        }
+            Column::Force => force_argument(force),
+            Column::Pressure => R::constant(pressure_argument(at)),
+        };
+        bent(force, values, x, self.is_gain())
     }
 
     /// The same dependence for other data of the same rows' columns; none where these lack the column.

@@ -2,9 +2,11 @@
 
 mod extras;
 mod histories;
+mod origins;
 mod placebo;
 
 pub use extras::{Extra, ZERO_UNKNOWN};
+pub use origins::Origins;
 pub use placebo::PLACEBO;
 
 use super::base::Base;
@@ -15,7 +17,7 @@ use pipeline_base::row::Row;
 use pipeline_base::session::Phase;
 use pipeline_effects::{Conditions, Need};
 use pipeline_inference::decisions::STANDS_OUT;
-use pipeline_numerics::statistics::{mean, median, sd_by_median};
+use pipeline_numerics::statistics::sd_by_median;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A zero that differs from the campaign's median by no more than this, N, is drift.
@@ -58,6 +60,8 @@ pub struct Data {
     pub set_length_sd_mm: Vec<f64>,
     /// The same of each specimen's resting and contracted length.
     pub specimen_lengths_sd_mm: Vec<[f64; 2]>,
+    /// What conditions are counted from.
+    pub origins: Origins,
 }
 
 impl Data {
@@ -91,6 +95,7 @@ impl Data {
             ..Data::default()
         };
         data.log = log_numbers(rows, &data.session);
+        data.origins = Origins::of(rows, &data, is_dated);
         data.conditions = conditions(rows, &data, is_dated);
         data.extras = extras::extras(rows, &data);
         data.extras.extend(extras::zero_unknown(rows, &data));
@@ -163,7 +168,16 @@ impl Data {
             zero_pressure_kpa: self.zero_pressure_kpa.clone(),
             set_length_sd_mm: self.set_length_sd_mm.clone(),
             specimen_lengths_sd_mm: self.specimen_lengths_sd_mm.clone(),
+            origins: self.origins.clone(),
         }
+    }
+
+    /// Readings that were no part of a campaign, with conditions that are counted from its origins.
+    pub fn counted_from(rows: &[&Row], origins: &Origins) -> Self {
+        let mut data = Self::new(rows);
+        data.origins = origins.clone();
+        data.conditions = conditions(rows, &data, origins.is_dated());
+        data
     }
 
     /// Number of the stroke of each reading, the filling or the venting of one log.
@@ -256,6 +270,11 @@ impl Data {
     }
 }
 
+/// The temperature at a reading; not a number where there is none.
+fn temperature(row: &Row) -> f64 {
+    row.extras.get(TEMPERATURE).copied().unwrap_or(f64::NAN)
+}
+
 /// Dates and ids of the sessions of some rows, in the order of time.
 fn sessions_by_time(rows: &[&Row]) -> (Vec<String>, Vec<String>) {
     let mut by_time: Vec<(&str, &str)> = rows
@@ -291,20 +310,10 @@ pub fn specimen_id(row: &Row, pooled: bool) -> String {
 }
 
 fn conditions(rows: &[&Row], data: &Data, dated: bool) -> Vec<Conditions> {
-    let finite =
-        |values: Vec<f64>| -> Vec<f64> { values.into_iter().filter(|x| x.is_finite()).collect() };
-    let lengths: BTreeSet<u64> = rows.iter().map(|r| r.rest_length_m.to_bits()).collect();
-    let lengths: Vec<f64> = lengths.into_iter().map(f64::from_bits).collect();
-    let middle = 0.5
-        * (lengths.iter().copied().fold(f64::INFINITY, f64::min)
-            + lengths.iter().copied().fold(0.0, f64::max));
-    let temperature = |r: &Row| r.extras.get(TEMPERATURE).copied().unwrap_or(f64::NAN);
-    let temperatures = finite(rows.iter().map(|r| temperature(r)).collect());
-    let mean_temperature = mean(&temperatures);
+    let origins = &data.origins;
     let cycles_before = histories::cycles_before(data, dated);
-    let usual_zero = usual_zero(rows, data);
-    let last = (data.sessions.len() - 1).max(1) as f64;
     let zero_if_nan = |x: f64| if x.is_finite() { x } else { 0.0 };
+    let less = |x: f64, origin: Option<f64>| origin.map_or(0.0, |o| zero_if_nan(x - o));
     let mut conditions: Vec<Conditions> = rows
         .iter()
         .enumerate()
@@ -314,25 +323,21 @@ fn conditions(rows: &[&Row], data: &Data, dated: bool) -> Vec<Conditions> {
             rest_length_m: r.rest_length_m,
             contracted_length_m: r.contracted_length_m,
             diameter_mm: r.diameter_mm,
-            middle_rest_length_m: middle,
+            middle_rest_length_m: origins.middle_rest_length_m,
             direction: match r.phase {
                 Some(Phase::Pressurizing) => 1.0,
                 Some(Phase::Depressurizing) => -1.0,
                 None => 0.0,
             },
             log_time_s: zero_if_nan(r.time_s),
-            campaign_time: if dated {
-                data.session[i] as f64 / last
-            } else {
-                0.0
-            },
+            campaign_time: origins.campaign_time(&r.session),
             moved: 0.0,
             highest_kpa: r.pressure_kpa,
             first_filling: false,
             since_step_s: 0.0,
             rate_kpa_per_s: 0.0,
-            temperature_c: zero_if_nan(temperature(r) - mean_temperature),
-            zero_force_n: zero_if_nan(r.zero_force_n - usual_zero),
+            temperature_c: less(temperature(r), origins.mean_temperature_c),
+            zero_force_n: less(r.zero_force_n, origins.usual_zero_n),
             cycles: histories::counted_cycles(r).unwrap_or(cycles_before[data.log[i]]),
             pulls: false,
         })
@@ -360,18 +365,4 @@ fn zero_pressures(rows: &[&Row], data: &Data) -> Vec<f64> {
         of_session[*s] = r.zero_pressure_kpa;
     }
     of_session
-}
-
-/// Median over the sessions of the zero that was taken off the force, N.
-fn usual_zero(rows: &[&Row], data: &Data) -> f64 {
-    let mut zeros = vec![f64::NAN; data.sessions.len()];
-    for (r, s) in rows.iter().zip(&data.session) {
-        zeros[*s] = r.zero_force_n;
-    }
-    zeros.retain(|z| z.is_finite());
-    if zeros.is_empty() {
-        f64::NAN
-    } else {
-        median(&zeros)
-    }
 }

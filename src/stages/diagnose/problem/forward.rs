@@ -1,6 +1,6 @@
 //! The force of a reading as the engine asks for it: by coefficients, random effects and terms, with its derivatives by all of them.
 
-use super::{ForceProblem, MOST_TERMS, component};
+use super::{ForceProblem, MOST_TERMS, Operators, component};
 use crate::library::What;
 use crate::slack::{Side, Sided};
 use pipeline_effects as effects;
@@ -11,57 +11,71 @@ use rayon::prelude::*;
 
 /// Slots of the derivatives: coefficients, gain, length, zero, resting and contracted length, two for each term and for one that is tried
 /// beside them.
-pub(super) const SLOTS: usize = TERMS + 2 * (MOST_TERMS + 1);
+pub(crate) const SLOTS: usize = TERMS + 2 * (MOST_TERMS + 1);
 
 /// Most coefficients of a law.
-const COEFFICIENTS: usize = 6;
+pub(crate) const COEFFICIENTS: usize = 6;
 
-const GAIN: usize = COEFFICIENTS;
+pub(crate) const GAIN: usize = COEFFICIENTS;
 
-const LENGTH: usize = GAIN + 1;
+pub(crate) const LENGTH: usize = GAIN + 1;
 
-const ZERO: usize = GAIN + 2;
+pub(crate) const ZERO: usize = GAIN + 2;
 
-pub(super) const REST: usize = GAIN + 3;
+pub(crate) const REST: usize = GAIN + 3;
 
-pub(super) const CONTRACTED: usize = GAIN + 4;
+pub(crate) const CONTRACTED: usize = GAIN + 4;
 
-pub(super) const TERMS: usize = GAIN + 5;
+pub(crate) const TERMS: usize = GAIN + 5;
+
+/// The force that the sensor shows, misfit left out: by coefficients, gain, set length, zero, what resting and contracted length are longer than
+/// noted, mm, and the effects that act.
+pub(crate) fn sensed<R: Real>(
+    law: &Sided,
+    operators: &Operators,
+    at: &Conditions,
+    coefficients: &[R],
+    [gain, length, zero, rest, contracted]: [R; 5],
+    effects: impl Iterator<Item = Applied<R>>,
+) -> R {
+    let applied = |effect: usize, value: R| Applied {
+        effect,
+        form: 0,
+        parameters: [value, R::constant(0.0)],
+    };
+    let mut list = Vec::with_capacity(MOST_TERMS + 2);
+    list.push(applied(operators.length, length));
+    list.extend(effects);
+    list.push(applied(operators.zero, zero));
+    let at = &Conditions {
+        pulls: law.side == Side::Pulls,
+        ..*at
+    };
+    let mut parameters = [rest; COEFFICIENTS + 2];
+    let known = coefficients.len();
+    parameters[..known].copy_from_slice(coefficients);
+    parameters[known + 1] = contracted;
+    effects::force(law, &parameters[..known + 2], gain, &list, at)
+}
 
 impl ForceProblem<'_> {
-    /// The force of reading `i`, misfit left out: by coefficients, gain, set length, zero, what resting and contracted length are longer than noted,
-    /// mm, and terms.
+    /// The force of reading `i`, misfit left out ([`sensed`]).
     fn force<R: Real>(
         &self,
         i: usize,
         at: &Conditions,
         coefficients: &[R],
-        [gain, length, zero, rest, contracted]: [R; 5],
+        random: [R; 5],
         terms: &[(usize, [R; 2])],
     ) -> R {
-        let applied = |effect: usize, value: R| Applied {
-            effect,
-            form: 0,
-            parameters: [value, R::constant(0.0)],
-        };
-        let mut list = Vec::with_capacity(terms.len() + 2);
-        list.push(applied(self.operators.length, length));
-        let effects = terms.iter();
-        list.extend(effects.filter_map(|(t, values)| self.library[*t].applied(*values)));
-        list.push(applied(self.operators.zero, zero));
         let law = Sided {
             base: self.base,
             side: self.side[i],
         };
-        let at = &Conditions {
-            pulls: self.pulls(i),
-            ..*at
-        };
-        let mut parameters = [rest; COEFFICIENTS + 2];
-        let known = coefficients.len();
-        parameters[..known].copy_from_slice(coefficients);
-        parameters[known + 1] = contracted;
-        let mut force = effects::force(&law, &parameters[..known + 2], gain, &list, at);
+        let of_library = terms.iter();
+        let of_library = of_library.filter_map(|(t, values)| self.library[*t].applied(*values));
+        let operators = &self.operators;
+        let mut force = sensed(&law, operators, at, coefficients, random, of_library);
         for (t, values) in terms {
             if let What::Column(column) = self.library[*t].what {
                 force = column.apply(force, *values, at, (self.data, i));

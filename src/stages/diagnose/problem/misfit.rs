@@ -14,10 +14,10 @@ use pipeline_numerics::matrix::Matrix;
 use pipeline_numerics::qr::PivotedQr;
 
 /// Cosines of a session's misfit along the pressure.
-pub(super) const SESSION_COSINES: usize = 8;
+pub(crate) const SESSION_COSINES: usize = 8;
 
 /// Cosines of a stroke's misfit along the pressure.
-pub(super) const STROKE_COSINES: usize = 5;
+pub(crate) const STROKE_COSINES: usize = 5;
 
 /// Cosines of the common misfit along each of eps* and P*.
 const COMMON_COSINES: usize = 6;
@@ -26,6 +26,8 @@ const COMMON_COSINES: usize = 6;
 pub(super) struct LawSpan {
     factor: PivotedQr,
     rank: usize,
+    /// Norms by which the columns of the law were divided.
+    norms: Vec<f64>,
     /// Scale of the misfit of every reading, N.
     scales: Vec<f64>,
     /// The readings that have one.
@@ -40,6 +42,13 @@ impl LawSpan {
         left[..self.rank].fill(0.0);
         self.factor.apply_q(&mut left);
         left
+    }
+
+    /// By how much each coefficient of the law would move to do what shares of the scale are.
+    fn weights(&self, shares: &[f64]) -> Vec<f64> {
+        let shares: Vec<f64> = self.places.iter().map(|i| shares[*i]).collect();
+        let solved = self.factor.solve_least_squares(&shares, self.rank);
+        solved.iter().zip(&self.norms).map(|(w, n)| w / n).collect()
     }
 
     /// The same of forces, N.
@@ -62,14 +71,33 @@ impl ForceProblem<'_> {
             let column = law.column_mut(k).iter_mut().zip(&places);
             column.for_each(|(x, i)| *x = slope[*i] / scales[*i]);
         }
-        law.normalise_columns();
+        let norms = law.normalise_columns();
         let factor = PivotedQr::new(law);
         Some(LawSpan {
+            norms,
             rank: factor.rank(factor.default_tolerance()),
             factor,
             scales,
             places,
         })
+    }
+
+    /// The coefficients of the law at which the scale of the misfit is taken, and for every cosine of the common misfit by how much each free one
+    /// would move to do the same; none where the readings are too few.
+    pub(crate) fn law_in_misfit(&self) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
+        let span = self.law_span()?;
+        let cosines: Vec<Vec<f64>> = self.data.conditions.iter().map(common_basis).collect();
+        let of_cosine = |c: usize| {
+            let shares: Vec<f64> = cosines.iter().map(|all| all[c]).collect();
+            span.weights(&shares)
+        };
+        let weights = (0..common_pairs().count()).map(of_cosine).collect();
+        Some((self.reference_coefficients.clone(), weights))
+    }
+
+    /// Largest force and floor of the scale of the misfit, N.
+    pub(crate) fn misfit_sizes(&self) -> [f64; 2] {
+        [self.largest, self.floor]
     }
 
     /// Columns of the common misfit: cosines over (eps*, P*) times the scale of the misfit, less what other coefficients of the law would do as
@@ -93,13 +121,18 @@ impl ForceProblem<'_> {
 
 /// Cosines along the pressure of every reading, of a misfit with a correlation length in kPa.
 pub(super) fn along_pressure(data: &Data, count: usize, length_kpa: f64) -> Vec<Vec<f64>> {
-    let of = |at: &Conditions| cosines(count, at.pressure_kpa / P_620_KPA, length_kpa / P_620_KPA);
+    let of = |at: &Conditions| at_pressure(at, count, length_kpa);
     data.conditions.iter().map(of).collect()
+}
+
+/// The same of one reading.
+pub(crate) fn at_pressure(at: &Conditions, count: usize, length_kpa: f64) -> Vec<f64> {
+    cosines(count, at.pressure_kpa / P_620_KPA, length_kpa / P_620_KPA)
 }
 
 /// Products of cosines over eps* and P*, without the constant, which is a gain of all readings, and without those that vary faster than the
 /// fastest along one of the two.
-fn common_basis(at: &Conditions) -> Vec<f64> {
+pub(crate) fn common_basis(at: &Conditions) -> Vec<f64> {
     let eps_620 = (at.rest_length_m - at.contracted_length_m) / at.rest_length_m;
     let contraction = (at.rest_length_m - at.length_m) / at.rest_length_m / eps_620;
     let length = settings::SURFACE_LENGTH;

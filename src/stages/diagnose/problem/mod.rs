@@ -22,10 +22,10 @@
 
 pub mod component;
 mod directions;
-mod forward;
+pub(crate) mod forward;
 mod hierarchy;
 mod known;
-mod misfit;
+pub(crate) mod misfit;
 #[cfg(test)]
 mod tests;
 mod variants;
@@ -52,10 +52,20 @@ use pipeline_inference::variance::Scale;
 /// Most terms in one model.
 pub const MOST_TERMS: usize = pipeline_config::MOST_EFFECTS;
 
-/// Where the operators of the random effects stand in the library.
-struct Operators {
+/// Where the operators of the random effects stand in the registry of effects.
+#[derive(Clone, Copy)]
+pub(crate) struct Operators {
     length: usize,
     zero: usize,
+}
+
+impl Operators {
+    pub(crate) fn registered() -> Self {
+        Self {
+            length: registered(effects::length_offset::ID),
+            zero: registered(effects::force_zero_offset::ID),
+        }
+    }
 }
 
 /// An isometric campaign, or a pool of them.
@@ -91,6 +101,8 @@ pub struct ForceProblem<'a> {
     common_misfit: Vec<Vec<f64>>,
     /// Derivatives of the reference by the free coefficients of the law, one column each.
     slopes: Vec<Vec<f64>>,
+    /// The coefficients of the fit without misfit of which the reference is; none before there is one.
+    reference_coefficients: Vec<f64>,
     /// Largest force, N.
     largest: f64,
     /// Floor of the scale of the misfit, N.
@@ -168,10 +180,7 @@ impl<'a> ForceProblem<'a> {
             noise,
             coefficients: base.coefficients.iter().map(for_engine).collect(),
             terms: library.iter().map(|t| t.for_engine(data)).collect(),
-            operators: Operators {
-                length: registered(effects::length_offset::ID),
-                zero: registered(effects::force_zero_offset::ID),
-            },
+            operators: Operators::registered(),
             side,
             session_basis: along_pressure(data, SESSION_COSINES, settings::PRESSURE_LENGTH_KPA),
             stroke_basis: if by_stroke {
@@ -181,6 +190,7 @@ impl<'a> ForceProblem<'a> {
             },
             common_misfit: vec![vec![0.0; common_pairs().count()]; data.len()],
             slopes: Vec::new(),
+            reference_coefficients: Vec::new(),
             reference: vec![0.0; data.len()],
             floor: settings::MISFIT_FLOOR * largest,
             largest,

@@ -19,6 +19,7 @@ impl<'a> ForceProblem<'a> {
         let fit = setting.fit(&self.start(), &setting.fresh()[..1]);
         let linear = self.linearise(&fit.point);
         self.reference = linear.predicted;
+        self.reference_coefficients = fit.point.coefficients;
         let columns = linear.by_coefficients.into_iter().zip(&self.coefficients);
         self.slopes = columns.filter(|(_, c)| c.free).map(|(x, _)| x).collect();
         self.common_misfit = self.beside_the_law();
@@ -30,6 +31,7 @@ impl<'a> ForceProblem<'a> {
         let mut other = Self {
             reference: self.reference.clone(),
             slopes: self.slopes.clone(),
+            reference_coefficients: self.reference_coefficients.clone(),
             floor: share * self.largest,
             ..Self::built(self.base, self.data, self.library, self.has_strokes())
         };
@@ -43,6 +45,7 @@ impl<'a> ForceProblem<'a> {
         (strokes > self.sessions.len()).then(|| Self {
             reference: self.reference.clone(),
             slopes: self.slopes.clone(),
+            reference_coefficients: self.reference_coefficients.clone(),
             common_misfit: self.common_misfit.clone(),
             floor: self.floor,
             ..Self::built(self.base, self.data, self.library, true)
@@ -92,6 +95,7 @@ impl<'a> ForceProblem<'a> {
         ForceProblem {
             reference: self.reference.clone(),
             slopes: self.slopes.clone(),
+            reference_coefficients: self.reference_coefficients.clone(),
             common_misfit: self.common_misfit.clone(),
             floor: self.floor,
             components: self.components.clone(),

@@ -1,0 +1,273 @@
+//! What the mixed model of a campaign says of readings that are still to be made: of a muscle of which nothing is known but its lengths, or of one
+//! of which some readings are.
+//!
+//! A [`MixedLaw`] is the part of a fitted model that this takes, as plain numbers for a file: coefficients, effects, the common misfit, the
+//! joint covariance of all these, and the standard deviations of what groups have of their own. It is made once, by the search, and asked as often
+//! as somebody likes, without the readings that it came from.
+//!
+//! ```text
+//! F = h(x; theta + dtheta, phi + dphi, u, D, d_s, z_s) + m(x) + m_s(P) + e
+//! ```
+//! with everything that is not known a normal number: coefficients, effects and common misfit about their estimates with their joint covariance;
+//! gain u and lengths D of the muscle, set length d_s, zero z_s and misfit m_s of a session, gain and zero of a campaign of its own (of a pool), and noise,
+//! about 0. Its variance at a state is the sum of their parts ([`Parts`]). Readings of the muscle change mean and covariance ([`Muscle`]).
+//!
+//! | file | idea |
+//! |---|---|
+//! | `made` | the law of a search |
+//! | `view` | a reading as a linear function of what is not known |
+//! | `muscle` | a muscle, without readings or with some |
+//! | `parts` | the variance of a reading by its sources, and the degrees of freedom of it |
+//!
+//! # What is predicted
+//! A steady reading in one more session, of no direction and no history: effects that need one are 0 there. Those that the search found of the rig
+//! are left out, or put in where somebody wants what the rig would read ([`Whose`]). A value for some sessions only says nothing of others, but
+//! for one from a session on.
+//!
+//! Where the law has less than the corner to slackness ([`crate::slack`]), the force is its positive part, and what the misfit has goes to nothing
+//! with it.
+
+mod made;
+mod muscle;
+mod parts;
+#[cfg(test)]
+mod tests;
+mod view;
+
+pub use muscle::{Estimate, Muscle, Next};
+pub use parts::{Forecast, Parts};
+pub use view::Whose;
+
+use crate::base::Base;
+use crate::data::Origins;
+use crate::slack::{self, Shape};
+use pipeline_effects::Subject;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// What a fitted model says of further readings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MixedLaw {
+    /// Id of the campaign, or of the pool.
+    pub campaign: String,
+    /// Nominal diameter, mm.
+    pub diameter_mm: u32,
+    /// Campaigns of which the readings are.
+    pub campaigns: Vec<String>,
+    /// Specimens that took part; of a pool with the id of their campaign.
+    pub specimens: Vec<String>,
+    /// Number of sessions that took part.
+    pub sessions: usize,
+    /// Number of readings that took part.
+    pub readings: usize,
+    /// l_0, m.
+    pub cap_length_m: f64,
+    /// c0, c1 and c2 of the law that tells where an actuator is slack.
+    pub shape: [f64; 3],
+    /// b1, 1/b2, c0, c1, c2.
+    pub coefficients: Vec<f64>,
+    /// The effects and columns in the model, in their order.
+    pub terms: Vec<Held>,
+    /// What conditions are counted from.
+    pub origins: Origins,
+    /// Largest force, N.
+    pub largest_n: f64,
+    /// Floor of the scale of the misfit, N.
+    pub floor_n: f64,
+    /// What the common misfit is beside.
+    pub beside: Beside,
+    /// The parameters, behind the columns that all readings share.
+    pub free: Vec<Slot>,
+    /// Mean of the columns that all readings share: cosines of the common misfit, then gains and zeros of the campaigns.
+    pub common_mean: Vec<f64>,
+    /// Lower triangle, row by row, of a square root of the joint covariance of these columns and the parameters.
+    pub root: Vec<f64>,
+    /// How groups and readings scatter.
+    pub sd: Sizes,
+}
+
+/// A parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Slot {
+    /// A coefficient of the law.
+    Coefficient(usize),
+    /// A value of a term: its place in the model, its number.
+    Value(usize, usize),
+}
+
+/// The law by whose freedom the common misfit is restricted: what other coefficients would do is no misfit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Beside {
+    /// All coefficients at which the scale of the misfit is taken.
+    pub coefficients: Vec<f64>,
+    /// Places of those that are free.
+    pub free: Vec<usize>,
+    /// For every cosine, by how much each free coefficient would move to do the same.
+    pub weights: Vec<Vec<f64>>,
+}
+
+/// How groups and readings scatter: standard deviations.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sizes {
+    /// Gain of a specimen, relative.
+    pub gain: f64,
+    /// Resting length of a specimen, mm.
+    pub rest_length_mm: f64,
+    /// Contracted length of a specimen, mm.
+    pub contracted_length_mm: f64,
+    /// Set length of a session, mm.
+    pub set_length_mm: f64,
+    /// Whether that is declared, not estimated.
+    pub set_length_declared: bool,
+    /// Zero of the force of a session, N.
+    pub zero_n: f64,
+    /// Misfit of a session along the pressure, share of the force.
+    pub session_misfit: f64,
+    /// The same of a stroke; none where strokes have none of their own.
+    pub stroke_misfit: Option<f64>,
+    /// Gain of a campaign of a pool, relative.
+    pub campaign_gain: f64,
+    /// Zero of the force of a campaign of a pool, N.
+    pub campaign_zero_n: f64,
+    /// Noise of the readings of each campaign, N.
+    pub noise_n: Vec<f64>,
+    /// Mean and standard deviation of what readings in each part of the corner to slackness show beside the law with a rounded corner, N.
+    pub corner_n: Vec<(f64, f64)>,
+}
+
+/// An effect or column in the model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Held {
+    /// What it is.
+    pub what: What,
+    /// Effects that these readings cannot tell from it, itself included; empty of a column.
+    pub class: Vec<String>,
+    /// Amplitudes, then the shape if there is one.
+    pub values: Vec<f64>,
+    /// On which sessions it acts.
+    pub acts: Acts,
+}
+
+/// What a term is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum What {
+    /// A form of an effect, by their names.
+    Effect {
+        /// Id.
+        id: String,
+        /// Name of the form.
+        form: String,
+    },
+    /// A dependence on a column of the logs, less its mean and over its standard deviation.
+    Column {
+        /// Name.
+        name: String,
+        /// As a share of the force, or else in N.
+        is_gain: bool,
+        /// Mean and standard deviation.
+        scale: (f64, f64),
+    },
+    /// The force channel is not straight.
+    Force,
+    /// The pressure channel is not straight.
+    Pressure,
+}
+
+/// On which sessions a term acts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Acts {
+    /// All.
+    All,
+    /// Some, with the number of the amplitude of each; and on sessions to come, where it is from a session on.
+    Sessions {
+        /// By session.
+        amplitude: BTreeMap<String, usize>,
+        /// On sessions to come.
+        later: bool,
+    },
+}
+
+impl Held {
+    /// Whether it goes with the muscle to another machine.
+    pub fn is_of_actuator(&self) -> bool {
+        match &self.what {
+            What::Effect { id, .. } => of_actuator(id),
+            _ => false,
+        }
+    }
+
+    /// Whether it may as well be the other: of the actuator, of the rig.
+    pub fn is_mixed(&self) -> bool {
+        self.class
+            .iter()
+            .any(|id| of_actuator(id) != self.is_of_actuator())
+    }
+
+    /// Id of the effect, or name of the column.
+    pub fn name(&self) -> &str {
+        match &self.what {
+            What::Effect { id, .. } => id,
+            What::Column { name, .. } => name,
+            What::Force => "force_n",
+            What::Pressure => "pressure_kpa",
+        }
+    }
+
+    /// The amplitude that acts on a session; none of one that it does not act on, or of which nobody knows.
+    fn amplitude(&self, session: Option<&str>) -> Option<usize> {
+        match &self.acts {
+            Acts::All => Some(0),
+            Acts::Sessions { amplitude, later } => match session.and_then(|s| amplitude.get(s)) {
+                Some(place) => Some(*place),
+                None => later.then_some(0),
+            },
+        }
+    }
+}
+
+/// An effect that is not in the registry is of the rig.
+fn of_actuator(id: &str) -> bool {
+    let all = pipeline_effects::all();
+    pipeline_effects::index(id).is_some_and(|k| all[k].subject() == Subject::Actuator)
+}
+
+impl MixedLaw {
+    /// The law for evaluation.
+    fn base(&self) -> Base {
+        Base::evaluated(self.diameter_mm, self.cap_length_m, Shape(self.shape))
+    }
+
+    /// Number of the columns that all readings share.
+    fn common(&self) -> usize {
+        self.common_mean.len()
+    }
+
+    /// Number of all parameters: these columns and the free ones.
+    fn parameters(&self) -> usize {
+        self.common() + self.free.len()
+    }
+
+    /// Whether it is of a pool.
+    pub fn is_pooled(&self) -> bool {
+        self.campaigns.len() > 1
+    }
+
+    /// Standard deviation of the noise of a reading of a campaign, of all together where it is none of them, N.
+    fn noise_n(&self, campaign: Option<usize>) -> f64 {
+        let all = &self.sd.noise_n;
+        campaign
+            .and_then(|c| all.get(c).copied())
+            .unwrap_or_else(|| {
+                let squares: f64 = all.iter().map(|sd| sd * sd).sum();
+                (squares / all.len().max(1) as f64).sqrt()
+            })
+    }
+}
+
+/// Mean and standard deviation of readings in the corner to slackness, N.
+fn in_corner(sizes: &Sizes, at: &pipeline_effects::Conditions, shape: &Shape) -> (f64, f64) {
+    sizes.corner_n[slack::band(at, shape)]
+}

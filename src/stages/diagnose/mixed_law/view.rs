@@ -1,0 +1,428 @@
+//! A reading as a linear function of what is not known, about a point: every column in units of independent standard normal numbers.
+
+use super::{Held, MixedLaw, Slot, What, in_corner};
+use crate::base::Base;
+use crate::data::Data;
+use crate::library::{bent, force_argument, pressure_argument};
+use crate::problem::Operators;
+use crate::problem::forward::{
+    COEFFICIENTS, CONTRACTED, GAIN, LENGTH, REST, SLOTS, TERMS, ZERO, sensed,
+};
+use crate::problem::misfit::{SESSION_COSINES, STROKE_COSINES, at_pressure, common_basis};
+use crate::settings;
+use crate::slack::{self, Shape, Side, Sided};
+use pipeline_base::row::Row;
+use pipeline_effects as effects;
+use pipeline_effects::{Actuator, Applied, Conditions};
+use pipeline_numerics::matrix::dot;
+use pipeline_numerics::real::{Dual, Real};
+use std::collections::BTreeMap;
+
+/// Whose force is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Whose {
+    /// The actuator's own: without effects of the rig, zeros of its force channel and noise of its readings.
+    Actuator,
+    /// What the rig would read.
+    Rig,
+}
+
+/// A state or reading, with all that the chain takes.
+#[derive(Clone, Debug)]
+pub(super) struct Reading {
+    pub(super) at: Conditions,
+    pub(super) side: Side,
+    /// Place among the campaigns of the law.
+    pub(super) campaign: Option<usize>,
+    /// The terms that act: place in the model, the places of amplitude and shape among its values, the value of its column.
+    terms: Vec<(usize, [usize; 2], f64)>,
+    /// Units of the set length, mm.
+    set_length_mm: f64,
+    whose: Whose,
+}
+
+impl Reading {
+    /// 1 where the sensor takes part, with its zero and its noise.
+    fn sensed(&self) -> f64 {
+        f64::from(u8::from(self.whose == Whose::Rig))
+    }
+
+    /// The same without a term.
+    pub(super) fn without(&self, term: usize) -> Self {
+        let mut without = self.clone();
+        without.terms.retain(|(t, ..)| *t != term);
+        without
+    }
+
+    /// What its set length is in units of, mm.
+    pub(super) fn set_length_mm(&self) -> f64 {
+        self.set_length_mm
+    }
+}
+
+/// Gains and offsets about which a reading is linear.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Own {
+    /// Gain of the specimen.
+    pub(super) gain: f64,
+    /// Gain of a campaign that the law does not know.
+    pub(super) campaign_gain: f64,
+    /// Set length, mm.
+    pub(super) length_mm: f64,
+    /// Zero of the session and of a campaign that the law does not know, N.
+    pub(super) zero_n: f64,
+}
+
+/// The columns of a reading.
+#[derive(Clone, Debug)]
+pub(super) struct View {
+    /// The force at the point, N, with the mean of what all share.
+    pub(super) force_n: f64,
+    pub(super) parameters: Vec<f64>,
+    /// Gain and zero of a campaign that the law does not know.
+    pub(super) campaign: [f64; 2],
+    /// Gain, resting and contracted length.
+    pub(super) specimen: [f64; 3],
+    /// Set length, zero, cosines of the misfit.
+    pub(super) session: Vec<f64>,
+    pub(super) stroke: Vec<f64>,
+    /// Mean of what readings in the corner to slackness show, N.
+    pub(super) shown_n: f64,
+    pub(super) noise_n: f64,
+}
+
+/// Columns of a session, and of a stroke.
+pub(super) const OF_SESSION: usize = 2 + SESSION_COSINES;
+pub(super) const OF_STROKE: usize = STROKE_COSINES;
+
+impl MixedLaw {
+    /// Conditions of a steady reading without a history.
+    pub(super) fn steady(
+        &self,
+        rest_length_m: f64,
+        contracted_length_m: f64,
+        length_m: f64,
+        pressure_kpa: f64,
+    ) -> Conditions {
+        Conditions {
+            diameter_mm: f64::from(self.diameter_mm),
+            middle_rest_length_m: self.origins.middle_rest_length_m,
+            ..Conditions::at(rest_length_m, contracted_length_m, length_m, pressure_kpa)
+        }
+    }
+
+    /// A state in a session of its own.
+    pub(super) fn state(
+        &self,
+        at: Conditions,
+        whose: Whose,
+        campaign: Option<usize>,
+        set_length_mm: f64,
+    ) -> Reading {
+        let shape = Shape(self.shape);
+        Reading {
+            side: slack::side(0.0, settings::NEAR_SLACK, self.largest_n, &at, &shape),
+            at,
+            campaign,
+            terms: self.acting(None, None, |held| {
+                whose == Whose::Rig || held.is_of_actuator()
+            }),
+            set_length_mm,
+            whose,
+        }
+    }
+
+    /// Readings that somebody made.
+    pub(super) fn readings(&self, data: &Data, rows: &[&Row]) -> Vec<Reading> {
+        let shape = Shape(self.shape);
+        let of = |i: usize| {
+            let (at, row) = (data.conditions[i], rows[data.place[i]]);
+            let declared = data.set_length_sd_mm[data.session[i]];
+            Reading {
+                at,
+                side: slack::side(
+                    data.force[i],
+                    settings::NEAR_SLACK,
+                    self.largest_n,
+                    &at,
+                    &shape,
+                ),
+                campaign: self.campaigns.iter().position(|c| *c == row.campaign),
+                terms: self.acting(Some(&row.session), Some(&row.extras), |_| true),
+                set_length_mm: if declared.is_finite() {
+                    declared
+                } else {
+                    self.sd.set_length_mm
+                },
+                whose: Whose::Rig,
+            }
+        };
+        (0..data.len()).map(of).collect()
+    }
+
+    fn acting(
+        &self,
+        session: Option<&str>,
+        extras: Option<&BTreeMap<String, f64>>,
+        wanted: impl Fn(&Held) -> bool,
+    ) -> Vec<(usize, [usize; 2], f64)> {
+        let terms = self.terms.iter().enumerate();
+        let of = |(t, held): (usize, &Held)| {
+            let group = held.amplitude(session)?;
+            let (places, x) = match &held.what {
+                What::Effect { id, form } => {
+                    let (effect, form) = registered(id, form)?;
+                    let has_shape = effects::all()[effect].forms()[form].shape.is_some();
+                    let shape = held.values.len() - usize::from(has_shape);
+                    ([group, shape], 0.0)
+                }
+                What::Column { name, scale, .. } => {
+                    let value = extras.and_then(|all| all.get(name)).copied();
+                    // Where nobody logged it, it is what it was on the average.
+                    let x = value.map_or(0.0, |x| (x - scale.0) / scale.1);
+                    ([2 * group, 2 * group + 1], x)
+                }
+                What::Force | What::Pressure => ([2 * group, 2 * group + 1], 0.0),
+            };
+            Some((t, places, x))
+        };
+        terms
+            .filter(|(_, held)| wanted(held))
+            .filter_map(of)
+            .collect()
+    }
+
+    /// The columns of a reading about a point.
+    pub(super) fn view(&self, base: &Base, reading: &Reading, own: Own) -> View {
+        let force = self.chain(base, reading, own, reading.side);
+        let shape = Shape(self.shape);
+        let (shown_n, noise_n) = match reading.side {
+            Side::Corner => in_corner(&self.sd, &reading.at, &shape),
+            _ => (0.0, self.noise_n(reading.campaign)),
+        };
+        self.columns(base, reading, own, &force, (shown_n, noise_n))
+    }
+
+    /// The columns of a state that nobody has read: the law without a rounded corner, which has its columns.
+    pub(super) fn view_of_state(&self, base: &Base, state: &Reading, own: Own) -> View {
+        let plain = self.chain(base, state, own, Side::AsPublished).value;
+        let near_n = settings::NEAR_SLACK * self.largest_n;
+        // Beyond the corner the law is itself, whatever else says where an actuator is slack.
+        let side = if plain > near_n {
+            Side::Pulls
+        } else {
+            state.side
+        };
+        let reading = Reading {
+            side,
+            ..state.clone()
+        };
+        let force = self.chain(base, &reading, own, side);
+        let noise_n = state.sensed() * self.noise_n(state.campaign);
+        let mut view = self.columns(base, &reading, own, &force, (0.0, noise_n));
+        if side == Side::Corner {
+            // What readings show there beside a rounded law is beside the plain one no mean, but a misfit.
+            let (mean, sd) = in_corner(&self.sd, &state.at, &Shape(self.shape));
+            let noise_n = self.noise_n(state.campaign);
+            let more = mean * mean + sd * sd - noise_n * noise_n;
+            view.stroke.push(more.max(0.0).sqrt());
+        }
+        let share = (plain / near_n).clamp(0.0, 1.0);
+        let common = view.force_n - force.value;
+        view.force_n = plain + share * common;
+        view
+    }
+
+    /// Force with its derivatives by coefficients, random effects and terms.
+    fn chain(&self, base: &Base, reading: &Reading, own: Own, side: Side) -> Dual<SLOTS> {
+        let mut coefficients = [Dual::<SLOTS>::constant(0.0); COEFFICIENTS];
+        let known = self.coefficients.len();
+        for (k, (slot, c)) in coefficients.iter_mut().zip(&self.coefficients).enumerate() {
+            *slot = Dual::variable(*c, k);
+        }
+        let gain =
+            (1.0 + own.gain) * (1.0 + own.campaign_gain) * (1.0 + self.campaign_known(reading)[0]);
+        let zero_n = reading.sensed() * (own.zero_n + self.campaign_known(reading)[1]);
+        let random = [
+            Dual::variable(gain, GAIN),
+            Dual::variable(own.length_mm, LENGTH),
+            Dual::variable(zero_n, ZERO),
+            Dual::variable(0.0, REST),
+            Dual::variable(0.0, CONTRACTED),
+        ];
+        let values = |k: usize, (t, places, _): &(usize, [usize; 2], f64)| {
+            let values = &self.terms[*t].values;
+            let slot = TERMS + 2 * k;
+            let of = |j: usize| values.get(places[j]).copied().unwrap_or(0.0);
+            [Dual::variable(of(0), slot), Dual::variable(of(1), slot + 1)]
+        };
+        let law = Sided { base, side };
+        let terms = reading.terms.iter().enumerate();
+        let of_library = terms.clone().filter_map(|(k, term)| {
+            let What::Effect { id, form } = &self.terms[term.0].what else {
+                return None;
+            };
+            let (effect, form) = registered(id, form)?;
+            Some(Applied {
+                effect,
+                form,
+                parameters: values(k, term),
+            })
+        });
+        let (at, operators) = (&reading.at, Operators::registered());
+        let mut force = sensed(
+            &law,
+            &operators,
+            at,
+            &coefficients[..known],
+            random,
+            of_library,
+        );
+        for (k, term) in terms {
+            let (x, is_gain) = match &self.terms[term.0].what {
+                What::Effect { .. } => continue,
+                What::Column { is_gain, .. } => (Dual::constant(term.2), *is_gain),
+                What::Force => (force_argument(force), true),
+                What::Pressure => (Dual::constant(pressure_argument(at)), true),
+            };
+            force = bent(force, values(k, term), x, is_gain);
+        }
+        force
+    }
+
+    /// Mean gain and zero of the campaign of a reading, if the law knows it.
+    fn campaign_known(&self, reading: &Reading) -> [f64; 2] {
+        let columns = self.campaign_columns(reading.campaign);
+        columns.map_or([0.0; 2], |all| all.map(|k| self.common_mean[k]))
+    }
+
+    /// The columns of gain and zero of a campaign of a pool.
+    fn campaign_columns(&self, campaign: Option<usize>) -> Option<[usize; 2]> {
+        let place = campaign.filter(|_| self.is_pooled())?;
+        let count = self.campaigns.len();
+        let first = self.common() - 2 * count;
+        Some([first + place, first + count + place])
+    }
+
+    fn columns(
+        &self,
+        base: &Base,
+        reading: &Reading,
+        own: Own,
+        force: &Dual<SLOTS>,
+        (shown_n, noise_n): (f64, f64),
+    ) -> View {
+        let (scale, mut row) = self.common_columns(base, reading);
+        row.resize(self.common(), 0.0);
+        let common = dot(&row, &self.common_mean);
+        let by_gain = force.gradient[GAIN];
+        let by_zero = reading.sensed() * force.gradient[ZERO];
+        let [known_gain, _] = self.campaign_known(reading);
+        let gain = (1.0 + own.gain) * (1.0 + own.campaign_gain) * (1.0 + known_gain);
+        if let Some([gains, zeros]) = self.campaign_columns(reading.campaign) {
+            row[gains] = by_gain * gain / (1.0 + known_gain);
+            row[zeros] = by_zero;
+        }
+        for slot in &self.free {
+            row.push(match slot {
+                Slot::Coefficient(k) => force.gradient[*k],
+                Slot::Value(t, v) => {
+                    let acting = reading.terms.iter().enumerate();
+                    let found = acting
+                        .filter(|(_, term)| term.0 == *t)
+                        .find_map(|(k, term)| {
+                            let place = term.1.iter().position(|p| p == v)?;
+                            Some(force.gradient[TERMS + 2 * k + place])
+                        });
+                    found.unwrap_or(0.0)
+                }
+            });
+        }
+        let of_campaign = match (self.is_pooled(), reading.campaign) {
+            (true, None) => [
+                by_gain * gain / (1.0 + own.campaign_gain) * self.sd.campaign_gain,
+                by_zero * self.sd.campaign_zero_n,
+            ],
+            _ => [0.0; 2],
+        };
+        let mut session = vec![
+            force.gradient[LENGTH] * reading.set_length_mm,
+            by_zero * self.sd.zero_n,
+        ];
+        let misfit = scale * self.sd.session_misfit;
+        let along = at_pressure(&reading.at, SESSION_COSINES, settings::PRESSURE_LENGTH_KPA);
+        session.extend(along.iter().map(|c| c * misfit));
+        let stroke = self.sd.stroke_misfit.map_or_else(Vec::new, |sd| {
+            let along = at_pressure(&reading.at, STROKE_COSINES, settings::STROKE_LENGTH_KPA);
+            along.iter().map(|c| c * scale * sd).collect()
+        });
+        View {
+            force_n: force.value + common,
+            parameters: self.standardised(&row),
+            campaign: of_campaign,
+            specimen: [
+                by_gain * gain / (1.0 + own.gain) * self.sd.gain,
+                force.gradient[REST] * self.sd.rest_length_mm,
+                force.gradient[CONTRACTED] * self.sd.contracted_length_mm,
+            ],
+            session,
+            stroke,
+            shown_n,
+            noise_n,
+        }
+    }
+
+    /// Columns of common columns and parameters, in units of independent standard normal numbers.
+    fn standardised(&self, row: &[f64]) -> Vec<f64> {
+        let mut columns = vec![0.0; row.len()];
+        let mut line = 0;
+        for (k, x) in row.iter().enumerate() {
+            let of_line = columns.iter_mut().zip(&self.root[line..=line + k]);
+            of_line.for_each(|(slot, root)| *slot += x * root);
+            line += k + 1;
+        }
+        columns
+    }
+
+    /// Scale of the misfit, N, and the columns of the common one.
+    fn common_columns(&self, base: &Base, reading: &Reading) -> (f64, Vec<f64>) {
+        let mut coefficients = [Dual::<COEFFICIENTS>::constant(0.0); COEFFICIENTS];
+        let known = self.beside.coefficients.len();
+        for (k, (slot, c)) in coefficients
+            .iter_mut()
+            .zip(&self.beside.coefficients)
+            .enumerate()
+        {
+            *slot = Dual::variable(*c, k);
+        }
+        let law = Sided {
+            base,
+            side: reading.side,
+        };
+        let at = &reading.at;
+        let [pressure, length] = [at.pressure_kpa, at.length_m].map(Dual::constant);
+        let reference = law.force(&coefficients[..known], pressure, length, at);
+        let scale = match reading.side {
+            Side::Slack => 0.0,
+            _ => (reference.value.max(0.0) + self.floor_n) / (1.0 + self.floor_n / self.largest_n),
+        };
+        let cosines = common_basis(at).into_iter().zip(&self.beside.weights);
+        let of = |(cosine, weights): (f64, &Vec<f64>)| {
+            let free = weights.iter().zip(&self.beside.free);
+            let law: f64 = free.map(|(w, k)| w * reference.gradient[*k]).sum();
+            if scale > 0.0 {
+                scale * cosine - law
+            } else {
+                0.0
+            }
+        };
+        (scale, cosines.map(of).collect())
+    }
+}
+
+/// Places of an effect's form in the registry; none of one that another version of the program has.
+fn registered(id: &str, form: &str) -> Option<(usize, usize)> {
+    let effect = effects::index(id)?;
+    let forms = effects::all()[effect].forms();
+    Some((effect, forms.iter().position(|f| f.name == form)?))
+}
