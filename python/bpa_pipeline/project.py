@@ -9,7 +9,7 @@ import tempfile
 import warnings
 from pathlib import Path
 from types import ModuleType
-from typing import Any, Mapping
+from typing import Any, Mapping, Sequence
 
 import pandas as pd
 
@@ -121,10 +121,23 @@ class Project:
             raise PipelineError(f"{path} is not there: run the project first")
         return pd.read_parquet(path)
 
-    def model(self, campaign: str, diameter_mm: int | None = None, least_squares: bool = False) -> ModuleType:
-        """The mixed model of a campaign, or its plain fit by least squares, as a NumPy module with `bpa_force`, `bpa_force_gradient` and `bpa_domain` (docs/model.md)."""
+    def model(
+        self,
+        campaign: str,
+        diameter_mm: int | None = None,
+        *,
+        least_squares: bool = False,
+        alias: Sequence[str] = (),
+    ) -> ModuleType:
+        """The mixed model of a campaign as a NumPy module with `bpa_force`, `bpa_force_gradient` and `bpa_domain` (docs/model.md).
+
+        `least_squares` takes the plain fit instead. `alias` says which effect it is where the readings cannot tell one of the actuator from one of
+        the rig.
+        """
         diameter = [] if diameter_mm is None else ["--diameter", f"{diameter_mm:g}"]
-        return exported(self.program, ["--campaign", campaign, *diameter, *(["--least-squares"] if least_squares else [])], self.path)
+        plain = ["--least-squares"] if least_squares else []
+        named = [f"--alias={effect}" for effect in alias]
+        return exported(self.program, ["--campaign", campaign, *diameter, *plain, *named], self.path)
 
     def predict_state(
         self,
@@ -150,12 +163,17 @@ class Project:
         diameter_mm: float | None = None,
         columns: Mapping[str, str] | None = None,
         intervals: bool = False,
+        least_squares: bool = False,
+        alias: Sequence[str] = (),
     ) -> pd.DataFrame:
-        """The force of every state of a frame, with its index: `force_n` and `inside`, by arrays.
+        """The force of every state of a frame, with its index: `force_n` and `inside`, by arrays of `model`.
 
-        `intervals=True` adds `low_n` and `high_n` (NaN where there is none, and outside of the box), by one call of the program a row: 500 rows
-        at most.
+        `intervals=True` adds `low_n` and `high_n` (NaN where there is none, and outside of the box), by one call of `pipeline predict` a row: 500
+        rows at most. Where there is an interval, `force_n` is that of the call too: it has the smooth misfit beside the law, which arrays lack.
+        `least_squares` takes the plain fit, which has no interval.
         """
+        if intervals and least_squares:
+            raise ReadingsError("intervals are those of the mixed model: leave out least_squares")
         at = states(frame, columns)
         own = diameter_mm is None and "diameter_mm" in frame
         diameters = pd.Series(frame["diameter_mm"] if own else diameter_mm, index=at.index, dtype=float)
@@ -166,18 +184,21 @@ class Project:
         answer = pd.DataFrame({"force_n": float("nan"), "inside": False}, index=at.index)
         for diameter in diameters.unique():
             which = ((diameters == diameter) | (diameters.isna() & pd.isna(diameter))).to_numpy()
-            model = self.model(campaign, None if pd.isna(diameter) else diameter)
+            model = self.model(campaign, None if pd.isna(diameter) else diameter, least_squares=least_squares, alias=alias)
             answer.loc[which, ["force_n", "inside"]] = evaluated(model, at[which]).to_numpy()
             diameters[which] = float(model.DIAMETER_MM)
         answer = answer.astype({"force_n": float, "inside": bool})
         if intervals:
-            ends = []
+            nothing, said = float("nan"), []
             for state, diameter in zip(at.to_dict("records"), diameters):
-                said = self.predict_state(campaign=campaign, diameter_mm=diameter, **state)["answer"]["interval"] or {}
-                ends.append((said.get("low_n", float("nan")), said.get("high_n", float("nan"))))
-            answer[["low_n", "high_n"]] = pd.DataFrame(ends, index=at.index, columns=["low_n", "high_n"], dtype=float)
-            # There the exported force is bounded, and the program's interval is about another one.
-            answer.loc[~answer["inside"], ["low_n", "high_n"]] = float("nan")
+                one = self.predict_state(campaign=campaign, diameter_mm=diameter, **state)["answer"]
+                interval = one["interval"] or {"low_n": nothing, "high_n": nothing}
+                said.append((one["force_n"], interval["low_n"], interval["high_n"]))
+            said = pd.DataFrame(said, index=at.index, columns=["force_n", "low_n", "high_n"], dtype=float)
+            # Outside of the box the exported force is bounded, and the program's interval is about another one.
+            has_interval = answer["inside"] & said["low_n"].notna()
+            answer["force_n"] = said["force_n"].where(has_interval, answer["force_n"])
+            answer[["low_n", "high_n"]] = said[["low_n", "high_n"]].where(has_interval)
         return answer
 
     def check_session(self, folder: str | os.PathLike[str]) -> dict[str, Any]:

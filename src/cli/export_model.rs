@@ -104,7 +104,17 @@ fn model(args: &ModelArgs) -> Result<Model> {
     if args.least_squares {
         return source::of_fit(fit, &inputs);
     }
-    let of_loop = with_effects(fit, &places, &args.alias, &inputs)?;
+    let findings = findings(&places.reports)?;
+    let Some(found) = assessed(&findings, fit) else {
+        let mut model = source::of_fit(fit, &inputs)?;
+        model.effects = vec![format!(
+            "Effects: not known. These are coefficients of least squares, because there is no mixed model of {}: too few readings or specimens, or a pool \
+             that is too large to be searched.",
+            fit.group.campaign
+        )];
+        return Ok(model);
+    };
+    let of_loop = with_effects(fit, found, &places, &args.alias, &inputs)?;
     let is_worse = of_loop.is_worse();
     let WithEffects {
         mut model, errors, ..
@@ -155,15 +165,14 @@ impl WithEffects {
 /// The model of the loop for a fit, with its errors.
 ///
 /// # Errors
-/// There are no findings for the fit, or they cannot be exported without a choice (`alias`).
+/// The findings cannot be exported without a choice (`alias`).
 fn with_effects(
     fit: &GroupFit,
+    found: &CampaignFindings,
     places: &Places,
     alias: &[String],
     inputs: &str,
 ) -> Result<WithEffects> {
-    let findings = findings(&places.reports)?;
-    let found = found(&findings, fit)?;
     let model = effects::of_findings(fit, found, alias, inputs)?;
     let rows = known(&places.derived, &places.reports, &places.config)?.rows;
     let plain = source::of_fit(fit, inputs)?;
@@ -288,17 +297,14 @@ fn findings(reports: &Path) -> Result<Findings> {
     })
 }
 
-fn found<'a>(findings: &'a Findings, fit: &GroupFit) -> Result<&'a CampaignFindings> {
+/// What the search says of a fit; none where it has no mixed model of it.
+fn assessed<'a>(findings: &'a Findings, fit: &GroupFit) -> Option<&'a CampaignFindings> {
     let group = &fit.group;
     let same = |c: &&CampaignFindings| {
         c.campaign == group.campaign && c.diameter_mm == group.diameter_mm && c.part.is_none()
     };
-    findings.campaigns.iter().find(same).ok_or_else(|| {
-        Error::Usage(format!(
-            "findings.json has no result for {} ({} mm): --least-squares exports the plain fit",
-            group.campaign, group.diameter_mm
-        ))
-    })
+    let found = findings.campaigns.iter().find(same);
+    found.filter(|c| c.not_assessed.is_none())
 }
 
 /// Files of another model, which nobody asked to be replaced.

@@ -156,7 +156,8 @@ pub fn command(args: &PredictArgs) -> Result<u8> {
         muscle.diameter_mm,
     )?;
     if let (Law::Fitted(fitted), None) = (choice.law, &read) {
-        let advice = summary::better_published(&places.reports, &fitted.fit.group);
+        let mixed_n = fitted.mixed.and_then(|law| law.unseen_n);
+        let advice = summary::better_published(&places.reports, &fitted.fit.group, mixed_n);
         choice.why = [choice.why, advice.unwrap_or_default()]
             .into_iter()
             .filter(|text| !text.is_empty())

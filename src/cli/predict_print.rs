@@ -221,8 +221,12 @@ pub fn head(predictor: &Predictor) {
                 None => (fit.specimens.len(), joint.n),
             };
             let plural = if n == 1 { "" } else { "s" };
+            let unseen = mixed.and_then(|law| law.unseen_n);
+            let unseen = unseen.map_or_else(String::new, |rmse| {
+                format!(", RMSE {rmse:.1} N on unseen specimens")
+            });
             line(format!(
-                "model    {}: {n} specimen{plural}, {rows} readings",
+                "model    {}: {n} specimen{plural}, {rows} readings{unseen}",
                 law.title()
             ));
         }

@@ -273,15 +273,20 @@ impl Answers {
     }
 }
 
-/// That the published coefficients do better than those fitted to a group, where the last run says so: for whoever takes the fit. None where no
-/// run left a summary.
-pub(super) fn better_published(reports: &Path, group: &Group) -> Option<String> {
+/// That the published coefficients do better than those fitted to a group, where the last run says so: for whoever takes the fit. `mixed_n` is the error
+/// of the mixed model on unseen specimens, N, where its law is the one that is taken. None where no run left a summary.
+pub(super) fn better_published(
+    reports: &Path,
+    group: &Group,
+    mixed_n: Option<f64>,
+) -> Option<String> {
     let summary: Summary = read(&reports.join("summary.json")).ok()?;
     let is = |m: &&GroupModels| {
         (m.campaign.as_str(), m.diameter_mm) == (group.campaign.as_str(), group.diameter_mm)
     };
     let models = summary.models.iter().find(is)?;
-    let (fitted, published) = models.both_laws()?;
+    let (least_squares, published) = models.both_laws()?;
+    let fitted = mixed_n.unwrap_or(least_squares);
     (published < fitted).then(|| {
         format!(
             "on unseen specimens the published coefficients have an RMSE of {}, the fitted ones {} N: --model {PUBLISHED} uses the published ones",

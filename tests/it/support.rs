@@ -338,5 +338,5 @@ pub fn searched_law(group: &Group, rows: &[&Row]) -> MixedLaw {
         Box::new(move || stream.normal())
     };
     let found = search.run(null, &normal, None);
-    MixedLaw::of(group, &problem, &setting, &found.model, &[]).unwrap()
+    MixedLaw::of(group, &problem, &setting, &found.model, &[], None).unwrap()
 }

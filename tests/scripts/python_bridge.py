@@ -95,7 +95,7 @@ def inside(program):
     assert (fit.predictions.force_n.sort_values().to_numpy() == readings.force_n.sort_values().to_numpy()).all()
 
     # Arrays are what the command says state by state, and what the run wrote.
-    forces = fit.predict(readings)
+    forces = fit.predict(readings, least_squares=True)
     assert (forces.index == readings.index).all() and forces.inside.all()
     expected = command.rows().loc[readings.index].predicted_new_n
     assert np.abs(forces.force_n - expected).max() < 1e-6
@@ -104,10 +104,17 @@ def inside(program):
     worst = 0.0
     for index, row in pulling.sample(12, random_state=1).iterrows():
         said = fit.predict_state(diameter_mm=10, **row[state])["answer"]
-        worst = max(worst, abs(said["force_n"] / forces.force_n[index] - 1))
-        assert said["interval"]["low_n"] < forces.force_n[index] < said["interval"]["high_n"]
+        plain = next(o for o in said["others"] if o["model"] == "new_least_squares")
+        worst = max(worst, abs(plain["force_n"] / forces.force_n[index] - 1))
+        assert said["interval"]["low_n"] < said["force_n"] < said["interval"]["high_n"]
     assert worst < 1e-9, worst
     print(f"12 states: {worst:.1e} apart from pipeline predict")
+    # The mixed model as a function lacks the smooth misfit, which is next to nothing where the law is right.
+    mixed = fit.predict(pulling)
+    apart = np.abs(mixed.force_n / fit.predict(pulling, intervals=True).force_n - 1).max()
+    print(f"the function of the mixed model: at most {apart:.1e} apart from pipeline predict")
+    assert apart < 0.01
+    refused(bridge.ReadingsError, ["least_squares"], lambda: fit.predict(pulling, intervals=True, least_squares=True))
     some = fit.predict(pulling.head(3), intervals=True)
     assert (some.low_n < some.force_n).all() and (some.force_n < some.high_n).all()
     refused(bridge.ReadingsError, ["500"], lambda: fit.predict(pd.concat([pulling] * 3), intervals=True))
@@ -119,7 +126,7 @@ def inside(program):
     assert list(fit.predict(beyond).inside) == [True, False]
     assert list(fit.predict(beyond, intervals=True).low_n.isna()) == [False, True]
     in_mm = pulling[["pressure_kpa"]].assign(**{name.replace("_m", "_mm"): pulling[name] * 1000 for name in lengths})
-    assert np.allclose(fit.predict(in_mm).force_n, forces.force_n[pulling.index], rtol=1e-9)
+    assert np.allclose(fit.predict(in_mm).force_n, mixed.force_n, rtol=1e-9)
     of_paper = bridge.predict(pulling, diameter_mm=10, program=program)
     within = of_paper.index[of_paper.inside]  # beyond the box an exported model is bounded
     assert len(within) > 100

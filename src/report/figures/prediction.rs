@@ -38,6 +38,7 @@ pub fn sweep(predictor: &Predictor, along: Along, answers: &[Answer]) -> Named {
     }
     let name = match predictor.calibrated() {
         Some(_) => "this muscle, by its readings".to_owned(),
+        None if predictor.mixed.is_some() => "New model, mixed-model fit".to_owned(),
         None => {
             let id = predictor.choice.law.id();
             model_name(id, id).to_owned()

@@ -8,6 +8,7 @@ use pipeline_findings::{
     NotMeasurable, Verdict, WhyNot,
 };
 use pipeline_fit::engine::CoefficientState;
+use pipeline_predict::law::LEAST_SQUARES;
 
 /// What stands among effects and is none of the library.
 const CALLED: [(&str, &str); 2] = [
@@ -353,8 +354,9 @@ pub fn part(part: &str) -> String {
 }
 
 /// Models by id: who made them, and what they are called in every table, legend and sentence.
-const MODELS: [(&str, &str, &str); 9] = [
+const MODELS: [(&str, &str, &str); 10] = [
     (NEW, "New", "New model, fitted"),
+    (LEAST_SQUARES, "New", "New model, least squares"),
     ("new_published", "New", "New model, published"),
     ("knee_paper", "Knee paper", "Earlier form (knee paper)"),
     ("chou_hannaford", "Chou", "Chou and Hannaford 1996"),

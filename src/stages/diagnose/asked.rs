@@ -86,7 +86,14 @@ pub(crate) fn answered(
     findings.black_box_rmse_heldout = unseen::black_box(setting, problem, &residuals.predicted);
     put_limits(&mut findings, limits);
     put_held_out(&mut findings, held);
-    let mixed_law = MixedLaw::of(group, problem, setting, &found.model, &findings.effects);
+    let mixed_law = MixedLaw::of(
+        group,
+        problem,
+        setting,
+        &found.model,
+        &findings.effects,
+        findings.after.rmse_heldout,
+    );
     Diagnosis {
         findings,
         residuals,

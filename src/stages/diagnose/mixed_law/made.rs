@@ -12,22 +12,29 @@ use pipeline_inference::heldout::Unseen;
 use pipeline_inference::problem::Problem;
 use pipeline_inference::system::Variances;
 use pipeline_numerics::statistics::median;
+use std::collections::BTreeSet;
 
 impl MixedLaw {
-    /// The law of a model, whose effects are named in `found`; none where its law is not the new one.
+    /// The law of a model, whose effects are named in `found`, and whose error on unseen specimens is `unseen_n`, N; none where its law is not the new one.
     pub fn of(
         group: &Group,
         problem: &ForceProblem,
         setting: &Setting,
         model: &Fitted,
         found: &[EffectFinding],
+        unseen_n: Option<f64>,
     ) -> Option<Self> {
         let cap_length_m = problem.base.cap_length_m()?;
         let (beside, [largest_n, floor_n]) = problem.misfit_beside()?;
         let data = problem.data;
         let unseen = Unseen::new(setting, model);
         let active = |node: &usize| setting.active[*node];
-        let specimens = problem.specimens.iter().zip(&data.specimens);
+        let of_sessions = data.specimen_of_session();
+        let sessions = problem.sessions.iter().zip(&of_sessions);
+        let taking_part: BTreeSet<usize> = sessions
+            .filter(|(node, _)| active(node))
+            .map(|(_, specimen)| *specimen)
+            .collect();
         let slot = |free: &Free| match free {
             Free::Coefficient(k) => Slot::Coefficient(*k),
             Free::Value(t, k) => Slot::Value(*t, *k),
@@ -38,15 +45,16 @@ impl MixedLaw {
             campaign: group.campaign.clone(),
             diameter_mm: group.diameter_mm,
             campaigns: data.campaigns.clone(),
-            specimens: specimens
-                .filter(|(n, _)| active(n))
-                .map(|(_, id)| id.clone())
+            specimens: taking_part
+                .iter()
+                .map(|k| data.specimens[*k].clone())
                 .collect(),
             sessions: problem.sessions.iter().filter(|n| active(n)).count(),
             readings: problem.node()[..data.len()]
                 .iter()
                 .filter(|n| active(n))
                 .count(),
+            unseen_n,
             cap_length_m,
             shape: problem.base.shape(&data.conditions[0]).0,
             coefficients: model.point.coefficients.clone(),

@@ -60,6 +60,8 @@ pub struct MixedLaw {
     pub sessions: usize,
     /// Number of readings that took part.
     pub readings: usize,
+    /// Root mean square error on specimens that took no part, N; none where nothing was held out.
+    pub unseen_n: Option<f64>,
     /// l_0, m.
     pub cap_length_m: f64,
     /// c0, c1 and c2 of the law that tells where an actuator is slack.

@@ -1,15 +1,19 @@
 //! The law by itself says of a specimen what the engine does that has all readings.
 
-use super::{MixedLaw, Muscle, Parts};
+use super::{Beside, MixedLaw, Muscle, Parts, Sizes, Whose};
 use crate::base::Base;
-use crate::data::Data;
+use crate::data::{Data, Origins};
 use crate::library;
-use crate::problem::ForceProblem;
+use crate::problem::misfit::common_pairs;
+use crate::problem::{ForceProblem, component};
 use crate::suited::{Declared, part_of, suited};
 use pipeline_base::row::Row;
 use pipeline_config::FitOptions;
+use pipeline_inference::fit::Fitted;
 use pipeline_inference::heldout::Unseen;
 use pipeline_inference::problem::Problem;
+use pipeline_inference::system::Factor;
+use pipeline_mechanics::models::new;
 use pipeline_simulate::rig_like;
 use std::collections::BTreeSet;
 
@@ -43,7 +47,7 @@ impl Case {
     }
 
     /// What somebody sees of a fit without the specimen.
-    fn with<T>(&self, see: impl Fn(&ForceProblem, &Unseen, usize, &MixedLaw) -> T) -> T {
+    fn with<T>(&self, see: impl Fn(&ForceProblem, (&Fitted, &Unseen), usize, &MixedLaw) -> T) -> T {
         let rows: Vec<&Row> = self.rows.iter().collect();
         let data = Data::new(&rows);
         let base = Base::new(10, true, 5, &FitOptions::default());
@@ -62,12 +66,17 @@ impl Case {
         let threshold = threshold.unwrap();
         from.terms.push((threshold, library[threshold].start(40.0)));
         let model = setting.fit(&from, std::slice::from_ref(&null.variances));
-        let law = MixedLaw::of(&rig_like::group(), &problem, &setting, &model, &[]).unwrap();
+        let law = MixedLaw::of(&rig_like::group(), &problem, &setting, &model, &[], None).unwrap();
         let text = serde_json::to_string(&law).unwrap();
         let law: MixedLaw = serde_json::from_str(&text).unwrap();
         let specimen = data.specimens.iter().position(|s| *s == self.held_out);
         let node = problem.specimens[specimen.unwrap()];
-        see(&problem, &Unseen::new(&setting, &model), node, &law)
+        see(
+            &problem,
+            (&model, &Unseen::new(&setting, &model)),
+            node,
+            &law,
+        )
     }
 }
 
@@ -75,7 +84,7 @@ impl Case {
 fn a_specimen_that_took_no_part_is_predicted_as_by_the_engine() {
     let case = Case::new(3);
     let rows = case.of_held_out();
-    case.with(|problem, unseen, node, law| {
+    case.with(|problem, (_, unseen), node, law| {
         let engine = unseen.predict_where(node, |_| true);
         let own = Muscle::unread(law).forecast_of(&rows);
         let mut pulling = 0;
@@ -108,7 +117,7 @@ fn a_specimen_that_took_no_part_is_predicted_as_by_the_engine() {
             own.iter().map(|f| of(&f.parts) * of(&f.parts)).sum::<f64>() / own.len() as f64
         };
         let gain = mean(&|p| p.gain_n);
-        assert!((gain / sources[crate::problem::component::GAIN] - 1.0).abs() < 0.02);
+        assert!((gain / sources[component::GAIN] - 1.0).abs() < 0.02);
     });
 }
 
@@ -116,7 +125,7 @@ fn a_specimen_that_took_no_part_is_predicted_as_by_the_engine() {
 fn once_some_readings_are_known_the_others_are_predicted_as_by_the_engine() {
     let case = Case::new(4);
     let rows = case.of_held_out();
-    case.with(|problem, unseen, node, law| {
+    case.with(|problem, (_, unseen), node, law| {
         let places = unseen.readings(node, |_| true);
         let row_of = |i: usize| &case.rows[problem.data.place[i]];
         // In the corner the engine has the noise that is held while models are fitted.
@@ -147,4 +156,134 @@ fn once_some_readings_are_known_the_others_are_predicted_as_by_the_engine() {
         }
         assert!(errors < of_none, "{errors} {of_none}");
     });
+}
+
+#[test]
+fn a_specimen_of_the_fit_has_the_gain_that_the_fit_gave_it() {
+    let case = Case::new(5);
+    case.with(|problem, (model, unseen), node, law| {
+        // By the variances of predictions, as the law has them.
+        let factor = Factor::new(&model.design.tree, &model.gram, unseen.variances());
+        let random = factor.estimates().random;
+        for (id, of) in problem.data.specimens.iter().zip(&problem.specimens) {
+            let rows: Vec<&Row> = case.rows.iter().filter(|r| r.specimen == *id).collect();
+            let muscle = Muscle::read(law, &rows);
+            assert_eq!(muscle.is_in_law(), *of != node, "{id}");
+            if *of == node {
+                continue;
+            }
+            let (column, _) = problem.tree().columns_of(*of, component::GAIN).unwrap();
+            let gain = muscle.gain();
+            let off = (gain.value - random[column]).abs() / gain.sd_before;
+            assert!(off < 0.2, "{id}: {gain:?} {}", random[column]);
+            assert!(gain.sd < gain.sd_before);
+        }
+    });
+}
+
+/// A law that is known exactly, with nothing but gain, set length, zero and noise to be known of a muscle.
+fn exact() -> MixedLaw {
+    let common = common_pairs().count();
+    MixedLaw {
+        campaign: "c".to_owned(),
+        diameter_mm: 10,
+        campaigns: vec!["c".to_owned()],
+        specimens: (0..7).map(|k| k.to_string()).collect(),
+        sessions: 28,
+        readings: 500,
+        unseen_n: None,
+        cap_length_m: 0.0075,
+        shape: [0.5682, 4.254, 0.5597],
+        coefficients: vec![303.5, 1.0 / 19.03, 0.5682, 4.254, 0.5597],
+        terms: Vec::new(),
+        origins: Origins::default(),
+        largest_n: 450.0,
+        floor_n: 90.0,
+        beside: Beside {
+            coefficients: vec![303.5, 1.0 / 19.03, 0.5682, 4.254, 0.5597],
+            free: vec![0, 1, 2, 3, 4],
+            weights: vec![vec![0.0; 5]; common],
+        },
+        free: Vec::new(),
+        common_mean: vec![0.0; common],
+        root: vec![0.0; common * (common + 1) / 2],
+        sd: Sizes {
+            gain: 0.05,
+            rest_length_mm: 0.0,
+            contracted_length_mm: 0.0,
+            set_length_mm: 0.9,
+            set_length_declared: false,
+            zero_n: 1.5,
+            session_misfit: 0.0,
+            stroke_misfit: None,
+            campaign_gain: 0.0,
+            campaign_zero_n: 0.0,
+            noise_n: vec![2.0],
+            corner_n: vec![(0.0, 5.0); 4],
+        },
+    }
+}
+
+fn published(length_m: f64) -> f64 {
+    let f620 = new::f620(303.5, 19.03, 0.0075, 0.2);
+    let relative = (0.2 - length_m) / 0.033;
+    new::force([0.5682, 4.254, 0.5597], f620, relative, 500.0 / 620.0)
+}
+
+/// One reading y gives the gain tau^2 f (y - f)/(tau^2 f^2 + s_l^2 f'^2 + s_z^2 + s_e^2), f' by the set length, and the set length likewise.
+#[test]
+fn one_reading_is_shared_out_by_the_variances() {
+    let law = exact();
+    let close =
+        |a: f64, b: f64| assert!((a - b).abs() < 1e-2 * b.abs().max(1e-3), "{a} against {b}");
+    let state = [0.2, 0.2 - 0.033, 0.19, 500.0];
+    let f = published(0.19);
+    let slope = (published(0.19001) - published(0.18999)) / 0.02;
+    let (tau, length, zero, noise) = (0.05, 0.9 * slope, 1.5, 2.0);
+    // Without a reading it is the law.
+    let before = Muscle::unread(&law).at(state, Whose::Rig);
+    close(before.mean_n, f);
+    let own = tau * tau * f * f;
+    let session = length * length + zero * zero;
+    close(before.parts.variance(), own + session + noise * noise);
+    // The actuator itself has neither zero nor noise.
+    let itself = Muscle::unread(&law).at(state, Whose::Actuator);
+    close(itself.parts.variance(), own + length * length);
+    let known = Muscle::unread(&law)
+        .with_length_sd(0.0)
+        .at(state, Whose::Actuator);
+    close(known.parts.variance(), own);
+    // Groups less one, weighted by the squares of what they make.
+    let parts = [(own, 6.0), (length * length, 27.0)];
+    let squares: f64 = parts.iter().map(|(v, freedom)| v * v / freedom).sum();
+    close(
+        itself.freedom,
+        (own + length * length) * (own + length * length) / squares,
+    );
+    let mut row = rig_like::campaign(1, &rig_like::Settings::default())
+        .rows
+        .swap_remove(0);
+    (row.rest_length_m, row.contracted_length_m) = (state[0], state[1]);
+    (row.length_m, row.pressure_kpa, row.force_n) = (state[2], state[3], f + 3.0);
+    row.length_sd_m = f64::NAN;
+    let read = Muscle::read(&law, &[&row]);
+    let total = own + session + noise * noise;
+    let gain = read.gain();
+    // Slopes are taken anew where the length is then, a little off.
+    assert!((gain.value / (tau * tau * f * 3.0 / total) - 1.0).abs() < 0.02);
+    close(gain.sd, tau * (1.0 - own / total).sqrt());
+    let set = &read.set_lengths()[0];
+    // Slopes are taken anew where the length is then, a little off.
+    assert!(
+        (set.value - 0.9 * length * 3.0 / total).abs() < 0.02,
+        "{set:?}"
+    );
+    // A reading of the same session comes back nearer to the reading than one of another, which has the gain alone.
+    let again = read.forecast_of(&[&row])[0].mean_n;
+    let other = read.at(state, Whose::Rig);
+    assert!(f < other.mean_n && other.mean_n < again && again < f + 3.0);
+    close(other.mean_n, f * (1.0 + gain.value));
+    // Its slope is that at the gain that it has now.
+    let left = own - own * own / total + session + noise * noise;
+    assert!((other.parts.variance() / left - 1.0).abs() < 0.02);
 }

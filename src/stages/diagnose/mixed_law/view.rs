@@ -227,8 +227,13 @@ impl MixedLaw {
             let more = mean * mean + sd * sd - noise_n * noise_n;
             view.stroke.push(more.max(0.0).sqrt());
         }
+        let pulls = Reading {
+            side: Side::Pulls,
+            ..reading
+        };
+        let (_, cosines) = self.common_columns(base, &pulls);
+        let common = dot(&cosines, &self.common_mean[..cosines.len()]);
         let share = (plain / near_n).clamp(0.0, 1.0);
-        let common = view.force_n - force.value;
         view.force_n = plain + share * common;
         view
     }

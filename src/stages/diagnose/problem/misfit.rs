@@ -144,7 +144,7 @@ pub(crate) fn common_basis(at: &Conditions) -> Vec<f64> {
 }
 
 /// Numbers of the cosines of each product of the common misfit.
-pub(super) fn common_pairs() -> impl Iterator<Item = (usize, usize)> {
+pub(crate) fn common_pairs() -> impl Iterator<Item = (usize, usize)> {
     (0..COMMON_COSINES)
         .flat_map(|j| (0..COMMON_COSINES - j).map(move |k| (j, k)))
         .skip(1)
