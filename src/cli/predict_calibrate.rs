@@ -213,15 +213,18 @@ fn is_of_readings(seen: &Seen) -> bool {
 /// Prints what the readings say of the muscle.
 pub fn head(muscle: &Calibrated) {
     let (readings, sessions) = muscle.count();
-    let is_among = if muscle.is_in_law() {
-        ", to which they belong"
+    let others = muscle.others();
+    let with = if muscle.is_in_law() {
+        format!(
+            "it is one of the {} specimens of the mixed model",
+            others + 1
+        )
     } else {
-        ""
+        format!("combined with the mixed model of {others} others")
     };
     line(format!(
-        "readings {readings} of it in {}, combined with the mixed model of {} others{is_among}",
-        counted(sessions, "session", "sessions"),
-        muscle.others()
+        "readings {readings} of it in {}: {with}",
+        counted(sessions, "session", "sessions")
     ));
     let gain = muscle.gain();
     line(format!(

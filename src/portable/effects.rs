@@ -53,7 +53,7 @@ pub fn of_findings(
         ];
     }
     model.title = format!("new model, mixed-model fit to {}", source::campaign(fit));
-    model.spread = spread(fit, found);
+    model.spread = spread(found);
     model.coefficients = found.coefficients.iter().map(of_change).collect();
     model.coefficients.push(source::cap_length(fit));
     model.provenance[0] = format!(
@@ -67,11 +67,11 @@ pub fn of_findings(
 }
 
 /// How a reading of a muscle that was not measured scatters: its gain, and on the average over the readings everything else.
-fn spread(fit: &GroupFit, found: &CampaignFindings) -> Option<Spread> {
+fn spread(found: &CampaignFindings) -> Option<Spread> {
     let between = found.scatter_sd(specimen_variation::ID)?;
     let others = found.budget.iter().filter(|b| b.source != "specimen_gain");
     let within: f64 = others.map(|b| b.variance).sum();
-    let freedom = fit.scatter.as_ref()?.freedom;
+    let freedom = found.design.specimens.checked_sub(1).filter(|f| *f > 0)?;
     Some(Spread {
         between,
         within_n: within.sqrt(),

@@ -119,7 +119,7 @@ fn a_specimen_of_the_run_is_predicted_by_the_law_of_the_others_and_its_own_readi
         "before",
         "next",
         "than noted, by that law",
-        "the mixed model of",
+        "it is one of the 7 specimens of the mixed model",
     ] {
         assert!(said.out.contains(part), "{part} is not in\n{}", said.out);
     }
