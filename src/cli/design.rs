@@ -11,7 +11,7 @@ use pipeline_base::units::Quantity;
 use pipeline_compare::NEW;
 use pipeline_fit::GroupFit;
 use pipeline_mechanics::knee::Knee;
-use pipeline_predict::design::{self, AtPoint, Curve, Design, Joint, Surety};
+use pipeline_predict::design::{self, AtPoint, Curve, Design, Joint, Surety, Terms};
 use pipeline_predict::law::choose;
 use pipeline_report::figures::design as drawing;
 use pipeline_report::tables::prediction as tables;
@@ -42,6 +42,9 @@ pub struct DesignArgs {
     /// Meet the curve with the law itself, as half of the muscles do, instead of the lower end of the interval
     #[arg(long)]
     pub nominal: bool,
+    /// How well lengths are known, as a standard deviation [default: as lengths are set on the rig]
+    #[arg(long, value_name = "LENGTH")]
+    pub length_sd: Option<String>,
     /// For a torque curve: the leg (pinned, biomimetic, or a file that describes one)
     #[arg(long, value_name = "NAME|FILE")]
     pub knee: Option<String>,
@@ -148,6 +151,13 @@ fn designs(args: &DesignArgs, curve: Curve, read: &Read) -> Result<Vec<Design>> 
     let free = free
         .map(|text| values::fraction("--contraction-620", text))
         .transpose()?;
+    let length_sd = args.length_sd.as_deref();
+    let length_sd = length_sd.map(|text| values::quantity("--length-sd", text, Quantity::Length));
+    let terms = Terms {
+        pressure_kpa: pressure,
+        surety: surety(args),
+        length_sd_m: length_sd.transpose()?,
+    };
     let mut found = Vec::new();
     for diameter_mm in diameters(args, &laws.fits)? {
         let choice = choose(&laws, NEW, args.campaign.as_deref(), diameter_mm)?;
@@ -156,8 +166,7 @@ fn designs(args: &DesignArgs, curve: Curve, read: &Read) -> Result<Vec<Design>> 
             free,
             curve,
             &read.points,
-            pressure,
-            surety(args),
+            &terms,
         )?);
     }
     if found.is_empty() {

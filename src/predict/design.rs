@@ -55,6 +55,17 @@ pub enum Surety {
     Law,
 }
 
+/// How a curve is to be met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Terms {
+    /// Gauge pressure, kPa.
+    pub pressure_kpa: f64,
+    /// By what.
+    pub surety: Surety,
+    /// Standard deviation of the length, m; none as lengths are set on the rig.
+    pub length_sd_m: Option<f64>,
+}
+
 /// A muscle at a point of the curve.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AtPoint {
@@ -118,17 +129,16 @@ pub struct Design {
     pub points: Vec<AtPoint>,
 }
 
-/// The shortest muscle under a fit that meets a curve at a gauge pressure in kPa; where none does, the one that falls least short.
+/// The shortest muscle under a fit that meets a curve; where none does, the one that falls least short.
 ///
 /// # Errors
-/// A law without measured lengths; a curve without points; what [`Predictor::at`] objects to.
+/// A law without measured lengths; a curve without points; what [`Predictor::at`] and [`Predictor::with_length_sd`] object to.
 pub fn shortest(
     choice: &Choice,
     contraction_620: Option<f64>,
     curve: Curve,
     points: &[Point],
-    pressure_kpa: f64,
-    surety: Surety,
+    terms: &Terms,
 ) -> Result<Design> {
     let Law::Fitted(Fitted { fit, .. }) = choice.law else {
         return Err(Error::Usage(
@@ -143,8 +153,11 @@ pub fn shortest(
     let mut best: Option<Design> = None;
     for rest_length_m in lengths {
         let muscle = Muscle::new(f64::from(fit.group.diameter_mm), rest_length_m, free)?;
-        let predictor = Predictor::new(choice.clone(), muscle)?;
-        let found = design(&predictor, curve, points, pressure_kpa, surety)?;
+        let mut predictor = Predictor::new(choice.clone(), muscle)?;
+        if let Some(sd_m) = terms.length_sd_m {
+            predictor = predictor.with_length_sd(sd_m)?;
+        }
+        let found = design(&predictor, curve, points, terms)?;
         if found.meets {
             return Ok(found);
         }
@@ -163,9 +176,13 @@ pub fn design(
     predictor: &Predictor,
     curve: Curve,
     points: &[Point],
-    pressure_kpa: f64,
-    surety: Surety,
+    terms: &Terms,
 ) -> Result<Design> {
+    let Terms {
+        pressure_kpa,
+        surety,
+        ..
+    } = *terms;
     let found = points
         .iter()
         .map(|p| at_point(predictor, curve, *p, pressure_kpa));

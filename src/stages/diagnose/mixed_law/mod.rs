@@ -16,7 +16,8 @@
 //! |---|---|
 //! | `made` | the law of a search |
 //! | `view` | a reading as a linear function of what is not known |
-//! | `muscle` | a muscle, without readings or with some |
+//! | `muscle` | a muscle, without readings or with some, and what is asked of it |
+//! | `readings` | what its readings say of everything that is not known |
 //! | `parts` | the variance of a reading by its sources, and the degrees of freedom of it |
 //!
 //! # What is predicted
@@ -30,6 +31,7 @@
 mod made;
 mod muscle;
 mod parts;
+mod readings;
 #[cfg(test)]
 mod tests;
 mod view;

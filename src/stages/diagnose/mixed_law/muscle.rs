@@ -1,15 +1,14 @@
 //! A muscle: without readings, or with some, which tell of its gain, its lengths, the lengths that were set, and of the law.
 //!
 //! Everything that is not known is one vector of independent standard normal numbers: parameters, gain and zero of a campaign of its own, gain and
-//! lengths of the muscle, and for each session that was read its set length, zero and misfit, for each stroke its own. Readings are linear in them
-//! about a point; Gauss-Newton steps lead to the mode, where the normal matrix is the inverse of their covariance (K. Levenberg's halving where a step
-//! does not lower the penalised sum of squares).
+//! lengths of the muscle, and for each session that was read its set length, zero and misfit, for each stroke its own.
 //!
 //! Readings that the law was made of do not tell of the parameters again: their joint distribution with what is the muscle's own has the
 //! parameters' as it is.
 
 use super::MixedLaw;
 use super::parts::{Forecast, Parts};
+use super::readings::Read;
 use super::view::{OF_SESSION, OF_STROKE, Own, Reading, View, Whose};
 use crate::base::Base;
 use crate::data::{Data, specimen_id};
@@ -19,17 +18,10 @@ use pipeline_numerics::distributions::normal_cdf;
 use pipeline_numerics::matrix::{Matrix, dot};
 use pipeline_numerics::statistics::sum_of_squares;
 use serde::Serialize;
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Most readings of one session that are used: neighbours of a log say the same.
 const MOST_READINGS: usize = 40;
-/// Most steps to the mode.
-const MOST_STEPS: usize = 20;
-/// A step by which the penalised sum of squares falls by less is the last.
-const SETTLED: f64 = 1e-6;
-/// Shortest part of a step that is tried.
-const SHORTEST: f64 = 1e-3;
 
 /// What the readings say of one number.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -63,35 +55,18 @@ pub struct Next {
 pub struct Muscle<'a> {
     /// The law.
     pub law: &'a MixedLaw,
-    base: Arc<Base>,
+    pub(super) base: Arc<Base>,
     campaign: Option<usize>,
     /// How well its length is known where its force is asked for, mm; none as the rig sets it.
     length_sd_mm: Option<f64>,
     sessions: Vec<String>,
     readings: usize,
     /// Whether the readings are some that the law was made of.
-    in_law: bool,
+    pub(super) in_law: bool,
     /// Mean of what is not known, in standard deviations.
-    mean: Vec<f64>,
+    pub(super) mean: Vec<f64>,
     /// Factor of the inverse of its covariance.
-    factor: Cholesky,
-}
-
-/// The readings, and where each of them is.
-struct Read<'r> {
-    readings: Vec<Reading>,
-    force_n: &'r [f64],
-    session: Vec<usize>,
-    stroke: Vec<usize>,
-    sessions: usize,
-    strokes: usize,
-}
-
-/// A point with the views of the readings there, and what it costs.
-struct Stand {
-    mean: Vec<f64>,
-    views: Vec<View>,
-    value: f64,
+    pub(super) factor: Cholesky,
 }
 
 impl<'a> Muscle<'a> {
@@ -166,15 +141,15 @@ impl<'a> Muscle<'a> {
         self.in_law
     }
 
-    fn first_own(&self) -> usize {
+    pub(super) fn first_own(&self) -> usize {
         self.law.parameters()
     }
 
-    fn of_session(&self, session: usize) -> usize {
+    pub(super) fn of_session(&self, session: usize) -> usize {
         self.first_own() + OWN + OF_SESSION * session
     }
 
-    fn own(&self, mean: &[f64], session: Option<usize>) -> Own {
+    pub(super) fn own(&self, mean: &[f64], session: Option<usize>) -> Own {
         let sd = &self.law.sd;
         let first = self.first_own();
         let of = |k: usize| session.map_or(0.0, |s| mean[self.of_session(s) + k]);
@@ -186,18 +161,8 @@ impl<'a> Muscle<'a> {
         }
     }
 
-    /// The views of the readings about a point.
-    fn views(&self, mean: &[f64], read: &Read) -> Vec<View> {
-        let of = |(reading, session): (&Reading, &usize)| {
-            let mut own = self.own(mean, Some(*session));
-            own.length_mm *= reading.set_length_mm();
-            self.law.view(&self.base, reading, own)
-        };
-        read.readings.iter().zip(&read.session).map(of).collect()
-    }
-
     /// The columns of a reading: (place, value) of those that are not 0 by construction.
-    fn row(
+    pub(super) fn row(
         &self,
         view: &View,
         place: Option<(usize, usize)>,
@@ -214,159 +179,6 @@ impl<'a> Muscle<'a> {
             row.extend(view.stroke.iter().enumerate().map(|(k, x)| (of + k, *x)));
         }
         row
-    }
-
-    fn rows(&self, views: &[View], read: &Read) -> Vec<Vec<(usize, f64)>> {
-        let of = |(i, view): (usize, &View)| {
-            self.row(view, Some((read.session[i], read.stroke[i])), read.sessions)
-        };
-        views.iter().enumerate().map(of).collect()
-    }
-
-    /// Measured less what a point has, at views that were taken about another: gain, set length and zero act through the forward model, all else by its
-    /// columns.
-    fn left(&self, mean: &[f64], views: &[View], there: &[View], read: &Read) -> Vec<f64> {
-        let rows = self.rows(views, read);
-        let first = self.first_own();
-        let nonlinear = |place: usize| {
-            let of_session = place.checked_sub(self.of_session(0));
-            let of_session = of_session.filter(|k| *k < OF_SESSION * read.sessions);
-            (first..=first + GAIN).contains(&place)
-                || of_session.is_some_and(|k| k % OF_SESSION < 2)
-        };
-        let of = |(i, row): (usize, &Vec<(usize, f64)>)| {
-            let linear = row.iter().filter(|(k, _)| !nonlinear(*k));
-            let linear: f64 = linear.map(|(k, x)| x * mean[*k]).sum();
-            read.force_n[i] - there[i].force_n - there[i].shown_n - linear
-        };
-        rows.iter().enumerate().map(of).collect()
-    }
-
-    fn stand(&self, mean: Vec<f64>, about: Option<&[View]>, read: &Read) -> Stand {
-        let views = self.views(&mean, read);
-        let left = self.left(&mean, about.unwrap_or(&views), &views, read);
-        let deviates = left.iter().zip(&views).map(|(l, v)| l / v.noise_n);
-        let value = deviates.map(|d| d * d).sum::<f64>() + sum_of_squares(&mean);
-        Stand { mean, views, value }
-    }
-
-    /// Mean and factor given readings: from nothing, and from where readings lead without misfit. Far from its mode a length that is off by millimetres
-    /// is not straight, and the misfit takes its place.
-    fn condition(&mut self, read: &Read) {
-        let size = self.of_session(read.sessions) + OF_STROKE * read.strokes;
-        let nothing = vec![0.0; size];
-        let stays = |place: usize, misfit: bool| {
-            let in_law = self.in_law && place < self.first_own();
-            in_law || (!misfit && self.is_misfit(place, read))
-        };
-        let all = |place: usize| !stays(place, true);
-        let calibrating = |place: usize| !stays(place, false);
-        let from_nothing = self.descend(nothing.clone(), &all, read);
-        let led = self.descend(nothing, &calibrating, read);
-        let led = self.descend(led.mean, &all, read);
-        let best = if led.value < from_nothing.value {
-            led
-        } else {
-            from_nothing
-        };
-        let normal = self.normal(&best, read);
-        let factor = Cholesky::new(&self.joint(normal));
-        self.mean = best.mean;
-        self.factor = factor;
-    }
-
-    fn is_misfit(&self, place: usize, read: &Read) -> bool {
-        let Some(k) = place.checked_sub(self.of_session(0)) else {
-            return false;
-        };
-        k >= OF_SESSION * read.sessions || k % OF_SESSION >= 2
-    }
-
-    /// Gauss-Newton steps over the places that are open.
-    fn descend(&self, from: Vec<f64>, open: &dyn Fn(usize) -> bool, read: &Read) -> Stand {
-        let mut here = self.stand(from, None, read);
-        for _ in 0..MOST_STEPS {
-            let Some(next) = self.step(&here, open, read) else {
-                break;
-            };
-            // Judged with its own columns from now on.
-            let next_value = next.value;
-            let fall = here.value - next_value;
-            here = self.stand(next.mean, None, read);
-            if fall < SETTLED {
-                break;
-            }
-        }
-        here
-    }
-
-    fn step(&self, here: &Stand, open: &dyn Fn(usize) -> bool, read: &Read) -> Option<Stand> {
-        let size = here.mean.len();
-        let places: Vec<usize> = (0..size).filter(|k| open(*k)).collect();
-        let number: BTreeMap<usize, usize> =
-            places.iter().enumerate().map(|(n, k)| (*k, n)).collect();
-        let mut normal = identity(places.len());
-        let mut right: Vec<f64> = places.iter().map(|k| -here.mean[*k]).collect();
-        let left = self.left(&here.mean, &here.views, &here.views, read);
-        for (i, row) in self.rows(&here.views, read).iter().enumerate() {
-            let weight = weight_of(&here.views[i]);
-            let row: Vec<(usize, f64)> = row
-                .iter()
-                .filter_map(|(k, x)| Some((*number.get(k)?, *x)))
-                .collect();
-            add(&mut normal, &row, weight);
-            row.iter()
-                .for_each(|(k, x)| right[*k] += weight * x * left[i]);
-        }
-        let step = Cholesky::new(&normal).solve(&right);
-        let mut length = 1.0;
-        while length >= SHORTEST {
-            let mut mean = here.mean.clone();
-            places
-                .iter()
-                .zip(&step)
-                .for_each(|(k, s)| mean[*k] += length * s);
-            let next = self.stand(mean, Some(&here.views), read);
-            if next.value < here.value {
-                return Some(next);
-            }
-            length *= 0.5;
-        }
-        None
-    }
-
-    /// I + X' X / sigma^2 at a point.
-    fn normal(&self, at: &Stand, read: &Read) -> Matrix {
-        let mut normal = identity(at.mean.len());
-        for (row, view) in self.rows(&at.views, read).iter().zip(&at.views) {
-            add(&mut normal, row, weight_of(view));
-        }
-        normal
-    }
-
-    /// The normal matrix of the joint distribution: where the readings told of the parameters before, such that these keep theirs.
-    fn joint(&self, mut normal: Matrix) -> Matrix {
-        if !self.in_law {
-            return normal;
-        }
-        let (m, n) = (self.first_own(), normal.rows());
-        let mut own = Matrix::zeros(n - m, n - m);
-        for j in m..n {
-            own.column_mut(j - m)
-                .copy_from_slice(&normal.column(j)[m..]);
-        }
-        let factor = Cholesky::new(&own);
-        // J_uu = I + J_ub J_bb^-1 J_bu, so that the parameters' own covariance is I.
-        let columns: Vec<Vec<f64>> = (0..m)
-            .map(|j| factor.forward(&normal.column(j)[m..]))
-            .collect();
-        for j in 0..m {
-            for i in 0..m {
-                let one = f64::from(u8::from(i == j));
-                normal.column_mut(j)[i] = one + dot(&columns[i], &columns[j]);
-            }
-        }
-        normal
     }
 
     /// The force of a steady reading in one more session.
@@ -543,22 +355,10 @@ impl<'a> Muscle<'a> {
 /// Numbers of a muscle itself: gain and zero of a campaign of its own, gain, resting and contracted length.
 const OWN: usize = 5;
 /// The place of its gain among them.
-const GAIN: usize = 2;
+pub(super) const GAIN: usize = 2;
 
-fn weight_of(view: &View) -> f64 {
-    1.0 / (view.noise_n * view.noise_n)
-}
-
-fn identity(n: usize) -> Matrix {
+pub(super) fn identity(n: usize) -> Matrix {
     let mut one = Matrix::zeros(n, n);
     (0..n).for_each(|k| one.column_mut(k)[k] = 1.0);
     one
-}
-
-/// Adds the products of a row.
-fn add(normal: &mut Matrix, row: &[(usize, f64)], weight: f64) {
-    for (j, x) in row {
-        let column = normal.column_mut(*j);
-        row.iter().for_each(|(i, y)| column[*i] += weight * x * y);
-    }
 }

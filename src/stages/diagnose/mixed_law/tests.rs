@@ -151,8 +151,9 @@ fn once_some_readings_are_known_the_others_are_predicted_as_by_the_engine() {
             let sd = own[k].parts.variance().sqrt();
             let off = (own[k].mean_n - expected).abs() / sd;
             assert!(off < 0.3, "{} {expected} {sd}", own[k].mean_n);
-            errors += (rows[k].force_n - own[k].mean_n).powf(2.0);
-            of_none += (rows[k].force_n - before[k].mean_n).powf(2.0);
+            let [with, without] = [&own, &before].map(|f| rows[k].force_n - f[k].mean_n);
+            errors += with * with;
+            of_none += without * without;
         }
         assert!(errors < of_none, "{errors} {of_none}");
     });
