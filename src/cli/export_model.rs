@@ -9,11 +9,14 @@ use clap::builder::PossibleValuesParser;
 use pipeline_base::error::{Error, Result};
 use pipeline_base::json;
 use pipeline_base::row::Row;
+use pipeline_diagnose::mixed_law::{MixedLaw, Muscle, Whose};
 use pipeline_findings::{CampaignFindings, Findings};
 use pipeline_fit::{GroupFit, is_fitted};
 use pipeline_portable::domain::State;
 use pipeline_portable::languages::File;
+use pipeline_portable::model::Spread;
 use pipeline_portable::{LANGUAGES, Model, effects, header, source};
+use pipeline_predict::interval::free_contraction;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -22,7 +25,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("source").args(["campaign", "published"]).required(true)))]
 pub struct ModelArgs {
-    /// The mixed model of this campaign (a pool of them: "pooled-10mm"), with what was found about the actuator, never with what was found about the rig
+    /// The mixed model of this campaign (a pool of them: "pooled-10mm"), with the actuator's effects and without the rig's
     #[arg(long, value_name = "ID")]
     pub campaign: Option<String>,
     /// The published coefficients of a model
@@ -37,7 +40,7 @@ pub struct ModelArgs {
     /// The plain fit by least squares, as in the papers' tables, without effects
     #[arg(long, conflicts_with = "published")]
     pub least_squares: bool,
-    /// Which effect it is, where readings could not tell one of the actuator from one of the rig
+    /// Which of several effects it is that the readings cannot tell apart, where one is of the actuator and one of the rig
     #[arg(long, value_name = "EFFECT", conflicts_with_all = ["published", "least_squares"])]
     pub alias: Vec<String>,
     /// Replace files of another model that are there already
@@ -115,10 +118,12 @@ fn model(args: &ModelArgs) -> Result<Model> {
         return Ok(model);
     };
     let of_loop = with_effects(fit, found, &places, &args.alias, &inputs)?;
+    let laws = predict::laws(&places.derived)?;
     let is_worse = of_loop.is_worse();
     let WithEffects {
         mut model, errors, ..
     } = of_loop;
+    model.spread = laws.mixed_of(fit).and_then(|law| spread(law, fit));
     if let Some([with, without]) = errors {
         model.provenance.insert(
             1,
@@ -295,6 +300,37 @@ fn findings(reports: &Path) -> Result<Findings> {
             path.display()
         ))
     })
+}
+
+/// Steps of each quantity of the box at which the scatter of muscles is looked at.
+const STEPS: usize = 5;
+
+/// How a muscle that was not measured scatters about the function: its gain, and everything else as its root mean square over the box, where it pulls.
+fn spread(law: &MixedLaw, fit: &GroupFit) -> Option<Spread> {
+    let muscle = Muscle::unread(law);
+    let steps = |(low, high): (f64, f64)| {
+        (0..STEPS).map(move |k| low + (high - low) * k as f64 / (STEPS - 1) as f64)
+    };
+    let (free, _) = free_contraction(fit);
+    let mut of_box = Vec::new();
+    for rest in steps(fit.ranges.rest_length_m) {
+        for rel in steps(fit.ranges.contraction_rel) {
+            for kpa in steps(fit.ranges.pressure_kpa) {
+                let state = [rest, rest * (1.0 - free), rest * (1.0 - rel * free), kpa];
+                of_box.push(muscle.at(state, Whose::Actuator));
+            }
+        }
+    }
+    of_box.retain(|f| f.mean_n > 0.0);
+    let mut freedoms: Vec<f64> = of_box.iter().map(|f| f.freedom).collect();
+    freedoms.sort_by(f64::total_cmp);
+    let freedom = *freedoms.get(freedoms.len() / 2)?;
+    let others = of_box
+        .iter()
+        .map(|f| f.parts.variance() - f.parts.gain_n * f.parts.gain_n);
+    let within_n = (others.sum::<f64>() / of_box.len() as f64).sqrt();
+    let of = "lengths, misfit and the fit itself, on the average over the box";
+    Some(Spread::new(law.sd.gain, within_n, of, freedom))
 }
 
 /// What the search says of a fit; none where it has no mixed model of it.

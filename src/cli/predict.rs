@@ -6,7 +6,7 @@ use crate::{DONE, predict_calibrate, predict_print, summary, values};
 use pipeline_base::error::{Error, Result};
 use pipeline_base::units::Quantity;
 use pipeline_compare::NEW;
-use pipeline_diagnose::mixed_law::{MixedLaw, Whose};
+use pipeline_diagnose::mixed_law::MixedLaw;
 use pipeline_fit::GroupFit;
 use pipeline_predict::inverse::{self, Wanted};
 use pipeline_predict::law::choose;
@@ -73,14 +73,14 @@ pub struct PredictArgs {
     /// Contraction as a fraction of that at 620 kPa, instead of a contraction
     #[arg(long, value_name = "FRACTION", allow_hyphen_values = true)]
     pub relative_contraction: Option<String>,
-    /// "new" (the mixed model of an earlier run), "new_least_squares" (its plain fit) or the id of a published model
+    /// "new" (the mixed model of an earlier run), "new_least_squares" (the plain fit of that run) or the id of a published model
     #[arg(long, value_name = "ID", default_value = "new")]
     pub model: String,
     /// Campaign whose fit is used [default: the pooled one of this diameter, else the one with most specimens]
     #[arg(long, value_name = "ID")]
     pub campaign: Option<String>,
-    /// What the rig would read: with the effects of the rig that were found, its zeros and its noise, which are left out otherwise
-    #[arg(long)]
+    /// The reading of the rig instead of the force of the muscle: with the rig's effects, its zeros and its noise
+    #[arg(long, conflicts_with = "knee")]
     pub as_read: bool,
     /// How well the length is known, as a standard deviation [default: as lengths are set on the rig]
     #[arg(long, value_name = "LENGTH")]
@@ -171,7 +171,7 @@ pub fn command(args: &PredictArgs) -> Result<u8> {
         predictor = predictor.with_specimens_of(fitted.fit);
     }
     if args.as_read {
-        predictor.whose = Whose::Rig;
+        predictor = predictor.as_read()?;
     }
     let length_sd_m = args.length_sd.as_deref();
     let length_sd_m =
@@ -366,32 +366,43 @@ fn steps(args: &PredictArgs, axis: Axis, predictor: &Predictor) -> Result<Steps>
 pub(super) fn laws(derived: &Path) -> Result<Laws> {
     Ok(Laws {
         fits: fits(derived)?,
-        mixed: mixed(derived)?,
+        mixed: mixed(&derived.join("mixed_laws.json"))?,
     })
 }
 
 /// The fits of an earlier run; none where there was no run.
 pub(super) fn fits(derived: &Path) -> Result<Vec<GroupFit>> {
-    list(&derived.join("fits.json"))
+    Ok(list(&derived.join("fits.json"))?.unwrap_or_default())
 }
 
-/// The laws of its mixed models.
-fn mixed(derived: &Path) -> Result<Vec<MixedLaw>> {
-    list(&derived.join("mixed_laws.json"))
+/// The laws of its mixed models; none where it left none.
+fn mixed(path: &Path) -> Result<Option<Vec<MixedLaw>>> {
+    let all: Option<Vec<MixedLaw>> = list(path)?;
+    if all.iter().flatten().any(|law| !law.is_sound()) {
+        return Err(of_another_version(
+            path,
+            "its numbers do not fit to one another",
+        ));
+    }
+    Ok(all)
 }
 
-fn list<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>> {
+fn list<T: DeserializeOwned>(path: &Path) -> Result<Option<Vec<T>>> {
     let text = match std::fs::read(path) {
         Ok(text) => text,
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
         Err(e) => return Err(Error::io("read", path)(e)),
     };
-    serde_json::from_slice(&text).map_err(|e| {
-        Error::Usage(format!(
-            "{} cannot be read ({e}): it was written by another version; `pipeline run` rewrites it",
-            path.display()
-        ))
-    })
+    let all = serde_json::from_slice(&text);
+    all.map(Some)
+        .map_err(|e| of_another_version(path, &e.to_string()))
+}
+
+fn of_another_version(path: &Path, why: &str) -> Error {
+    Error::Usage(format!(
+        "{} cannot be read ({why}): it was written by another version; `pipeline run` rewrites it",
+        path.display()
+    ))
 }
 
 /// Writes a table where one was asked for.

@@ -7,14 +7,17 @@ use crate::print::{counted, line};
 use pipeline_base::error::{Error, Result};
 use pipeline_base::row::Row;
 use pipeline_base::session::Kind;
-use pipeline_diagnose::mixed_law::{Muscle as Calibrated, Next};
+use pipeline_diagnose::mixed_law::{Estimate, Muscle as Calibrated, Next, STANDS_OUT};
 use pipeline_fit::is_usable;
 use pipeline_inspect::population::Known;
 use pipeline_inspect::{Inspection, Seen, State};
 use pipeline_predict::{Answer, FreeLength, Law, Muscle, Predictor};
 use serde_json::{Value, json};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+
+/// Lengths that differ by less are one, noted twice, m.
+const SAME_LENGTH_M: f64 = 1e-6;
 
 /// Readings of a muscle, and what the last run knows of others.
 pub struct Read {
@@ -38,13 +41,38 @@ pub fn read(args: &PredictArgs, places: &Places) -> Result<Option<Read>> {
         rows.extend(of_folder(folder, places)?);
         doubts.extend(doubts_of(folder, places, &known));
     }
-    let mut seen = BTreeSet::new();
-    rows.retain(|r| seen.insert((r.session.clone(), r.log.clone(), r.first_row)));
     doubts.dedup();
     Ok(Some(Read {
         doubts,
-        rows: of_one_muscle(rows)?,
+        rows: each_once(of_one_muscle(rows)?)?,
     }))
+}
+
+/// Every reading once: somebody may name a session twice, or one of the run.
+///
+/// # Errors
+/// Two sessions of one id.
+fn each_once(rows: Vec<Row>) -> Result<Vec<Row>> {
+    let mut seen: BTreeMap<(String, String, i64), [u64; 3]> = BTreeMap::new();
+    let mut once = Vec::new();
+    for row in rows {
+        let key = (row.session.clone(), row.log.clone(), row.first_row);
+        let values = [row.force_n, row.pressure_kpa, row.length_m].map(f64::to_bits);
+        match seen.get(&key) {
+            None => {
+                seen.insert(key, values);
+                once.push(row);
+            }
+            Some(before) if *before == values => {}
+            Some(_) => {
+                return Err(Error::Usage(format!(
+                    "two sessions with different readings are called {}: give one of them another id",
+                    row.session
+                )));
+            }
+        }
+    }
+    Ok(once)
 }
 
 /// What the last run has of a specimen.
@@ -114,19 +142,30 @@ fn of_one_muscle(rows: Vec<Row>) -> Result<Vec<Row>> {
             "none of the readings can be used: `pipeline check-session` says why".to_owned()
         }));
     };
-    let is_other =
-        |r: &&Row| r.diameter_mm != first.diameter_mm || r.rest_length_m != first.rest_length_m;
+    let differs = |a: f64, b: f64| (a - b).abs() > SAME_LENGTH_M;
+    let is_other = |r: &&Row| {
+        r.specimen != first.specimen
+            || r.diameter_mm != first.diameter_mm
+            || differs(r.rest_length_m, first.rest_length_m)
+            || differs(r.contracted_length_m, first.contracted_length_m)
+    };
     let Some(other) = rows.iter().find(is_other) else {
         return Ok(rows);
     };
+    let muscle = |r: &Row| {
+        format!(
+            "{} has specimen {} of {} mm, {:.1} mm long, {:.1} mm at 620 kPa",
+            r.session,
+            r.specimen,
+            r.diameter_mm,
+            1e3 * r.rest_length_m,
+            1e3 * r.contracted_length_m
+        )
+    };
     Err(Error::Usage(format!(
-        "the readings are of more than one muscle: {} of {} mm and {:.1} mm, {} of {} mm and {:.1} mm",
-        first.session,
-        first.diameter_mm,
-        1e3 * first.rest_length_m,
-        other.session,
-        other.diameter_mm,
-        1e3 * other.rest_length_m
+        "the readings are of more than one muscle: {}; {}. Sessions of one muscle have its id and its lengths in common",
+        muscle(first),
+        muscle(other)
     )))
 }
 
@@ -168,8 +207,38 @@ impl Read {
         }
         let mut told = predictor.reading(&self.rows);
         told.doubts = self.doubts;
+        let contradictions = told.calibrated().map_or_else(Vec::new, contradictions);
+        told.doubts.extend(contradictions);
         Ok(told)
     }
+}
+
+/// Where the readings contradict the scatter between muscles and sessions: a wrong length, diameter or unit is likelier than such a muscle.
+fn contradictions(muscle: &Calibrated) -> Vec<String> {
+    let stands_out = |e: &Estimate| (e.value / e.sd_before).abs() > STANDS_OUT;
+    let gain = muscle.gain();
+    let of_gain = stands_out(&gain).then(|| {
+        format!(
+            "a specimen gain of {:+.1}% is {:.0} standard deviations from those of the mixed model",
+            100.0 * gain.value,
+            (gain.value / gain.sd_before).abs()
+        )
+    });
+    let lengths = muscle.set_lengths().into_iter().filter(|e| stands_out(e));
+    let of_lengths = lengths.map(|e| {
+        format!(
+            "{}: a length that is off by {:+.1} mm is {:.0} standard deviations from those that are set on the rig",
+            e.session.clone().unwrap_or_default(),
+            e.value,
+            (e.value / e.sd_before).abs()
+        )
+    });
+    let advice = |what: String| {
+        format!(
+            "{what}: check lengths, diameter and units of the session; the answer is not to be relied on"
+        )
+    };
+    of_gain.into_iter().chain(of_lengths).map(advice).collect()
 }
 
 /// Contractions and pressures among which the next reading is looked for: steps of the ranges that were measured.
@@ -196,7 +265,11 @@ fn next(predictor: &Predictor, answer: &Answer) -> Option<Next> {
     let all: Vec<[f64; 4]> = steps((low.max(0.0), high), STEPS.0)
         .flat_map(pressures)
         .collect();
-    muscle.next(state(answer.length_m, answer.pressure_kpa), &all)
+    muscle.next(
+        state(answer.length_m, answer.pressure_kpa),
+        predictor.whose,
+        &all,
+    )
 }
 
 /// Whether a check is about the values of readings, and neither about what was left out of them nor about a muscle that is merely strong.
@@ -223,20 +296,25 @@ pub fn head(muscle: &Calibrated) {
         format!("combined with the mixed model of {others} others")
     };
     line(format!(
-        "readings {readings} of it in {}: {with}",
+        "readings {readings} of this muscle in {}: {with}",
         counted(sessions, "session", "sessions")
     ));
     let gain = muscle.gain();
     line(format!(
-        "         specimen gain {:+.1} ± {:.1}% relative to that law (standard deviation; ± {:.1}% without the readings): percentile {:.0}",
+        "         specimen gain {:+.1} ± {:.1}% relative to that law (standard deviation; ± {:.1}% without the readings): percentile {}",
         100.0 * gain.value,
         100.0 * gain.sd,
         100.0 * gain.sd_before,
-        muscle.percentile()
+        match muscle.percentile() {
+            p if p < 1.0 => "<1".to_owned(),
+            p if p > 99.0 => ">99".to_owned(),
+            p => format!("{p:.0}"),
+        }
     ));
     for length in muscle.set_lengths() {
+        let digits = if length.sd < 0.05 { 2 } else { 1 };
         line(format!(
-            "         {}: {:.1} ± {:.1} mm {} than noted, by that law",
+            "         {}: {:.digits$} ± {:.digits$} mm {} than noted, by that law",
             length.session.unwrap_or_default(),
             length.value.abs(),
             length.sd,

@@ -2,7 +2,7 @@
 
 use crate::columns::{Align, aligned};
 use crate::predict_calibrate;
-use crate::print::{line, print_json};
+use crate::print::{counted, line, print_json};
 use pipeline_base::error::Result;
 use pipeline_diagnose::mixed_law::Whose;
 use pipeline_mechanics::models::festo_tool::TOLERANCE;
@@ -194,8 +194,9 @@ pub fn head(predictor: &Predictor) {
     let muscle = &predictor.muscle;
     let free = match (muscle.contraction_620, predictor.free) {
         (Some(e), FreeContraction::MeanOfSpecimens { specimens, .. }) => format!(
-            ", contraction at 620 kPa not given: {:.1}%, the mean of {specimens} specimens",
-            100.0 * e
+            ", contraction at 620 kPa not given: {:.1}%, the mean of {}",
+            100.0 * e,
+            counted(specimens, "specimen", "specimens")
         ),
         (Some(e), _) => format!(
             ", contraction at 620 kPa {:.1}% (to {})",
@@ -239,6 +240,9 @@ pub fn head(predictor: &Predictor) {
     }
     if !predictor.choice.why.is_empty() {
         line(format!("         {}", predictor.choice.why));
+    }
+    if predictor.whose == Whose::Rig {
+        line("         as the rig reads it: with its effects, its zeros and its noise");
     }
     if let Law::Fitted(fitted) = law {
         warnings(
@@ -313,12 +317,16 @@ fn no_interval(predictor: &Predictor) -> Option<String> {
         )),
         Law::Fitted(Fitted { mixed: Some(_), .. }) => None,
         Law::Fitted(_) if predictor.choice.is_least_squares => Some(
-            "no interval: least squares does not say how muscles differ; the mixed model (--model new) does"
+            "no interval: least squares gives no scatter between muscles; the mixed model (--model new) does"
+                .to_owned(),
+        ),
+        Law::Fitted(_) if !predictor.choice.has_mixed => Some(
+            "no interval: mixed_laws.json, which has the scatter between muscles, is missing; `pipeline run` writes it"
                 .to_owned(),
         ),
         Law::Fitted(fitted) => Some(format!(
-            "no interval: there is no mixed model of {}, which would say how muscles differ: it takes two specimens and 20 readings, and a pool of \
-             so many specimens is not assessed (Festo states {:.0}% of the force)",
+            "no interval: there is no mixed model of {}, which would have the scatter between muscles. It takes two specimens, 20 readings and the \
+             new model as diagnose.base_model, and a pool as large as this may not be assessed (Festo states {:.0}% of the force)",
             fitted.fit.group.campaign,
             100.0 * TOLERANCE
         )),
@@ -436,7 +444,7 @@ pub fn with_head(predictor: &Predictor, key: &str, value: Value) -> Value {
             "specimens": fit.specimens.len(),
             "readings": fit.rows,
             "ranges": fit.ranges,
-            "scatter": fit.scatter,
+            "scatter": mixed.is_none().then_some(&fit.scatter),
             "doubtful": fit.doubtful,
         });
     }

@@ -133,7 +133,9 @@ pub fn apply<R: Real>(form: usize, [h, _]: [R; 2], at: &Conditions, link: &mut L
         }
         4 => link.pressure = link.pressure - h * at.moved,
         5 => {
-            let friction = h * (2.0 * s * at.sliding() * (1.0 - at.pressure_kpa / at.highest_kpa));
+            // A log that was never filled is at the end of no loop.
+            let highest_kpa = at.highest_kpa.max(f64::MIN_POSITIVE);
+            let friction = h * (2.0 * s * at.sliding() * (1.0 - at.pressure_kpa / highest_kpa));
             link.force = link.force - within_tension(friction, link.force, at);
         }
         _ => {}

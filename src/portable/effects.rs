@@ -5,14 +5,13 @@
 
 use crate::domain::Domain;
 use crate::law::Law;
-use crate::model::{Model, Named, Spread};
+use crate::model::{Model, Named};
 use crate::source;
 use pipeline_base::error::{Error, Result};
 use pipeline_effects as effects;
-use pipeline_effects::{Effect, Subject, specimen_variation};
+use pipeline_effects::{Effect, Subject};
 use pipeline_findings::{ActsOn, CampaignFindings, CoefficientChange, EffectFinding};
 use pipeline_fit::GroupFit;
-use pipeline_numerics::distributions::student_t_quantile;
 
 /// Of a 95% interval from a standard error.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -53,7 +52,7 @@ pub fn of_findings(
         ];
     }
     model.title = format!("new model, mixed-model fit to {}", source::campaign(fit));
-    model.spread = spread(found);
+    model.spread = None;
     model.coefficients = found.coefficients.iter().map(of_change).collect();
     model.coefficients.push(source::cap_length(fit));
     model.provenance[0] = format!(
@@ -64,21 +63,6 @@ pub fn of_findings(
     model.domain = Domain::new(&law, *model.fitted());
     model.law = law;
     Ok(model)
-}
-
-/// How a reading of a muscle that was not measured scatters: its gain, and on the average over the readings everything else.
-fn spread(found: &CampaignFindings) -> Option<Spread> {
-    let between = found.scatter_sd(specimen_variation::ID)?;
-    let others = found.budget.iter().filter(|b| b.source != "specimen_gain");
-    let within: f64 = others.map(|b| b.variance).sum();
-    let freedom = found.design.specimens.checked_sub(1).filter(|f| *f > 0)?;
-    Some(Spread {
-        between,
-        within_n: within.sqrt(),
-        within_of: "lengths, zeros, misfit and noise of a session, and the fit itself, on the average",
-        t: student_t_quantile(0.975, freedom as f64),
-        freedom,
-    })
 }
 
 /// b1, b2, c0, c1, c2 with the effects.
@@ -101,9 +85,9 @@ fn coefficients(found: &CampaignFindings) -> Result<[f64; 5]> {
     };
     all().ok_or_else(|| {
         Error::Usage(format!(
-            "the loop has no coefficients of the new model for {} ({} mm): its base model is {}, its verdict {:?}; --least-squares exports the plain fit, or run with \
-             diagnose.base_model = \"new\"",
-            found.campaign, found.diameter_mm, found.base_model, found.verdict
+            "{} ({} mm): the search has fitted no coefficients of the new model, but has {} as its base model; --least-squares exports the plain fit, or run \
+             with diagnose.base_model = \"new\"",
+            found.campaign, found.diameter_mm, found.base_model
         ))
     })
 }

@@ -71,11 +71,15 @@ fn spread(model: &Model) -> Vec<String> {
         return vec!["Interval for an unmeasured muscle: none, because how specimens scatter about it is not known.".to_owned()];
     };
     vec![
-        "95% interval of a reading of an unmeasured muscle of the same make, inside the box:"
+        "95% interval of the force of an unmeasured muscle of the same make, inside the box:"
             .to_owned(),
         format!(
-            "  F -/+ {:.3} sqrt(({:.4} F)^2 + ({:.3} N)^2), {} degrees of freedom: gains of specimens; {}.",
-            s.t, s.between, s.within_n, s.freedom, s.within_of
+            "  F -/+ {:.3} sqrt(({:.4} F)^2 + ({:.3} N)^2), Student's t of {} df: gains of specimens; {}.",
+            s.t,
+            s.between,
+            s.within_n,
+            s.freedom.round(),
+            s.within_of
         ),
         "  `pipeline predict` has the interval state by state.".to_owned(),
     ]

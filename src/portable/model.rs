@@ -2,6 +2,7 @@
 
 use crate::domain::{Answer, Domain, Fitted, State};
 use crate::law::Law;
+use pipeline_numerics::distributions::student_t_quantile;
 
 /// A coefficient under the name that papers give it.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +29,20 @@ pub struct Spread {
     /// Student's t of a 95% interval.
     pub t: f64,
     /// Degrees of freedom of it.
-    pub freedom: usize,
+    pub freedom: f64,
+}
+
+impl Spread {
+    /// The scatter with so many degrees of freedom.
+    pub fn new(between: f64, within_n: f64, within_of: &'static str, freedom: f64) -> Self {
+        Self {
+            between,
+            within_n,
+            within_of,
+            t: student_t_quantile(0.975, freedom),
+            freedom,
+        }
+    }
 }
 
 /// Whose the box of a model is.

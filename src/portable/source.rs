@@ -9,7 +9,6 @@ use pipeline_fit::engine::{CoefficientFit, EquationFit};
 use pipeline_fit::equations::JOINT;
 use pipeline_mechanics::models::new::NewPublished;
 use pipeline_mechanics::models::{Coefficient, ForceModel, P_620_KPA, knee_paper, new, values};
-use pipeline_numerics::distributions::student_t_quantile;
 
 /// Published models by the names of `--published`.
 pub const PUBLISHED: [&str; 2] = ["new", "knee_paper"];
@@ -160,13 +159,12 @@ fn of_coefficient(c: &CoefficientFit) -> Named {
 /// The scatter of the specimens about a fit.
 pub(crate) fn spread(fit: &GroupFit) -> Option<Spread> {
     let scatter = fit.scatter.as_ref()?;
-    Some(Spread {
-        between: scatter.between,
-        within_n: scatter.within_n,
-        within_of: "readings about one specimen's curve; the error of the fit itself comes on top",
-        t: student_t_quantile(0.975, scatter.freedom as f64),
-        freedom: scatter.freedom,
-    })
+    Some(Spread::new(
+        scatter.between,
+        scatter.within_n,
+        "readings about one specimen's curve; the error of the fit itself comes on top",
+        scatter.freedom as f64,
+    ))
 }
 
 /// A published model, by its name in [`PUBLISHED`].

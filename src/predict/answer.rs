@@ -128,6 +128,9 @@ pub struct Predictor<'a> {
     pub doubts: Vec<String>,
 }
 
+/// Largest standard deviation of a length that is any knowledge of it, share of the resting length: a third of what a muscle contracts.
+const MOST_LENGTH_SD: f64 = 0.05;
+
 impl<'a> Predictor<'a> {
     /// A muscle under a law.
     ///
@@ -176,20 +179,36 @@ impl<'a> Predictor<'a> {
         self
     }
 
+    /// The same as the rig would read it.
+    ///
+    /// # Errors
+    /// A law that knows of no rig.
+    pub fn as_read(mut self) -> Result<Self> {
+        if self.mixed.is_none() {
+            return Err(Error::Usage(
+                "--as-read: what the rig adds to the force is known from the mixed model only; leave it out".to_owned(),
+            ));
+        }
+        self.whose = Whose::Rig;
+        Ok(self)
+    }
+
     /// The same where the length is known to this standard deviation, m.
     ///
     /// # Errors
     /// A length that is none; a law without an interval.
     pub fn with_length_sd(mut self, sd_m: f64) -> Result<Self> {
-        if !(sd_m.is_finite() && sd_m >= 0.0) {
+        let most_m = MOST_LENGTH_SD * self.muscle.rest_length_m;
+        if !(0.0..=most_m).contains(&sd_m) {
             return Err(Error::Usage(format!(
-                "a standard deviation of {} is none: give a length from zero on, such as 0.2mm",
-                mm(sd_m)
+                "--length-sd {}: a standard deviation cannot be negative, and with more than {} nothing is known of this muscle; give one such as 0.2mm",
+                mm(sd_m),
+                mm(most_m)
             )));
         }
         let Some(mixed) = self.mixed else {
             return Err(Error::Usage(
-                "how well the length is known changes the interval, which only the mixed model has: leave out --length-sd".to_owned(),
+                "--length-sd: how well the length is known changes the interval, which only the mixed model has; leave it out".to_owned(),
             ));
         };
         self.mixed = Some(mixed.with_length_sd(1e3 * sd_m));
@@ -348,13 +367,23 @@ impl<'a> Predictor<'a> {
         forecast: &mixed_law::Forecast,
         contraction_620_n: f64,
     ) {
-        let interval = Interval::of(forecast, contraction_620_n);
-        answer.force_n = Some(forecast.mean_n.max(0.0));
-        answer.interval = Some(interval);
+        // An actuator does not push; a load cell may well show that it does.
+        let least_n = match self.whose {
+            Whose::Actuator => 0.0,
+            Whose::Rig => f64::NEG_INFINITY,
+        };
+        if !(forecast.mean_n.is_finite() && forecast.parts.variance().is_finite()) {
+            answer
+                .warnings
+                .push("the mixed model has no force at this state".to_owned());
+            return;
+        }
+        answer.force_n = Some(forecast.mean_n.max(least_n));
+        answer.interval = Some(Interval::of(forecast, least_n, contraction_620_n));
         if self.calibrated().is_some() {
             let before = muscle.without_readings().at(state, self.whose);
-            let interval = Interval::of(&before, contraction_620_n);
-            answer.uncalibrated = Some((before.mean_n.max(0.0), interval));
+            let interval = Interval::of(&before, least_n, contraction_620_n);
+            answer.uncalibrated = Some((before.mean_n.max(least_n), interval));
         }
         let terms = muscle.law.terms.iter().zip(muscle.changes(state));
         let of = |(term, change_n): (&mixed_law::Held, f64)| OfEffect {

@@ -12,7 +12,7 @@ pub const CONFIDENCE: f64 = 0.95;
 /// An interval, and what it is made of: standard deviations in N.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Interval {
-    /// Lower end, N; never below zero.
+    /// Lower end, N; never below zero but where a rig with a zero of its own is read.
     pub low_n: f64,
     /// Upper end, N.
     pub high_n: f64,
@@ -26,8 +26,8 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// The interval of a forecast; `contraction_620_n` is the standard deviation from an eps_620 that was not given.
-    pub fn of(forecast: &Forecast, contraction_620_n: f64) -> Self {
+    /// The interval of a forecast, cut off at `least_n`; `contraction_620_n` is the standard deviation from an eps_620 that was not given.
+    pub fn of(forecast: &Forecast, least_n: f64, contraction_620_n: f64) -> Self {
         let Forecast {
             mean_n,
             parts,
@@ -36,8 +36,8 @@ impl Interval {
         let sd = (parts.variance() + contraction_620_n * contraction_620_n).sqrt();
         let half = student_t_quantile(0.5 + 0.5 * CONFIDENCE, freedom) * sd;
         Self {
-            low_n: (mean_n - half).max(0.0),
-            high_n: (mean_n + half).max(0.0),
+            low_n: (mean_n - half).max(least_n),
+            high_n: (mean_n + half).max(least_n),
             parts,
             contraction_620_n,
             freedom,

@@ -18,8 +18,8 @@ pub const LEAST_SQUARES: &str = "new_least_squares";
 pub struct Laws {
     /// One for every campaign and pool.
     pub fits: Vec<GroupFit>,
-    /// One for those that were assessed.
-    pub mixed: Vec<MixedLaw>,
+    /// One for those that were assessed; none where the run is of a version that had none, or somebody has deleted them.
+    pub mixed: Option<Vec<MixedLaw>>,
 }
 
 /// The new model with the coefficients of an earlier run.
@@ -47,7 +47,7 @@ impl Laws {
     pub fn mixed_of(&self, fit: &GroupFit) -> Option<&MixedLaw> {
         let group = &fit.group;
         let of = |m: &&MixedLaw| m.campaign == group.campaign && m.diameter_mm == group.diameter_mm;
-        self.mixed.iter().find(of)
+        self.mixed.iter().flatten().find(of)
     }
 }
 
@@ -70,12 +70,12 @@ impl Law<'_> {
                 } else {
                     ""
                 };
-                let how = if mixed.is_some() {
-                    "mixed-model fit"
-                } else {
-                    "least-squares fit"
+                let how = match mixed {
+                    Some(mixed) if mixed.has_fitted_law() => "new model, mixed-model fit to",
+                    Some(_) => "published coefficients with the mixed model of",
+                    None => "new model, least-squares fit to",
                 };
-                format!("new model, {how} to {}{simulated}", fit.group.campaign)
+                format!("{how} {}{simulated}", fit.group.campaign)
             }
             Law::Published(model) => model.title().to_owned(),
         }
@@ -91,6 +91,8 @@ pub struct Choice<'a> {
     pub why: String,
     /// Whether least squares was asked for.
     pub is_least_squares: bool,
+    /// Whether the run has any laws of mixed models.
+    pub has_mixed: bool,
 }
 
 /// The law of a model id and a nominal diameter; `campaign` picks among the fits.
@@ -123,6 +125,7 @@ pub fn choose<'a>(
         let choice = named(&usable, campaign, diameter_mm)?;
         return Ok(Choice {
             is_least_squares: model == LEAST_SQUARES,
+            has_mixed: laws.mixed.is_some(),
             ..choice
         });
     }
@@ -147,11 +150,13 @@ pub fn choose<'a>(
                 fitted.fit.group.campaign
             ),
             is_least_squares: model == LEAST_SQUARES,
+            has_mixed: laws.mixed.is_some(),
         }),
         (None, Some(fitted)) => Ok(Choice {
             law: Law::Fitted(*fitted),
             why: largest_of(fitted.fit, &usable),
             is_least_squares: model == LEAST_SQUARES,
+            has_mixed: laws.mixed.is_some(),
         }),
         (None, None) => fallback(diameter_mm),
     }
@@ -187,6 +192,7 @@ fn named<'a>(usable: &[Fitted<'a>], campaign: &str, diameter_mm: u32) -> Result<
             law: Law::Fitted(*fitted),
             why: String::new(),
             is_least_squares: false,
+            has_mixed: false,
         }),
         None if usable.is_empty() => usage(format!(
             "there is no fit for {diameter_mm} mm in any campaign; `pipeline run` makes fits from sessions"
@@ -243,6 +249,7 @@ fn by_id<'a>(id: &str, diameter_mm: u32) -> Result<Choice<'a>> {
         law: Law::Published(*model),
         why: String::new(),
         is_least_squares: false,
+        has_mixed: false,
     })
 }
 

@@ -394,3 +394,28 @@ fn sweeps_and_the_table_are_printed_written_and_drawn() {
     let first = answers[0]["muscle"]["rest_length_m"].as_f64().unwrap();
     assert!((first - 0.112).abs() < 1e-12);
 }
+
+/// With Python and NumPy: run by `.ci/run`.
+mod outside {
+    use crate::support::outside_program;
+    use std::path::Path;
+    use std::process::Command;
+
+    /// Two minutes: `tests/scripts/mixed_law.py` simulates campaigns, runs them and predicts by their mixed models with a dense covariance.
+    #[test]
+    #[ignore = "needs Python with numpy"]
+    fn numpy_predicts_the_same_by_the_mixed_models() {
+        let python = outside_program("PYTHON", "python3", &["-c", "import numpy"]);
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scripts/mixed_law.py");
+        let mut command = Command::new(python);
+        let output = command
+            .arg(script)
+            .arg(env!("CARGO_BIN_EXE_pipeline"))
+            .output();
+        let output = output.unwrap();
+        let said = String::from_utf8_lossy(&output.stdout);
+        let failed = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{said}{failed}");
+        assert!(said.contains("0 differences are too large"), "{said}");
+    }
+}

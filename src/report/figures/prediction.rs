@@ -151,7 +151,7 @@ fn named(predictor: &Predictor, name: &str, held: &str, panel: Panel) -> Named {
         .map_or_else(String::new, |e| format!(", ε_{{620}} {:.1}%", 100.0 * e));
     let (diameter, law) = (muscle.diameter_mm, predictor.choice.law.title());
     let law = match predictor.calibrated() {
-        Some(_) => format!("{law}, and readings of it"),
+        Some(_) => format!("{law}, calibrated by its readings"),
         None => law,
     };
     let title = format!("Predicted force of a {diameter} mm muscle, {law}");

@@ -49,6 +49,7 @@ impl MixedLaw {
                 .iter()
                 .map(|k| data.specimens[*k].clone())
                 .collect(),
+            lengths_m: taking_part.iter().map(|k| lengths_of(data, *k)).collect(),
             sessions: problem.sessions.iter().filter(|n| active(n)).count(),
             readings: problem.node()[..data.len()]
                 .iter()
@@ -73,6 +74,15 @@ impl MixedLaw {
             sd: sizes(problem, unseen.variances(), unseen.shown_by_class()),
         })
     }
+}
+
+/// Resting and contracted length of a specimen, m.
+fn lengths_of(data: &Data, specimen: usize) -> [f64; 2] {
+    let first = data.specimen.iter().position(|k| *k == specimen);
+    first.map_or([f64::NAN; 2], |i| {
+        let at = &data.conditions[i];
+        [at.rest_length_m, at.contracted_length_m]
+    })
 }
 
 fn held(data: &Data, term: &library::Term, values: &[f64], found: &[EffectFinding]) -> Held {

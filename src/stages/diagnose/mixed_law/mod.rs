@@ -38,10 +38,13 @@ mod view;
 
 pub use muscle::{Estimate, Muscle, Next};
 pub use parts::{Forecast, Parts};
+/// A muscle that differs by more standard deviations from those of the law contradicts it.
+pub use pipeline_inference::decisions::STANDS_OUT;
 pub use view::Whose;
 
 use crate::base::Base;
 use crate::data::Origins;
+use crate::problem::misfit::common_pairs;
 use crate::slack::{self, Shape};
 use pipeline_effects::Subject;
 use serde::{Deserialize, Serialize};
@@ -58,6 +61,8 @@ pub struct MixedLaw {
     pub campaigns: Vec<String>,
     /// Specimens that took part; of a pool with the id of their campaign.
     pub specimens: Vec<String>,
+    /// Resting and contracted length of each, m.
+    pub lengths_m: Vec<[f64; 2]>,
     /// Number of sessions that took part.
     pub sessions: usize,
     /// Number of readings that took part.
@@ -220,6 +225,15 @@ impl Held {
         }
     }
 
+    /// Whether this version of the program has it, with so many values.
+    fn is_known(&self) -> bool {
+        let values = self.values.len();
+        match &self.what {
+            What::Effect { id, form } => view::registered(id, form).is_some() && values > 0,
+            _ => values > 1,
+        }
+    }
+
     /// The amplitude that acts on a session; none of one that it does not act on, or of which nobody knows.
     fn amplitude(&self, session: Option<&str>) -> Option<usize> {
         match &self.acts {
@@ -231,6 +245,12 @@ impl Held {
         }
     }
 }
+
+/// Lengths that differ by less are one, noted twice, m.
+const SAME_LENGTH_M: f64 = 1e-6;
+
+/// Number of coefficients of the law.
+const LAW: usize = 5;
 
 /// An effect that is not in the registry is of the rig.
 fn of_actuator(id: &str) -> bool {
@@ -252,6 +272,63 @@ impl MixedLaw {
     /// Number of all parameters: these columns and the free ones.
     fn parameters(&self) -> usize {
         self.common() + self.free.len()
+    }
+
+    /// Whether a specimen of this id and these lengths, m, is one of its own.
+    pub(crate) fn is_of(&self, id: &str, lengths_m: [f64; 2]) -> bool {
+        let place = self.specimens.iter().position(|s| s == id);
+        let own = place.and_then(|k| self.lengths_m.get(k));
+        let is_same = |(a, b): (&f64, &f64)| (a - b).abs() < SAME_LENGTH_M;
+        own.is_some_and(|own| own.iter().zip(&lengths_m).all(is_same))
+    }
+
+    /// Whether it is one that this version of the program writes: its lists fit to one another.
+    pub fn is_sound(&self) -> bool {
+        let cosines = common_pairs().count();
+        let of_campaigns = if self.is_pooled() {
+            2 * self.campaigns.len()
+        } else {
+            0
+        };
+        let (beside, all) = (&self.beside, self.parameters());
+        let is_law = |c: &[f64]| c.len() == LAW && c.iter().all(|x| x.is_finite());
+        let is_free = |slot: &Slot| match slot {
+            Slot::Coefficient(k) => *k < LAW,
+            Slot::Value(t, v) => self.terms.get(*t).is_some_and(|h| *v < h.values.len()),
+        };
+        let fits = |w: &Vec<f64>| w.len() == beside.free.len();
+        let sd = &self.sd;
+        let sizes = [
+            sd.gain,
+            sd.rest_length_mm,
+            sd.contracted_length_mm,
+            sd.set_length_mm,
+            sd.zero_n,
+            sd.session_misfit,
+            sd.stroke_misfit.unwrap_or(0.0),
+            sd.campaign_gain,
+            sd.campaign_zero_n,
+        ];
+        is_law(&self.coefficients)
+            && is_law(&beside.coefficients)
+            && beside.free.iter().all(|k| *k < LAW)
+            && beside.weights.len() == cosines
+            && beside.weights.iter().all(fits)
+            && self.common_mean.len() == cosines + of_campaigns
+            && self.root.len() == all * (all + 1) / 2
+            && self.free.iter().all(is_free)
+            && self.terms.iter().all(Held::is_known)
+            && self.lengths_m.len() == self.specimens.len()
+            && !self.specimens.is_empty()
+            && sizes.iter().all(|x| x.is_finite() && *x >= 0.0)
+            && sd.noise_n.len() == self.campaigns.len()
+            && sd.noise_n.iter().all(|x| *x > 0.0)
+            && sd.corner_n.len() == slack::BANDS
+    }
+
+    /// Whether coefficients of its law are fitted, not taken as published.
+    pub fn has_fitted_law(&self) -> bool {
+        self.free.iter().any(|s| matches!(s, Slot::Coefficient(_)))
     }
 
     /// Whether it is of a pool.

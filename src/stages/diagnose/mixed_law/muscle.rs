@@ -9,7 +9,7 @@
 use super::MixedLaw;
 use super::parts::{Forecast, Parts};
 use super::readings::Read;
-use super::view::{OF_SESSION, OF_STROKE, Own, Reading, View, Whose};
+use super::view::{Lengths, OF_SESSION, OF_STROKE, Own, Reading, View, Whose};
 use crate::base::Base;
 use crate::data::{Data, specimen_id};
 use pipeline_base::row::Row;
@@ -59,7 +59,11 @@ pub struct Muscle<'a> {
     campaign: Option<usize>,
     /// How well its length is known where its force is asked for, mm; none as the rig sets it.
     length_sd_mm: Option<f64>,
+    /// How well its own lengths are known, mm.
+    own_lengths_mm: [f64; 2],
     sessions: Vec<String>,
+    /// Units of the set length of each session, mm.
+    units_mm: Vec<f64>,
     readings: usize,
     /// Whether the readings are some that the law was made of.
     pub(super) in_law: bool,
@@ -78,7 +82,9 @@ impl<'a> Muscle<'a> {
             base: Arc::new(law.base()),
             campaign: None,
             length_sd_mm: None,
+            own_lengths_mm: law.usual_lengths().own_mm,
             sessions: Vec::new(),
+            units_mm: Vec::new(),
             readings: 0,
             in_law: false,
             mean: vec![0.0; size],
@@ -106,8 +112,14 @@ impl<'a> Muscle<'a> {
         };
         muscle.campaign = read.readings.first().and_then(|r| r.campaign);
         muscle.readings = rows.len();
-        muscle.in_law = law.specimens.contains(&id);
+        let lengths_m = [first.rest_length_m, first.contracted_length_m];
+        muscle.in_law = law.is_of(&id, lengths_m);
         muscle.sessions.clone_from(&data.sessions);
+        muscle.units_mm = vec![law.sd.set_length_mm; data.sessions.len()];
+        for (reading, s) in read.readings.iter().zip(&read.session) {
+            muscle.units_mm[*s] = reading.lengths().set_mm;
+            muscle.own_lengths_mm = reading.lengths().own_mm;
+        }
         muscle.condition(&read);
         muscle
     }
@@ -116,6 +128,7 @@ impl<'a> Muscle<'a> {
     pub fn without_readings(&self) -> Self {
         Self {
             length_sd_mm: self.length_sd_mm,
+            own_lengths_mm: self.own_lengths_mm,
             ..Self::unread(self.law)
         }
     }
@@ -187,18 +200,19 @@ impl<'a> Muscle<'a> {
         [rest_length_m, contracted_length_m, length_m, pressure_kpa]: [f64; 4],
         whose: Whose,
     ) -> Forecast {
-        let view = self.view_of(
-            [rest_length_m, contracted_length_m, length_m, pressure_kpa],
-            whose,
-        );
+        let state = [rest_length_m, contracted_length_m, length_m, pressure_kpa];
+        let view = self.view_of(&self.state(state, whose));
         let row = self.row(&view, None, self.sessions.len());
         self.forecast(&view, &row)
     }
 
     fn state(&self, [rest_m, contracted_m, length_m, kpa]: [f64; 4], whose: Whose) -> Reading {
         let at = self.law.steady(rest_m, contracted_m, length_m, kpa);
-        let length_sd_mm = self.length_sd_mm.unwrap_or(self.law.sd.set_length_mm);
-        self.law.state(at, whose, self.campaign, length_sd_mm)
+        let lengths = Lengths {
+            set_mm: self.length_sd_mm.unwrap_or(self.law.sd.set_length_mm),
+            own_mm: self.own_lengths_mm,
+        };
+        self.law.state(at, whose, self.campaign, lengths)
     }
 
     /// By how much each term of the law changes what the rig would read in one more session, N.
@@ -214,10 +228,9 @@ impl<'a> Muscle<'a> {
         terms.map(|t| with - force(&state.without(t))).collect()
     }
 
-    fn view_of(&self, [rest_m, contracted_m, length_m, kpa]: [f64; 4], whose: Whose) -> View {
-        let state = self.state([rest_m, contracted_m, length_m, kpa], whose);
+    fn view_of(&self, state: &Reading) -> View {
         let own = self.own(&self.mean, None);
-        self.law.view_of_state(&self.base, &state, own)
+        self.law.view_of_state(&self.base, state, own)
     }
 
     fn forecast(&self, view: &View, row: &[(usize, f64)]) -> Forecast {
@@ -230,9 +243,20 @@ impl<'a> Muscle<'a> {
         let parts = self.parts(view, row);
         Forecast {
             mean_n,
-            freedom: self.law.freedom(&parts, self.length_sd_mm.is_some()),
+            freedom: self.freedom(&parts, view),
             parts,
         }
+    }
+
+    /// Degrees of freedom: of what is not known of law and muscle together those that it had before any reading, which took nothing from them.
+    fn freedom(&self, parts: &Parts, view: &View) -> f64 {
+        let known = self.length_sd_mm.is_some();
+        let unread = Parts::of_unread(view);
+        if self.sessions.is_empty() {
+            return self.law.freedom(&unread, None, known);
+        }
+        let of_muscle = self.law.freedom(&unread.of_muscle(), None, known);
+        self.law.freedom(parts, Some(of_muscle), known)
     }
 
     /// Where the variance in one more session is from.
@@ -254,7 +278,7 @@ impl<'a> Muscle<'a> {
             let id = &data.sessions[data.session[i]];
             let session = self.sessions.iter().position(|s| s == id);
             let mut own = self.own(&self.mean, session);
-            own.length_mm *= reading.set_length_mm();
+            own.length_mm *= reading.lengths().set_mm;
             let view = self.law.view(&self.base, reading, own);
             let mut row = self.row(&view, None, self.sessions.len());
             let mut parts = self.parts(&view, &row);
@@ -279,7 +303,7 @@ impl<'a> Muscle<'a> {
                 view.force_n + view.shown_n + linear.map(|(k, x)| x * self.mean[*k]).sum::<f64>();
             Forecast {
                 mean_n,
-                freedom: self.law.freedom(&parts, self.length_sd_mm.is_some()),
+                freedom: self.freedom(&parts, &view),
                 parts,
             }
         };
@@ -316,29 +340,28 @@ impl<'a> Muscle<'a> {
 
     /// The set length of each session less the one noted, mm.
     pub fn set_lengths(&self) -> Vec<Estimate> {
-        let unit = self.law.sd.set_length_mm;
-        let sessions = self.sessions.iter().enumerate();
+        let sessions = self.sessions.iter().zip(&self.units_mm).enumerate();
         sessions
-            .map(|(s, id)| self.estimate(self.of_session(s), unit, Some(id.clone())))
+            .map(|(s, (id, unit))| self.estimate(self.of_session(s), *unit, Some(id.clone())))
             .collect()
     }
 
     /// Of the readings that could be made next, each in a session of its own, the one that narrows the force at a state most.
-    pub fn next(&self, wanted: [f64; 4], candidates: &[[f64; 4]]) -> Option<Next> {
-        let of = |state: &[f64; 4]| {
-            let view = self.view_of(*state, Whose::Rig);
+    pub fn next(&self, wanted: [f64; 4], whose: Whose, candidates: &[[f64; 4]]) -> Option<Next> {
+        let of = |state: &Reading| {
+            let view = self.view_of(state);
             let row = self.row(&view, None, self.sessions.len());
-            (
-                self.whitened(&row),
-                Parts::of_session(&view).variance(),
-                view.noise_n,
-            )
+            (self.whitened(&row), Parts::of_session(&view).variance())
         };
-        let (here, alike, noise_n) = of(&wanted);
-        let alike = alike - noise_n * noise_n;
+        // A reading to come is made on the rig, however well the length is known where the force is asked for.
+        let on_rig = Self {
+            length_sd_mm: None,
+            ..self.clone()
+        };
+        let (here, alike) = of(&self.state(wanted, whose));
         let before = sum_of_squares(&here);
         let falls = candidates.iter().map(|state| {
-            let (there, own, _) = of(state);
+            let (there, own) = of(&on_rig.state(*state, Whose::Rig));
             let cross = dot(&here, &there);
             (state, cross * cross / (sum_of_squares(&there) + own))
         });

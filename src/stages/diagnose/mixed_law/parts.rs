@@ -69,6 +69,17 @@ impl Parts {
         }
     }
 
+    /// Of these, what is of the law and of the muscle.
+    pub(super) fn of_muscle(&self) -> Self {
+        Self {
+            estimation_n: self.estimation_n,
+            campaign_n: self.campaign_n,
+            gain_n: self.gain_n,
+            lengths_n: self.lengths_n,
+            ..Self::default()
+        }
+    }
+
     /// Those of a muscle of which nothing is known, too.
     pub(super) fn of_unread(view: &View) -> Self {
         let root = |columns: &[f64]| sum_of_squares(columns).sqrt();
@@ -85,13 +96,19 @@ impl Parts {
 impl MixedLaw {
     /// Degrees of freedom of a standard deviation that is made of estimated parts (Satterthwaite, *Biometrics Bulletin* 2 (1946) 110): each part has those
     /// of the groups that it was estimated from, less one. What is declared, or known as rounding, has no error.
-    pub(super) fn freedom(&self, parts: &Parts, length_is_known: bool) -> f64 {
+    /// That of the estimation is `of_estimation`, if it holds more than the law.
+    pub(super) fn freedom(
+        &self,
+        parts: &Parts,
+        of_estimation: Option<f64>,
+        length_is_known: bool,
+    ) -> f64 {
         let less = |groups: usize, by: usize| groups.saturating_sub(by).max(1) as f64;
         let specimens = less(self.specimens.len(), 1);
         let sessions = less(self.sessions, 1);
         let declared = self.sd.set_length_declared || length_is_known;
         let all = [
-            (parts.estimation_n, specimens),
+            (parts.estimation_n, of_estimation.unwrap_or(specimens)),
             (parts.campaign_n, less(self.campaigns.len(), 1)),
             (parts.gain_n, specimens),
             (parts.lengths_n, f64::INFINITY),

@@ -39,7 +39,7 @@ impl Muscle<'_> {
     fn views(&self, mean: &[f64], read: &Read) -> Vec<View> {
         let of = |(reading, session): (&Reading, &usize)| {
             let mut own = self.own(mean, Some(*session));
-            own.length_mm *= reading.set_length_mm();
+            own.length_mm *= reading.lengths().set_mm;
             self.law.view(&self.base, reading, own)
         };
         read.readings.iter().zip(&read.session).map(of).collect()

@@ -190,6 +190,7 @@ fn exact() -> MixedLaw {
         diameter_mm: 10,
         campaigns: vec!["c".to_owned()],
         specimens: (0..7).map(|k| k.to_string()).collect(),
+        lengths_m: vec![[0.2, 0.167]; 7],
         sessions: 28,
         readings: 500,
         unseen_n: None,

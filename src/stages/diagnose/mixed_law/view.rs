@@ -14,6 +14,7 @@ use crate::slack::{self, Shape, Side, Sided};
 use pipeline_base::row::Row;
 use pipeline_effects as effects;
 use pipeline_effects::{Actuator, Applied, Conditions};
+use pipeline_mechanics::models::P_620_KPA;
 use pipeline_numerics::matrix::dot;
 use pipeline_numerics::real::{Dual, Real};
 use std::collections::BTreeMap;
@@ -36,9 +37,17 @@ pub(super) struct Reading {
     pub(super) campaign: Option<usize>,
     /// The terms that act: place in the model, the places of amplitude and shape among its values, the value of its column.
     terms: Vec<(usize, [usize; 2], f64)>,
-    /// Units of the set length, mm.
-    set_length_mm: f64,
+    lengths: Lengths,
     whose: Whose,
+}
+
+/// How well lengths are known: standard deviations, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Lengths {
+    /// Of the set length of a session.
+    pub(super) set_mm: f64,
+    /// Of resting and contracted length of the muscle.
+    pub(super) own_mm: [f64; 2],
 }
 
 impl Reading {
@@ -54,9 +63,9 @@ impl Reading {
         without
     }
 
-    /// What its set length is in units of, mm.
-    pub(super) fn set_length_mm(&self) -> f64 {
-        self.set_length_mm
+    /// How well its lengths are known: what random lengths are in units of.
+    pub(super) fn lengths(&self) -> Lengths {
+        self.lengths
     }
 }
 
@@ -95,6 +104,30 @@ pub(super) struct View {
 pub(super) const OF_SESSION: usize = 2 + SESSION_COSINES;
 pub(super) const OF_STROKE: usize = STROKE_COSINES;
 
+impl View {
+    /// So much of another view, and the rest of this one.
+    fn blended(mut self, mut other: Self, share: f64) -> Self {
+        let columns = self.columns_mut().into_iter().zip(other.columns_mut());
+        columns.for_each(|(a, b)| *a += share * (*b - *a));
+        self
+    }
+
+    /// The same with the columns times a factor, those of the sensor apart.
+    fn scaled(mut self, factor: f64) -> Self {
+        let (zero, campaign_zero) = (self.session[1], self.campaign[1]);
+        self.columns_mut().into_iter().for_each(|x| *x *= factor);
+        (self.session[1], self.campaign[1]) = (zero, campaign_zero);
+        self
+    }
+
+    fn columns_mut(&mut self) -> Vec<&mut f64> {
+        let own = self.campaign.iter_mut().chain(&mut self.specimen);
+        let of_session = self.session.iter_mut().chain(&mut self.stroke);
+        let all = self.parameters.iter_mut().chain(own).chain(of_session);
+        all.collect()
+    }
+}
+
 impl MixedLaw {
     /// Conditions of a steady reading without a history.
     pub(super) fn steady(
@@ -107,6 +140,8 @@ impl MixedLaw {
         Conditions {
             diameter_mm: f64::from(self.diameter_mm),
             middle_rest_length_m: self.origins.middle_rest_length_m,
+            // That of any filling: a vented actuator is at the end of no loop.
+            highest_kpa: pressure_kpa.max(P_620_KPA),
             ..Conditions::at(rest_length_m, contracted_length_m, length_m, pressure_kpa)
         }
     }
@@ -117,18 +152,25 @@ impl MixedLaw {
         at: Conditions,
         whose: Whose,
         campaign: Option<usize>,
-        set_length_mm: f64,
+        lengths: Lengths,
     ) -> Reading {
-        let shape = Shape(self.shape);
         Reading {
-            side: slack::side(0.0, settings::NEAR_SLACK, self.largest_n, &at, &shape),
+            side: Side::AsPublished,
             at,
             campaign,
             terms: self.acting(None, None, |held| {
                 whose == Whose::Rig || held.is_of_actuator()
             }),
-            set_length_mm,
+            lengths,
             whose,
+        }
+    }
+
+    /// How well lengths are known where nobody says it.
+    pub(super) fn usual_lengths(&self) -> Lengths {
+        Lengths {
+            set_mm: self.sd.set_length_mm,
+            own_mm: [self.sd.rest_length_mm, self.sd.contracted_length_mm],
         }
     }
 
@@ -137,7 +179,15 @@ impl MixedLaw {
         let shape = Shape(self.shape);
         let of = |i: usize| {
             let (at, row) = (data.conditions[i], rows[data.place[i]]);
-            let declared = data.set_length_sd_mm[data.session[i]];
+            let or = |declared: f64, usual: f64| {
+                if declared.is_finite() {
+                    declared
+                } else {
+                    usual
+                }
+            };
+            let usual = self.usual_lengths();
+            let [rest, contracted] = data.specimen_lengths_sd_mm[data.specimen[i]];
             Reading {
                 at,
                 side: slack::side(
@@ -149,10 +199,9 @@ impl MixedLaw {
                 ),
                 campaign: self.campaigns.iter().position(|c| *c == row.campaign),
                 terms: self.acting(Some(&row.session), Some(&row.extras), |_| true),
-                set_length_mm: if declared.is_finite() {
-                    declared
-                } else {
-                    self.sd.set_length_mm
+                lengths: Lengths {
+                    set_mm: or(data.set_length_sd_mm[data.session[i]], usual.set_mm),
+                    own_mm: [or(rest, usual.own_mm[0]), or(contracted, usual.own_mm[1])],
                 },
                 whose: Whose::Rig,
             }
@@ -205,37 +254,44 @@ impl MixedLaw {
 
     /// The columns of a state that nobody has read: the law without a rounded corner, which has its columns.
     pub(super) fn view_of_state(&self, base: &Base, state: &Reading, own: Own) -> View {
-        let plain = self.chain(base, state, own, Side::AsPublished).value;
-        let near_n = settings::NEAR_SLACK * self.largest_n;
-        // Beyond the corner the law is itself, whatever else says where an actuator is slack.
-        let side = if plain > near_n {
-            Side::Pulls
-        } else {
-            state.side
-        };
-        let reading = Reading {
-            side,
-            ..state.clone()
-        };
-        let force = self.chain(base, &reading, own, side);
         let noise_n = state.sensed() * self.noise_n(state.campaign);
-        let mut view = self.columns(base, &reading, own, &force, (0.0, noise_n));
-        if side == Side::Corner {
-            // What readings show there beside a rounded law is beside the plain one no mean, but a misfit.
-            let (mean, sd) = in_corner(&self.sd, &state.at, &Shape(self.shape));
-            let noise_n = self.noise_n(state.campaign);
-            let more = mean * mean + sd * sd - noise_n * noise_n;
-            view.stroke.push(more.max(0.0).sqrt());
-        }
-        let pulls = Reading {
-            side: Side::Pulls,
-            ..reading
+        let on = |side: Side| {
+            let reading = Reading {
+                side,
+                ..state.clone()
+            };
+            let force = self.chain(base, &reading, own, side);
+            let view = self.columns(base, &reading, own, &force, (0.0, noise_n));
+            (force.value, view)
         };
-        let (_, cosines) = self.common_columns(base, &pulls);
-        let common = dot(&cosines, &self.common_mean[..cosines.len()]);
-        let share = (plain / near_n).clamp(0.0, 1.0);
+        let plain = self.chain(base, state, own, Side::AsPublished).value;
+        let (signed, pulls) = on(Side::Pulls);
+        let common = pulls.force_n - signed;
+        let share = (plain / (settings::NEAR_SLACK * self.largest_n)).clamp(0.0, 1.0);
+        let mut view = pulls;
+        if share < 1.0 {
+            // From 1 where the law has no force to 0 on both sides.
+            let width_n = settings::CORNER_WIDTH * self.largest_n;
+            let nearness = if signed > 0.0 {
+                1.0 - share
+            } else {
+                1.0 + signed / signed.hypot(width_n)
+            };
+            let fades = if signed > 0.0 { 1.0 } else { nearness };
+            view = on(Side::Corner).1.blended(view, share).scaled(fades);
+            view.stroke.push(nearness * self.in_corner_n(state));
+        }
         view.force_n = plain + share * common;
         view
+    }
+
+    /// What readings in the corner to slackness show beside a rounded law and noise, N: beside the plain law it is no mean, but a misfit. The most of any
+    /// part of the corner.
+    fn in_corner_n(&self, state: &Reading) -> f64 {
+        let noise_n = self.noise_n(state.campaign);
+        let parts = self.sd.corner_n.iter();
+        let squares = parts.map(|(mean, sd)| mean * mean + sd * sd - noise_n * noise_n);
+        squares.fold(0.0, f64::max).sqrt()
     }
 
     /// Force with its derivatives by coefficients, random effects and terms.
@@ -351,7 +407,7 @@ impl MixedLaw {
             _ => [0.0; 2],
         };
         let mut session = vec![
-            force.gradient[LENGTH] * reading.set_length_mm,
+            force.gradient[LENGTH] * reading.lengths.set_mm,
             by_zero * self.sd.zero_n,
         ];
         let misfit = scale * self.sd.session_misfit;
@@ -367,8 +423,8 @@ impl MixedLaw {
             campaign: of_campaign,
             specimen: [
                 by_gain * gain / (1.0 + own.gain) * self.sd.gain,
-                force.gradient[REST] * self.sd.rest_length_mm,
-                force.gradient[CONTRACTED] * self.sd.contracted_length_mm,
+                force.gradient[REST] * reading.lengths.own_mm[0],
+                force.gradient[CONTRACTED] * reading.lengths.own_mm[1],
             ],
             session,
             stroke,
@@ -426,7 +482,7 @@ impl MixedLaw {
 }
 
 /// Places of an effect's form in the registry; none of one that another version of the program has.
-fn registered(id: &str, form: &str) -> Option<(usize, usize)> {
+pub(super) fn registered(id: &str, form: &str) -> Option<(usize, usize)> {
     let effect = effects::index(id)?;
     let forms = effects::all()[effect].forms();
     Some((effect, forms.iter().position(|f| f.name == form)?))
