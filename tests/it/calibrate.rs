@@ -105,6 +105,15 @@ fn a_few_readings_of_a_muscle_move_and_narrow_its_force() {
         doubts[0].as_str().unwrap().contains("check-session"),
         "{doubtful}"
     );
+    // Nor is one that is more than twice as strong as the others taken as it is.
+    let far = bench.root().join("far");
+    simulated("far", 800.0, &[233], "[0.25]", &far);
+    let strong = predict(&["--calibrate", "far"]);
+    let doubts = strong["calibration"]["doubts"].as_array().unwrap();
+    let contradicts = |d: &Value| d.as_str().unwrap().contains("not to be relied on");
+    assert!(doubts.iter().any(contradicts), "{strong}");
+    let of_own = known["calibration"]["doubts"].as_array().unwrap();
+    assert!(!of_own.iter().any(contradicts), "{known}");
 }
 
 #[test]

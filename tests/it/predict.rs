@@ -1,6 +1,6 @@
 //! `pipeline predict` as a user sees it.
 
-use crate::support::{Bench, Said, read_table};
+use crate::support::{Bench, FAST, Said, read_table};
 use pipeline::models::published;
 use serde_json::Value;
 
@@ -393,6 +393,53 @@ fn sweeps_and_the_table_are_printed_written_and_drawn() {
     let answers = value["sweep"]["answers"].as_array().unwrap();
     let first = answers[0]["muscle"]["rest_length_m"].as_f64().unwrap();
     assert!((first - 0.112).abs() < 1e-12);
+}
+
+/// The laws of mixed models are read with care: without them there is no interval, and damaged ones are told.
+#[test]
+fn laws_of_mixed_models_that_are_missing_or_damaged_are_said() {
+    let bench = Bench::quick_done();
+    let state = ["--pressure", "300kPa", "--contraction", "2%"];
+    let own = json(&predict(&bench, &[&state[..], &["--json"]].concat()));
+    let read = json(&predict(
+        &bench,
+        &[&state[..], &["--as-read", "--json"]].concat(),
+    ));
+    let noise = |v: &Value| v["answer"]["interval"]["noise_n"].as_f64().unwrap();
+    assert!(noise(&own) == 0.0 && noise(&read) > 0.0);
+    for option in [&["--as-read"][..], &["--length-sd", "0.2mm"]] {
+        for model in ["new_published", "new_least_squares"] {
+            let said = predict(&bench, &[&state[..], option, &["--model", model]].concat());
+            assert_eq!(said.code, 2, "{}", said.out);
+            said.warns_of(&[option[0], "mixed model"]);
+        }
+    }
+    let path = bench.root().join("derived/mixed_laws.json");
+    let laws = std::fs::read_to_string(&path).unwrap();
+    let replaced = |text: &str| {
+        std::fs::remove_file(&path).unwrap();
+        std::fs::write(&path, text).unwrap();
+        predict(&bench, &state)
+    };
+    let mut short: Value = serde_json::from_str(&laws).unwrap();
+    short[0]["root"].as_array_mut().unwrap().pop();
+    for damaged in [short.to_string(), laws[..laws.len() / 2].to_owned()] {
+        let said = replaced(&damaged);
+        assert_eq!(said.code, 2, "{}", said.out);
+        said.warns_of(&["mixed_laws.json", "pipeline run"]);
+    }
+    std::fs::remove_file(&path).unwrap();
+    let said = predict(&bench, &state);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(
+        said.out.contains("mixed_laws.json, which has the scatter"),
+        "{}",
+        said.out
+    );
+    // The next run puts it back as it was.
+    let again = bench.run(&["run", "--config", FAST]);
+    assert_eq!(again.code, 0, "{}", again.err);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), laws);
 }
 
 /// With Python and NumPy: run by `.ci/run`.
