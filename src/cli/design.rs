@@ -43,7 +43,7 @@ pub struct DesignArgs {
     #[arg(long)]
     pub nominal: bool,
     /// How well lengths are known, as a standard deviation [default: as lengths are set on the rig]
-    #[arg(long, value_name = "LENGTH")]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub length_sd: Option<String>,
     /// For a torque curve: the leg (pinned, biomimetic, or a file that describes one)
     #[arg(long, value_name = "NAME|FILE")]

@@ -123,7 +123,8 @@ fn model(args: &ModelArgs) -> Result<Model> {
     let WithEffects {
         mut model, errors, ..
     } = of_loop;
-    model.spread = laws.mixed_of(fit).and_then(|law| spread(law, fit));
+    let law = laws.mixed_of(fit);
+    model.spread = law.and_then(|law| spread(law, fit, &model));
     if let Some([with, without]) = errors {
         model.provenance.insert(
             1,
@@ -305,31 +306,41 @@ fn findings(reports: &Path) -> Result<Findings> {
 /// Steps of each quantity of the box at which the scatter of muscles is looked at.
 const STEPS: usize = 5;
 
-/// How a muscle that was not measured scatters about the function: its gain, and everything else as its root mean square over the box, where it pulls.
-fn spread(law: &MixedLaw, fit: &GroupFit) -> Option<Spread> {
+/// How a muscle that was not measured scatters about the function, which lacks the mean of the smooth misfit: its gain, and everything else as its root
+/// mean square over the box, where it pulls.
+fn spread(law: &MixedLaw, fit: &GroupFit, model: &Model) -> Option<Spread> {
     let muscle = Muscle::unread(law);
     let steps = |(low, high): (f64, f64)| {
         (0..STEPS).map(move |k| low + (high - low) * k as f64 / (STEPS - 1) as f64)
     };
     let (free, _) = free_contraction(fit);
-    let mut of_box = Vec::new();
+    let (mut freedoms, mut others) = (Vec::new(), Vec::new());
     for rest in steps(fit.ranges.rest_length_m) {
         for rel in steps(fit.ranges.contraction_rel) {
             for kpa in steps(fit.ranges.pressure_kpa) {
-                let state = [rest, rest * (1.0 - free), rest * (1.0 - rel * free), kpa];
-                of_box.push(muscle.at(state, Whose::Actuator));
+                let state = State {
+                    rest_length_m: rest,
+                    contracted_length_m: rest * (1.0 - free),
+                    length_m: rest * (1.0 - rel * free),
+                    pressure_kpa: kpa,
+                };
+                let lengths = [rest, state.contracted_length_m, state.length_m, kpa];
+                let forecast = muscle.at(lengths, Whose::Actuator);
+                if forecast.mean_n > 0.0 {
+                    let (gain_n, lacks_n) = (
+                        forecast.parts.gain_n,
+                        forecast.mean_n - model.force(&state).force_n,
+                    );
+                    freedoms.push(forecast.freedom);
+                    others.push(forecast.parts.variance() - gain_n * gain_n + lacks_n * lacks_n);
+                }
             }
         }
     }
-    of_box.retain(|f| f.mean_n > 0.0);
-    let mut freedoms: Vec<f64> = of_box.iter().map(|f| f.freedom).collect();
     freedoms.sort_by(f64::total_cmp);
     let freedom = *freedoms.get(freedoms.len() / 2)?;
-    let others = of_box
-        .iter()
-        .map(|f| f.parts.variance() - f.parts.gain_n * f.parts.gain_n);
-    let within_n = (others.sum::<f64>() / of_box.len() as f64).sqrt();
-    let of = "lengths, misfit and the fit itself, on the average over the box";
+    let within_n = (others.iter().sum::<f64>() / others.len() as f64).sqrt();
+    let of = "lengths, misfit and the fit itself, root mean square over the box";
     Some(Spread::new(law.sd.gain, within_n, of, freedom))
 }
 

@@ -1,6 +1,7 @@
 //! `pipeline predict`.
 
 use crate::args::ResultArgs;
+use crate::places::Places;
 use crate::predict_leg::{self, LegArgs};
 use crate::{DONE, predict_calibrate, predict_print, summary, values};
 use pipeline_base::error::{Error, Result};
@@ -11,7 +12,7 @@ use pipeline_fit::GroupFit;
 use pipeline_predict::inverse::{self, Wanted};
 use pipeline_predict::law::choose;
 use pipeline_predict::sweep::{self, Around, Axis, Steps};
-use pipeline_predict::{Contraction, FreeLength, Law, Laws, Muscle, Predictor};
+use pipeline_predict::{Choice, Contraction, FreeLength, Law, Laws, Muscle, Predictor};
 use pipeline_report::figures::{Named, files, prediction as drawing};
 use pipeline_report::render::Renderer;
 use pipeline_report::render::csv::Csv;
@@ -76,14 +77,14 @@ pub struct PredictArgs {
     /// "new" (the mixed model of an earlier run), "new_least_squares" (the plain fit of that run) or the id of a published model
     #[arg(long, value_name = "ID", default_value = "new")]
     pub model: String,
-    /// Campaign whose fit is used [default: the pooled one of this diameter, else the one with most specimens]
+    /// Campaign whose model is used [default: of those with a mixed model, the pool of this diameter, else the one with most specimens]
     #[arg(long, value_name = "ID")]
     pub campaign: Option<String>,
     /// The reading of the rig instead of the force of the muscle: with the rig's effects, its zeros and its noise
     #[arg(long, conflicts_with = "knee")]
     pub as_read: bool,
     /// How well the length is known, as a standard deviation [default: as lengths are set on the rig]
-    #[arg(long, value_name = "LENGTH")]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub length_sd: Option<String>,
     /// Where an earlier run left fits.json and mixed_laws.json
     #[command(flatten)]
@@ -155,14 +156,8 @@ pub fn command(args: &PredictArgs) -> Result<u8> {
         args.campaign.as_deref(),
         muscle.diameter_mm,
     )?;
-    if let (Law::Fitted(fitted), None) = (choice.law, &read) {
-        let mixed_n = fitted.mixed.and_then(|law| law.unseen_n);
-        let advice = summary::better_published(&places.reports, &fitted.fit.group, mixed_n);
-        choice.why = [choice.why, advice.unwrap_or_default()]
-            .into_iter()
-            .filter(|text| !text.is_empty())
-            .collect::<Vec<String>>()
-            .join("; ");
+    if read.is_none() {
+        choice.why = advised(&choice, &places);
     }
     let mut predictor = Predictor::new(choice, muscle)?;
     if let Ok(fitted) = choose(&laws, NEW, None, muscle.diameter_mm)
@@ -173,14 +168,11 @@ pub fn command(args: &PredictArgs) -> Result<u8> {
     if args.as_read {
         predictor = predictor.as_read()?;
     }
-    let length_sd_m = args.length_sd.as_deref();
-    let length_sd_m =
-        length_sd_m.map(|text| values::quantity("--length-sd", text, Quantity::Length));
-    let length_sd_m = length_sd_m.transpose()?;
     if let Some(read) = read {
         predictor = read.told(predictor, args.model != NEW)?;
     }
-    if let Some(sd_m) = length_sd_m {
+    if let Some(text) = &args.length_sd {
+        let sd_m = values::quantity("--length-sd", text, Quantity::Length)?;
         predictor = predictor.with_length_sd(sd_m)?;
     }
     if let Some(knee) = &args.leg.knee {
@@ -201,6 +193,19 @@ pub fn command(args: &PredictArgs) -> Result<u8> {
         (None, false) => single(args, &predictor, around)?,
     }
     Ok(DONE)
+}
+
+/// Why a law was chosen, and that the published coefficients do better, where they do.
+fn advised(choice: &Choice, places: &Places) -> String {
+    let fitted = match choice.law {
+        Law::Fitted(fitted) if fitted.mixed.is_none_or(MixedLaw::has_fitted_law) => fitted,
+        _ => return choice.why.clone(),
+    };
+    let mixed_n = fitted.mixed.and_then(|law| law.unseen_n);
+    let advice = summary::better_published(&places.reports, &fitted.fit.group, mixed_n);
+    let said = [choice.why.clone(), advice.unwrap_or_default()];
+    let said: Vec<String> = said.into_iter().filter(|text| !text.is_empty()).collect();
+    said.join("; ")
 }
 
 /// What an inverse looks for, and the force, N; none where a force is predicted.
@@ -381,7 +386,7 @@ fn mixed(path: &Path) -> Result<Option<Vec<MixedLaw>>> {
     if all.iter().flatten().any(|law| !law.is_sound()) {
         return Err(of_another_version(
             path,
-            "its numbers do not fit to one another",
+            "its lists do not have the sizes that go with one another",
         ));
     }
     Ok(all)

@@ -7,7 +7,9 @@ use crate::print::{counted, line};
 use pipeline_base::error::{Error, Result};
 use pipeline_base::row::Row;
 use pipeline_base::session::Kind;
-use pipeline_diagnose::mixed_law::{Estimate, Muscle as Calibrated, Next, STANDS_OUT};
+use pipeline_diagnose::mixed_law::{
+    Estimate, Muscle as Calibrated, Next, SAME_LENGTH_M, STANDS_OUT,
+};
 use pipeline_fit::is_usable;
 use pipeline_inspect::population::Known;
 use pipeline_inspect::{Inspection, Seen, State};
@@ -15,9 +17,6 @@ use pipeline_predict::{Answer, FreeLength, Law, Muscle, Predictor};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-
-/// Lengths that differ by less are one, noted twice, m.
-const SAME_LENGTH_M: f64 = 1e-6;
 
 /// Readings of a muscle, and what the last run knows of others.
 pub struct Read {
@@ -193,9 +192,12 @@ impl Read {
         match predictor.choice.law {
             Law::Fitted(fitted) if fitted.mixed.is_some() => {}
             _ if was_asked_for => return needs("leave out --model"),
+            Law::Fitted(_) if !predictor.choice.has_mixed => {
+                return needs("mixed_laws.json is missing; `pipeline run` writes it");
+            }
             Law::Fitted(fitted) => {
                 return needs(&format!(
-                    "there is none of {}; the search for effects makes it of two specimens or more and 20 readings or more",
+                    "there is none of {}; it takes two specimens, 20 readings and the new model as diagnose.base_model",
                     fitted.fit.group.campaign
                 ));
             }

@@ -317,19 +317,26 @@ fn no_interval(predictor: &Predictor) -> Option<String> {
         )),
         Law::Fitted(Fitted { mixed: Some(_), .. }) => None,
         Law::Fitted(_) if predictor.choice.is_least_squares => Some(
-            "no interval: least squares gives no scatter between muscles; the mixed model (--model new) does"
+            "no interval: the least-squares fit is given without one; the mixed model (--model new) has one"
                 .to_owned(),
         ),
         Law::Fitted(_) if !predictor.choice.has_mixed => Some(
             "no interval: mixed_laws.json, which has the scatter between muscles, is missing; `pipeline run` writes it"
                 .to_owned(),
         ),
-        Law::Fitted(fitted) => Some(format!(
-            "no interval: there is no mixed model of {}, which would have the scatter between muscles. It takes two specimens, 20 readings and the \
-             new model as diagnose.base_model, and a pool as large as this may not be assessed (Festo states {:.0}% of the force)",
-            fitted.fit.group.campaign,
-            100.0 * TOLERANCE
-        )),
+        Law::Fitted(fitted) => {
+            let pool = if fitted.fit.group.is_pool() {
+                "; a large pool is not searched"
+            } else {
+                ""
+            };
+            Some(format!(
+                "no interval: there is no mixed model of {}, which would have the scatter between muscles. It takes two specimens, 20 readings and \
+                 the new model as diagnose.base_model{pool} (Festo states {:.0}% of the force)",
+                fitted.fit.group.campaign,
+                100.0 * TOLERANCE
+            ))
+        }
     }
 }
 
@@ -436,13 +443,15 @@ pub fn with_head(predictor: &Predictor, key: &str, value: Value) -> Value {
         "no_interval_because": no_interval(predictor),
     });
     if let Law::Fitted(Fitted { fit, mixed, .. }) = law {
+        let of_fit = (fit.specimens.len(), fit.rows);
+        let (specimens, readings) = mixed.map_or(of_fit, |m| (m.specimens.len(), m.readings));
         object["fit"] = json!({
             "is_mixed_model": mixed.is_some(),
             "as_read": predictor.whose == Whose::Rig,
             "campaign": fit.group.campaign,
             "simulated": fit.group.simulated,
-            "specimens": fit.specimens.len(),
-            "readings": fit.rows,
+            "specimens": specimens,
+            "readings": readings,
             "ranges": fit.ranges,
             "scatter": mixed.is_none().then_some(&fit.scatter),
             "doubtful": fit.doubtful,

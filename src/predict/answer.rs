@@ -74,7 +74,7 @@ pub struct Answer {
     pub contraction_rel: Option<f64>,
     /// Force, N; none where a published model gives nothing.
     pub force_n: Option<f64>,
-    /// Its interval; none where there are too few specimens, or none.
+    /// Its interval; none of a published model, of a least-squares fit, and where the mixed model has no force.
     pub interval: Option<Interval>,
     /// Force and interval before the readings of the muscle were known; none where none are.
     #[serde(skip_serializing_if = "Option::is_none")]

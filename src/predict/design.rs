@@ -62,7 +62,7 @@ pub struct Terms {
     pub pressure_kpa: f64,
     /// By what.
     pub surety: Surety,
-    /// Standard deviation of the length, m; none as lengths are set on the rig.
+    /// Standard deviation of the length, m; none as lengths are set on the rig. Of no effect under a law without an interval.
     pub length_sd_m: Option<f64>,
 }
 
@@ -154,7 +154,7 @@ pub fn shortest(
     for rest_length_m in lengths {
         let muscle = Muscle::new(f64::from(fit.group.diameter_mm), rest_length_m, free)?;
         let mut predictor = Predictor::new(choice.clone(), muscle)?;
-        if let Some(sd_m) = terms.length_sd_m {
+        if let Some(sd_m) = terms.length_sd_m.filter(|_| predictor.mixed.is_some()) {
             predictor = predictor.with_length_sd(sd_m)?;
         }
         let found = design(&predictor, curve, points, terms)?;

@@ -91,7 +91,7 @@ pub struct Choice<'a> {
     pub why: String,
     /// Whether least squares was asked for.
     pub is_least_squares: bool,
-    /// Whether the run has any laws of mixed models.
+    /// Whether the run left laws of mixed models; false of a published model that was asked for.
     pub has_mixed: bool,
 }
 
@@ -121,60 +121,74 @@ pub fn choose<'a>(
     let of_diameter = laws.fits.iter();
     let of_diameter = of_diameter.filter(|f| f.group.diameter_mm == diameter_mm);
     let usable: Vec<Fitted> = of_diameter.filter_map(fitted).collect();
-    if let Some(campaign) = campaign {
-        let choice = named(&usable, campaign, diameter_mm)?;
-        return Ok(Choice {
-            is_least_squares: model == LEAST_SQUARES,
-            has_mixed: laws.mixed.is_some(),
-            ..choice
-        });
-    }
-    // A large pool is not assessed, and without a mixed model nobody knows how muscles differ.
+    let choice = match campaign {
+        Some(campaign) => named(&usable, campaign, diameter_mm)?,
+        None => usual(&usable, diameter_mm)?,
+    };
+    Ok(Choice {
+        is_least_squares: model == LEAST_SQUARES,
+        has_mixed: laws.mixed.is_some(),
+        ..choice
+    })
+}
+
+/// The pool, or else the campaign with most specimens, of those with a mixed model if there are any: a large pool is not assessed, and without a mixed
+/// model nobody knows how muscles differ.
+fn usual<'a>(usable: &[Fitted<'a>], diameter_mm: u32) -> Result<Choice<'a>> {
     let assessed: Vec<Fitted> = usable
         .iter()
         .filter(|f| f.mixed.is_some())
         .copied()
         .collect();
     let among = if assessed.is_empty() {
-        &usable
+        usable
     } else {
         &assessed
     };
     let pooled = among.iter().find(|f| f.fit.group.members.len() > 1);
     let largest = among.iter().rev().max_by_key(|f| f.fit.specimens.len());
     match (pooled, largest) {
-        (Some(fitted), _) => Ok(Choice {
-            law: Law::Fitted(*fitted),
-            why: format!(
+        (Some(fitted), _) => Ok(Choice::of(
+            Law::Fitted(*fitted),
+            format!(
                 "{} pools all measured campaigns of {diameter_mm} mm; --campaign picks another",
                 fitted.fit.group.campaign
             ),
-            is_least_squares: model == LEAST_SQUARES,
-            has_mixed: laws.mixed.is_some(),
-        }),
-        (None, Some(fitted)) => Ok(Choice {
-            law: Law::Fitted(*fitted),
-            why: largest_of(fitted.fit, &usable),
-            is_least_squares: model == LEAST_SQUARES,
-            has_mixed: laws.mixed.is_some(),
-        }),
+        )),
+        (None, Some(fitted)) => {
+            let why = largest_of(fitted.fit, usable, among.len());
+            Ok(Choice::of(Law::Fitted(*fitted), why))
+        }
         (None, None) => fallback(diameter_mm),
     }
 }
 
-fn largest_of(fit: &GroupFit, usable: &[Fitted]) -> String {
-    match usable.len() {
-        1 => format!(
-            "{} is the only fit for {} mm",
-            fit.group.campaign, fit.group.diameter_mm
-        ),
-        n => format!(
-            "{} has the most specimens of the {n} fits for {} mm; --campaign picks another ({})",
-            fit.group.campaign,
-            fit.group.diameter_mm,
-            campaigns(usable)
-        ),
+impl<'a> Choice<'a> {
+    fn of(law: Law<'a>, why: String) -> Self {
+        Self {
+            law,
+            why,
+            is_least_squares: false,
+            has_mixed: false,
+        }
     }
+}
+
+/// That a fit has the most specimens of so many among which it was chosen.
+fn largest_of(fit: &GroupFit, usable: &[Fitted], among: usize) -> String {
+    let (campaign, diameter_mm) = (&fit.group.campaign, fit.group.diameter_mm);
+    if usable.len() == 1 {
+        return format!("{campaign} is the only fit for {diameter_mm} mm");
+    }
+    let those = if among < usable.len() {
+        format!("{among} with a mixed model")
+    } else {
+        format!("{among} fits for {diameter_mm} mm")
+    };
+    format!(
+        "{campaign} has the most specimens of the {those}; --campaign picks another ({})",
+        campaigns(usable)
+    )
 }
 
 fn campaigns(usable: &[Fitted]) -> String {
@@ -188,12 +202,7 @@ fn campaigns(usable: &[Fitted]) -> String {
 fn named<'a>(usable: &[Fitted<'a>], campaign: &str, diameter_mm: u32) -> Result<Choice<'a>> {
     let found = usable.iter().find(|f| f.fit.group.campaign == campaign);
     match found {
-        Some(fitted) => Ok(Choice {
-            law: Law::Fitted(*fitted),
-            why: String::new(),
-            is_least_squares: false,
-            has_mixed: false,
-        }),
+        Some(fitted) => Ok(Choice::of(Law::Fitted(*fitted), String::new())),
         None if usable.is_empty() => usage(format!(
             "there is no fit for {diameter_mm} mm in any campaign; `pipeline run` makes fits from sessions"
         )),
@@ -245,12 +254,7 @@ fn by_id<'a>(id: &str, diameter_mm: u32) -> Result<Choice<'a>> {
             covered.join(", ")
         ));
     }
-    Ok(Choice {
-        law: Law::Published(*model),
-        why: String::new(),
-        is_least_squares: false,
-        has_mixed: false,
-    })
+    Ok(Choice::of(Law::Published(*model), String::new()))
 }
 
 fn usage<T>(message: String) -> Result<T> {

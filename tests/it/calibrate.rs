@@ -117,7 +117,7 @@ fn a_few_readings_of_a_muscle_move_and_narrow_its_force() {
 }
 
 #[test]
-fn a_specimen_of_the_run_is_predicted_by_the_law_of_the_others_and_its_own_readings() {
+fn a_specimen_of_the_run_is_predicted_by_the_mixed_model_and_its_own_readings() {
     let bench = bench();
     let said = bench.run(&[&["predict", "--specimen", "others-182"], &FORCE_STATE[..]].concat());
     assert_eq!(said.code, 0, "{}", said.err);

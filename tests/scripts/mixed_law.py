@@ -244,7 +244,7 @@ class Muscle:
 
     def __init__(self, law, readings=(), in_law=False):
         self.law, size, n = law, law.size, len(law.mean)
-        self.sessions = {r.session: size["set_length_mm"] if r.set_sd is None else r.set_sd for r in readings}
+        self.sessions = {r.session: size["set_length_mm"] if r.set_sd is None else size["declared_factor"] * r.set_sd for r in readings}
         strokes = len({r.stroke for r in readings}) if size["stroke_misfit"] else 0
         self.names = np.array(["law"] * n + OWN + ["set length", "zero", *["misfit"] * 8] * len(self.sessions) + ["misfit"] * 5 * strokes)
         own = [size[k] for k in ("campaign_gain", "campaign_zero_n", "gain", "rest_length_mm", "contracted_length_mm")]

@@ -28,7 +28,7 @@ impl Origins {
         let longest = lengths.iter().copied().fold(0.0, f64::max);
         let temperatures = rows.iter().map(|r| temperature(r));
         let temperatures: Vec<f64> = temperatures.filter(|t| t.is_finite()).collect();
-        let last = (data.sessions.len() - 1).max(1) as f64;
+        let last = data.sessions.len().saturating_sub(1).max(1) as f64;
         let times = data.sessions.iter().enumerate();
         let times = times.map(|(k, s)| (s.clone(), k as f64 / last));
         Self {
@@ -48,10 +48,15 @@ impl Origins {
         !self.campaign_time.is_empty()
     }
 
+    /// The place in time of a session to come.
+    pub(crate) fn later(&self) -> f64 {
+        f64::from(u8::from(self.is_dated()))
+    }
+
     /// The place of a session in time: one that is not of the campaign comes after it.
     pub(super) fn campaign_time(&self, session: &str) -> f64 {
-        let later = f64::from(u8::from(self.is_dated()));
-        self.campaign_time.get(session).copied().unwrap_or(later)
+        let own = self.campaign_time.get(session).copied();
+        own.unwrap_or_else(|| self.later())
     }
 }
 

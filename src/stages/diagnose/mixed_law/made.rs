@@ -11,6 +11,7 @@ use pipeline_inference::fit::{Fitted, Free, Setting};
 use pipeline_inference::heldout::Unseen;
 use pipeline_inference::problem::Problem;
 use pipeline_inference::system::Variances;
+use pipeline_inference::variance::Prior;
 use pipeline_numerics::statistics::median;
 use std::collections::BTreeSet;
 
@@ -109,9 +110,7 @@ fn held(data: &Data, term: &library::Term, values: &[f64], found: &[EffectFindin
     let acts = match term.scope {
         Scope::All => Acts::All,
         Scope::From(_) | Scope::Levels(_) => Acts::Sessions {
-            amplitude: sessions
-                .filter_map(|(amplitude, id)| Some((id.clone(), (*amplitude)?)))
-                .collect(),
+            amplitude: sessions.map(|(a, id)| (id.clone(), *a)).collect(),
             later: matches!(term.scope, Scope::From(_)),
         },
     };
@@ -129,6 +128,8 @@ fn sizes(problem: &ForceProblem, variances: &Variances, (means, noise): (&[f64],
     let declared = data.set_length_sd_mm.iter().copied();
     let declared: Vec<f64> = declared.filter(|sd| sd.is_finite()).collect();
     let all_declared = declared.len() == data.sessions.len();
+    let of_declared = &problem.components()[component::DECLARED_LENGTH].scale;
+    let declared_is_known = matches!(of_declared.prior, Prior::Fixed(_));
     // One more specimen is measured as the others were.
     let lengths = (0..data.specimens.len()).map(|k| problem.specimen_lengths_sd_mm(k));
     let (rest, contracted): (Vec<f64>, Vec<f64>) = lengths.map(|[r, c]| (r, c)).unzip();
@@ -144,7 +145,8 @@ fn sizes(problem: &ForceProblem, variances: &Variances, (means, noise): (&[f64],
         } else {
             sd(component::SET_LENGTH)
         },
-        set_length_declared: all_declared,
+        set_length_declared: all_declared && declared_is_known,
+        declared_factor: sd(component::DECLARED_LENGTH),
         zero_n: sd(component::ZERO),
         session_misfit: sd(component::SESSION_MISFIT),
         stroke_misfit: problem.has_strokes().then(|| sd(component::STROKE_MISFIT)),

@@ -44,6 +44,7 @@ pub use view::Whose;
 
 use crate::base::Base;
 use crate::data::Origins;
+use crate::problem::MOST_TERMS;
 use crate::problem::misfit::common_pairs;
 use crate::slack::{self, Shape};
 use pipeline_effects::Subject;
@@ -129,6 +130,8 @@ pub struct Sizes {
     pub set_length_mm: f64,
     /// Whether that is declared, not estimated.
     pub set_length_declared: bool,
+    /// By what declared standard deviations of set lengths are multiplied: 1, or what was estimated where readings contradict them.
+    pub declared_factor: f64,
     /// Zero of the force of a session, N.
     pub zero_n: f64,
     /// Misfit of a session along the pressure, share of the force.
@@ -192,8 +195,8 @@ pub enum Acts {
     All,
     /// Some, with the number of the amplitude of each; and on sessions to come, where it is from a session on.
     Sessions {
-        /// By session.
-        amplitude: BTreeMap<String, usize>,
+        /// By session of the law; none where it does not act.
+        amplitude: BTreeMap<String, Option<usize>>,
         /// On sessions to come.
         later: bool,
     },
@@ -206,13 +209,6 @@ impl Held {
             What::Effect { id, .. } => of_actuator(id),
             _ => false,
         }
-    }
-
-    /// Whether it may as well be the other: of the actuator, of the rig.
-    pub fn is_mixed(&self) -> bool {
-        self.class
-            .iter()
-            .any(|id| of_actuator(id) != self.is_of_actuator())
     }
 
     /// Id of the effect, or name of the column.
@@ -239,7 +235,7 @@ impl Held {
         match &self.acts {
             Acts::All => Some(0),
             Acts::Sessions { amplitude, later } => match session.and_then(|s| amplitude.get(s)) {
-                Some(place) => Some(*place),
+                Some(place) => *place,
                 None => later.then_some(0),
             },
         }
@@ -247,7 +243,7 @@ impl Held {
 }
 
 /// Lengths that differ by less are one, noted twice, m.
-const SAME_LENGTH_M: f64 = 1e-6;
+pub const SAME_LENGTH_M: f64 = 1e-6;
 
 /// Number of coefficients of the law.
 const LAW: usize = 5;
@@ -303,6 +299,7 @@ impl MixedLaw {
             sd.rest_length_mm,
             sd.contracted_length_mm,
             sd.set_length_mm,
+            sd.declared_factor,
             sd.zero_n,
             sd.session_misfit,
             sd.stroke_misfit.unwrap_or(0.0),
@@ -321,9 +318,13 @@ impl MixedLaw {
             && self.lengths_m.len() == self.specimens.len()
             && !self.specimens.is_empty()
             && sizes.iter().all(|x| x.is_finite() && *x >= 0.0)
+            && !self.campaigns.is_empty()
             && sd.noise_n.len() == self.campaigns.len()
             && sd.noise_n.iter().all(|x| *x > 0.0)
             && sd.corner_n.len() == slack::BANDS
+            && sd.corner_n.iter().all(|(_, sd)| *sd > 0.0)
+            && self.terms.len() <= MOST_TERMS
+            && self.largest_n > 0.0
     }
 
     /// Whether coefficients of its law are fitted, not taken as published.

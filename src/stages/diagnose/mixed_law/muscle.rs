@@ -65,7 +65,7 @@ pub struct Muscle<'a> {
     /// Units of the set length of each session, mm.
     units_mm: Vec<f64>,
     readings: usize,
-    /// Whether the readings are some that the law was made of.
+    /// Whether the specimen is one of those that the law was fitted to: its readings then tell nothing more of the parameters.
     pub(super) in_law: bool,
     /// Mean of what is not known, in standard deviations.
     pub(super) mean: Vec<f64>,
@@ -92,7 +92,7 @@ impl<'a> Muscle<'a> {
         }
     }
 
-    /// A muscle of which there are readings, all of it; not of one session more than [`MOST_READINGS`] of them.
+    /// A muscle with readings, all of them its own; at most [`MOST_READINGS`] of a session are used.
     pub fn read(law: &'a MixedLaw, rows: &[&Row]) -> Self {
         let mut muscle = Self::unread(law);
         let Some(first) = rows.first() else {
@@ -149,7 +149,7 @@ impl<'a> Muscle<'a> {
         self.law.specimens.len() - usize::from(self.in_law)
     }
 
-    /// Whether its readings are some that the law was made of.
+    /// Whether it is one of the specimens that the law was fitted to.
     pub fn is_in_law(&self) -> bool {
         self.in_law
     }
@@ -194,13 +194,8 @@ impl<'a> Muscle<'a> {
         row
     }
 
-    /// The force of a steady reading in one more session.
-    pub fn at(
-        &self,
-        [rest_length_m, contracted_length_m, length_m, pressure_kpa]: [f64; 4],
-        whose: Whose,
-    ) -> Forecast {
-        let state = [rest_length_m, contracted_length_m, length_m, pressure_kpa];
+    /// The force of a steady reading in one more session, at a state: resting, contracted and present length, m, and gauge pressure, kPa.
+    pub fn at(&self, state: [f64; 4], whose: Whose) -> Forecast {
         let view = self.view_of(&self.state(state, whose));
         let row = self.row(&view, None, self.sessions.len());
         self.forecast(&view, &row)
@@ -215,9 +210,9 @@ impl<'a> Muscle<'a> {
         self.law.state(at, whose, self.campaign, lengths)
     }
 
-    /// By how much each term of the law changes what the rig would read in one more session, N.
-    pub fn changes(&self, [rest_m, contracted_m, length_m, kpa]: [f64; 4]) -> Vec<f64> {
-        let state = self.state([rest_m, contracted_m, length_m, kpa], Whose::Rig);
+    /// By how much each term of the law changes what the rig would read in one more session at a state (as for [`Self::at`]), N.
+    pub fn changes(&self, state: [f64; 4]) -> Vec<f64> {
+        let state = self.state(state, Whose::Rig);
         let own = self.own(&self.mean, None);
         let force = |reading: &Reading| {
             let view = self.law.view_of_state(&self.base, reading, own);
@@ -272,6 +267,9 @@ impl<'a> Muscle<'a> {
 
     /// The forecast of some readings that are not known, in sessions of which others may be.
     pub fn forecast_of(&self, rows: &[&Row]) -> Vec<Forecast> {
+        if rows.is_empty() {
+            return Vec::new();
+        }
         let data = Data::counted_from(rows, &self.law.origins);
         let readings = self.law.readings(&data, rows);
         let of = |(i, reading): (usize, &Reading)| {
@@ -346,7 +344,7 @@ impl<'a> Muscle<'a> {
             .collect()
     }
 
-    /// Of the readings that could be made next, each in a session of its own, the one that narrows the force at a state most.
+    /// Of the readings that could be made next, each in a session of its own, the one that narrows the force at a state most; states as for [`Self::at`].
     pub fn next(&self, wanted: [f64; 4], whose: Whose, candidates: &[[f64; 4]]) -> Option<Next> {
         let of = |state: &Reading| {
             let view = self.view_of(state);

@@ -2,6 +2,7 @@
 
 use super::MixedLaw;
 use super::view::View;
+use pipeline_numerics::matrix::norm;
 use pipeline_numerics::statistics::sum_of_squares;
 use serde::Serialize;
 
@@ -58,12 +59,11 @@ impl Parts {
 
     /// Those of one more session of a state: its own set length, zero and misfit, and the noise.
     pub(super) fn of_session(view: &View) -> Self {
-        let root = |columns: &[f64]| sum_of_squares(columns).sqrt();
         let misfit = [&view.session[2..], &view.stroke].concat();
         Self {
             set_length_n: view.session[0].abs(),
             zero_n: view.session[1].abs(),
-            misfit_n: root(&misfit),
+            misfit_n: norm(&misfit),
             noise_n: view.noise_n,
             ..Self::default()
         }
@@ -82,12 +82,11 @@ impl Parts {
 
     /// Those of a muscle of which nothing is known, too.
     pub(super) fn of_unread(view: &View) -> Self {
-        let root = |columns: &[f64]| sum_of_squares(columns).sqrt();
         Self {
-            estimation_n: root(&view.parameters),
-            campaign_n: root(&view.campaign),
+            estimation_n: norm(&view.parameters),
+            campaign_n: norm(&view.campaign),
             gain_n: view.specimen[0].abs(),
-            lengths_n: root(&view.specimen[1..]),
+            lengths_n: norm(&view.specimen[1..]),
             ..Self::of_session(view)
         }
     }

@@ -79,8 +79,8 @@ impl Muscle<'_> {
         Stand { mean, views, value }
     }
 
-    /// Mean and factor given readings: from nothing, and from where readings lead without misfit. Far from its mode a length that is off by millimetres
-    /// is not straight, and the misfit takes its place.
+    /// Posterior mode, and the factor of its inverse covariance. Two starts: the prior mean, and the mode with all misfits held at 0; from the prior mean
+    /// alone, a length that is off by millimetres is so far from linear that the misfit takes its place.
     pub(super) fn condition(&mut self, read: &Read) {
         let size = self.of_session(read.sessions) + OF_STROKE * read.strokes;
         let nothing = vec![0.0; size];
@@ -119,8 +119,7 @@ impl Muscle<'_> {
                 break;
             };
             // Judged with its own columns from now on.
-            let next_value = next.value;
-            let fall = here.value - next_value;
+            let fall = here.value - next.value;
             here = self.stand(next.mean, None, read);
             if fall < SETTLED {
                 break;

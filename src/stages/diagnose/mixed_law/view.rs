@@ -105,7 +105,7 @@ pub(super) const OF_SESSION: usize = 2 + SESSION_COSINES;
 pub(super) const OF_STROKE: usize = STROKE_COSINES;
 
 impl View {
-    /// So much of another view, and the rest of this one.
+    /// Linear interpolation of the columns: `1 - share` of this view, `share` of the other.
     fn blended(mut self, mut other: Self, share: f64) -> Self {
         let columns = self.columns_mut().into_iter().zip(other.columns_mut());
         columns.for_each(|(a, b)| *a += share * (*b - *a));
@@ -140,6 +140,7 @@ impl MixedLaw {
         Conditions {
             diameter_mm: f64::from(self.diameter_mm),
             middle_rest_length_m: self.origins.middle_rest_length_m,
+            campaign_time: self.origins.later(),
             // That of any filling: a vented actuator is at the end of no loop.
             highest_kpa: pressure_kpa.max(P_620_KPA),
             ..Conditions::at(rest_length_m, contracted_length_m, length_m, pressure_kpa)
@@ -187,6 +188,7 @@ impl MixedLaw {
                 }
             };
             let usual = self.usual_lengths();
+            let declared_mm = self.sd.declared_factor * data.set_length_sd_mm[data.session[i]];
             let [rest, contracted] = data.specimen_lengths_sd_mm[data.specimen[i]];
             Reading {
                 at,
@@ -200,7 +202,7 @@ impl MixedLaw {
                 campaign: self.campaigns.iter().position(|c| *c == row.campaign),
                 terms: self.acting(Some(&row.session), Some(&row.extras), |_| true),
                 lengths: Lengths {
-                    set_mm: or(data.set_length_sd_mm[data.session[i]], usual.set_mm),
+                    set_mm: or(declared_mm, usual.set_mm),
                     own_mm: [or(rest, usual.own_mm[0]), or(contracted, usual.own_mm[1])],
                 },
                 whose: Whose::Rig,
