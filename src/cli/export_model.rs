@@ -326,10 +326,10 @@ fn spread(law: &MixedLaw, fit: &GroupFit, model: &Model) -> Option<Spread> {
                 };
                 let lengths = [rest, state.contracted_length_m, state.length_m, kpa];
                 let forecast = muscle.at(lengths, Whose::Actuator);
-                if forecast.mean_n > 0.0 {
+                if forecast.law_n > 0.0 {
                     let (gain_n, lacks_n) = (
                         forecast.parts.gain_n,
-                        forecast.mean_n - model.force(&state).force_n,
+                        forecast.law_n - model.force(&state).force_n,
                     );
                     freedoms.push(forecast.freedom);
                     others.push(forecast.parts.variance() - gain_n * gain_n + lacks_n * lacks_n);

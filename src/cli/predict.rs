@@ -405,7 +405,7 @@ fn list<T: DeserializeOwned>(path: &Path) -> Result<Option<Vec<T>>> {
 
 fn of_another_version(path: &Path, why: &str) -> Error {
     Error::Usage(format!(
-        "{} cannot be read ({why}): it was written by another version; `pipeline run` rewrites it",
+        "{} cannot be read ({why}): it is damaged or of another version; `pipeline run` writes it anew",
         path.display()
     ))
 }

@@ -235,12 +235,19 @@ fn contradictions(muscle: &Calibrated) -> Vec<String> {
             (e.value / e.sd_before).abs()
         )
     });
+    let left = muscle.left();
+    let of_readings = (left > STANDS_OUT).then(|| {
+        format!(
+            "what gain, lengths and misfit leave of the readings is {left:.0} times their noise"
+        )
+    });
     let advice = |what: String| {
         format!(
             "{what}: check lengths, diameter and units of the session; the answer is not to be relied on"
         )
     };
-    of_gain.into_iter().chain(of_lengths).map(advice).collect()
+    let all = of_gain.into_iter().chain(of_lengths).chain(of_readings);
+    all.map(advice).collect()
 }
 
 /// Contractions and pressures among which the next reading is looked for: steps of the ranges that were measured.

@@ -351,7 +351,7 @@ impl<'a> Predictor<'a> {
             let at = |e: f64| {
                 muscle
                     .at(state(e.clamp(1e-3, 1.0 - 1e-3)), self.whose)
-                    .mean_n
+                    .law_n
             };
             let change = at(eps_620 + sd) - at(eps_620 - sd);
             0.5 * change.abs() * (1.0 + 1.0 / specimens as f64).sqrt()
@@ -367,23 +367,18 @@ impl<'a> Predictor<'a> {
         forecast: &mixed_law::Forecast,
         contraction_620_n: f64,
     ) {
-        // An actuator does not push; a load cell may well show that it does.
-        let least_n = match self.whose {
-            Whose::Actuator => 0.0,
-            Whose::Rig => f64::NEG_INFINITY,
-        };
-        if !(forecast.mean_n.is_finite() && forecast.parts.variance().is_finite()) {
+        if !(forecast.law_n.is_finite() && forecast.parts.variance().is_finite()) {
             answer
                 .warnings
                 .push("the mixed model has no force at this state".to_owned());
             return;
         }
-        answer.force_n = Some(forecast.mean_n.max(least_n));
-        answer.interval = Some(Interval::of(forecast, least_n, contraction_620_n));
+        answer.force_n = Some(forecast.mean_n());
+        answer.interval = Some(Interval::of(forecast, contraction_620_n));
         if self.calibrated().is_some() {
             let before = muscle.without_readings().at(state, self.whose);
-            let interval = Interval::of(&before, least_n, contraction_620_n);
-            answer.uncalibrated = Some((before.mean_n.max(least_n), interval));
+            let interval = Interval::of(&before, contraction_620_n);
+            answer.uncalibrated = Some((before.mean_n(), interval));
         }
         let terms = muscle.law.terms.iter().zip(muscle.changes(state));
         let of = |(term, change_n): (&mixed_law::Held, f64)| OfEffect {

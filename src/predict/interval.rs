@@ -26,21 +26,16 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// The interval of a forecast, cut off at `least_n`; `contraction_620_n` is the standard deviation from an eps_620 that was not given.
-    pub fn of(forecast: &Forecast, least_n: f64, contraction_620_n: f64) -> Self {
-        let Forecast {
-            mean_n,
-            parts,
-            freedom,
-        } = *forecast;
-        let sd = (parts.variance() + contraction_620_n * contraction_620_n).sqrt();
-        let half = student_t_quantile(0.5 + 0.5 * CONFIDENCE, freedom) * sd;
+    /// The interval of a forecast; `contraction_620_n` is the standard deviation from an eps_620 that was not given.
+    pub fn of(forecast: &Forecast, contraction_620_n: f64) -> Self {
+        let t = student_t_quantile(0.5 + 0.5 * CONFIDENCE, forecast.freedom);
+        let (low_n, high_n) = forecast.within(t, contraction_620_n);
         Self {
-            low_n: (mean_n - half).max(least_n),
-            high_n: (mean_n + half).max(least_n),
-            parts,
+            low_n,
+            high_n,
+            parts: forecast.parts,
             contraction_620_n,
-            freedom,
+            freedom: forecast.freedom,
         }
     }
 }

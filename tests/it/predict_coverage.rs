@@ -60,7 +60,7 @@ fn coverage(lengths_mm: &[f64], unseen_mm: &[f64], campaigns: u64) -> (f64, f64)
                 row.length_m,
                 row.pressure_kpa.max(0.0),
             ];
-            let interval = Interval::of(&muscle.at(state, Whose::Rig), 0.0, 0.0);
+            let interval = Interval::of(&muscle.at(state, Whose::Rig), 0.0);
             let force = row.force_n.max(0.0);
             let inside = usize::from(interval.low_n <= force && force <= interval.high_n);
             all = [all[0] + inside, all[1] + 1];

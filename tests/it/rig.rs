@@ -358,7 +358,7 @@ impl Score {
         for (forecast, reading) in muscle.forecast_of(asked).iter().zip(asked) {
             let t = student_t_quantile(0.975, forecast.freedom);
             let half = t * forecast.parts.variance().sqrt();
-            self.add(reading.force_n - forecast.mean_n, half);
+            self.add(reading.force_n - forecast.mean_n(), half);
         }
     }
 

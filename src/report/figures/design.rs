@@ -1,11 +1,9 @@
 //! The curve that a design has to meet, and the muscles of every diameter beside it.
 
 use crate::figures::Named;
-use crate::figures::formatting::plain;
 use crate::plot::{Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Legend, Panel, Series, Stroke, look};
 use pipeline_predict::design::{AtPoint, Design};
 use pipeline_predict::muscle::mm;
-use std::collections::BTreeSet;
 
 const HEIGHT_MM: f64 = 90.0;
 
@@ -30,7 +28,7 @@ pub fn figure(label: &str, unit: &str, scale: f64, found: &[Design]) -> Named {
         let line = design.points.iter().map(|p| (x(p), p.available));
         let short = if design.meets { "" } else { ", falls short" };
         let name = format!(
-            "⌀ {} mm, {} long{short}",
+            "{} mm muscle, {} long{short}",
             design.diameter_mm,
             mm(design.rest_length_m)
         );
@@ -45,9 +43,7 @@ pub fn figure(label: &str, unit: &str, scale: f64, found: &[Design]) -> Named {
         let needed = design.points.iter().map(|p| (x(p), p.point.needed));
         let stroke = Stroke::new(Ink::Black, Dash::Dashed);
         panel = panel.with(Series::line("needed", needed.collect(), stroke));
-        let models: BTreeSet<&str> = found.iter().map(|d| d.model.as_str()).collect();
-        let models: Vec<String> = models.into_iter().map(plain).collect();
-        panel = panel.title(&format!("bands: 95% interval; {}", models.join("; ")));
+        panel = panel.title("bands: 95% interval");
     }
     Named {
         name: "design".to_owned(),

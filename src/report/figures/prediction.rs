@@ -155,7 +155,11 @@ fn named(predictor: &Predictor, name: &str, held: &str, panel: Panel) -> Named {
         None => law,
     };
     let title = format!("Predicted force of a {diameter} mm muscle, {law}");
-    let heading = format!("{diameter} mm, {held}{free}; {}", law.replace('_', "\\_"));
+    // As short as a panel is wide.
+    let short = law
+        .replace("new model, ", "")
+        .replace("calibrated by its readings", "calibrated");
+    let heading = format!("{diameter} mm, {held}{free}; {}", short.replace('_', "\\_"));
     Named {
         name: name.to_owned(),
         caption: title.clone(),

@@ -25,8 +25,8 @@
 //! are left out, or put in where somebody wants what the rig would read ([`Whose`]). A value for some sessions only says nothing of others, but
 //! for one from a session on.
 //!
-//! Where the law has less than the corner to slackness ([`crate::slack`]), the force is its positive part, and what the misfit has goes to nothing
-//! with it.
+//! A muscle does not push: where the law goes below zero it is slack, and the force, with each end of its interval, is the larger one of the law's and
+//! that of a slack muscle. Near the onset of the force, what readings there show beside the law is one more part of the misfit.
 
 mod made;
 mod muscle;
@@ -225,7 +225,11 @@ impl Held {
     fn is_known(&self) -> bool {
         let values = self.values.len();
         match &self.what {
-            What::Effect { id, form } => view::registered(id, form).is_some() && values > 0,
+            What::Effect { id, form } => view::registered(id, form).is_some_and(|(e, f)| {
+                let has_shape = pipeline_effects::all()[e].forms()[f].shape.is_some();
+                let amplitudes = values.saturating_sub(usize::from(has_shape));
+                amplitudes == 1 || (amplitudes > 1 && self.acts != Acts::All)
+            }),
             _ => values > 1,
         }
     }

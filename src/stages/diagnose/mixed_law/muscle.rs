@@ -67,6 +67,8 @@ pub struct Muscle<'a> {
     readings: usize,
     /// Whether the specimen is one of those that the law was fitted to: its readings then tell nothing more of the parameters.
     pub(super) in_law: bool,
+    /// Root mean square of what is left of the readings, in units of their noise; 0 without any.
+    pub(super) left: f64,
     /// Mean of what is not known, in standard deviations.
     pub(super) mean: Vec<f64>,
     /// Factor of the inverse of its covariance.
@@ -87,6 +89,7 @@ impl<'a> Muscle<'a> {
             units_mm: Vec::new(),
             readings: 0,
             in_law: false,
+            left: 0.0,
             mean: vec![0.0; size],
             factor: Cholesky::new(&identity(size)),
         }
@@ -144,6 +147,11 @@ impl<'a> Muscle<'a> {
         (self.readings, self.sessions.len())
     }
 
+    /// Root mean square of what is left of its readings once everything of it is known, in units of their noise: about 1 where the model holds.
+    pub fn left(&self) -> f64 {
+        self.left
+    }
+
     /// Number of other specimens on which the law rests.
     pub fn others(&self) -> usize {
         self.law.specimens.len() - usize::from(self.in_law)
@@ -196,9 +204,26 @@ impl<'a> Muscle<'a> {
 
     /// The force of a steady reading in one more session, at a state: resting, contracted and present length, m, and gauge pressure, kPa.
     pub fn at(&self, state: [f64; 4], whose: Whose) -> Forecast {
-        let view = self.view_of(&self.state(state, whose));
+        let state = self.state(state, whose);
+        let view = self.view_of(&state);
         let row = self.row(&view, None, self.sessions.len());
-        self.forecast(&view, &row)
+        let parts = self.parts(&view, &row);
+        let own = self.own(&self.mean, None);
+        Forecast {
+            law_n: view.force_n + self.moved(&row, |_| false),
+            slack_n: self.law.slack(&self.base, &state, own, &view),
+            freedom: self.freedom(&parts, &view),
+            parts,
+        }
+    }
+
+    /// What the mean of everything that acts by its columns adds, N; gain, zero and what else acts `through` the forward model are in its force.
+    fn moved(&self, row: &[(usize, f64)], through: impl Fn(usize) -> bool) -> f64 {
+        let first = self.first_own();
+        let linear = row
+            .iter()
+            .filter(|(k, _)| !(first..=first + GAIN).contains(k) && !through(*k));
+        linear.map(|(k, x)| x * self.mean[*k]).sum()
     }
 
     fn state(&self, [rest_m, contracted_m, length_m, kpa]: [f64; 4], whose: Whose) -> Reading {
@@ -216,7 +241,8 @@ impl<'a> Muscle<'a> {
         let own = self.own(&self.mean, None);
         let force = |reading: &Reading| {
             let view = self.law.view_of_state(&self.base, reading, own);
-            view.force_n
+            let (slack, _) = self.law.slack(&self.base, reading, own, &view);
+            view.force_n.max(slack)
         };
         let with = force(&state);
         let terms = 0..self.law.terms.len();
@@ -226,21 +252,6 @@ impl<'a> Muscle<'a> {
     fn view_of(&self, state: &Reading) -> View {
         let own = self.own(&self.mean, None);
         self.law.view_of_state(&self.base, state, own)
-    }
-
-    fn forecast(&self, view: &View, row: &[(usize, f64)]) -> Forecast {
-        let first = self.first_own();
-        // Gain and zero are in the force of the view already.
-        let linear = row
-            .iter()
-            .filter(|(k, _)| !(first..=first + GAIN).contains(k));
-        let mean_n = view.force_n + linear.map(|(k, x)| x * self.mean[*k]).sum::<f64>();
-        let parts = self.parts(view, row);
-        Forecast {
-            mean_n,
-            freedom: self.freedom(&parts, view),
-            parts,
-        }
     }
 
     /// Degrees of freedom: of what is not known of law and muscle together those that it had before any reading, which took nothing from them.
@@ -290,17 +301,12 @@ impl<'a> Muscle<'a> {
                     ..Parts::default()
                 };
             }
-            let first = self.first_own();
-            let through = |k: usize| {
-                (first..=first + GAIN).contains(&k)
-                    || session
-                        .is_some_and(|s| (self.of_session(s)..self.of_session(s) + 2).contains(&k))
+            let of_session = |k: usize| {
+                session.is_some_and(|s| (self.of_session(s)..self.of_session(s) + 2).contains(&k))
             };
-            let linear = row.iter().filter(|(k, _)| !through(*k));
-            let mean_n =
-                view.force_n + view.shown_n + linear.map(|(k, x)| x * self.mean[*k]).sum::<f64>();
             Forecast {
-                mean_n,
+                law_n: view.force_n + view.shown_n + self.moved(&row, of_session),
+                slack_n: (f64::NEG_INFINITY, 0.0),
                 freedom: self.freedom(&parts, &view),
                 parts,
             }

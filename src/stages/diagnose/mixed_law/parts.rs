@@ -12,12 +12,32 @@ const MOST_FREEDOM: f64 = 1e5;
 /// The force of a reading that nobody has made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
-    /// Mean, N; not cut off at zero.
-    pub mean_n: f64,
+    /// What the law has, N: below zero where it is slack.
+    pub law_n: f64,
+    /// Mean and standard deviation of what is read of a slack muscle, N: no force of the muscle itself.
+    pub slack_n: (f64, f64),
     /// Where its variance is from.
     pub parts: Parts,
     /// Degrees of freedom of its standard deviation.
     pub freedom: f64,
+}
+
+impl Forecast {
+    /// The force, N: a muscle does not push.
+    pub fn mean_n(&self) -> f64 {
+        self.law_n.max(self.slack_n.0)
+    }
+
+    /// The ends of what lies within so many standard deviations, N. The force is the larger one of the law's and a slack muscle's, and so is each end.
+    pub fn within(&self, deviations: f64, further_n: f64) -> (f64, f64) {
+        let half = deviations * self.parts.variance().sqrt().hypot(further_n);
+        let (slack, sd) = self.slack_n;
+        let of_slack = deviations * sd;
+        (
+            (self.law_n - half).max(slack - of_slack),
+            (self.law_n + half).max(slack + of_slack),
+        )
+    }
 }
 
 /// Standard deviations of a reading by source, N: their squares add. Of a muscle with readings, what is not known of it and of the law is one number,

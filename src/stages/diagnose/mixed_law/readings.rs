@@ -54,7 +54,7 @@ impl Muscle<'_> {
 
     /// Measured less what a point has, at views that were taken about another: gain, set length and zero act through the forward model, all else by its
     /// columns.
-    fn left(&self, mean: &[f64], views: &[View], there: &[View], read: &Read) -> Vec<f64> {
+    fn beside(&self, mean: &[f64], views: &[View], there: &[View], read: &Read) -> Vec<f64> {
         let rows = self.rows(views, read);
         let first = self.first_own();
         let nonlinear = |place: usize| {
@@ -73,7 +73,7 @@ impl Muscle<'_> {
 
     fn stand(&self, mean: Vec<f64>, about: Option<&[View]>, read: &Read) -> Stand {
         let views = self.views(&mean, read);
-        let left = self.left(&mean, about.unwrap_or(&views), &views, read);
+        let left = self.beside(&mean, about.unwrap_or(&views), &views, read);
         let deviates = left.iter().zip(&views).map(|(l, v)| l / v.noise_n);
         let value = deviates.map(|d| d * d).sum::<f64>() + sum_of_squares(&mean);
         Stand { mean, views, value }
@@ -98,6 +98,10 @@ impl Muscle<'_> {
         } else {
             from_nothing
         };
+        let left = self.beside(&best.mean, &best.views, &best.views, read);
+        let deviates = left.iter().zip(&best.views).map(|(l, v)| l / v.noise_n);
+        let squares: f64 = deviates.map(|d| d * d).sum();
+        self.left = (squares / left.len().max(1) as f64).sqrt();
         let normal = self.normal(&best, read);
         let factor = Cholesky::new(&self.joint(normal));
         self.mean = best.mean;
@@ -135,7 +139,7 @@ impl Muscle<'_> {
             places.iter().enumerate().map(|(n, k)| (*k, n)).collect();
         let mut normal = identity(places.len());
         let mut right: Vec<f64> = places.iter().map(|k| -here.mean[*k]).collect();
-        let left = self.left(&here.mean, &here.views, &here.views, read);
+        let left = self.beside(&here.mean, &here.views, &here.views, read);
         for (i, row) in self.rows(&here.views, read).iter().enumerate() {
             let weight = weight_of(&here.views[i]);
             let row: Vec<(usize, f64)> = row

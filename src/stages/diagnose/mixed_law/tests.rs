@@ -100,9 +100,9 @@ fn a_specimen_that_took_no_part_is_predicted_as_by_the_engine() {
             let expected = problem.observed()[i] - engine.errors[k];
             // The reference of the misfit of that specimen's sessions is another in the engine: it has readings of them.
             assert!(
-                (of.mean_n - expected).abs() < 0.02 * engine.sd[k],
+                (of.mean_n() - expected).abs() < 0.02 * engine.sd[k],
                 "{} {expected}",
-                of.mean_n
+                of.mean_n()
             );
             let sd = of.parts.variance().sqrt();
             assert!(
@@ -148,9 +148,9 @@ fn once_some_readings_are_known_the_others_are_predicted_as_by_the_engine() {
                 .unwrap();
             let expected = problem.observed()[i] - error;
             let sd = own[k].parts.variance().sqrt();
-            let off = (own[k].mean_n - expected).abs() / sd;
-            assert!(off < 0.3, "{} {expected} {sd}", own[k].mean_n);
-            let [with, without] = [&own, &before].map(|f| rows[k].force_n - f[k].mean_n);
+            let off = (own[k].mean_n() - expected).abs() / sd;
+            assert!(off < 0.3, "{} {expected} {sd}", own[k].mean_n());
+            let [with, without] = [&own, &before].map(|f| rows[k].force_n - f[k].mean_n());
             errors += with * with;
             of_none += without * without;
         }
@@ -244,7 +244,7 @@ fn one_reading_is_shared_out_by_the_variances() {
     let (tau, length, zero, noise) = (0.05, 0.9 * slope, 1.5, 2.0);
     // Without a reading it is the law.
     let before = Muscle::unread(&law).at(state, Whose::Rig);
-    close(before.mean_n, f);
+    close(before.mean_n(), f);
     let own = tau * tau * f * f;
     let session = length * length + zero * zero;
     close(before.parts.variance(), own + session + noise * noise);
@@ -281,10 +281,10 @@ fn one_reading_is_shared_out_by_the_variances() {
         "{set:?}"
     );
     // A reading of the same session comes back nearer to the reading than one of another, which has the gain alone.
-    let again = read.forecast_of(&[&row])[0].mean_n;
+    let again = read.forecast_of(&[&row])[0].mean_n();
     let other = read.at(state, Whose::Rig);
-    assert!(f < other.mean_n && other.mean_n < again && again < f + 3.0);
-    close(other.mean_n, f * (1.0 + gain.value));
+    assert!(f < other.mean_n() && other.mean_n() < again && again < f + 3.0);
+    close(other.mean_n(), f * (1.0 + gain.value));
     // Its slope is that at the gain that it has now.
     let left = own - own * own / total + session + noise * noise;
     assert!((other.parts.variance() / left - 1.0).abs() < 0.02);
@@ -319,7 +319,7 @@ fn what_acts_from_a_session_on_acts_on_no_earlier_one() {
             session: session.to_owned(),
             ..row.clone()
         };
-        Muscle::unread(&law).forecast_of(&[&row])[0].mean_n - published(0.19)
+        Muscle::unread(&law).forecast_of(&[&row])[0].mean_n() - published(0.19)
     };
     let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a} against {b}");
     close(read_in("before"), 0.0);
@@ -329,7 +329,7 @@ fn what_acts_from_a_session_on_acts_on_no_earlier_one() {
     let at = |whose| {
         Muscle::unread(&law)
             .at([0.2, 0.167, 0.19, 500.0], whose)
-            .mean_n
+            .mean_n()
     };
     close(at(Whose::Rig) - at(Whose::Actuator), 10.0);
 }

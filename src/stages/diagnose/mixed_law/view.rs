@@ -15,7 +15,7 @@ use pipeline_base::row::Row;
 use pipeline_effects as effects;
 use pipeline_effects::{Actuator, Applied, Conditions};
 use pipeline_mechanics::models::P_620_KPA;
-use pipeline_numerics::matrix::dot;
+use pipeline_numerics::matrix::{dot, norm};
 use pipeline_numerics::real::{Dual, Real};
 use std::collections::BTreeMap;
 
@@ -103,30 +103,6 @@ pub(super) struct View {
 /// Columns of a session, and of a stroke.
 pub(super) const OF_SESSION: usize = 2 + SESSION_COSINES;
 pub(super) const OF_STROKE: usize = STROKE_COSINES;
-
-impl View {
-    /// Linear interpolation of the columns: `1 - share` of this view, `share` of the other.
-    fn blended(mut self, mut other: Self, share: f64) -> Self {
-        let columns = self.columns_mut().into_iter().zip(other.columns_mut());
-        columns.for_each(|(a, b)| *a += share * (*b - *a));
-        self
-    }
-
-    /// The same with the columns times a factor, those of the sensor apart.
-    fn scaled(mut self, factor: f64) -> Self {
-        let (zero, campaign_zero) = (self.session[1], self.campaign[1]);
-        self.columns_mut().into_iter().for_each(|x| *x *= factor);
-        (self.session[1], self.campaign[1]) = (zero, campaign_zero);
-        self
-    }
-
-    fn columns_mut(&mut self) -> Vec<&mut f64> {
-        let own = self.campaign.iter_mut().chain(&mut self.specimen);
-        let of_session = self.session.iter_mut().chain(&mut self.stroke);
-        let all = self.parameters.iter_mut().chain(own).chain(of_session);
-        all.collect()
-    }
-}
 
 impl MixedLaw {
     /// Conditions of a steady reading without a history.
@@ -254,37 +230,30 @@ impl MixedLaw {
         self.columns(base, reading, own, &force, (shown_n, noise_n))
     }
 
-    /// The columns of a state that nobody has read: the law without a rounded corner, which has its columns.
+    /// The columns of a state that nobody has read, where the law pulls: where it has no force it goes on below zero, and what it may be above that shows in
+    /// its interval.
     pub(super) fn view_of_state(&self, base: &Base, state: &Reading, own: Own) -> View {
         let noise_n = state.sensed() * self.noise_n(state.campaign);
-        let on = |side: Side| {
-            let reading = Reading {
-                side,
-                ..state.clone()
-            };
-            let force = self.chain(base, &reading, own, side);
-            let view = self.columns(base, &reading, own, &force, (0.0, noise_n));
-            (force.value, view)
+        let pulls = Reading {
+            side: Side::Pulls,
+            ..state.clone()
         };
-        let plain = self.chain(base, state, own, Side::AsPublished).value;
-        let (signed, pulls) = on(Side::Pulls);
-        let common = pulls.force_n - signed;
-        let share = (plain / (settings::NEAR_SLACK * self.largest_n)).clamp(0.0, 1.0);
-        let mut view = pulls;
-        if share < 1.0 {
-            // From 1 where the law has no force to 0 on both sides.
-            let width_n = settings::CORNER_WIDTH * self.largest_n;
-            let nearness = if signed > 0.0 {
-                1.0 - share
-            } else {
-                1.0 + signed / signed.hypot(width_n)
-            };
-            let fades = if signed > 0.0 { 1.0 } else { nearness };
-            view = on(Side::Corner).1.blended(view, share).scaled(fades);
-            view.stroke.push(nearness * self.in_corner_n(state));
-        }
-        view.force_n = plain + share * common;
+        let force = self.chain(base, &pulls, own, Side::Pulls);
+        let mut view = self.columns(base, &pulls, own, &force, (0.0, noise_n));
+        // From 1 where the law has no force to 0 on both sides.
+        let width_n = settings::NEAR_SLACK * self.largest_n;
+        let nearness = (1.0 - (view.force_n / width_n).abs()).max(0.0);
+        view.stroke.push(nearness * self.in_corner_n(state));
         view
+    }
+
+    /// What a rig reads of a slack muscle: mean and standard deviation, N; nothing of the muscle itself.
+    pub(super) fn slack(&self, base: &Base, state: &Reading, own: Own, view: &View) -> (f64, f64) {
+        let zeros = [view.session[1], view.campaign[1], view.noise_n];
+        (
+            self.chain(base, state, own, Side::Slack).value,
+            norm(&zeros),
+        )
     }
 
     /// What readings in the corner to slackness show beside a rounded law and noise, N: beside the plain law it is no mean, but a misfit. The most of any
