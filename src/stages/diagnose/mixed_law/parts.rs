@@ -30,7 +30,7 @@ impl Forecast {
 
     /// The ends of what lies within so many standard deviations, N. The force is the larger one of the law's and a slack muscle's, and so is each end.
     pub fn within(&self, deviations: f64, further_n: f64) -> (f64, f64) {
-        let half = deviations * self.parts.variance().sqrt().hypot(further_n);
+        let half = deviations * (self.parts.variance() + further_n * further_n).sqrt();
         let (slack, sd) = self.slack_n;
         let of_slack = deviations * sd;
         (
