@@ -10,18 +10,18 @@
 
 use pipeline::base::random::Stream;
 use pipeline::base::row::Row;
-use pipeline::config::FitOptions;
+use pipeline::config::{DiagnoseOptions, FitOptions};
 use pipeline::effects;
 use pipeline::inference::decisions;
 use pipeline::inference::fit::Setting;
 use pipeline::inference::problem::Problem;
-use pipeline::inference::search::{Decision, Search};
+use pipeline::inference::search::Search;
 use pipeline::inference::statistic::upper_tail;
 use pipeline::simulate::rig_like::{Family, Scatter, Settings, campaign};
 use pipeline::stages::diagnose::base::Base;
 use pipeline::stages::diagnose::data::Data;
 use pipeline::stages::diagnose::library::{self, What};
-use pipeline::stages::diagnose::{Declared, suited};
+use pipeline::stages::diagnose::{Declared, decision, draws, suited};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
@@ -88,23 +88,16 @@ fn tried(seed: u64, settings: &Settings, redrawn: bool) -> Outcome {
     let library = library::terms(&data);
     let (problem, null) = suited(&base, &data, &library, &BTreeSet::new(), Declared::Taken);
     let setting = Setting::new(&problem);
-    let decision = Decision {
-        level: decisions::COMES_IN,
-        draws: 199,
-        alike: decisions::ALIKE,
-        most_terms: 5,
-        thorough: true,
+    let options = DiagnoseOptions {
+        most_effects: 5,
+        ..DiagnoseOptions::default()
     };
     let search = Search {
         setting: &setting,
-        decision,
+        decision: decision(&options),
         tried: None,
     };
-    let normal = |k: usize| -> Box<dyn FnMut() -> f64> {
-        let mut stream = Stream::new(seed, &["draw", &k.to_string()]);
-        Box::new(move || stream.normal())
-    };
-    let found = search.run(null, &normal, None);
+    let found = search.run(null, &draws("draw", seed), None);
     let strongest = found.tested.first().map_or(f64::MIN, |(_, s)| s.deviate());
     let screened = upper_tail(&found.draws, strongest);
     let name = |t: usize| match library[t].what {

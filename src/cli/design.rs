@@ -5,7 +5,7 @@ use crate::columns::{Align, aligned};
 use crate::design_curve::{self, Quantities, Read};
 use crate::predict_leg::{MountArgs, knee, leg};
 use crate::print::{line, print_json};
-use crate::{DONE, predict, values};
+use crate::{DONE, laws, predict, values};
 use pipeline_base::error::{Error, Result};
 use pipeline_base::units::Quantity;
 use pipeline_compare::NEW;
@@ -145,7 +145,7 @@ fn joint<'a>(args: &DesignArgs, knee: &'a Knee) -> Result<Joint<'a>> {
 /// One muscle of every diameter, those that meet the curve first, the shortest one first.
 fn designs(args: &DesignArgs, curve: Curve, read: &Read) -> Result<Vec<Design>> {
     let derived = args.cache.places()?.derived;
-    let laws = predict::laws(&derived)?;
+    let laws = laws::of_run(&derived)?;
     let pressure = values::quantity("--pressure", &args.pressure, Quantity::Pressure)?;
     let free = args.contraction_620.as_deref();
     let free = free

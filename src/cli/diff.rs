@@ -5,7 +5,7 @@ use crate::columns::{Align, aligned, plain};
 use crate::diff_tables::sections;
 use crate::print::{counted, line, print_json};
 use crate::summary::{GroupModels, models_of_run};
-use crate::{DONE, predict};
+use crate::{DONE, laws};
 use pipeline_base::error::{Error, Result};
 use pipeline_config::Config;
 use pipeline_findings::{CampaignFindings, Findings};
@@ -131,7 +131,7 @@ fn run(args: &DiffArgs, named: &str) -> Result<Run> {
         }
         Some(folder) => places_of(folder)?,
     };
-    let fits = predict::fits(&derived)?;
+    let fits = laws::fits(&derived)?;
     if fits.is_empty() {
         return Err(Error::Usage(format!(
             "there are no fits in {}: `pipeline run` makes them from sessions",

@@ -4,7 +4,7 @@ use crate::args::ResultArgs;
 use crate::check_session::known;
 use crate::places::Places;
 use crate::print::{line, print_json};
-use crate::{DONE, predict, values};
+use crate::{DONE, laws, values};
 use clap::builder::PossibleValuesParser;
 use pipeline_base::error::{Error, Result};
 use pipeline_base::json;
@@ -100,9 +100,9 @@ fn model(args: &ModelArgs) -> Result<Model> {
         return source::of_published(published, diameter_mm);
     }
     let places = args.results.places()?;
-    let fits = predict::fits(&places.derived)?;
+    let laws = laws::of_run(&places.derived)?;
     let campaign = args.campaign.as_deref().unwrap_or_default();
-    let fit = fit(&fits, campaign, diameter_mm, &places.derived)?;
+    let fit = fit(&laws.fits, campaign, diameter_mm, &places.derived)?;
     let inputs = inputs(&places.reports);
     if args.least_squares {
         return source::of_fit(fit, &inputs);
@@ -118,7 +118,6 @@ fn model(args: &ModelArgs) -> Result<Model> {
         return Ok(model);
     };
     let of_loop = with_effects(fit, found, &places, &args.alias, &inputs)?;
-    let laws = predict::laws(&places.derived)?;
     let is_worse = of_loop.is_worse();
     let WithEffects {
         mut model, errors, ..

@@ -3,22 +3,20 @@
 use crate::args::ResultArgs;
 use crate::places::Places;
 use crate::predict_leg::{self, LegArgs};
-use crate::{DONE, predict_calibrate, predict_print, summary, values};
+use crate::{DONE, laws, predict_calibrate, predict_print, summary, values};
 use pipeline_base::error::{Error, Result};
 use pipeline_base::units::Quantity;
 use pipeline_compare::NEW;
 use pipeline_diagnose::mixed_law::MixedLaw;
-use pipeline_fit::GroupFit;
 use pipeline_predict::inverse::{self, Wanted};
 use pipeline_predict::law::choose;
 use pipeline_predict::sweep::{self, Around, Axis, Steps};
-use pipeline_predict::{Choice, Contraction, FreeLength, Law, Laws, Muscle, Predictor};
+use pipeline_predict::{Choice, Contraction, FreeLength, Law, Muscle, Predictor};
 use pipeline_report::figures::{Named, files, prediction as drawing};
 use pipeline_report::render::Renderer;
 use pipeline_report::render::csv::Csv;
 use pipeline_report::table::Table;
 use pipeline_report::tables::prediction as tables;
-use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
 /// Resolution of a PNG plot, dots per inch.
@@ -149,7 +147,7 @@ pub fn command(args: &PredictArgs) -> Result<u8> {
         Some(read) => read.muscle()?,
         None => muscle(args)?,
     };
-    let laws = laws(&places.derived)?;
+    let laws = laws::of_run(&places.derived)?;
     let mut choice = choose(
         &laws,
         &args.model,
@@ -365,49 +363,6 @@ fn steps(args: &PredictArgs, axis: Axis, predictor: &Predictor) -> Result<Steps>
         to: read("--to", &args.to, usual.to)?,
         step: read("--step", &args.step, usual.step)?,
     })
-}
-
-/// What an earlier run has; nothing where there was no run.
-pub(super) fn laws(derived: &Path) -> Result<Laws> {
-    Ok(Laws {
-        fits: fits(derived)?,
-        mixed: mixed(&derived.join("mixed_laws.json"))?,
-    })
-}
-
-/// The fits of an earlier run; none where there was no run.
-pub(super) fn fits(derived: &Path) -> Result<Vec<GroupFit>> {
-    Ok(list(&derived.join("fits.json"))?.unwrap_or_default())
-}
-
-/// The laws of its mixed models; none where it left none.
-fn mixed(path: &Path) -> Result<Option<Vec<MixedLaw>>> {
-    let all: Option<Vec<MixedLaw>> = list(path)?;
-    if all.iter().flatten().any(|law| !law.is_sound()) {
-        return Err(of_another_version(
-            path,
-            "its lists do not have the sizes that go with one another",
-        ));
-    }
-    Ok(all)
-}
-
-fn list<T: DeserializeOwned>(path: &Path) -> Result<Option<Vec<T>>> {
-    let text = match std::fs::read(path) {
-        Ok(text) => text,
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        Err(e) => return Err(Error::io("read", path)(e)),
-    };
-    let all = serde_json::from_slice(&text);
-    all.map(Some)
-        .map_err(|e| of_another_version(path, &e.to_string()))
-}
-
-fn of_another_version(path: &Path, why: &str) -> Error {
-    Error::Usage(format!(
-        "{} cannot be read ({why}): it is damaged or of another version; `pipeline run` writes it anew",
-        path.display()
-    ))
 }
 
 /// Writes a table where one was asked for.

@@ -3,7 +3,7 @@
 use crate::columns::{Align, aligned};
 use crate::predict::{PredictArgs, draw, write_csv};
 use crate::print::{line, print_json};
-use crate::{predict_print, values};
+use crate::{predict_head, predict_print, values};
 use pipeline_base::diagnostics::nearest;
 use pipeline_base::error::{Error, Result};
 use pipeline_base::units::Quantity;
@@ -94,7 +94,7 @@ pub fn command(args: &PredictArgs, name: &str, predictor: &Predictor) -> Result<
         });
         return print_json(&predict_print::with_head(predictor, "torque", value));
     }
-    predict_print::head(predictor);
+    predict_head::head(predictor);
     print_leg(&knee, &built, pressure);
     print_rows(&over(PRINTED_DEG)?, human);
     print_verdict(&fine, human);

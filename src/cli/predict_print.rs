@@ -2,17 +2,16 @@
 
 use crate::columns::{Align, aligned};
 use crate::predict_calibrate;
-use crate::print::{counted, line, print_json};
+use crate::predict_head::head;
+use crate::print::{line, print_json};
 use pipeline_base::error::Result;
 use pipeline_diagnose::mixed_law::Whose;
 use pipeline_mechanics::models::festo_tool::TOLERANCE;
-use pipeline_predict::answer::{FreeContraction, Measured, Other};
+use pipeline_predict::answer::{Measured, Other};
 use pipeline_predict::interval::CONFIDENCE;
 use pipeline_predict::inverse::{Solved, Wanted};
-use pipeline_predict::muscle::mm;
 use pipeline_predict::sweep::{Axis, TABLE_KPA};
 use pipeline_predict::{Answer, Fitted, Law, Predictor};
-use pipeline_report::wording::sentence::in_doubt;
 use serde_json::{Value, json};
 
 const LEFT: Align = Align::Left;
@@ -189,70 +188,6 @@ fn star(answer: &Answer) -> &'static str {
     if answer.is_outside() { "*" } else { "" }
 }
 
-/// The muscle and the law, and how both were chosen.
-pub fn head(predictor: &Predictor) {
-    let muscle = &predictor.muscle;
-    let free = match (muscle.contraction_620, predictor.free) {
-        (Some(e), FreeContraction::MeanOfSpecimens { specimens, .. }) => format!(
-            ", contraction at 620 kPa not given: {:.1}%, the mean of {}",
-            100.0 * e,
-            counted(specimens, "specimen", "specimens")
-        ),
-        (Some(e), _) => format!(
-            ", contraction at 620 kPa {:.1}% (to {})",
-            100.0 * e,
-            mm(muscle.rest_length_m * (1.0 - e))
-        ),
-        (None, _) => ", contraction at 620 kPa unknown".to_owned(),
-    };
-    line(format!(
-        "muscle   {} mm, resting length {}{free}",
-        muscle.diameter_mm,
-        mm(muscle.rest_length_m)
-    ));
-    if let Some(muscle) = predictor.calibrated() {
-        predict_calibrate::head(muscle);
-        warnings(&predictor.doubts);
-    }
-    let law = predictor.choice.law;
-    match law {
-        Law::Fitted(Fitted { fit, joint, mixed }) => {
-            let (n, rows) = match mixed {
-                Some(mixed) => (mixed.specimens.len(), mixed.readings),
-                None => (fit.specimens.len(), joint.n),
-            };
-            let plural = if n == 1 { "" } else { "s" };
-            let unseen = mixed.and_then(|law| law.unseen_n);
-            let unseen = unseen.map_or_else(String::new, |rmse| {
-                format!(", RMSE {rmse:.1} N on unseen specimens")
-            });
-            line(format!(
-                "model    {}: {n} specimen{plural}, {rows} readings{unseen}",
-                law.title()
-            ));
-        }
-        Law::Published(model) => line(format!(
-            "model    {} ({}): {}",
-            law.title(),
-            model.id(),
-            model.domain()
-        )),
-    }
-    if !predictor.choice.why.is_empty() {
-        line(format!("         {}", predictor.choice.why));
-    }
-    if predictor.whose == Whose::Rig {
-        line("         as the rig reads it: with its effects, its zeros and its noise");
-    }
-    if let Law::Fitted(fitted) = law {
-        warnings(
-            &in_doubt(fitted.fit.doubtful.iter())
-                .into_iter()
-                .collect::<Vec<_>>(),
-        );
-    }
-}
-
 fn force(predictor: &Predictor, answer: &Answer) -> String {
     let of = of_which(predictor);
     match (answer.force_n, &answer.interval) {
@@ -340,7 +275,8 @@ fn no_interval(predictor: &Predictor) -> Option<String> {
     }
 }
 
-fn warnings(all: &[String]) {
+/// Prints warnings, a line each.
+pub fn warnings(all: &[String]) {
     for warning in all {
         line(format!("warning: {warning}"));
     }

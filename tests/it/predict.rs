@@ -463,6 +463,6 @@ mod outside {
         let said = String::from_utf8_lossy(&output.stdout);
         let failed = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{said}{failed}");
-        assert!(said.contains("0 differences are too large"), "{said}");
+        assert!(said.contains("; 0 differences are too large"), "{said}");
     }
 }

@@ -1,16 +1,14 @@
 //! What the tests share: the binary, a small campaign, and looking at what a run left.
 
-use pipeline::base::random::Stream;
 use pipeline::base::row::Row;
 use pipeline::config::{DiagnoseOptions, FitOptions};
-use pipeline::inference::decisions;
 use pipeline::inference::fit::Setting;
-use pipeline::inference::search::{Decision, Search};
+use pipeline::inference::search::Search;
 use pipeline::simulate;
 use pipeline::stages::diagnose::base::Base;
 use pipeline::stages::diagnose::data::Data;
 use pipeline::stages::diagnose::mixed_law::MixedLaw;
-use pipeline::stages::diagnose::{Declared, library, suited};
+use pipeline::stages::diagnose::{Declared, decision, draws, library, suited};
 use pipeline::stages::fit::Group;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -321,22 +319,11 @@ pub fn searched_law(group: &Group, rows: &[&Row]) -> MixedLaw {
     let library = library::terms(&data);
     let (problem, null) = suited(&base, &data, &library, &BTreeSet::new(), Declared::Taken);
     let setting = Setting::new(&problem);
-    let decision = Decision {
-        level: decisions::COMES_IN,
-        draws: options.draws,
-        alike: decisions::ALIKE,
-        most_terms: options.most_effects,
-        thorough: true,
-    };
     let search = Search {
         setting: &setting,
-        decision,
+        decision: decision(&options),
         tried: None,
     };
-    let normal = |k: usize| -> Box<dyn FnMut() -> f64> {
-        let mut stream = Stream::new(options.seed, &["draw", &k.to_string()]);
-        Box::new(move || stream.normal())
-    };
-    let found = search.run(null, &normal, None);
+    let found = search.run(null, &draws("draw", options.seed), None);
     MixedLaw::of(group, &problem, &setting, &found.model, &[], None).unwrap()
 }

@@ -15,6 +15,7 @@ use pipeline_inference::fit::{Fitted, Setting};
 use pipeline_inference::profile::Profiles;
 use pipeline_inference::screen::Normal;
 use pipeline_inference::search::{Decision, Found};
+use pipeline_inference::system::Variances;
 use std::collections::BTreeMap;
 
 /// A search that is done.
@@ -62,26 +63,8 @@ pub(crate) fn answered(
     let residuals = work.residuals();
     let variances = found.model.restricted(setting);
     let limits = limits::limits(setting, problem, &found.model, found.critical);
-    findings.effects = work.effects();
-    findings.unexplained = work.unexplained();
-    findings.verdict = verdict(&findings.effects, !findings.unexplained.is_empty());
-    findings.scatter = work.scatter(&variances);
-    findings.misfit = Some(Misfit {
-        sensitive: work.sensitive(),
-        ..answer::misfit(&variances, problem)
-    });
-    findings.before = Errors {
-        rmse_train: Some(work.error_in_sample(&found.null)),
-        ..held.before.clone()
-    };
-    findings.after = Errors {
-        rmse_train: Some(work.error_in_sample(&found.model)),
-        ..held.after.clone()
-    };
+    put_model(&mut findings, &work, &variances);
     findings.next_measurement = next::next(setting, problem, found, &held.budget);
-    findings.noise = Some(problem.noise_of(&variances));
-    findings.tested = work.tested();
-    findings.coefficients = work.coefficients();
     findings.alternatives = alternatives(problem, setting, found, base);
     findings.black_box_rmse_heldout = unseen::black_box(setting, problem, &residuals.predicted);
     put_limits(&mut findings, limits);
@@ -99,6 +82,27 @@ pub(crate) fn answered(
         residuals,
         mixed_law,
     }
+}
+
+/// What the model has, and its errors without and with what was found.
+fn put_model(findings: &mut CampaignFindings, work: &Work, variances: &Variances) {
+    findings.effects = work.effects();
+    findings.unexplained = work.unexplained();
+    findings.verdict = verdict(&findings.effects, !findings.unexplained.is_empty());
+    findings.scatter = work.scatter(variances);
+    findings.misfit = Some(Misfit {
+        sensitive: work.sensitive(),
+        ..answer::misfit(variances, work.problem)
+    });
+    let errors = |model: &Fitted, of_unseen: &Errors| Errors {
+        rmse_train: Some(work.error_in_sample(model)),
+        ..of_unseen.clone()
+    };
+    findings.before = errors(&work.found.null, &work.held.before);
+    findings.after = errors(&work.found.model, &work.held.after);
+    findings.noise = Some(work.problem.noise_of(variances));
+    findings.tested = work.tested();
+    findings.coefficients = work.coefficients();
 }
 
 /// What could have been seen. What cannot be seen while it is small may have been found, or stand beside what was.

@@ -7,7 +7,7 @@ use crate::data::Data;
 use crate::problem::ForceProblem;
 use crate::suited::{Declared, part_of, suited};
 use crate::unassessed::unassessed;
-use crate::{Diagnosis, draws, library};
+use crate::{Diagnosis, decision, draws, library};
 use pipeline_base::row::Row;
 use pipeline_base::session::Role;
 use pipeline_config::DiagnoseOptions;
@@ -16,7 +16,7 @@ use pipeline_fit::Group;
 use pipeline_inference::decisions;
 use pipeline_inference::fit::Fitted;
 use pipeline_inference::screen::Normal;
-use pipeline_inference::search::{Decision, Found, Search};
+use pipeline_inference::search::{Found, Search};
 use std::collections::BTreeSet;
 
 /// The readings of a group, to be assessed.
@@ -81,7 +81,7 @@ impl Campaign<'_> {
         let searched = Searched {
             problem: &problem,
             setting: &part_of(&problem, &kept_out),
-            decision: self.decision(),
+            decision: decision(self.options),
             found: &found,
             normal: &normal,
         };
@@ -90,16 +90,6 @@ impl Campaign<'_> {
         let of = data.place.iter().map(|place| rows[*place]);
         (residuals.log, residuals.row) = of.map(|r| (r.log.clone(), r.first_row)).unzip();
         Answer::Given(Box::new(diagnosis))
-    }
-
-    fn decision(&self) -> Decision {
-        Decision {
-            level: decisions::COMES_IN,
-            draws: self.options.draws,
-            alike: decisions::ALIKE,
-            most_terms: self.options.most_effects,
-            thorough: true,
-        }
     }
 
     /// What a search finds, and the problem that it was made of: with declared standard deviations estimated, if what was found contradicts them.
@@ -113,7 +103,7 @@ impl Campaign<'_> {
         let searched = |problem: &ForceProblem, null: Fitted| {
             let search = Search {
                 setting: &part_of(problem, kept_out),
-                decision: self.decision(),
+                decision: decision(self.options),
                 tried: None,
             };
             search.run(null, normal, None)

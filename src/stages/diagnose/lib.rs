@@ -65,6 +65,8 @@ use pipeline_effects as effects;
 use pipeline_effects::Conditions;
 use pipeline_findings::{CampaignFindings, EffectFinding, Residuals, Verdict};
 use pipeline_fit::{Group, equations, is_fitted, is_usable};
+use pipeline_inference::decisions;
+use pipeline_inference::search::Decision;
 use recording::Law;
 use slack::Shape;
 use std::collections::BTreeSet;
@@ -163,8 +165,22 @@ fn base_answers(base: &Base, row: &Row) -> bool {
     effects::force(base, &base.starts(), 1.0, &[], &at).is_finite()
 }
 
+/// How a search with these options decides.
+pub fn decision(options: &DiagnoseOptions) -> Decision {
+    Decision {
+        level: decisions::COMES_IN,
+        draws: options.draws,
+        alike: decisions::ALIKE,
+        most_terms: options.most_effects,
+        thorough: true,
+    }
+}
+
 /// Standard normal numbers by draw, for one question.
-fn draws(question: &'static str, seed: u64) -> impl Fn(usize) -> Box<dyn FnMut() -> f64> + Sync {
+pub fn draws(
+    question: &'static str,
+    seed: u64,
+) -> impl Fn(usize) -> Box<dyn FnMut() -> f64> + Sync {
     move |k| {
         let mut stream = Stream::new(seed, &[question, &k.to_string()]);
         Box::new(move || stream.normal())

@@ -337,7 +337,7 @@ impl MixedLaw {
     }
 
     /// Whether it is of a pool.
-    pub fn is_pooled(&self) -> bool {
+    pub(crate) fn is_pooled(&self) -> bool {
         self.campaigns.len() > 1
     }
 
@@ -351,9 +351,4 @@ impl MixedLaw {
                 (squares / all.len().max(1) as f64).sqrt()
             })
     }
-}
-
-/// Mean and standard deviation of readings in the corner to slackness, N.
-fn in_corner(sizes: &Sizes, at: &pipeline_effects::Conditions, shape: &Shape) -> (f64, f64) {
-    sizes.corner_n[slack::band(at, shape)]
 }

@@ -208,10 +208,9 @@ impl<'a> Muscle<'a> {
         let view = self.view_of(&state);
         let row = self.row(&view, None, self.sessions.len());
         let parts = self.parts(&view, &row);
-        let own = self.own(&self.mean, None);
         Forecast {
             law_n: view.force_n + self.moved(&row, |_| false),
-            slack_n: self.law.slack(&self.base, &state, own, &view),
+            slack_n: self.slack(&state, &view),
             freedom: self.freedom(&parts, &view),
             parts,
         }
@@ -238,11 +237,9 @@ impl<'a> Muscle<'a> {
     /// By how much each term of the law changes what the rig would read in one more session at a state (as for [`Self::at`]), N.
     pub fn changes(&self, state: [f64; 4]) -> Vec<f64> {
         let state = self.state(state, Whose::Rig);
-        let own = self.own(&self.mean, None);
         let force = |reading: &Reading| {
-            let view = self.law.view_of_state(&self.base, reading, own);
-            let (slack, _) = self.law.slack(&self.base, reading, own, &view);
-            view.force_n.max(slack)
+            let view = self.view_of(reading);
+            view.force_n.max(self.slack(reading, &view).0)
         };
         let with = force(&state);
         let terms = 0..self.law.terms.len();
@@ -252,6 +249,11 @@ impl<'a> Muscle<'a> {
     fn view_of(&self, state: &Reading) -> View {
         let own = self.own(&self.mean, None);
         self.law.view_of_state(&self.base, state, own)
+    }
+
+    fn slack(&self, state: &Reading, view: &View) -> (f64, f64) {
+        let own = self.own(&self.mean, None);
+        self.law.slack(&self.base, state, own, view)
     }
 
     /// Degrees of freedom: of what is not known of law and muscle together those that it had before any reading, which took nothing from them.

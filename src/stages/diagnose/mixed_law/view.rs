@@ -1,6 +1,6 @@
 //! A reading as a linear function of what is not known, about a point: every column in units of independent standard normal numbers.
 
-use super::{Held, MixedLaw, Slot, What, in_corner};
+use super::{Held, MixedLaw, Slot, What};
 use crate::base::Base;
 use crate::data::Data;
 use crate::library::{bent, force_argument, pressure_argument};
@@ -14,7 +14,6 @@ use crate::slack::{self, Shape, Side, Sided};
 use pipeline_base::row::Row;
 use pipeline_effects as effects;
 use pipeline_effects::{Actuator, Applied, Conditions};
-use pipeline_mechanics::models::P_620_KPA;
 use pipeline_numerics::matrix::{dot, norm};
 use pipeline_numerics::real::{Dual, Real};
 use std::collections::BTreeMap;
@@ -117,13 +116,11 @@ impl MixedLaw {
             diameter_mm: f64::from(self.diameter_mm),
             middle_rest_length_m: self.origins.middle_rest_length_m,
             campaign_time: self.origins.later(),
-            // That of any filling: a vented actuator is at the end of no loop.
-            highest_kpa: pressure_kpa.max(P_620_KPA),
             ..Conditions::at(rest_length_m, contracted_length_m, length_m, pressure_kpa)
         }
     }
 
-    /// A state in a session of its own.
+    /// A state in a session of its own, on the side where the muscle pulls.
     pub(super) fn state(
         &self,
         at: Conditions,
@@ -132,7 +129,7 @@ impl MixedLaw {
         lengths: Lengths,
     ) -> Reading {
         Reading {
-            side: Side::AsPublished,
+            side: Side::Pulls,
             at,
             campaign,
             terms: self.acting(None, None, |held| {
@@ -222,24 +219,19 @@ impl MixedLaw {
     /// The columns of a reading about a point.
     pub(super) fn view(&self, base: &Base, reading: &Reading, own: Own) -> View {
         let force = self.chain(base, reading, own, reading.side);
-        let shape = Shape(self.shape);
-        let (shown_n, noise_n) = match reading.side {
-            Side::Corner => in_corner(&self.sd, &reading.at, &shape),
+        let shown = match reading.side {
+            Side::Corner => self.sd.corner_n[slack::band(&reading.at, &Shape(self.shape))],
             _ => (0.0, self.noise_n(reading.campaign)),
         };
-        self.columns(base, reading, own, &force, (shown_n, noise_n))
+        self.columns(base, reading, own, &force, shown)
     }
 
     /// The columns of a state that nobody has read, where the law pulls: where it has no force it goes on below zero, and what it may be above that shows in
     /// its interval.
     pub(super) fn view_of_state(&self, base: &Base, state: &Reading, own: Own) -> View {
         let noise_n = state.sensed() * self.noise_n(state.campaign);
-        let pulls = Reading {
-            side: Side::Pulls,
-            ..state.clone()
-        };
-        let force = self.chain(base, &pulls, own, Side::Pulls);
-        let mut view = self.columns(base, &pulls, own, &force, (0.0, noise_n));
+        let force = self.chain(base, state, own, state.side);
+        let mut view = self.columns(base, state, own, &force, (0.0, noise_n));
         // From 1 where the law has no force to 0 on both sides.
         let width_n = settings::NEAR_SLACK * self.largest_n;
         let nearness = (1.0 - (view.force_n / width_n).abs()).max(0.0);

@@ -28,11 +28,8 @@ pub(super) struct Searched<'s> {
 
 fn decision(options: &DiagnoseOptions) -> Decision {
     Decision {
-        level: decisions::COMES_IN,
-        draws: options.draws,
-        alike: decisions::ALIKE,
         most_terms: options.most_effects.min(MOST_TERMS),
-        thorough: true,
+        ..pipeline_diagnose::decision(options)
     }
 }
 
