@@ -50,7 +50,7 @@ pub fn command(args: &PlanArgs) -> Result<u8> {
         .map_err(|e| Error::Usage(format!("cannot read the plan {file}: {e}")))?;
     let mut plan = design::read(&file, &text).map_err(Error::Config)?;
     if let Some(campaign) = plan.scatter_of.clone() {
-        plan.scatter = scatter_of(args, &campaign, plan.diameter_mm)?;
+        plan.scatter = scatter_of(args, &campaign, &plan)?;
     }
     let style = ProgressStyle::with_template("{bar:20} {pos} of {len} draws searched");
     let bar = ProgressBar::new(0);
@@ -84,16 +84,18 @@ pub fn command(args: &PlanArgs) -> Result<u8> {
 }
 
 /// The scatter that a campaign of the last run has.
-fn scatter_of(args: &PlanArgs, campaign: &str, diameter_mm: u32) -> Result<Scatter> {
+fn scatter_of(args: &PlanArgs, campaign: &str, plan: &Plan) -> Result<Scatter> {
+    let diameter_mm = plan.diameter_mm;
+    let rest_mm = plan.middle_rest_length_mm();
     let places = args.results.places()?;
     let known = check_session::known(&places.derived, &places.reports, &places.config)?;
     let all = known.findings.map_or(Vec::new(), |f| f.campaigns);
     let is = |c: &&CampaignFindings| {
         c.campaign == campaign && c.diameter_mm == diameter_mm && c.part.is_none()
     };
-    let found = all.iter().find(is).and_then(scatter);
+    let found = all.iter().find(is).and_then(|c| scatter(c, rest_mm));
     found.ok_or_else(|| {
-        let usable = all.iter().filter(|c| scatter(c).is_some() && c.part.is_none());
+        let usable = all.iter().filter(|c| scatter(c, rest_mm).is_some() && c.part.is_none());
         let names: Vec<String> = usable
             .map(|c| format!("{} ({} mm)", c.campaign, c.diameter_mm))
             .collect();
@@ -104,11 +106,13 @@ fn scatter_of(args: &PlanArgs, campaign: &str, diameter_mm: u32) -> Result<Scatt
     })
 }
 
-fn scatter(found: &CampaignFindings) -> Option<Scatter> {
+/// Scatter as it was found; that of contracted lengths for an actuator of this resting length, mm.
+fn scatter(found: &CampaignFindings, rest_mm: f64) -> Option<Scatter> {
     let misfit = found.misfit.as_ref()?;
     Some(Scatter {
         gain: found.scatter_sd("specimen_variation")?,
         length_mm: found.scatter_sd("length_offset")?,
+        contracted: found.contracted_sd_mm(rest_mm) / rest_mm,
         zero_n: found.scatter_sd("force_zero_offset")?,
         common_misfit: misfit.common,
         session_misfit: misfit.session,
@@ -129,7 +133,8 @@ fn csv_of(limits: &[Limit]) -> String {
 fn short(more: More) -> String {
     match more {
         More::Specimen(mm) => format!("+ actuator of {mm} mm"),
-        More::LengthsKnown(mm) => format!("+ lengths to {mm} mm"),
+        More::LengthsKnown(mm) => format!("+ set lengths to {mm} mm"),
+        More::ContractedKnown(mm) => format!("+ contracted to {mm} mm"),
         More::Contraction(c) => format!("+ sessions at {c:.2}"),
         More::Run => "+ log per session".to_owned(),
     }

@@ -39,12 +39,13 @@ fn print_plan(plan: &Plan, foreseen: &Foreseen) {
         plan.diameter_mm
     ));
     line(format!(
-        "scatter   {}specimen gain {}, set lengths {:.2} mm, zero {}, misfit of the law {} and of a session {}, noise {}",
+        "scatter   {}specimen gain {}, set lengths {:.2} mm, contracted lengths {}%, zero {}, misfit of the law {} and of a session {}, noise {}",
         plan.scatter_of
             .as_ref()
             .map_or_else(String::new, |c| format!("as in {c}: ")),
         percent(s.gain),
         s.length_mm,
+        rounded(100.0 * s.contracted, Rounding::Digits(2)),
         newtons(s.zero_n),
         percent(s.common_misfit),
         percent(s.session_misfit),
@@ -160,6 +161,7 @@ fn worth_row(worth: &Worth) -> Vec<String> {
     let what = match worth.more {
         More::Specimen(mm) => format!("an actuator of {mm} mm"),
         More::LengthsKnown(mm) => format!("set lengths known to {mm} mm"),
+        More::ContractedKnown(mm) => format!("contracted lengths known to {mm} mm"),
         More::Contraction(c) => format!("sessions at a relative contraction of {c:.2}"),
         More::Run => "one more log per session".to_owned(),
     };

@@ -226,6 +226,13 @@ fn contradictions(muscle: &Calibrated) -> Vec<String> {
             (gain.value / gain.sd_before).abs()
         )
     });
+    let of_contracted = muscle.contracted_length().filter(stands_out).map(|e| {
+        format!(
+            "a contracted length that is off by {:+.1} mm is {:.0} standard deviations from those that are noted",
+            e.value,
+            (e.value / e.sd_before).abs()
+        )
+    });
     let lengths = muscle.set_lengths().into_iter().filter(|e| stands_out(e));
     let of_lengths = lengths.map(|e| {
         format!(
@@ -246,8 +253,8 @@ fn contradictions(muscle: &Calibrated) -> Vec<String> {
             "{what}: check lengths, diameter and units of the session; the answer is not to be relied on"
         )
     };
-    let all = of_gain.into_iter().chain(of_lengths).chain(of_readings);
-    all.map(advice).collect()
+    let all = of_gain.into_iter().chain(of_contracted).chain(of_lengths);
+    all.chain(of_readings).map(advice).collect()
 }
 
 /// Contractions and pressures among which the next reading is looked for: steps of the ranges that were measured.
@@ -320,20 +327,33 @@ pub fn head(muscle: &Calibrated) {
             p => format!("{p:.0}"),
         }
     ));
-    for length in muscle.set_lengths() {
-        let digits = if length.sd < 0.05 { 2 } else { 1 };
+    let contracted = muscle.contracted_length();
+    if let Some(e) = contracted {
         line(format!(
-            "         {}: {:.digits$} ± {:.digits$} mm {} than noted, by that law",
-            length.session.unwrap_or_default(),
-            length.value.abs(),
-            length.sd,
-            if length.value < 0.0 {
-                "shorter"
-            } else {
-                "longer"
-            }
+            "         contracted length {} (± {:.1} mm without the readings)",
+            beside_noted(&e),
+            e.sd_before
         ));
     }
+    for length in muscle.set_lengths() {
+        let session = length.session.as_deref().unwrap_or_default();
+        line(format!("         {session}: {}", beside_noted(&length)));
+    }
+}
+
+/// `0.3 ± 0.2 mm shorter than noted, by that law`.
+fn beside_noted(length: &Estimate) -> String {
+    let digits = if length.sd < 0.05 { 2 } else { 1 };
+    format!(
+        "{:.digits$} ± {:.digits$} mm {} than noted, by that law",
+        length.value.abs(),
+        length.sd,
+        if length.value < 0.0 {
+            "shorter"
+        } else {
+            "longer"
+        }
+    )
 }
 
 /// A further reading that narrows the answer by less than this share is not worth a line.
@@ -372,6 +392,7 @@ pub fn as_json(predictor: &Predictor, answer: Option<&Answer>) -> Value {
         "sessions": sessions,
         "specimen_gain": muscle.gain(),
         "percentile": muscle.percentile(),
+        "contracted_length": muscle.contracted_length(),
         "set_lengths": muscle.set_lengths(),
         "next": answer.and_then(|a| next(predictor, a)),
     })

@@ -148,6 +148,16 @@ impl CampaignFindings {
         let found = self.scatter.iter().find(|s| s.id == id);
         found.map(|s| s.sd_predictive)
     }
+
+    /// Standard deviation of the contracted length of a specimen of this resting length, mm, beside its rounding where it is not declared.
+    pub fn contracted_sd_mm(&self, rest_length_mm: f64) -> f64 {
+        let found = self.scatter.iter().find(|s| s.id == "contracted_length");
+        let of = |s: &Scatter| {
+            let share = s.share_of_rest_length;
+            share.map_or(s.sd_predictive, |share| share * rest_length_mm)
+        };
+        found.map_or(0.0, of)
+    }
 }
 
 /// How much was searched.
@@ -369,7 +379,8 @@ pub enum Level {
 /// A random effect with its standard deviation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scatter {
-    /// Id of the effect whose operator it is: `length_offset`, `specimen_variation`, `force_zero_offset`, …
+    /// Id of the effect whose operator it is: `length_offset`, `specimen_variation`, `force_zero_offset`, …; or `rest_length`; or `contracted_length`,
+    /// whose standard deviation, where not declared, is proportional to the resting length, rounding apart: `sd` is its value at the median resting length.
     pub id: String,
     /// What has a value of its own.
     pub level: Level,
@@ -377,6 +388,8 @@ pub struct Scatter {
     pub sd: f64,
     /// Standard deviation with which unseen groups are predicted: never 0 because a handful of groups happen to be alike.
     pub sd_predictive: f64,
+    /// The same as a share of the resting length, where it is proportional to that.
+    pub share_of_rest_length: Option<f64>,
     /// Lower end of its 95% interval.
     pub ci_low: Option<f64>,
     /// Upper end.
@@ -514,7 +527,7 @@ pub struct UnitErrors {
 /// One source of the expected squared error on an unseen specimen.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BudgetEntry {
-    /// "set_length", "specimen_gain", "force_zero", "specimen_lengths", "common_misfit", "session_misfit", "stroke_misfit", "estimation", "noise", …
+    /// "set_length", "specimen_gain", "force_zero", "specimen_lengths", "contracted_length", "common_misfit", "session_misfit", "stroke_misfit", "estimation", "noise", …
     pub source: String,
     /// Mean variance, unit squared.
     pub variance: f64,
@@ -628,7 +641,7 @@ pub enum NextKind {
 pub struct NextMeasurement {
     /// What for.
     pub kind: NextKind,
-    /// Ids of the effects that it separates; or the quantity that it makes known ("set_length").
+    /// Ids of the effects that it separates; or the quantity that it makes known ("set_length", "contracted_length").
     pub separates: Vec<String>,
     /// The conditions: quantity with its unit -> value ("pressure_kpa": 450, "sd_mm": 0.2, "specimens": 4; "direction": 1 while filling, -1 while venting).
     pub at: BTreeMap<String, f64>,

@@ -1,7 +1,8 @@
 //! The readings of a session against a law and the scatter of other actuators.
 //!
 //! F_i = (1 + u) F(P_i, l_i + d) + z: gain u of the actuator, set length d and zero z of the session, each normal about 0 with the standard deviation
-//! that the residual search found among others ([`CampaignFindings::scatter`]), and a miss with the error that this search had on specimens that
+//! that the residual search found among others ([`CampaignFindings::scatter`]; at one length a contracted length that is off shows as a set length that
+//! is, by the relative contraction times as much), and a miss with the error that this search had on specimens that
 //! it did not know, their own gain and lengths known. The estimates are the mode; far out means many of those standard deviations.
 //!
 //! Recording errors are looked for by the residual search's own function ([`recording::recording_errors`]), among the readings of the other
@@ -24,7 +25,7 @@ use pipeline_fit::{is_fitted, is_usable};
 use pipeline_mechanics::models::P_620_KPA;
 use pipeline_mechanics::models::new;
 use pipeline_numerics::cholesky::Cholesky;
-use pipeline_numerics::matrix::Matrix;
+use pipeline_numerics::matrix::{Matrix, norm};
 use pipeline_numerics::statistics::{median, sd_by_median, sum_of_squares};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -141,6 +142,8 @@ struct Population {
     cap_length_m: f64,
     gain_sd: f64,
     length_sd_mm: f64,
+    /// Contracted length of an actuator, share of its resting length.
+    contracted_sd: f64,
     zero_sd_n: f64,
     left_n: f64,
     /// Gain and set length (mm) that other sessions have by this law, in the middle; and how they scatter about it.
@@ -261,13 +264,19 @@ fn population(session: &Session, rows: &[&Row], known: &Known) -> Option<Populat
     let cap = cap_length_m(diameter_mm, &known.fit);
     let found = found(session, diameter_mm, known)
         .filter(|c| c.part.is_none())
-        .filter_map(|c| Some((c, Population::of(c, cap)?)))
+        .filter_map(|c| Some((c, Population::of(c, 1e3 * first.rest_length_m, cap)?)))
         .max_by_key(|(c, _)| (c.campaign == session.campaign, c.design.specimens));
     let population = match found {
         Some((_, population)) => population,
         None => Population::published(first, cap)?,
     };
-    Some(population.among(&alike(session, first, known)))
+    Some(population.among(rows, &alike(session, first, known)))
+}
+
+/// Mean of eps* of a session's readings: what a set length is off by, for each millimetre that the contracted length is.
+fn mean_relative_contraction(rows: &[&Row]) -> f64 {
+    let of = |r: &&Row| (r.rest_length_m - r.length_m) / (r.rest_length_m - r.contracted_length_m);
+    rows.iter().map(of).sum::<f64>() / rows.len() as f64
 }
 
 /// What was found of forces of the diameter: of simulated actuators for a simulated session, of measured ones for any other.
@@ -320,6 +329,7 @@ impl Population {
             cap_length_m,
             gain_sd: sds[0],
             length_sd_mm: sds[1],
+            contracted_sd: settings::USUAL_CONTRACTION,
             zero_sd_n: settings::USUAL_ZERO_N,
             left_n: USUAL_LEFT * new::f620(b1, b2, cap_length_m, first.rest_length_m),
             usual: sds.map(|sd| Usual { middle: 0.0, sd }),
@@ -328,24 +338,31 @@ impl Population {
     }
 
     /// With what other sessions have by this law: those of one campaign may all be stronger than the law has it, or longer.
-    fn among(mut self, rows: &[&Row]) -> Self {
-        let sessions = by_session(rows);
+    fn among(mut self, own: &[&Row], others: &[&Row]) -> Self {
+        let [gain, length, _] = self.sds(own);
+        self.usual = [gain, length].map(|sd| Usual { middle: 0.0, sd });
+        let sessions = by_session(others);
         if sessions.len() < FEWEST_SESSIONS {
             return self;
         }
         self.others = sessions.len();
         let own: Vec<[f64; 3]> = sessions.values().map(|rows| self.mode(rows).0).collect();
+        let expected: Vec<[f64; 3]> = sessions.values().map(|rows| self.sds(rows)).collect();
         for (k, usual) in self.usual.iter_mut().enumerate() {
             let values: Vec<f64> = own.iter().map(|x| x[k]).collect();
             usual.middle = median(&values);
-            let off: Vec<f64> = values.iter().map(|x| (x - usual.middle).abs()).collect();
-            usual.sd = usual.sd.max(sd_by_median(&off));
+            // Each by what is expected of it: a contracted length that is off shows most in a session that is shortened most.
+            let off = values.iter().zip(&expected);
+            let off: Vec<f64> = off
+                .map(|(x, sds)| (x - usual.middle).abs() / sds[k])
+                .collect();
+            usual.sd *= sd_by_median(&off).max(1.0);
         }
         self
     }
 
     /// What the search says of a campaign; none where it has no law of this kind, or held nothing out.
-    fn of(found: &CampaignFindings, cap_length_m: f64) -> Option<Self> {
+    fn of(found: &CampaignFindings, rest_length_mm: f64, cap_length_m: f64) -> Option<Self> {
         let coefficient = |name: &str| {
             let mut all = found.coefficients.iter();
             all.find(|c| c.name == name).map(|c| c.before)
@@ -364,6 +381,7 @@ impl Population {
             cap_length_m,
             gain_sd,
             length_sd_mm,
+            contracted_sd: found.contracted_sd_mm(rest_length_mm) / rest_length_mm,
             usual: [gain_sd, length_sd_mm].map(|sd| Usual { middle: 0.0, sd }),
             others: 0,
             zero_sd_n: found.scatter_sd("force_zero_offset")?,
@@ -390,7 +408,7 @@ impl Population {
             readings: rows.len(),
             deviations: [0, 1].map(|k| (own[k] - self.usual[k].middle) / self.usual[k].sd),
             open: [open[0], open[1]],
-            gain_se: self.sds()[0] / (1.0 / (open[0] * open[0]) - 1.0).max(0.0).sqrt(),
+            gain_se: self.sds(rows)[0] / (1.0 / (open[0] * open[0]) - 1.0).max(0.0).sqrt(),
             rms_n: (sum_of_squares(&left) / left.len() as f64).sqrt(),
             usual_n: self.left_n,
         };
@@ -446,9 +464,16 @@ impl Population {
         checks
     }
 
-    /// The standard deviations of gain, set length and zero.
-    fn sds(&self) -> [f64; 3] {
-        [self.gain_sd, self.length_sd_mm, self.zero_sd_n].map(|sd| sd.max(1e-6))
+    /// The standard deviations of gain, set length and zero of a session. Its contracted length is known as well as declared, or as others are.
+    fn sds(&self, rows: &[&Row]) -> [f64; 3] {
+        let contracted_m = |r: &Row| match r.contracted_length_sd_m {
+            declared if declared.is_finite() => declared,
+            _ => self.contracted_sd * r.rest_length_m,
+        };
+        let contracted_mm = rows.first().map_or(0.0, |r| 1e3 * contracted_m(r));
+        let of_contracted = mean_relative_contraction(rows) * contracted_mm;
+        let length_mm = norm(&[self.length_sd_mm, of_contracted]);
+        [self.gain_sd, length_mm, self.zero_sd_n].map(|sd| sd.max(1e-6))
     }
 
     /// The normal matrix with the prior, and the right side, at a gain, set length and zero.
@@ -471,7 +496,7 @@ impl Population {
                 }
             }
         }
-        for (k, sd) in self.sds().into_iter().enumerate() {
+        for (k, sd) in self.sds(rows).into_iter().enumerate() {
             normal.column_mut(k)[k] += 1.0 / (sd * sd);
             right[k] -= x[k] / (sd * sd);
         }
@@ -481,7 +506,7 @@ impl Population {
     /// Gain, set length and zero at the mode, by Gauss-Newton steps that are halved until the penalised sum of squares falls; and the standard
     /// deviation of each given the readings, as a share of that among others.
     fn mode(&self, rows: &[&Row]) -> ([f64; 3], [f64; 3]) {
-        let sds = self.sds();
+        let sds = self.sds(rows);
         let value = |x: [f64; 3]| {
             let misses = rows
                 .iter()

@@ -22,7 +22,8 @@ scatter_of = ""                               # a campaign of the last run whose
 
 [scatter]             # standard deviations; the defaults are as here
 gain = 0.04           # specimen gain
-length_mm = 0.8       # set lengths
+length_mm = 0.4       # set lengths
+contracted = 0.013    # error of the free lengths noted at 620 kPa, share of the resting length
 zero_n = 1.0          # zero of the force of a session
 common_misfit = 0.02  # misfit of the law common to all, share of the force
 session_misfit = 0.01 # misfit of each session, along the pressure
@@ -36,6 +37,8 @@ pub struct Scatter {
     pub gain: f64,
     /// Set lengths, mm.
     pub length_mm: f64,
+    /// Contracted lengths about those noted, share of the resting length.
+    pub contracted: f64,
     /// Zero of the force of a session, N.
     pub zero_n: f64,
     /// Misfit that all share, share of the force.
@@ -51,7 +54,8 @@ impl Default for Scatter {
     fn default() -> Self {
         Self {
             gain: 0.04,
-            length_mm: 0.8,
+            length_mm: 0.4,
+            contracted: 0.013,
             zero_n: 1.0,
             common_misfit: 0.02,
             session_misfit: 0.01,
@@ -83,6 +87,8 @@ pub struct Plan {
     pub scatter: Scatter,
     /// Standard deviation of set lengths that will be declared, mm.
     pub declared_length_mm: Option<f64>,
+    /// Standard deviation of contracted lengths that will be declared, mm.
+    pub declared_contracted_mm: Option<f64>,
 }
 
 impl Plan {
@@ -90,6 +96,19 @@ impl Plan {
     pub fn readings(&self) -> usize {
         let log = self.pressures_kpa.len() * if self.venting { 2 } else { 1 };
         self.rest_lengths_mm.len() * self.contractions.len() * self.runs * log
+    }
+
+    /// Median of the resting lengths, mm.
+    pub fn middle_rest_length_mm(&self) -> f64 {
+        let (all, n) = (&self.rest_lengths_mm, self.rest_lengths_mm.len());
+        0.5 * (all[(n - 1) / 2] + all[n / 2])
+    }
+
+    /// Standard deviation of the contracted length of an actuator of this resting length, m.
+    pub fn contracted_sd_m(&self, rest_length_m: f64) -> f64 {
+        let expected = self.scatter.contracted * rest_length_m;
+        let declared = self.declared_contracted_mm.map(|mm| 1e-3 * mm);
+        declared.map_or(expected, |sd| sd.min(expected))
     }
 }
 
@@ -183,7 +202,7 @@ fn plan(root: &Section) -> Option<Plan> {
     });
     let scatter_of = root.get("scatter_of").and_then(|e| e.string());
     let table = root.get("scatter").and_then(|e| e.table());
-    let scatter = table.map_or_else(Scatter::default, |t| scatter(&t));
+    let scatter = table.map_or_else(Scatter::default, |t| scatter(&t, contraction_620));
     Some(Plan {
         diameter_mm: diameter_mm?,
         rest_lengths_mm: rest?,
@@ -195,14 +214,18 @@ fn plan(root: &Section) -> Option<Plan> {
         scatter_of: scatter_of.filter(|c| !c.is_empty()),
         scatter,
         declared_length_mm: None,
+        declared_contracted_mm: None,
     })
 }
 
-fn scatter(table: &Section) -> Scatter {
+fn scatter(table: &Section, contraction_620: Option<f64>) -> Scatter {
+    // Noted lengths that are off by more than a fifth of the stroke are no measurement of it.
+    let contracted = 0.2 * contraction_620.unwrap_or(0.25);
     let mut scatter = Scatter::default();
-    let all: [(&'static str, &mut f64, f64, &str); 6] = [
+    let all: [(&'static str, &mut f64, f64, &str); 7] = [
         ("gain", &mut scatter.gain, 1.0, ""),
         ("length_mm", &mut scatter.length_mm, 50.0, "mm"),
+        ("contracted", &mut scatter.contracted, contracted, ""),
         ("zero_n", &mut scatter.zero_n, 200.0, "N"),
         ("common_misfit", &mut scatter.common_misfit, 0.5, ""),
         ("session_misfit", &mut scatter.session_misfit, 0.5, ""),

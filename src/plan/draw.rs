@@ -1,7 +1,7 @@
 //! Readings of a planned campaign as it would give them.
 //!
-//! F = (1 + u) F(P, l + d) (1 + m_c(eps*, P) + m_s(P)) + z + e: the published law, gain u of the specimen, set length d and zero z of the
-//! session, misfits as sums of waves with random phases, noise e. A slack actuator gives 0 and noise.
+//! F = (1 + u) F(P, l + d) (1 + m_c(eps*, P) + m_s(P)) + z + e: the published law, gain u and true contracted length of the specimen, set length d
+//! and zero z of the session, misfits as sums of waves with random phases, noise e. A slack actuator gives 0 and noise.
 
 use crate::design::Plan;
 use pipeline_base::random::Stream;
@@ -70,6 +70,10 @@ pub fn rows(plan: &Plan, seed: u64) -> Vec<Row> {
         let stroke = rest * plan.contraction_620;
         let f620 = new::f620(b1, b2, cap, rest);
         let gain = 1.0 + sizes.gain * Stream::new(seed, &["gain", &specimen]).normal();
+        let contracted_sd_m = plan.contracted_sd_m(rest);
+        let longer_at_620_m =
+            contracted_sd_m * Stream::new(seed, &["contracted", &specimen]).normal();
+        let true_stroke = stroke - longer_at_620_m;
         for contraction in &plan.contractions {
             let session = format!("{specimen}-c{:02}", 100.0 * contraction);
             let mut stream = Stream::new(seed, &["session", &session]);
@@ -77,7 +81,7 @@ pub fn rows(plan: &Plan, seed: u64) -> Vec<Row> {
             let zero = sizes.zero_n * stream.normal();
             let own = Waves::new(&mut stream, false);
             let length_m = rest - contraction * stroke;
-            let set_rel = contraction - 1e-3 * longer_mm / stroke;
+            let set_rel = (contraction * stroke - 1e-3 * longer_mm) / true_stroke;
             for run in 0..plan.runs {
                 for (k, (pressure_kpa, phase)) in set_points(plan).into_iter().enumerate() {
                     let pressure_rel = pressure_kpa / P_620_KPA;
@@ -100,6 +104,9 @@ pub fn rows(plan: &Plan, seed: u64) -> Vec<Row> {
                         diameter_mm: f64::from(plan.diameter_mm),
                         rest_length_m: rest,
                         contracted_length_m: rest - stroke,
+                        contracted_length_sd_m: plan
+                            .declared_contracted_mm
+                            .map_or(f64::NAN, |_| contracted_sd_m),
                         length_sd_m: plan.declared_length_mm.map_or(f64::NAN, |sd| 1e-3 * sd),
                         time_s: STEP_S * k as f64,
                         pressure_kpa,

@@ -35,6 +35,8 @@ pub enum More {
     Specimen(f64),
     /// Set lengths that are known to this, mm.
     LengthsKnown(f64),
+    /// Contracted lengths that are known to this, mm.
+    ContractedKnown(f64),
     /// A relative contraction.
     Contraction(f64),
     /// A log of every session.
@@ -63,7 +65,7 @@ pub struct Foreseen {
     pub expected_rmse_n: Option<f64>,
     /// What it is made of: source, N.
     pub budget: Vec<(String, f64)>,
-    /// The same with the gain and the set lengths of the specimen known, N.
+    /// The same with the gain and the lengths of the specimen known, N.
     pub calibrated_rmse_n: Option<f64>,
     /// Detection limits.
     pub limits: Vec<Limit>,
@@ -150,6 +152,7 @@ fn more(plan: &Plan) -> Vec<More> {
                 .round(),
         ),
         More::LengthsKnown(CALIPER_MM),
+        More::ContractedKnown(CALIPER_MM),
         More::Run,
     ];
     all.extend(in_largest_gap(&plan.contractions).map(More::Contraction));
@@ -171,6 +174,7 @@ fn with(plan: &Plan, more: More) -> Plan {
             with.scatter.length_mm = plan.scatter.length_mm.min(sd_mm);
             with.declared_length_mm = Some(sd_mm);
         }
+        More::ContractedKnown(sd_mm) => with.declared_contracted_mm = Some(sd_mm),
         More::Contraction(contraction) => with.contractions.push(contraction),
         More::Run => with.runs += 1,
     }

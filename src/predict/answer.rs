@@ -338,15 +338,17 @@ impl<'a> Predictor<'a> {
             [rest, rest * (1.0 - eps_620), length_m, answer.pressure_kpa]
         };
         let here = state(eps_620);
-        let forecast = muscle.at(here, self.whose);
-        // A muscle whose eps_620 nobody measured has one of the distribution of the specimens.
+        // A muscle whose eps_620 nobody measured has one of the distribution of the specimens, and no error of a length that was noted.
         let FreeContraction::MeanOfSpecimens {
             specimens,
             standard_deviation,
         } = self.free
         else {
+            let forecast = muscle.at(here, self.whose);
             return self.put(muscle, answer, here, &forecast, 0.0);
         };
+        let muscle = &muscle.clone().without_noted_length();
+        let forecast = muscle.at(here, self.whose);
         let of_free = standard_deviation.map_or(0.0, |sd| {
             let at = |e: f64| {
                 muscle

@@ -180,13 +180,19 @@ fn largest_of(fit: &GroupFit, usable: &[Fitted], among: usize) -> String {
     if usable.len() == 1 {
         return format!("{campaign} is the only fit for {diameter_mm} mm");
     }
-    let those = if among < usable.len() {
-        format!("{among} with a mixed model")
-    } else {
-        format!("{among} fits for {diameter_mm} mm")
+    let fits = format!("fits for {diameter_mm} mm");
+    let which = match among {
+        1 => format!(
+            "is the only one of {} {fits} with a mixed model",
+            usable.len()
+        ),
+        among if among < usable.len() => {
+            format!("has the most specimens of the {among} {fits} with a mixed model")
+        }
+        among => format!("has the most specimens of the {among} {fits}"),
     };
     format!(
-        "{campaign} has the most specimens of the {those}; --campaign picks another ({})",
+        "{campaign} {which}; --campaign picks another ({})",
         campaigns(usable)
     )
 }

@@ -29,12 +29,12 @@
 //! ```text
 //! estimation     coefficients, effects and common misfit: their joint covariance
 //! gain           of the specimen                                           (of a pool also gain and zero of a campaign)
-//! lengths        resting and contracted length of the specimen, as well as they are declared, or to 1 mm
+//! lengths        resting and contracted length of the specimen: as declared, else rounded to 1 mm, the contracted one with the scatter that was found
 //! set length     of the session
 //! misfit         of session and stroke; near the onset of the force also what readings there show beside the law
 //! zero, noise    of what the rig reads only
-//! eps_620        where it was not given: half the change of the force from one standard deviation below the mean of the specimens to one above,
-//!                times sqrt(1 + 1/G)
+//! eps_620        where it was not given, instead of the error of a contracted length: half the change of the force from one standard deviation below
+//!                the mean of the specimens to one above, times sqrt(1 + 1/G)
 //! ```
 //! and nu the degrees of freedom of such a sum by Satterthwaite. Readings of the muscle change mean and covariance of all that is not known, by Bayes' rule.
 //!

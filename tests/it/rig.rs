@@ -1,6 +1,6 @@
 //! The real rig sessions (`support::rig`): run by `.ci/run` where they are.
 
-use crate::support::{Bench, Said, rig, searched_law};
+use crate::support::{Bench, rig, rig_run, searched_law};
 use pipeline::base::columns::is_prediction;
 use pipeline::base::frame::Frame;
 use pipeline::base::row::{self, Row};
@@ -10,26 +10,19 @@ use pipeline::stages::fit::{GroupFit, is_fitted};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-fn run(bench: &Bench, rig: &Path) -> Said {
-    let said = bench.run(&["run", "--raw", rig.to_str().unwrap()]);
-    assert_eq!(said.code, 0, "{}", said.err);
-    said
-}
-
 #[test]
 #[ignore = "needs the real rig sessions"]
 fn all_campaigns_go_through_and_the_corrupt_run_is_left_out() {
-    let rig = rig();
-    let bench = Bench::empty();
-    let said = run(&bench, &rig);
-    assert!(said.out.contains("51 sessions"), "{}", said.out);
+    let run = rig_run();
+    let bench = &run.bench;
+    assert!(run.said.out.contains("51 sessions"), "{}", run.said.out);
     let plateaus = bench.table("plateaus");
     let campaigns: BTreeSet<&str> = plateaus.iter().map(|r| r["campaign"].as_str()).collect();
     assert_eq!(campaigns.len(), 4, "{campaigns:?}");
-    corrupt_run(&bench, &plateaus);
+    corrupt_run(bench, &plateaus);
     phases(&plateaus);
-    errors(&bench);
-    intervals(&bench);
+    errors(bench);
+    intervals(bench);
     for campaign in ["iso10-2022-11", "pooled-10mm"] {
         let measured = measured(bench.root(), campaign);
         let table = calibrated(&measured, evenly);
@@ -55,9 +48,11 @@ fn all_campaigns_go_through_and_the_corrupt_run_is_left_out() {
             "three readings: {table:?} {spread:?}"
         );
     }
+    let again = bench.run(&["run", "--raw", rig().to_str().unwrap()]);
     assert!(
-        run(&bench, &rig).out.contains("nothing to do"),
-        "a second run does nothing"
+        again.out.contains("nothing to do"),
+        "a second run does nothing: {}",
+        again.err
     );
 }
 
@@ -175,8 +170,8 @@ fn intervals(bench: &Bench) {
 #[ignore = "needs the real rig sessions"]
 fn sessions_by_themselves_show_what_is_known_to_be_wrong_with_them() {
     let rig = rig();
-    let bench = Bench::empty();
-    run(&bench, &rig);
+    let run = rig_run();
+    let bench = &run.bench;
     let said = bench.run(&["check-session", rig.to_str().unwrap(), "--json"]);
     assert_eq!(said.code, 2, "the corrupt run cannot be used");
     let all: serde_json::Value = serde_json::from_str(&said.out).unwrap();
@@ -200,7 +195,7 @@ fn sessions_by_themselves_show_what_is_known_to_be_wrong_with_them() {
     let mistakes = all.iter().flat_map(|i| i["checks"].as_array().unwrap());
     let is_mistake = |c: &&serde_json::Value| c["check"] == "mistake" || c["check"] == "columns";
     assert_eq!(mistakes.filter(is_mistake).count(), 0);
-    described_wrongly(&bench, &rig);
+    described_wrongly(bench, &rig);
 }
 
 /// Every session of a campaign with one mistake in the description of its columns; one of them, at three quarters of the contraction of the

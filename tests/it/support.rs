@@ -13,6 +13,7 @@ use pipeline::stages::fit::Group;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
+use std::sync::{Arc, Mutex, Weak};
 use tempfile::TempDir;
 
 /// A simulated campaign that is small enough to be run many times.
@@ -300,6 +301,26 @@ pub fn rig() -> PathBuf {
         rig.display()
     );
     rig
+}
+
+/// What a run of all the laboratory's sessions left, and said.
+pub struct RigRun {
+    pub bench: Bench,
+    pub said: Said,
+}
+
+/// A run of all the laboratory's sessions, which takes minutes: one for all tests that want it at the same time, gone with the last of them.
+pub fn rig_run() -> Arc<RigRun> {
+    static CURRENT: Mutex<Weak<RigRun>> = Mutex::new(Weak::new());
+    let mut current = CURRENT.lock().unwrap();
+    current.upgrade().unwrap_or_else(|| {
+        let bench = Bench::empty();
+        let said = bench.run(&["run", "--raw", rig().to_str().unwrap()]);
+        assert_eq!(said.code, 0, "{}", said.err);
+        let run = Arc::new(RigRun { bench, said });
+        *current = Arc::downgrade(&run);
+        run
+    })
 }
 
 /// The law of the mixed model that a search of some readings ends with; nothing is set aside, and nothing else is asked of it.

@@ -1,6 +1,6 @@
 //! Torque through the program: a leg whose geometry is known in closed form, mistakes in its description, the laboratory's own tests.
 
-use crate::support::{Bench, read_table, rig};
+use crate::support::{Bench, read_table, rig, rig_run};
 use pipeline::models::new::NewPublished;
 use pipeline::models::{Direction, ForceModel, State};
 use std::collections::BTreeMap;
@@ -689,12 +689,8 @@ mod rig {
     #[test]
     #[ignore = "needs the real rig sessions"]
     fn the_laboratorys_tests_give_the_known_errors() {
-        let rig = rig();
-        let bench = Bench::empty();
-        let raw = rig.join("knee-torque");
-        let said = bench.run(&["run", "--raw", raw.to_str().unwrap()]);
-        assert_eq!(said.code, 0, "{}", said.err);
-        let tables = bench.root().join("reports/tables");
+        let run = rig_run();
+        let tables = run.bench.root().join("reports/tables");
         let table = |name: &str| read_table(&tables.join(format!("{name}.csv")));
         assert_eq!(table("knee_tests").len(), 22);
         let laws = table("knee_laws");
@@ -745,6 +741,6 @@ mod rig {
                 _ => assert!(number(row, "max_relative") < 3.0, "{row:?}"),
             }
         }
-        the_loop_finds_what_the_measurers_found(&bench);
+        the_loop_finds_what_the_measurers_found(&run.bench);
     }
 }

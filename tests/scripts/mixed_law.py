@@ -12,7 +12,7 @@ gain, set lengths, the same in one more session, and what the next reading would
 Everything that is not known (common misfit, coefficients, effects, gains, lengths, zeros, misfits of sessions and strokes) stands in physical units
 in one vector u with a prior covariance S. Derivatives J are central differences, and readings y with noise R say of it what a textbook has:
     V = J S J' + R,  u' = u + S J' V^-1 (y - f(u)),  S' = S - S J' V^-1 J S,
-about the last u for what acts nonlinearly (gains, set lengths, zeros), until it stays.
+about the last u for what acts nonlinearly (gains, contracted and set lengths, zeros), until it stays.
 
 Ends with status 1 where a difference is above 1e-6 of the value, and after readings, where the program stops short of the mode, above 1e-3 N.
 """
@@ -36,7 +36,7 @@ OF_ACTUATOR = {"bladder_threshold", "rest_length_scaling", "temperature", "creep
 # Of the readings here nobody knows what these go by: they are 0.
 WITHOUT_TRACE = {"creep", "force_drift", "temperature", "rate_dependence"}
 OWN = ["campaign gain", "campaign zero", "gain", "rest", "contracted"]
-NONLINEAR = ["campaign gain", "campaign zero", "gain", "set length", "zero"]
+NONLINEAR = ["campaign gain", "campaign zero", "gain", "contracted", "set length", "zero"]
 PARTS = ["estimation_n", "campaign_n", "gain_n", "lengths_n", "set_length_n", "zero_n", "misfit_n", "noise_n"]
 
 
@@ -210,7 +210,7 @@ class Law:
             return self.chain(r, side, x[:5], values, gain, (rest, contracted), set_length, zero, without)
 
         # What acts linearly stands at its estimate.
-        at = [*self.coefficients, *flat, *(self.mean[known] if known else (0, 0)), *u[n : n + 3], 0, 0, *(u[mine : mine + 2] if mine else (0, 0))]
+        at = [*self.coefficients, *flat, *(self.mean[known] if known else (0, 0)), *u[n : n + 3], 0, u[n + 4], *(u[mine : mine + 2] if mine else (0, 0))]
         steps = [1e-2 * abs(x) for x in self.coefficients] + [1e-2 * abs(v) for v in flat] + [1e-2, 1, 1e-2, 1, 1e-2, 0.1, 0.1, 0.1, 1]
         side = "pulls" if r.force is None else self.side(r)
         if r.force is None and force(at, side) <= NEAR_SLACK * self.largest_n:
@@ -240,14 +240,15 @@ class Law:
 
 
 class Muscle:
-    """What is known of a muscle: by the law, or with readings."""
+    """What is known of a muscle of a resting length, m: by the law, or with readings."""
 
-    def __init__(self, law, readings=(), in_law=False):
+    def __init__(self, law, rest, readings=(), in_law=False):
         self.law, size, n = law, law.size, len(law.mean)
         self.sessions = {r.session: size["set_length_mm"] if r.set_sd is None else size["declared_factor"] * r.set_sd for r in readings}
         strokes = len({r.stroke for r in readings}) if size["stroke_misfit"] else 0
         self.names = np.array(["law"] * n + OWN + ["set length", "zero", *["misfit"] * 8] * len(self.sessions) + ["misfit"] * 5 * strokes)
-        own = [size[k] for k in ("campaign_gain", "campaign_zero_n", "gain", "rest_length_mm", "contracted_length_mm")]
+        own = [size[k] for k in ("campaign_gain", "campaign_zero_n", "gain", "rest_length_mm")]
+        own += [math.hypot(size["contracted_length_mm"], 1e3 * rest * size["contraction"])]
         for set_sd in self.sessions.values():
             own += [set_sd, size["zero_n"], *[size["session_misfit"]] * 8]
         own += [size["stroke_misfit"]] * 5 * strokes
@@ -302,7 +303,8 @@ class Muscle:
         parts = [*known, abs(of_session[0]) * set_sd, abs(of_session[1]) * size["zero_n"], np.linalg.norm(misfit), r.as_read * noise]
         specimens, sessions, campaigns = (max(k - 1, 1) for k in (len(law.specimens), law.sessions, len(law.campaigns)))
         of_length = math.inf if size["set_length_declared"] or length_sd is not None else sessions
-        groups = [specimens, campaigns, specimens, math.inf, of_length, sessions, sessions, max(law.readings - law.sessions, 1)]
+        of_lengths = specimens if size["contraction"] > 0 else math.inf
+        groups = [specimens, campaigns, specimens, of_lengths, of_length, sessions, sessions, max(law.readings - law.sessions, 1)]
         variance = sum(np.square(parts))
         of_sum = lambda sds, groups: min(sum(np.square(sds)) ** 2 / sum(p**4 / k for p, k in zip(sds, groups)), 1e5)
         # Readings take no degrees of freedom from what was not known before them.
@@ -359,7 +361,7 @@ def unread(compared, law):
     """A dozen states that pull, each with three intervals; returns the mean contraction of specimens at 620 kPa."""
     probe = ["--diameter", law.diameter_mm, "--rest-length", "300mm", "--contraction", "0", "--pressure", "600kPa"]
     ranges = compared.predict(law, *probe)["fit"]["ranges"]
-    eps, (shortest, longest), muscle = np.mean(ranges["contraction_620"]), ranges["rest_length_m"], Muscle(law)
+    eps, (shortest, longest) = np.mean(ranges["contraction_620"]), ranges["rest_length_m"]
     for part, contraction, kpa in [(0.1, 0, 200), (0.4, 0, 550), (0.9, 0.01, 600), (0.2, 0.03, 620), (0.6, 0.04, 450), (0.5, 0.07, 580)]:
         rest = f"{shortest + part * (longest - shortest):.4f}m"
         asked = ["--diameter", law.diameter_mm, "--rest-length", rest, "--contraction-620", f"{eps:.4f}", "--contraction", contraction]
@@ -367,6 +369,7 @@ def unread(compared, law):
         for options, as_read, length_sd in [([], False, None), (["--as-read"], True, None), (["--length-sd", "1.5mm"], False, 1.5)]:
             for answer in compared.predict(law, *asked, *options)["sweep"]["answers"]:
                 what = f"{law.campaign}, {rest}, {contraction}, {answer['pressure_kpa']} kPa {' '.join(options)}"
+                muscle = Muscle(law, answer["muscle"]["rest_length_m"])
                 compared.forecast(what, muscle.at(state(answer, as_read=as_read), length_sd), answer["force_n"], answer["interval"], 1e-9)
                 for t, effect in enumerate(answer["effects"]):
                     change = muscle.row(state(answer))[0] - muscle.row(state(answer), without=t)[0]
@@ -396,7 +399,7 @@ def readings_in(folder):
 def read(compared, law, folder, name, in_law=False):
     """A muscle with the readings in a folder, at three states."""
     readings = readings_in(folder)
-    muscle, n = Muscle(law, readings, in_law), len(law.mean)
+    muscle, n = Muscle(law, readings[0].rest, readings, in_law), len(law.mean)
     known = {"campaign": readings[0].campaign}
     for contraction, kpa, options, length_sd in [(0.02, 500, [], None), (0.04, 600, ["--as-read"], None), (0.0, 300, ["--length-sd", "0.5mm"], 0.5)]:
         said = compared.predict(law, "--calibrate", folder, "--contraction", contraction, "--pressure", f"{kpa}kPa", *options)
@@ -405,8 +408,10 @@ def read(compared, law, folder, name, in_law=False):
         assert told["readings"] == len(readings), what
         here = state(answer, as_read=as_read, **known)
         compared.forecast(what, muscle.at(here, length_sd), answer["force_n"], answer["interval"], 1e-3)
-        compared.forecast(f"{law.campaign}, before", Muscle(law).at(state(answer, as_read=as_read), length_sd), *answer["uncalibrated"], 1e-9)
+        before = Muscle(law, readings[0].rest)
+        compared.forecast(f"{law.campaign}, before", before.at(state(answer, as_read=as_read), length_sd), *answer["uncalibrated"], 1e-9)
         estimates = [("gain", n + 2, told["specimen_gain"])]
+        estimates += [("contracted length", n + OWN.index("contracted"), told["contracted_length"])]
         estimates += [("set length", n + len(OWN) + 10 * list(muscle.sessions).index(s["session"]), s) for s in told["set_lengths"]]
         for quantity, k, theirs in estimates:
             ours = muscle.u[k], math.sqrt(muscle.covariance[k, k]), muscle.sd_before[k]

@@ -5,10 +5,11 @@ use pipeline::findings::CampaignFindings;
 use serde_json::Value;
 
 /// What the table does not judge, beside free forms.
-const NOT_JUDGED: [&str; 10] = [
+const NOT_JUDGED: [&str; 11] = [
     "reference_level",
     "of_level",
     "smallest_p",
+    "share_of_rest_length",
     "rmse_heldout_calibrated",
     "rmse_heldout_spread",
     "found_in_folds",

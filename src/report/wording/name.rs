@@ -17,13 +17,14 @@ const CALLED: [(&str, &str); 2] = [
 ];
 
 /// What is called otherwise than by its id, of all random effects and sources of error.
-const SOURCES: [(&str, &str); 15] = [
+const SOURCES: [(&str, &str); 16] = [
     ("set_length", "set lengths"),
     ("specimen_gain", "specimen gain"),
     ("actuator_gain", "actuator gain"),
     ("force_zero", "zero of the force"),
     ("torque_zero", "zero of the torque"),
-    ("specimen_lengths", "free lengths of the specimen"),
+    ("specimen_lengths", "rounding of free lengths"),
+    ("contracted_length", "contracted lengths"),
     ("mounting", "mounting lengths of the tests"),
     ("session_misfit", "misfit of the session"),
     ("stroke_misfit", "misfit of the stroke"),
@@ -142,6 +143,7 @@ pub fn scatter_of(source: &str) -> Option<(&'static str, [Level; 2])> {
             Some(("specimen_variation", [Level::Specimen, Level::Actuator]))
         }
         "force_zero" => Some(("force_zero_offset", [Level::Session, Level::Log])),
+        "contracted_length" => Some(("contracted_length", [Level::Specimen, Level::Specimen])),
         _ => None,
     }
 }

@@ -44,7 +44,7 @@ fn fall(budget: &[BudgetEntry], less: f64) -> f64 {
     total.sqrt() - (total - less).max(0.0).sqrt()
 }
 
-/// Set lengths known better, and as many specimens again.
+/// Set or contracted lengths known better, and as many specimens again.
 fn by_budget(
     problem: &ForceProblem,
     variances: &Variances,
@@ -54,9 +54,6 @@ fn by_budget(
         let found = budget.iter().find(|b| b.source == name);
         found.map_or(0.0, |b| b.variance)
     };
-    let sd = set_length_sd_mm(problem, variances);
-    let known = (settings::CALIPER_MM / sd.max(settings::CALIPER_MM)).min(1.0);
-    let caliper = of(unseen::SET_LENGTH) * (1.0 - known * known);
     let specimens = problem.data.specimens.len() as f64;
     // The variance of estimates falls with the number of specimens; with as many again, to half.
     let more = 0.5 * of("estimation");
@@ -67,13 +64,17 @@ fn by_budget(
         worth: Some(fall(budget, less)),
         unit: "N".to_owned(),
     };
-    let length = vec![unseen::SET_LENGTH.to_owned()];
+    let known_better = |source: &str, sd: f64| {
+        let known = settings::CALIPER_MM / sd.max(settings::CALIPER_MM);
+        let less = of(source) * (1.0 - known * known);
+        let at = ("sd_mm", settings::CALIPER_MM);
+        entry(NextKind::Precision, vec![source.to_owned()], at, less)
+    };
     vec![
-        entry(
-            NextKind::Precision,
-            length,
-            ("sd_mm", settings::CALIPER_MM),
-            caliper,
+        known_better(unseen::SET_LENGTH, set_length_sd_mm(problem, variances)),
+        known_better(
+            unseen::CONTRACTED_LENGTH,
+            contracted_length_sd_mm(problem, variances),
         ),
         entry(
             NextKind::Specimens,
@@ -97,6 +98,15 @@ fn set_length_sd_mm(problem: &ForceProblem, variances: &Variances) -> f64 {
         }
     });
     rms(&all.collect::<Vec<f64>>())
+}
+
+/// Root mean square of the standard deviations of the contracted lengths that nobody declares, mm.
+fn contracted_length_sd_mm(problem: &ForceProblem, variances: &Variances) -> f64 {
+    let data = problem.data;
+    let all = data.rest_lengths_mm().into_iter().enumerate();
+    let noted = all.filter(|(k, _)| !data.contracted_is_declared(*k));
+    let lengths_mm: Vec<f64> = noted.map(|(_, mm)| mm).collect();
+    variances.components[component::CONTRACTION] * rms(&lengths_mm)
 }
 
 /// One reading for each set point of each specimen that was searched and pulls.

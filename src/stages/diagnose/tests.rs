@@ -82,6 +82,78 @@ fn a_declaration_that_is_contradicted_changes_no_answer() {
     }
 }
 
+/// By how much the contracted lengths of six specimens are noted longer than they are, shares of the resting length; they add up to nothing.
+const NOTED_LONGER: [f64; 6] = [0.02, -0.01, 0.015, -0.02, -0.012, 0.007];
+
+/// What is found where the contracted lengths of six specimens are noted wrongly, this part of [`NOTED_LONGER`], and these standard deviations of them are
+/// declared, shares of the resting length.
+fn found_noting(part: f64, declared: f64) -> CampaignFindings {
+    let settings = rig_like::Settings {
+        specimens: Some(6),
+        ..rig_like::Settings::default()
+    };
+    let mut rows = rig_like::campaign(7, &settings).rows;
+    let mut known: Vec<String> = Vec::new();
+    for row in &mut rows {
+        if !known.contains(&row.specimen) {
+            known.push(row.specimen.clone());
+        }
+        let place = known.iter().position(|k| *k == row.specimen).unwrap();
+        row.contracted_length_m += part * NOTED_LONGER[place] * row.rest_length_m;
+        row.contracted_length_sd_m = declared * row.rest_length_m;
+    }
+    let options = DiagnoseOptions::default();
+    let found = diagnose(&rig_like::group(), &rows, &FitOptions::default(), &options);
+    found.unwrap().findings
+}
+
+#[test]
+fn contracted_lengths_that_are_noted_wrongly_scatter_and_are_no_effect() {
+    let [right, wrong, declared] = [(0.0, f64::NAN), (1.0, f64::NAN), (1.0, 0.015)]
+        .map(|(part, declared)| found_noting(part, declared));
+    let scatter = |found: &CampaignFindings| {
+        let mut all = found.scatter.iter().filter(|s| s.id == "contracted_length");
+        let one = all.next().unwrap().clone();
+        assert!(all.next().is_none());
+        one
+    };
+    let [none, some, known] = [&right, &wrong, &declared].map(scatter);
+    for found in [&right, &wrong, &declared] {
+        assert_eq!(found.verdict, Verdict::None);
+        assert!(found.recording_errors.is_empty());
+    }
+    assert!(none.sd < 0.5 * some.sd, "{} {}", none.sd, some.sd);
+    assert!(some.log_likelihood_gain.unwrap() > 3.0);
+    assert_eq!(known.log_likelihood_gain, None);
+    assert_eq!(some.declared, None);
+    assert!(known.declared.is_some());
+    // Those of the specimens are what was added, less what the law takes up of all.
+    let correlation = {
+        let values: Vec<f64> = some.values.values().copied().collect();
+        let pairs = values.iter().zip(NOTED_LONGER);
+        let product: f64 = pairs.map(|(x, noted)| -x * noted).sum();
+        let squares = |all: &[f64]| all.iter().map(|x| x * x).sum::<f64>();
+        product / (squares(&values) * squares(&NOTED_LONGER)).sqrt()
+    };
+    assert!(correlation > 0.9, "{correlation} {:?}", some.values);
+    // Once a specimen's own lengths are known it is predicted as well as if they had been noted rightly.
+    let calibrated = |found: &CampaignFindings| found.after.rmse_heldout_calibrated.unwrap();
+    assert!(calibrated(&wrong) < 1.3 * calibrated(&right));
+    let source = |found: &CampaignFindings| {
+        let mut budget = found.budget.iter();
+        budget
+            .find(|b| b.source == "contracted_length")
+            .map(|b| b.rmse)
+    };
+    assert!(source(&wrong).unwrap() > 2.0 * source(&right).unwrap());
+    assert!(
+        wrong
+            .next_measurement
+            .iter()
+            .any(|n| n.separates == ["contracted_length"])
+    );
+}
+
 #[test]
 fn at_the_ends_of_an_interval_the_likelihood_of_a_fit_has_fallen_alike() {
     // Size and time constant of a creep trade against each other: an interval with the time constant held would be too short.

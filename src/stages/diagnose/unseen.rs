@@ -13,6 +13,8 @@ use rayon::prelude::*;
 
 /// The source of the budget that a better length gauge lowers.
 pub const SET_LENGTH: &str = "set_length";
+/// The source of the budget that a better measurement of the specimens' contracted lengths lowers.
+pub const CONTRACTED_LENGTH: &str = "contracted_length";
 /// Most folds: with more specimens, groups of them are held out together.
 const MOST_FOLDS: usize = 8;
 
@@ -228,6 +230,7 @@ fn source(component: usize) -> Option<&'static str> {
         component::SET_LENGTH | component::DECLARED_LENGTH => Some(SET_LENGTH),
         component::ZERO => Some("force_zero"),
         component::REST_LENGTH | component::CONTRACTED_LENGTH => Some("specimen_lengths"),
+        component::CONTRACTION => Some(CONTRACTED_LENGTH),
         component::SESSION_MISFIT => Some("session_misfit"),
         component::STROKE_MISFIT => Some("stroke_misfit"),
         _ => None,

@@ -36,7 +36,11 @@ const SOURCES: [(&[&str], &str, Ink); 7] = [
     ),
     (&["specimen_gain", "actuator_gain"], "gain", Ink::Orange),
     (&["force_zero", "torque_zero"], "zero", Ink::Purple),
-    (&["specimen_lengths"], "free lengths", Ink::Sky),
+    (
+        &["specimen_lengths", "contracted_length"],
+        "free lengths",
+        Ink::Sky,
+    ),
     (
         &[
             "common_misfit",

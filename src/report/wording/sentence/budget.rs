@@ -163,11 +163,14 @@ pub fn scatter_behind<'a>(found: &'a CampaignFindings, source: &str) -> Option<&
     found.scatter.iter().find(is)
 }
 
-/// The standard deviation with which unseen groups are predicted: a gain as a percentage.
+/// The standard deviation with which unseen groups are predicted: a gain, and what goes with the resting length, as a percentage.
 pub fn scatter_size(scatter: &Scatter) -> String {
+    let percentage = |share: f64| rounded(100.0 * share, Rounding::Digits(2)) + "%";
     if scatter.unit == "1" {
-        let rounding = Rounding::Digits(2);
-        return rounded(100.0 * scatter.sd_predictive, rounding) + "%";
+        return percentage(scatter.sd_predictive);
+    }
+    if let Some(share) = scatter.share_of_rest_length {
+        return format!("{} of the resting length", percentage(share));
     }
     plain(scatter.sd_predictive, &scatter.unit)
 }

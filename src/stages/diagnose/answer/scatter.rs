@@ -13,12 +13,13 @@ use std::collections::BTreeMap;
 
 /// The random effects as findings name them: component, id, level, unit.
 #[rustfmt::skip]
-const RANDOM_EFFECTS: [(usize, &str, Level, &str); 8] = [
+const RANDOM_EFFECTS: [(usize, &str, Level, &str); 9] = [
     (component::GAIN, specimen_variation::ID, Level::Specimen, "1"),
     (component::SET_LENGTH, length_offset::ID, Level::Session, "mm"),
     (component::DECLARED_LENGTH, length_offset::ID, Level::Session, "mm"),
     (component::ZERO, force_zero_offset::ID, Level::Session, "N"),
     (component::REST_LENGTH, "rest_length", Level::Specimen, "mm"),
+    (component::CONTRACTION, "contracted_length", Level::Specimen, "mm"),
     (component::CONTRACTED_LENGTH, "contracted_length", Level::Specimen, "mm"),
     (component::CAMPAIGN_GAIN, force_gain::ID, Level::Campaign, "1"),
     (component::CAMPAIGN_ZERO, force_zero_offset::ID, Level::Campaign, "N"),
@@ -43,6 +44,14 @@ impl Work<'_> {
                     let all = data.campaigns.iter().enumerate();
                     all.map(|(k, name)| (name.clone(), p.campaign_column(k, c)))
                         .collect()
+                }
+                // Rounding is no finding where what is estimated stands beside it.
+                Level::Specimen if c == component::CONTRACTED_LENGTH => {
+                    let all: Vec<(String, Option<usize>)> = of(&data.specimens, &p.specimens);
+                    let only = |(k, (name, column)): (usize, (String, Option<usize>))| {
+                        (name, column.filter(|_| data.contracted_is_declared(k)))
+                    };
+                    all.into_iter().enumerate().map(only).collect()
                 }
                 Level::Specimen => of(&data.specimens, &p.specimens),
                 _ => of(&data.sessions, &p.sessions),
@@ -94,6 +103,7 @@ impl Work<'_> {
             level,
             sd,
             sd_predictive: unit_sd * predictive.components[c],
+            share_of_rest_length: (c == component::CONTRACTION).then_some(predictive.components[c]),
             ci_low,
             ci_high,
             unit: unit.to_owned(),
@@ -113,6 +123,7 @@ impl Work<'_> {
             component::REST_LENGTH => self.problem.specimen_lengths_sd_mm(place)[0],
             component::CONTRACTED_LENGTH => self.problem.specimen_lengths_sd_mm(place)[1],
             component::DECLARED_LENGTH => self.data().set_length_sd_mm[place],
+            component::CONTRACTION => self.data().rest_lengths_mm()[place],
             _ => 1.0,
         }
     }

@@ -108,6 +108,20 @@ impl Data {
         data
     }
 
+    /// Resting length of every specimen, mm.
+    pub fn rest_lengths_mm(&self) -> Vec<f64> {
+        let mut lengths = vec![f64::NAN; self.specimens.len()];
+        for (k, at) in self.specimen.iter().zip(&self.conditions) {
+            lengths[*k] = 1e3 * at.rest_length_m;
+        }
+        lengths
+    }
+
+    /// Whether somebody declared how well the contracted length of a specimen is known.
+    pub fn contracted_is_declared(&self, specimen: usize) -> bool {
+        self.specimen_lengths_sd_mm[specimen][1].is_finite()
+    }
+
     /// Notes the declared standard deviations of lengths.
     fn note_what_is_declared(&mut self, rows: &[&Row]) {
         self.set_length_sd_mm = vec![f64::NAN; self.sessions.len()];

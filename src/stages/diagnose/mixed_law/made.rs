@@ -133,6 +133,7 @@ fn sizes(problem: &ForceProblem, variances: &Variances, (means, noise): (&[f64],
     // One more specimen is measured as the others were.
     let lengths = (0..data.specimens.len()).map(|k| problem.specimen_lengths_sd_mm(k));
     let (rest, contracted): (Vec<f64>, Vec<f64>) = lengths.map(|[r, c]| (r, c)).unzip();
+    let all_contracted = (0..data.specimens.len()).all(|k| data.contracted_is_declared(k));
     let campaigns = data.campaigns.len();
     let corner = means.iter().copied().zip(noise.iter().copied());
     let pooled = |c: usize| if campaigns > 1 { sd(c) } else { 0.0 };
@@ -140,6 +141,11 @@ fn sizes(problem: &ForceProblem, variances: &Variances, (means, noise): (&[f64],
         gain: sd(component::GAIN),
         rest_length_mm: median(&rest) * sd(component::REST_LENGTH),
         contracted_length_mm: median(&contracted) * sd(component::CONTRACTED_LENGTH),
+        contraction: if all_contracted {
+            0.0
+        } else {
+            sd(component::CONTRACTION)
+        },
         set_length_mm: if all_declared {
             median(&declared) * sd(component::DECLARED_LENGTH)
         } else {

@@ -124,8 +124,10 @@ pub struct Sizes {
     pub gain: f64,
     /// Resting length of a specimen, mm.
     pub rest_length_mm: f64,
-    /// Contracted length of a specimen, mm.
+    /// Contracted length of a specimen, mm: as declared, or of its rounding.
     pub contracted_length_mm: f64,
+    /// The same beside that, where it is not declared, share of the resting length.
+    pub contraction: f64,
     /// Set length of a session, mm.
     pub set_length_mm: f64,
     /// Whether that is declared, not estimated.
@@ -302,6 +304,7 @@ impl MixedLaw {
             sd.gain,
             sd.rest_length_mm,
             sd.contracted_length_mm,
+            sd.contraction,
             sd.set_length_mm,
             sd.declared_factor,
             sd.zero_n,

@@ -59,8 +59,8 @@ pub struct Muscle<'a> {
     campaign: Option<usize>,
     /// How well its length is known where its force is asked for, mm; none as the rig sets it.
     length_sd_mm: Option<f64>,
-    /// How well its own lengths are known, mm.
-    own_lengths_mm: [f64; 2],
+    /// How well its own lengths are known, mm; none as those of others.
+    own_lengths_mm: Option<[f64; 2]>,
     sessions: Vec<String>,
     /// Units of the set length of each session, mm.
     units_mm: Vec<f64>,
@@ -84,7 +84,7 @@ impl<'a> Muscle<'a> {
             base: Arc::new(law.base()),
             campaign: None,
             length_sd_mm: None,
-            own_lengths_mm: law.usual_lengths().own_mm,
+            own_lengths_mm: None,
             sessions: Vec::new(),
             units_mm: Vec::new(),
             readings: 0,
@@ -121,7 +121,7 @@ impl<'a> Muscle<'a> {
         muscle.units_mm = vec![law.sd.set_length_mm; data.sessions.len()];
         for (reading, s) in read.readings.iter().zip(&read.session) {
             muscle.units_mm[*s] = reading.lengths().set_mm;
-            muscle.own_lengths_mm = reading.lengths().own_mm;
+            muscle.own_lengths_mm = Some(reading.lengths().own_mm);
         }
         muscle.condition(&read);
         muscle
@@ -139,6 +139,12 @@ impl<'a> Muscle<'a> {
     /// The same where its length is known to this standard deviation, mm.
     pub fn with_length_sd(mut self, sd_mm: f64) -> Self {
         self.length_sd_mm = Some(sd_mm);
+        self
+    }
+
+    /// The same where nobody noted its contracted length, which the caller draws among those of others.
+    pub fn without_noted_length(mut self) -> Self {
+        self.own_lengths_mm = Some([self.law.sd.rest_length_mm, 0.0]);
         self
     }
 
@@ -170,16 +176,24 @@ impl<'a> Muscle<'a> {
         self.first_own() + OWN + OF_SESSION * session
     }
 
-    pub(super) fn own(&self, mean: &[f64], session: Option<usize>) -> Own {
+    /// Gains and offsets at a mean, of a session or of one to come, where lengths are known so well.
+    pub(super) fn own(&self, mean: &[f64], session: Option<usize>, lengths: Lengths) -> Own {
         let sd = &self.law.sd;
         let first = self.first_own();
         let of = |k: usize| session.map_or(0.0, |s| mean[self.of_session(s) + k]);
         Own {
             gain: sd.gain * mean[first + GAIN],
             campaign_gain: sd.campaign_gain * mean[first],
-            length_mm: of(0),
+            length_mm: lengths.set_mm * of(0),
             zero_n: sd.zero_n * of(1) + sd.campaign_zero_n * mean[first + 1],
+            contracted_mm: lengths.own_mm[1] * mean[first + CONTRACTED],
         }
+    }
+
+    /// Whether a number of the muscle itself acts through the forward model, not by its column.
+    pub(super) fn is_nonlinear(&self, place: usize) -> bool {
+        let first = self.first_own();
+        (first..=first + GAIN).contains(&place) || place == first + CONTRACTED
     }
 
     /// The columns of a reading: (place, value) of those that are not 0 by construction.
@@ -216,12 +230,12 @@ impl<'a> Muscle<'a> {
         }
     }
 
-    /// What the mean of everything that acts by its columns adds, N; gain, zero and what else acts `through` the forward model are in its force.
+    /// What the mean of everything that acts by its columns adds, N; what acts through the forward model, of the muscle and `through` beside it, is in its
+    /// force.
     fn moved(&self, row: &[(usize, f64)], through: impl Fn(usize) -> bool) -> f64 {
-        let first = self.first_own();
         let linear = row
             .iter()
-            .filter(|(k, _)| !(first..=first + GAIN).contains(k) && !through(*k));
+            .filter(|(k, _)| !self.is_nonlinear(*k) && !through(*k));
         linear.map(|(k, x)| x * self.mean[*k]).sum()
     }
 
@@ -229,7 +243,9 @@ impl<'a> Muscle<'a> {
         let at = self.law.steady(rest_m, contracted_m, length_m, kpa);
         let lengths = Lengths {
             set_mm: self.length_sd_mm.unwrap_or(self.law.sd.set_length_mm),
-            own_mm: self.own_lengths_mm,
+            own_mm: self
+                .own_lengths_mm
+                .unwrap_or_else(|| self.law.usual_lengths_mm(rest_m)),
         };
         self.law.state(at, whose, self.campaign, lengths)
     }
@@ -247,24 +263,26 @@ impl<'a> Muscle<'a> {
     }
 
     fn view_of(&self, state: &Reading) -> View {
-        let own = self.own(&self.mean, None);
+        let own = self.own(&self.mean, None, state.lengths());
         self.law.view_of_state(&self.base, state, own)
     }
 
     fn slack(&self, state: &Reading, view: &View) -> (f64, f64) {
-        let own = self.own(&self.mean, None);
+        let own = self.own(&self.mean, None, state.lengths());
         self.law.slack(&self.base, state, own, view)
     }
 
     /// Degrees of freedom: of what is not known of law and muscle together those that it had before any reading, which took nothing from them.
     fn freedom(&self, parts: &Parts, view: &View) -> f64 {
         let known = self.length_sd_mm.is_some();
+        let of = |parts: &Parts, of_estimation: Option<f64>| {
+            self.law.freedom(parts, of_estimation, known)
+        };
         let unread = Parts::of_unread(view);
         if self.sessions.is_empty() {
-            return self.law.freedom(&unread, None, known);
+            return of(&unread, None);
         }
-        let of_muscle = self.law.freedom(&unread.of_muscle(), None, known);
-        self.law.freedom(parts, Some(of_muscle), known)
+        of(parts, Some(of(&unread.of_muscle(), None)))
     }
 
     /// Where the variance in one more session is from.
@@ -288,8 +306,7 @@ impl<'a> Muscle<'a> {
         let of = |(i, reading): (usize, &Reading)| {
             let id = &data.sessions[data.session[i]];
             let session = self.sessions.iter().position(|s| s == id);
-            let mut own = self.own(&self.mean, session);
-            own.length_mm *= reading.lengths().set_mm;
+            let own = self.own(&self.mean, session, reading.lengths());
             let view = self.law.view(&self.base, reading, own);
             let mut row = self.row(&view, None, self.sessions.len());
             let mut parts = self.parts(&view, &row);
@@ -344,6 +361,13 @@ impl<'a> Muscle<'a> {
         100.0 * normal_cdf(self.mean[self.first_own() + GAIN])
     }
 
+    /// The contracted length less the one noted, mm; none without readings.
+    pub fn contracted_length(&self) -> Option<Estimate> {
+        let [_, unit_mm] = self.own_lengths_mm.filter(|_| self.readings > 0)?;
+        let place = self.first_own() + CONTRACTED;
+        Some(self.estimate(place, unit_mm, None))
+    }
+
     /// The set length of each session less the one noted, mm.
     pub fn set_lengths(&self) -> Vec<Estimate> {
         let sessions = self.sessions.iter().zip(&self.units_mm).enumerate();
@@ -384,7 +408,9 @@ impl<'a> Muscle<'a> {
 /// Numbers of a muscle itself: gain and zero of a campaign of its own, gain, resting and contracted length.
 const OWN: usize = 5;
 /// The place of its gain among them.
-pub(super) const GAIN: usize = 2;
+const GAIN: usize = 2;
+/// That of its contracted length.
+const CONTRACTED: usize = 4;
 
 pub(super) fn identity(n: usize) -> Matrix {
     let mut one = Matrix::zeros(n, n);

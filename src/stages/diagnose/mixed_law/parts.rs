@@ -115,7 +115,8 @@ impl Parts {
 impl MixedLaw {
     /// Degrees of freedom of a standard deviation that is made of estimated parts (Satterthwaite, *Biometrics Bulletin* 2 (1946) 110): each part has those
     /// of the groups that it was estimated from, less one. What is declared, or known as rounding, has no error.
-    /// That of the estimation is `of_estimation`, if it holds more than the law.
+    /// Those of the estimation are `of_estimation`, if it holds more than the law; those of the muscle's lengths are those of the specimens
+    /// wherever contracted lengths were estimated, which is wide where rounding is most of them.
     pub(super) fn freedom(
         &self,
         parts: &Parts,
@@ -130,7 +131,14 @@ impl MixedLaw {
             (parts.estimation_n, of_estimation.unwrap_or(specimens)),
             (parts.campaign_n, less(self.campaigns.len(), 1)),
             (parts.gain_n, specimens),
-            (parts.lengths_n, f64::INFINITY),
+            (
+                parts.lengths_n,
+                if self.sd.contraction > 0.0 {
+                    specimens
+                } else {
+                    f64::INFINITY
+                },
+            ),
             (
                 parts.set_length_n,
                 if declared { f64::INFINITY } else { sessions },

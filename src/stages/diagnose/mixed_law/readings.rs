@@ -3,7 +3,7 @@
 //! Readings are linear in what is not known about a point; Gauss-Newton steps lead to the mode, halved where they do not lower the penalised sum of
 //! squares, where the normal matrix is the inverse of the covariance. [`pipeline_inference::heldout`] does the same with the readings of the fit at hand.
 
-use super::muscle::{GAIN, Muscle, identity};
+use super::muscle::{Muscle, identity};
 use super::view::{OF_SESSION, OF_STROKE, Reading, View};
 use pipeline_numerics::cholesky::Cholesky;
 use pipeline_numerics::matrix::{Matrix, dot};
@@ -38,8 +38,7 @@ impl Muscle<'_> {
     /// The views of the readings about a point.
     fn views(&self, mean: &[f64], read: &Read) -> Vec<View> {
         let of = |(reading, session): (&Reading, &usize)| {
-            let mut own = self.own(mean, Some(*session));
-            own.length_mm *= reading.lengths().set_mm;
+            let own = self.own(mean, Some(*session), reading.lengths());
             self.law.view(&self.base, reading, own)
         };
         read.readings.iter().zip(&read.session).map(of).collect()
@@ -52,16 +51,14 @@ impl Muscle<'_> {
         views.iter().enumerate().map(of).collect()
     }
 
-    /// Measured less what a point has, at views that were taken about another: gain, set length and zero act through the forward model, all else by its
-    /// columns.
+    /// Measured less what a point has, at views that were taken about another: gain, contracted and set length and zero act through the forward model,
+    /// all else by its columns.
     fn beside(&self, mean: &[f64], views: &[View], there: &[View], read: &Read) -> Vec<f64> {
         let rows = self.rows(views, read);
-        let first = self.first_own();
         let nonlinear = |place: usize| {
             let of_session = place.checked_sub(self.of_session(0));
             let of_session = of_session.filter(|k| *k < OF_SESSION * read.sessions);
-            (first..=first + GAIN).contains(&place)
-                || of_session.is_some_and(|k| k % OF_SESSION < 2)
+            self.is_nonlinear(place) || of_session.is_some_and(|k| k % OF_SESSION < 2)
         };
         let of = |(i, row): (usize, &Vec<(usize, f64)>)| {
             let linear = row.iter().filter(|(k, _)| !nonlinear(*k));

@@ -212,6 +212,7 @@ fn exact() -> MixedLaw {
             gain: 0.05,
             rest_length_mm: 0.0,
             contracted_length_mm: 0.0,
+            contraction: 0.0,
             set_length_mm: 0.9,
             set_length_declared: false,
             declared_factor: 1.0,

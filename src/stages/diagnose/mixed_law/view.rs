@@ -79,6 +79,8 @@ pub(super) struct Own {
     pub(super) length_mm: f64,
     /// Zero of the session and of a campaign that the law does not know, N.
     pub(super) zero_n: f64,
+    /// What the contracted length is longer than noted, mm.
+    pub(super) contracted_mm: f64,
 }
 
 /// The columns of a reading.
@@ -140,12 +142,13 @@ impl MixedLaw {
         }
     }
 
-    /// How well lengths are known where nobody says it.
-    pub(super) fn usual_lengths(&self) -> Lengths {
-        Lengths {
-            set_mm: self.sd.set_length_mm,
-            own_mm: [self.sd.rest_length_mm, self.sd.contracted_length_mm],
-        }
+    /// How well the lengths of a muscle are known where nobody says it, mm.
+    pub(super) fn usual_lengths_mm(&self, rest_length_m: f64) -> [f64; 2] {
+        let beside = 1e3 * rest_length_m * self.sd.contraction;
+        [
+            self.sd.rest_length_mm,
+            libm::hypot(self.sd.contracted_length_mm, beside),
+        ]
     }
 
     /// Readings that somebody made.
@@ -160,7 +163,7 @@ impl MixedLaw {
                     usual
                 }
             };
-            let usual = self.usual_lengths();
+            let usual = self.usual_lengths_mm(at.rest_length_m);
             let declared_mm = self.sd.declared_factor * data.set_length_sd_mm[data.session[i]];
             let [rest, contracted] = data.specimen_lengths_sd_mm[data.specimen[i]];
             Reading {
@@ -175,8 +178,8 @@ impl MixedLaw {
                 campaign: self.campaigns.iter().position(|c| *c == row.campaign),
                 terms: self.acting(Some(&row.session), Some(&row.extras), |_| true),
                 lengths: Lengths {
-                    set_mm: or(declared_mm, usual.set_mm),
-                    own_mm: [or(rest, usual.own_mm[0]), or(contracted, usual.own_mm[1])],
+                    set_mm: or(declared_mm, self.sd.set_length_mm),
+                    own_mm: [or(rest, usual[0]), or(contracted, usual[1])],
                 },
                 whose: Whose::Rig,
             }
@@ -272,7 +275,7 @@ impl MixedLaw {
             Dual::variable(own.length_mm, LENGTH),
             Dual::variable(zero_n, ZERO),
             Dual::variable(0.0, REST),
-            Dual::variable(0.0, CONTRACTED),
+            Dual::variable(own.contracted_mm, CONTRACTED),
         ];
         let values = |k: usize, (t, places, _): &(usize, [usize; 2], f64)| {
             let values = &self.terms[*t].values;

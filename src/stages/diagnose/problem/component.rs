@@ -28,8 +28,10 @@ pub const CAMPAIGN_ZERO: usize = 8;
 pub const STROKE_MISFIT: usize = 9;
 /// Set length of a session for which its standard deviation is declared, in units of that.
 pub const DECLARED_LENGTH: usize = 10;
+/// How much longer a specimen is at 620 kPa than noted, rounding apart, as a share of its resting length; where nobody declares how well that is known.
+pub const CONTRACTION: usize = 11;
 /// How many there are.
-pub const COUNT: usize = 11;
+pub const COUNT: usize = 12;
 
 /// The components of a campaign or pool.
 pub(super) fn components(base: &Base, data: &Data, pooled: bool, strokes: usize) -> Vec<Component> {
@@ -78,6 +80,19 @@ pub(super) fn components(base: &Base, data: &Data, pooled: bool, strokes: usize)
             strokes,
         ),
         component(Prior::Fixed(1.0), 1.0, false, true, false),
+        with_groups(
+            component(
+                Prior::HalfNormal(settings::LARGEST_SCATTER * settings::USUAL_CONTRACTION),
+                settings::USUAL_CONTRACTION,
+                true,
+                true,
+                false,
+            ),
+            (0..data.specimens.len())
+                .filter(|k| !data.contracted_is_declared(*k))
+                .count()
+                .max(1),
+        ),
     ]
 }
 

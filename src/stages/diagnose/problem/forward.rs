@@ -1,6 +1,6 @@
 //! The force of a reading as the engine asks for it: by coefficients, random effects and terms, with its derivatives by all of them.
 
-use super::{ForceProblem, MOST_TERMS, Operators, component};
+use super::{ForceProblem, MOST_TERMS, Operators, component, settings};
 use crate::library::What;
 use crate::slack::{Side, Sided};
 use pipeline_effects as effects;
@@ -130,6 +130,11 @@ impl ForceProblem<'_> {
         ]
     }
 
+    /// What the random contracted length of reading `i` is in units of, mm.
+    fn contraction_unit_mm(&self, i: usize) -> f64 {
+        1e3 * self.data.conditions[i].rest_length_m
+    }
+
     /// What the random set length of reading `i` is in units of, mm.
     fn set_length_unit(&self, i: usize) -> f64 {
         let declared = self.data.set_length_sd_mm[self.data.session[i]];
@@ -233,16 +238,19 @@ impl ForceProblem<'_> {
         readings.iter().map(of).unzip()
     }
 
-    /// By what the force of reading `i` changes if resting and contracted length are off by a standard deviation. In the corner to slackness, which
-    /// a short actuator passes within that, a tangent would not tell: there it is half the difference between both ends, or where the domain of the
-    /// law ends before one of them the difference to the other.
-    fn by_lengths<const N: usize>(&self, point: &Point, i: usize, force: &Dual<N>) -> [f64; 2] {
-        let [rest, contracted] = self.specimen_lengths_sd_mm(self.data.specimen[i]);
+    /// By what the force of reading `i` changes if resting and contracted length are off by a standard deviation; and, where nobody declares that of the
+    /// contracted length, if it is longer by the resting length. In the corner to slackness, which a short actuator passes within that, a tangent would not tell: there
+    /// it is half the difference between both ends, or where the domain of the law ends before one of them the difference to the other.
+    fn by_lengths<const N: usize>(&self, point: &Point, i: usize, force: &Dual<N>) -> Vec<f64> {
+        let specimen = self.data.specimen[i];
+        let [rest, contracted] = self.specimen_lengths_sd_mm(specimen);
+        let is_declared = self.data.contracted_is_declared(specimen);
+        let unit = (!is_declared).then(|| self.contraction_unit_mm(i));
         if self.side[i] != Side::Corner {
-            return [
-                force.gradient[REST] * rest,
-                force.gradient[CONTRACTED] * contracted,
-            ];
+            let [by_rest, by_contracted] = [REST, CONTRACTED].map(|k| force.gradient[k]);
+            let beside = unit.map(|unit| by_contracted * unit);
+            let noted = [by_rest * rest, by_contracted * contracted];
+            return noted.into_iter().chain(beside).collect();
         }
         let at = |rest_mm: f64, contracted_mm: f64| {
             let mut at = self.data.conditions[i];
@@ -256,10 +264,12 @@ impl ForceProblem<'_> {
             (false, true) => above - force.value,
             (false, false) => 0.0,
         };
-        [
-            between(at(-rest, 0.0), at(rest, 0.0)),
-            between(at(0.0, -contracted), at(0.0, contracted)),
-        ]
+        let by_rest = between(at(-rest, 0.0), at(rest, 0.0));
+        let by_contracted = |mm: f64| between(at(0.0, -mm), at(0.0, mm));
+        let usual = settings::USUAL_CONTRACTION;
+        let beside = unit.map(|unit| by_contracted(usual * unit) / usual);
+        let noted = [by_rest, by_contracted(contracted)];
+        noted.into_iter().chain(beside).collect()
     }
 
     /// Derivatives by the random effects of the path of reading `i`.

@@ -53,11 +53,14 @@ impl Hierarchy {
     fn session_of(&mut self, data: &Data, i: usize) -> usize {
         let (k, s) = (data.specimen[i], data.session[i]);
         if self.specimens[k] == usize::MAX {
-            let blocks = vec![
+            let mut blocks = vec![
                 block(component::GAIN, 1),
                 block(component::REST_LENGTH, 1),
                 block(component::CONTRACTED_LENGTH, 1),
             ];
+            if !data.contracted_is_declared(k) {
+                blocks.push(block(component::CONTRACTION, 1));
+            }
             self.specimens[k] = self.tree.add(0, blocks);
         }
         if self.sessions[s] == usize::MAX {

@@ -31,6 +31,8 @@ pub(super) struct Seen<'a> {
     columns: Vec<(Column, [f64; 2])>,
     /// Factor on the force, of the specimen as its other sessions show it.
     pub(super) factor: f64,
+    /// What its contracted length is longer than noted, as these show it, share of the resting length.
+    contraction: f64,
     /// Usual sizes of the gain of a specimen and of a set length, mm.
     usual_gain: f64,
     usual_length_mm: f64,
@@ -59,14 +61,14 @@ impl<'a> Seen<'a> {
             .and_then(|s| data.session.iter().position(|k| k == s))
             .map_or(0, |i| data.campaign[i]);
         let tree = problem.tree();
-        let gain = |node: usize, c: usize| {
+        let of = |node: usize, c: usize| {
             let column = tree.columns_of(node, c);
-            1.0 + column.map_or(0.0, |(k, _)| fit.point.random[k])
+            column.map_or(0.0, |(k, _)| fit.point.random[k])
         };
         let above = tree.path(node);
         let of_campaign = problem.campaign_column(campaign, component::CAMPAIGN_GAIN);
         let of_campaign = 1.0 + of_campaign.map_or(0.0, |k| fit.point.random[k]);
-        let factor = above.iter().map(|n| gain(*n, component::GAIN));
+        let factor = above.iter().map(|n| 1.0 + of(*n, component::GAIN));
         let factor = of_campaign * factor.product::<f64>();
         let readings = |s: usize| (0..data.len()).filter(|i| data.session[*i] == s).collect();
         let others = fit.predicted.iter().zip(problem.node());
@@ -80,6 +82,7 @@ impl<'a> Seen<'a> {
             effects: applied(problem, fit),
             columns: columns(problem, fit),
             factor,
+            contraction: above.iter().map(|n| of(*n, component::CONTRACTION)).sum(),
             usual_gain: usual(component::GAIN),
             usual_length_mm: usual(component::SET_LENGTH),
             noise: fit.variances.noise[campaign],
@@ -104,6 +107,7 @@ impl<'a> Seen<'a> {
     ) -> Vec<(f64, f64)> {
         let one = |i: &usize| {
             let (mut at, mut measured) = (self.data.conditions[*i], self.data.force[*i]);
+            at.contracted_length_m += self.contraction * at.rest_length_m;
             change(&mut at, &mut measured);
             at.length_m += 1e-3 * length_mm;
             let law = Sided {

@@ -261,6 +261,7 @@ impl Work<'_> {
                 level,
                 sd: variances.components[c],
                 sd_predictive: predictive.components[c],
+                share_of_rest_length: None,
                 ci_low: Some(low),
                 ci_high: high,
                 unit: unit.to_owned(),
