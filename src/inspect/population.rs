@@ -1,9 +1,9 @@
 //! The readings of a session against a law and the scatter of other actuators.
 //!
-//! F_i = (1 + u) F(P_i, l_i + d) + z: gain u of the actuator, set length d and zero z of the session, each normal about 0 with the standard deviation
-//! that the residual search found among others ([`CampaignFindings::scatter`]; at one length a contracted length that is off shows as a set length that
-//! is, by the relative contraction times as much), and a miss with the error that this search had on specimens that
-//! it did not know, their own gain and lengths known. The estimates are the mode; far out means many of those standard deviations.
+//! F_i = (1 + u) F(P_i, l_i + d) + z: gain u of the actuator, set length d and zero z of the session, each normal about 0 with the standard
+//! deviation that the residual search found among others ([`CampaignFindings::scatter`]; at one length a contracted length that is off shows as a
+//! set length that is, by the relative contraction times as much), and a miss with the error that this search had on specimens that it did not
+//! know, their own gain and lengths known. The estimates are the mode; far out means many of those standard deviations.
 //!
 //! Recording errors are looked for by the residual search's own function ([`recording::recording_errors`]), among the readings of the other
 //! sessions and beside the effects that it found.

@@ -219,8 +219,8 @@ fn plan(root: &Section) -> Option<Plan> {
 }
 
 fn scatter(table: &Section, contraction_620: Option<f64>) -> Scatter {
-    // Noted lengths that are off by more than a fifth of the stroke are no measurement of it.
-    let contracted = 0.2 * contraction_620.unwrap_or(0.25);
+    // Noted lengths that are off by more than a fifth of the stroke are no measurement of it; to three decimals, as the message has it.
+    let contracted = (200.0 * contraction_620.unwrap_or(0.25)).floor() / 1e3;
     let mut scatter = Scatter::default();
     let all: [(&'static str, &mut f64, f64, &str); 7] = [
         ("gain", &mut scatter.gain, 1.0, ""),

@@ -44,6 +44,11 @@ fn mistakes_of_a_plan_are_named_with_their_line() {
             &["contractions", "plan.toml"],
         ),
         (
+            "620]\n",
+            "620]\n[scatter]\ncontracted = 0.04\n",
+            &["plan.toml:8", "0 to 0.033"],
+        ),
+        (
             "diameter_mm",
             "scatter_of = \"nobody\"\ndiameter_mm",
             &["nobody", "it has none"],

@@ -13,7 +13,7 @@ use pipeline::stages::fit::Group;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
-use std::sync::{Arc, Mutex, Weak};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 use tempfile::TempDir;
 
 /// A simulated campaign that is small enough to be run many times.
@@ -312,7 +312,8 @@ pub struct RigRun {
 /// A run of all the laboratory's sessions, which takes minutes: one for all tests that want it at the same time, gone with the last of them.
 pub fn rig_run() -> Arc<RigRun> {
     static CURRENT: Mutex<Weak<RigRun>> = Mutex::new(Weak::new());
-    let mut current = CURRENT.lock().unwrap();
+    // A run that failed left nothing behind: the next test has its own, and its own message.
+    let mut current = CURRENT.lock().unwrap_or_else(PoisonError::into_inner);
     current.upgrade().unwrap_or_else(|| {
         let bench = Bench::empty();
         let said = bench.run(&["run", "--raw", rig().to_str().unwrap()]);

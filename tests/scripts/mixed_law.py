@@ -243,7 +243,7 @@ class Muscle:
     """What is known of a muscle of a resting length, m: by the law, or with readings."""
 
     def __init__(self, law, rest, readings=(), in_law=False):
-        self.law, size, n = law, law.size, len(law.mean)
+        self.law, self.rest, size, n = law, rest, law.size, len(law.mean)
         self.sessions = {r.session: size["set_length_mm"] if r.set_sd is None else size["declared_factor"] * r.set_sd for r in readings}
         strokes = len({r.stroke for r in readings}) if size["stroke_misfit"] else 0
         self.names = np.array(["law"] * n + OWN + ["set length", "zero", *["misfit"] * 8] * len(self.sessions) + ["misfit"] * 5 * strokes)
@@ -303,7 +303,7 @@ class Muscle:
         parts = [*known, abs(of_session[0]) * set_sd, abs(of_session[1]) * size["zero_n"], np.linalg.norm(misfit), r.as_read * noise]
         specimens, sessions, campaigns = (max(k - 1, 1) for k in (len(law.specimens), law.sessions, len(law.campaigns)))
         of_length = math.inf if size["set_length_declared"] or length_sd is not None else sessions
-        of_lengths = specimens if size["contraction"] > 0 else math.inf
+        of_lengths = specimens if 1e3 * self.rest * size["contraction"] > size["contracted_length_mm"] else math.inf
         groups = [specimens, campaigns, specimens, of_lengths, of_length, sessions, sessions, max(law.readings - law.sessions, 1)]
         variance = sum(np.square(parts))
         of_sum = lambda sds, groups: min(sum(np.square(sds)) ** 2 / sum(p**4 / k for p, k in zip(sds, groups)), 1e5)

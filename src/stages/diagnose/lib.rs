@@ -7,8 +7,8 @@
 //! 1. [`data`]: the readings with everything that is known of each ([`labels`] are words); [`base`]: the law to which effects are added.
 //!    [`recording`]: sessions and specimens that look mistaken beside what all readings show are set aside and reported.
 //! 2. [`library`]: the terms that may be added: forms of effects, and smooth functions of columns.
-//! 3. The null model has gain and contracted length of each specimen, set length and zero of the force of each session, and a smooth misfit of the law. What
-//!    is published of the law is one further reading of each coefficient but its scales b1 and c0.
+//! 3. The null model has gain and contracted length of each specimen, set length and zero of the force of each session, and a smooth misfit of the
+//!    law. What is published of the law is one further reading of each coefficient but its scales b1 and c0.
 //!    The search tests every term against the maximum over all of them in draws from it ([`pipeline_inference::search`]).
 //! 4. [`unseen`]: the same search without each specimen; [`tally`]: errors, predictive intervals, the budget of the expected error.
 //! 5. [`form`]: whether one number is enough for the size of what was found.

@@ -87,7 +87,7 @@ const NOTED_LONGER: [f64; 6] = [0.02, -0.01, 0.015, -0.02, -0.012, 0.007];
 
 /// What is found where the contracted lengths of six specimens are noted wrongly, this part of [`NOTED_LONGER`], and these standard deviations of them are
 /// declared, shares of the resting length.
-fn found_noting(part: f64, declared: f64) -> CampaignFindings {
+fn found_noting(part: f64, declared: [f64; 6]) -> CampaignFindings {
     let settings = rig_like::Settings {
         specimens: Some(6),
         ..rig_like::Settings::default()
@@ -100,7 +100,7 @@ fn found_noting(part: f64, declared: f64) -> CampaignFindings {
         }
         let place = known.iter().position(|k| *k == row.specimen).unwrap();
         row.contracted_length_m += part * NOTED_LONGER[place] * row.rest_length_m;
-        row.contracted_length_sd_m = declared * row.rest_length_m;
+        row.contracted_length_sd_m = declared[place] * row.rest_length_m;
     }
     let options = DiagnoseOptions::default();
     let found = diagnose(&rig_like::group(), &rows, &FitOptions::default(), &options);
@@ -110,7 +110,7 @@ fn found_noting(part: f64, declared: f64) -> CampaignFindings {
 #[test]
 fn contracted_lengths_that_are_noted_wrongly_scatter_and_are_no_effect() {
     let [right, wrong, declared] = [(0.0, f64::NAN), (1.0, f64::NAN), (1.0, 0.015)]
-        .map(|(part, declared)| found_noting(part, declared));
+        .map(|(part, declared)| found_noting(part, [declared; 6]));
     let scatter = |found: &CampaignFindings| {
         let mut all = found.scatter.iter().filter(|s| s.id == "contracted_length");
         let one = all.next().unwrap().clone();
@@ -152,6 +152,24 @@ fn contracted_lengths_that_are_noted_wrongly_scatter_and_are_no_effect() {
             .iter()
             .any(|n| n.separates == ["contracted_length"])
     );
+}
+
+/// Where some are declared, these are taken as they are, and the others are estimated: two entries, each with its own specimens.
+#[test]
+fn contracted_lengths_of_which_some_are_declared_have_two_entries() {
+    let none = f64::NAN;
+    let found = found_noting(1.0, [0.015, none, 0.015, none, 0.015, none]);
+    let all = found.scatter.iter().filter(|s| s.id == "contracted_length");
+    let all: Vec<&pipeline_findings::Scatter> = all.collect();
+    assert_eq!(all.len(), 2);
+    let [estimated, declared] = [all[0], all[1]];
+    assert!(estimated.share_of_rest_length.is_some() && estimated.declared.is_none());
+    assert!(declared.share_of_rest_length.is_none() && declared.declared.is_some());
+    assert_eq!((estimated.values.len(), declared.values.len()), (3, 3));
+    let both = |name: &String| declared.values.contains_key(name);
+    assert!(!estimated.values.keys().any(both));
+    let share = estimated.share_of_rest_length.unwrap();
+    assert_eq!(found.contracted_sd_mm(200.0), 200.0 * share);
 }
 
 #[test]

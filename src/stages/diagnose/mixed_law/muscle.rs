@@ -225,7 +225,7 @@ impl<'a> Muscle<'a> {
         Forecast {
             law_n: view.force_n + self.moved(&row, |_| false),
             slack_n: self.slack(&state, &view),
-            freedom: self.freedom(&parts, &view),
+            freedom: self.freedom(&parts, &view, &state),
             parts,
         }
     }
@@ -273,10 +273,12 @@ impl<'a> Muscle<'a> {
     }
 
     /// Degrees of freedom: of what is not known of law and muscle together those that it had before any reading, which took nothing from them.
-    fn freedom(&self, parts: &Parts, view: &View) -> f64 {
+    fn freedom(&self, parts: &Parts, view: &View, reading: &Reading) -> f64 {
+        let estimated = self.law.estimates_lengths(reading);
         let known = self.length_sd_mm.is_some();
         let of = |parts: &Parts, of_estimation: Option<f64>| {
-            self.law.freedom(parts, of_estimation, known)
+            let law = self.law;
+            law.freedom(parts, of_estimation, estimated, known)
         };
         let unread = Parts::of_unread(view);
         if self.sessions.is_empty() {
@@ -326,7 +328,7 @@ impl<'a> Muscle<'a> {
             Forecast {
                 law_n: view.force_n + view.shown_n + self.moved(&row, of_session),
                 slack_n: (f64::NEG_INFINITY, 0.0),
-                freedom: self.freedom(&parts, &view),
+                freedom: self.freedom(&parts, &view, reading),
                 parts,
             }
         };

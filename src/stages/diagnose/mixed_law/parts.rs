@@ -115,12 +115,12 @@ impl Parts {
 impl MixedLaw {
     /// Degrees of freedom of a standard deviation that is made of estimated parts (Satterthwaite, *Biometrics Bulletin* 2 (1946) 110): each part has those
     /// of the groups that it was estimated from, less one. What is declared, or known as rounding, has no error.
-    /// Those of the estimation are `of_estimation`, if it holds more than the law; those of the muscle's lengths are those of the specimens
-    /// wherever contracted lengths were estimated, which is wide where rounding is most of them.
+    /// That of the estimation is `of_estimation`, if it holds more than the law. How well its lengths are known is estimated, from the specimens, or not.
     pub(super) fn freedom(
         &self,
         parts: &Parts,
         of_estimation: Option<f64>,
+        lengths_are_estimated: bool,
         length_is_known: bool,
     ) -> f64 {
         let less = |groups: usize, by: usize| groups.saturating_sub(by).max(1) as f64;
@@ -133,7 +133,7 @@ impl MixedLaw {
             (parts.gain_n, specimens),
             (
                 parts.lengths_n,
-                if self.sd.contraction > 0.0 {
+                if lengths_are_estimated {
                     specimens
                 } else {
                     f64::INFINITY

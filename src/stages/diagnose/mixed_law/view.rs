@@ -142,6 +142,14 @@ impl MixedLaw {
         }
     }
 
+    /// Whether how well the muscle's own lengths are known is mostly estimated: nobody declared it, and rounding is the smaller part of the contracted one.
+    pub(super) fn estimates_lengths(&self, reading: &Reading) -> bool {
+        let rest_length_m = reading.at.rest_length_m;
+        let beside = 1e3 * rest_length_m * self.sd.contraction;
+        reading.lengths.own_mm == self.usual_lengths_mm(rest_length_m)
+            && beside > self.sd.contracted_length_mm
+    }
+
     /// How well the lengths of a muscle are known where nobody says it, mm.
     pub(super) fn usual_lengths_mm(&self, rest_length_m: f64) -> [f64; 2] {
         let beside = 1e3 * rest_length_m * self.sd.contraction;

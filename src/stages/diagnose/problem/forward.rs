@@ -239,8 +239,8 @@ impl ForceProblem<'_> {
     }
 
     /// By what the force of reading `i` changes if resting and contracted length are off by a standard deviation; and, where nobody declares that of the
-    /// contracted length, if it is longer by the resting length. In the corner to slackness, which a short actuator passes within that, a tangent would not tell: there
-    /// it is half the difference between both ends, or where the domain of the law ends before one of them the difference to the other.
+    /// contracted length, if it is longer by the resting length. In the corner to slackness, which a short actuator passes within that, a tangent would
+    /// not tell: there it is half the difference between both ends, or where the domain of the law ends before one of them the difference to the other.
     fn by_lengths<const N: usize>(&self, point: &Point, i: usize, force: &Dual<N>) -> Vec<f64> {
         let specimen = self.data.specimen[i];
         let [rest, contracted] = self.specimen_lengths_sd_mm(specimen);
