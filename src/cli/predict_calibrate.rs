@@ -217,20 +217,21 @@ impl Read {
 
 /// Where the readings contradict the scatter between muscles and sessions: a wrong length, diameter or unit is likelier than such a muscle.
 fn contradictions(muscle: &Calibrated) -> Vec<String> {
-    let stands_out = |e: &Estimate| (e.value / e.sd_before).abs() > STANDS_OUT;
+    let deviations = |e: &Estimate| ((e.value - e.value_before) / e.sd_before).abs();
+    let stands_out = |e: &Estimate| deviations(e) > STANDS_OUT;
     let gain = muscle.gain();
     let of_gain = stands_out(&gain).then(|| {
         format!(
             "a specimen gain of {:+.1}% is {:.0} standard deviations from those of the mixed model",
             100.0 * gain.value,
-            (gain.value / gain.sd_before).abs()
+            deviations(&gain)
         )
     });
     let of_contracted = muscle.contracted_length().filter(stands_out).map(|e| {
         format!(
             "a contracted length that is off by {:+.1} mm is {:.0} standard deviations from those that are noted",
             e.value,
-            (e.value / e.sd_before).abs()
+            deviations(&e)
         )
     });
     let lengths = muscle.set_lengths().into_iter().filter(|e| stands_out(e));
@@ -239,7 +240,7 @@ fn contradictions(muscle: &Calibrated) -> Vec<String> {
             "{}: a length that is off by {:+.1} mm is {:.0} standard deviations from those that are set on the rig",
             e.session.clone().unwrap_or_default(),
             e.value,
-            (e.value / e.sd_before).abs()
+            deviations(&e)
         )
     });
     let left = muscle.left();
@@ -330,8 +331,9 @@ pub fn head(muscle: &Calibrated) {
     let contracted = muscle.contracted_length();
     if let Some(e) = contracted {
         line(format!(
-            "         contracted length {} (± {:.1} mm without the readings)",
+            "         contracted length {} ({:.1} ± {:.1} mm without the readings)",
             beside_noted(&e),
+            e.value_before,
             e.sd_before
         ));
     }

@@ -9,12 +9,17 @@ use pipeline_predict::muscle::mm;
 use pipeline_predict::{Fitted, Law, Predictor};
 use pipeline_report::wording::sentence::in_doubt;
 
+/// A contraction that differs by less is printed alike.
+const LEAST_DIFFERENCE: f64 = 0.0005;
+
 /// The muscle and the law, and how both were chosen.
 pub fn head(predictor: &Predictor) {
     line(format!("muscle   {}", muscle(predictor)));
     if let Some(muscle) = predictor.calibrated() {
         predict_calibrate::head(muscle);
         warnings(&predictor.doubts);
+    } else if let Some(expected) = expected_contraction(predictor) {
+        line(format!("         {expected}"));
     }
     line(format!("model    {}", model(&predictor.choice.law)));
     if !predictor.choice.why.is_empty() {
@@ -49,6 +54,24 @@ fn muscle(predictor: &Predictor) -> String {
         muscle.diameter_mm,
         mm(muscle.rest_length_m)
     )
+}
+
+/// What the law has for the contraction that is given, where that is another.
+fn expected_contraction(predictor: &Predictor) -> Option<String> {
+    let Law::Fitted(Fitted { mixed, .. }) = predictor.choice.law else {
+        return None;
+    };
+    let given = predictor.muscle.contraction_620?;
+    let law = mixed.as_ref()?;
+    let expected = law.expected_contraction(given);
+    let differs = (expected - given).abs() >= LEAST_DIFFERENCE;
+    differs.then(|| {
+        format!(
+            "taken as {:.1}%: of the differences between noted contractions {:.0}% is error",
+            100.0 * expected,
+            100.0 * law.noting_error().min(1.0)
+        )
+    })
 }
 
 fn model(law: &Law) -> String {

@@ -384,6 +384,7 @@ pub fn with_head(predictor: &Predictor, key: &str, value: Value) -> Value {
         object["fit"] = json!({
             "is_mixed_model": mixed.is_some(),
             "as_read": predictor.whose == Whose::Rig,
+            "contraction_620_expected": mixed.zip(predictor.muscle.contraction_620).map(|(law, given)| law.expected_contraction(given)),
             "campaign": fit.group.campaign,
             "simulated": fit.group.simulated,
             "specimens": specimens,

@@ -49,6 +49,9 @@ pub struct CampaignFindings {
     pub effects: Vec<EffectFinding>,
     /// What varies from group to group: the random effects of the model.
     pub scatter: Vec<Scatter>,
+    /// What the contractions noted at 620 kPa are worth; none of torque, and where all are declared or noted alike.
+    #[serde(default)]
+    pub noted_contractions: Option<NotedContractions>,
     /// How far the law itself is from right; none where the mixed model was not fitted.
     pub misfit: Option<Misfit>,
     /// Columns that explain what no effect does.
@@ -111,6 +114,7 @@ impl CampaignFindings {
             not_assessed: None,
             effects: Vec::new(),
             scatter: Vec::new(),
+            noted_contractions: None,
             misfit: None,
             unexplained: Vec::new(),
             recording_errors: Vec::new(),
@@ -404,6 +408,30 @@ pub struct Scatter {
     pub log_likelihood_gain: Option<f64>,
     /// Predicted value of each group.
     pub values: BTreeMap<String, f64>,
+}
+
+/// What the contractions at 620 kPa that were noted are worth: an actuator is taken to have `mean + (1 - error) (noted - mean)`, and scatters about that
+/// by `share_of_rest_length` of the scatter `contracted_length`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NotedContractions {
+    /// Number of specimens whose contracted length is noted and not declared.
+    pub specimens: usize,
+    /// Mean of what was noted.
+    pub mean: f64,
+    /// Standard deviation of what was noted.
+    pub sd: f64,
+    /// Share of what the noted contractions differ by that is an error of noting, as the forces show it: 0 believes what was noted, 1 gives all specimens
+    /// the mean. Its prior is normal, 0.5 with the standard deviation 0.5.
+    pub error: f64,
+    /// Standard deviation of that share.
+    pub error_sd: f64,
+}
+
+impl NotedContractions {
+    /// The contraction at 620 kPa of an actuator of which so much is noted.
+    pub fn taken(&self, noted: f64) -> f64 {
+        noted - self.error * (noted - self.mean)
+    }
 }
 
 /// The smooth misfit of the law, as shares of the force.

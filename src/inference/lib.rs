@@ -42,6 +42,8 @@ pub mod profile;
 pub mod query;
 #[cfg(test)]
 mod reference_tests;
+#[cfg(test)]
+mod root_tests;
 pub mod screen;
 pub mod search;
 #[cfg(test)]

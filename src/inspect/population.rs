@@ -19,7 +19,9 @@ use pipeline_diagnose::library::What;
 use pipeline_diagnose::recording::{self, Law};
 use pipeline_diagnose::settings;
 use pipeline_effects as effects;
-use pipeline_findings::{ActsOn, CampaignFindings, EffectFinding, Findings, RecordingError};
+use pipeline_findings::{
+    ActsOn, CampaignFindings, EffectFinding, Findings, NotedContractions, RecordingError,
+};
 use pipeline_fit::equations::cap_length_m;
 use pipeline_fit::{is_fitted, is_usable};
 use pipeline_mechanics::models::P_620_KPA;
@@ -142,7 +144,9 @@ struct Population {
     cap_length_m: f64,
     gain_sd: f64,
     length_sd_mm: f64,
-    /// Contracted length of an actuator, share of its resting length.
+    /// What noted contractions are worth.
+    noted: Option<NotedContractions>,
+    /// Contracted length of an actuator among those that are noted alike, share of its resting length.
     contracted_sd: f64,
     zero_sd_n: f64,
     left_n: f64,
@@ -329,6 +333,7 @@ impl Population {
             cap_length_m,
             gain_sd: sds[0],
             length_sd_mm: sds[1],
+            noted: None,
             contracted_sd: settings::USUAL_CONTRACTION,
             zero_sd_n: settings::USUAL_ZERO_N,
             left_n: USUAL_LEFT * new::f620(b1, b2, cap_length_m, first.rest_length_m),
@@ -381,6 +386,7 @@ impl Population {
             cap_length_m,
             gain_sd,
             length_sd_mm,
+            noted: found.noted_contractions,
             contracted_sd: found.contracted_sd_mm(rest_length_mm) / rest_length_mm,
             usual: [gain_sd, length_sd_mm].map(|sd| Usual { middle: 0.0, sd }),
             others: 0,
@@ -389,10 +395,21 @@ impl Population {
         })
     }
 
+    /// What an actuator contracts by at 620 kPa, m: as declared, or as others are of whom the same was noted.
+    fn stroke_m(&self, row: &Row) -> f64 {
+        let noted = row.rest_length_m - row.contracted_length_m;
+        match &self.noted {
+            Some(others) if !row.contracted_length_sd_m.is_finite() => {
+                row.rest_length_m * others.taken(noted / row.rest_length_m)
+            }
+            _ => noted,
+        }
+    }
+
     /// The force with a gain, a set length (mm longer than noted) and a zero.
     fn force(&self, row: &Row, [gain, longer_mm, zero]: [f64; 3]) -> f64 {
         let [b1, b2, c0, c1, c2] = self.coefficients;
-        let stroke = row.rest_length_m - row.contracted_length_m;
+        let stroke = self.stroke_m(row);
         let contraction_rel = (row.rest_length_m - row.length_m - 1e-3 * longer_mm) / stroke;
         let f620 = new::f620(b1, b2, self.cap_length_m, row.rest_length_m);
         let pressure_rel = row.pressure_kpa / P_620_KPA;

@@ -51,6 +51,17 @@ pub fn of_findings(
                 .to_owned(),
         ];
     }
+    said.extend(found.noted_contractions.map(|noted| {
+        format!(
+            "Contractions at 620 kPa: of what was noted of {} specimens {:.0}% -/+ {:.0}% is error, so that the coefficients go with l_620 = l_rest (1 - {:.4} - {:.3} (noted - {:.4})).",
+            noted.specimens,
+            100.0 * noted.error,
+            100.0 * noted.error_sd,
+            noted.mean,
+            1.0 - noted.error,
+            noted.mean
+        )
+    }));
     model.title = format!("new model, mixed-model fit to {}", source::campaign(fit));
     model.spread = None;
     model.coefficients = found.coefficients.iter().map(of_change).collect();

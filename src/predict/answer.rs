@@ -338,7 +338,7 @@ impl<'a> Predictor<'a> {
             [rest, rest * (1.0 - eps_620), length_m, answer.pressure_kpa]
         };
         let here = state(eps_620);
-        // A muscle whose eps_620 nobody measured has one of the distribution of the specimens, and no error of a length that was noted.
+        // A muscle whose eps_620 nobody noted may have any of those that are noted.
         let FreeContraction::MeanOfSpecimens {
             specimens,
             standard_deviation,
@@ -347,7 +347,6 @@ impl<'a> Predictor<'a> {
             let forecast = muscle.at(here, self.whose);
             return self.put(muscle, answer, here, &forecast, 0.0);
         };
-        let muscle = &muscle.clone().without_noted_length();
         let forecast = muscle.at(here, self.whose);
         let of_free = standard_deviation.map_or(0.0, |sd| {
             let at = |e: f64| {

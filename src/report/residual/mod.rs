@@ -295,7 +295,7 @@ fn campaign(
             .map(|u| effects::unexplained(found, u))
             .collect(),
         scatter: found.scatter.iter().map(groups::scatter).collect(),
-        misfit: groups::misfit(found),
+        misfit: groups::beside_scatter(found),
         recording_errors: groups::recording_errors(found),
         recording_errors_left_out: found.recording_errors.len().saturating_sub(MOST_ROWS),
         units: held_out::units(found),

@@ -90,6 +90,7 @@ fn put_model(findings: &mut CampaignFindings, work: &Work, variances: &Variances
     findings.unexplained = work.unexplained();
     findings.verdict = verdict(&findings.effects, !findings.unexplained.is_empty());
     findings.scatter = work.scatter(variances);
+    findings.noted_contractions = work.noted_contractions();
     findings.misfit = Some(Misfit {
         sensitive: work.sensitive(),
         ..answer::misfit(variances, work.problem)

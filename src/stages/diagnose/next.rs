@@ -182,11 +182,7 @@ fn separating(
     model: &Unseen,
 ) -> Vec<NextMeasurement> {
     let candidates = candidates(setting, problem);
-    let bare = |point: &Point| {
-        let mut bare = point.clone();
-        bare.random.fill(0.0);
-        problem.predict(&bare)
-    };
+    let bare = |point: &Point| problem.predict(&problem.bare(point));
     let chosen = bare(&found.model.point);
     let mut list = Vec::new();
     for accepted in &found.accepted {

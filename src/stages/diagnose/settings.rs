@@ -46,8 +46,12 @@ pub const USUAL_SET_LENGTH_MM: f64 = 1.0;
 /// Usual scatter of the zero of the force, N.
 pub const USUAL_ZERO_N: f64 = 1.0;
 /// Usual scatter of contracted lengths about those noted beside their rounding, share of the resting length: the laboratory's nine specimens of 10 mm, noted
-/// with contractions of 0.157 to 0.188 at 620 kPa, have 0.013. Proportional to the resting length it is likelier than in mm (by 5.2 in log-likelihood).
+/// with contractions of 0.157 to 0.188 at 620 kPa, have 0.009 about what is noted of them is worth. Proportional to the resting length it is likelier than
+/// in mm (by 5.2 in log-likelihood while what is noted was taken as it is).
 pub const USUAL_CONTRACTION: f64 = 0.01;
+/// Mean and standard deviation of the share of what noted contractions at 620 kPa differ by that is an error of noting: it is between 0 and 1, and nobody
+/// knows which.
+pub const NOTING_ERROR: (f64, f64) = (0.5, 0.5);
 /// Scale of the priors of these scatters, as a multiple of the usual ones: weak, but no scatter takes the place of the law.
 pub const LARGEST_SCATTER: f64 = 5.0;
 /// Precision of a caliper on the crossmember, mm: what "set lengths known" means where its worth is asked for.

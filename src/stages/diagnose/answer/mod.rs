@@ -88,10 +88,9 @@ impl Work<'_> {
         }
     }
 
-    /// Predictions of a point without its random effects.
+    /// Predictions of a point without what groups have of their own.
     fn unconditional(&self, point: &Point, without: Option<usize>) -> Vec<f64> {
-        let mut bare = point.clone();
-        bare.random.fill(0.0);
+        let mut bare = self.problem.bare(point);
         bare.terms.retain(|(t, _)| Some(*t) != without);
         let mut predicted = self.problem.predict(&bare);
         predicted.truncate(self.data().len());
@@ -102,8 +101,7 @@ impl Work<'_> {
     /// own.
     pub(crate) fn left_as_unseen(&self, fitted: &Fitted) -> Vec<f64> {
         let predicted = self.unconditional(&fitted.point, None);
-        let root = self.problem.tree().width(0);
-        let common = &fitted.point.random[..root];
+        let common = self.problem.common_misfit_of(&fitted.point);
         let left = |(i, predicted): (usize, &f64)| {
             let misfit = fitted.design.z[i].iter().zip(common);
             self.data().force[i] - predicted - misfit.map(|(z, b)| z * b).sum::<f64>()

@@ -2,14 +2,20 @@
 
 use super::Work;
 use crate::problem::{ForceProblem, component};
+use crate::settings;
 use pipeline_effects::{force_gain, force_zero_offset, length_offset, specimen_variation};
-use pipeline_findings::{Level, Scatter};
+use pipeline_findings::{Level, NotedContractions, Scatter};
+use pipeline_inference::heldout::Unseen;
 use pipeline_inference::problem::Problem;
 use pipeline_inference::query;
 use pipeline_inference::system::Variances;
 use pipeline_inference::variance::Prior;
-use pipeline_numerics::statistics::median;
+use pipeline_numerics::matrix::norm;
+use pipeline_numerics::statistics::{mean, median, standard_deviation};
 use std::collections::BTreeMap;
+
+/// Contractions that scatter by less are one, noted alike.
+const SAME_CONTRACTION: f64 = 1e-9;
 
 /// The random effects as findings name them: component, id, level, unit.
 #[rustfmt::skip]
@@ -65,6 +71,24 @@ impl Work<'_> {
                 self.one_scatter([variances, &predictive], c, named, &groups(level, c))
             })
             .collect()
+    }
+
+    /// What the contractions that were noted are worth; none where they are declared or alike.
+    pub fn noted_contractions(&self) -> Option<NotedContractions> {
+        let noted = self.data().noted_contractions();
+        let known: Vec<f64> = noted.iter().flatten().copied().collect();
+        let sd = standard_deviation(&known);
+        let column = self.problem.noting_column()?;
+        let unseen = Unseen::new(self.setting, &self.found.model);
+        let (means, root) = unseen.parameters_known();
+        let row: Vec<f64> = (0..=column).map(|j| root.at(column, j)).collect();
+        (sd > SAME_CONTRACTION).then(|| NotedContractions {
+            specimens: known.len(),
+            mean: mean(&known),
+            sd,
+            error: component::noting_error(means[column]),
+            error_sd: settings::NOTING_ERROR.1 * norm(&row),
+        })
     }
 
     /// The scatter of a component, from the standard deviations and from those of predictions; the groups with their columns. None where no group has

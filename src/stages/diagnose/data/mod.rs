@@ -122,6 +122,17 @@ impl Data {
         self.specimen_lengths_sd_mm[specimen][1].is_finite()
     }
 
+    /// The contractions at 620 kPa that are noted of specimens whose contracted length nobody declares; none of the others.
+    pub fn noted_contractions(&self) -> Vec<Option<f64>> {
+        let mut noted = vec![None; self.specimens.len()];
+        for (k, at) in self.specimen.iter().zip(&self.conditions) {
+            if !self.contracted_is_declared(*k) {
+                noted[*k] = Some(contraction_620(at));
+            }
+        }
+        noted
+    }
+
     /// Notes the declared standard deviations of lengths.
     fn note_what_is_declared(&mut self, rows: &[&Row]) {
         self.set_length_sd_mm = vec![f64::NAN; self.sessions.len()];
@@ -282,6 +293,11 @@ impl Data {
             .map(|(need, _)| (need, format!("the campaign lacks {}", need.text())))
             .collect();
     }
+}
+
+/// The contraction at 620 kPa that is noted of the actuator of a reading.
+pub(crate) fn contraction_620(at: &Conditions) -> f64 {
+    (at.rest_length_m - at.contracted_length_m) / at.rest_length_m
 }
 
 /// The temperature at a reading; not a number where there is none.

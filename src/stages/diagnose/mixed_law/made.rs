@@ -3,7 +3,7 @@
 use super::{Acts, Beside, Held, MixedLaw, Sizes, Slot, What};
 use crate::data::Data;
 use crate::library::{self, Column, Scope};
-use crate::problem::{ForceProblem, component};
+use crate::problem::{ForceProblem, component, mean_noted};
 use pipeline_effects as effects;
 use pipeline_findings::EffectFinding;
 use pipeline_fit::Group;
@@ -51,6 +51,7 @@ impl MixedLaw {
                 .map(|k| data.specimens[*k].clone())
                 .collect(),
             lengths_m: taking_part.iter().map(|k| lengths_of(data, *k)).collect(),
+            noted_contraction: mean_noted(&data.noted_contractions()),
             sessions: problem.sessions.iter().filter(|n| active(n)).count(),
             readings: problem.node()[..data.len()]
                 .iter()

@@ -64,6 +64,8 @@ pub struct MixedLaw {
     pub specimens: Vec<String>,
     /// Resting and contracted length of each, m.
     pub lengths_m: Vec<[f64; 2]>,
+    /// Mean of the contractions at 620 kPa that were noted, where nobody declares how well contracted lengths are known; none where all are declared.
+    pub noted_contraction: Option<f64>,
     /// Number of sessions that took part.
     pub sessions: usize,
     /// Number of readings that took part.
@@ -88,7 +90,8 @@ pub struct MixedLaw {
     pub beside: Beside,
     /// The parameters, behind the columns that all readings share.
     pub free: Vec<Slot>,
-    /// Mean of the columns that all readings share: cosines of the common misfit, then gains and zeros of the campaigns.
+    /// Mean of the columns that all readings share: cosines of the common misfit, the share of noted contractions that is error, then gains and zeros of
+    /// the campaigns.
     pub common_mean: Vec<f64>,
     /// Lower triangle, row by row, of a square root of the joint covariance of these columns and the parameters.
     pub root: Vec<f64>,
@@ -318,7 +321,8 @@ impl MixedLaw {
             && beside.free.iter().all(|k| *k < LAW)
             && beside.weights.len() == cosines
             && beside.weights.iter().all(fits)
-            && self.common_mean.len() == cosines + of_campaigns
+            && self.common_mean.len() == cosines + 1 + of_campaigns
+            && self.noted_contraction.is_none_or(f64::is_finite)
             && self.root.len() == all * (all + 1) / 2
             && self.free.iter().all(is_free)
             && self.terms.iter().all(Held::is_known)
@@ -332,6 +336,12 @@ impl MixedLaw {
             && sd.corner_n.iter().all(|(_, sd)| *sd > 0.0)
             && self.terms.len() <= MOST_TERMS
             && self.largest_n > 0.0
+    }
+
+    /// The contraction at 620 kPa that a muscle is expected to have, of which so much is noted and not declared.
+    pub fn expected_contraction(&self, noted: f64) -> f64 {
+        let mean = self.noted_contraction.unwrap_or(noted);
+        noted - self.noting_error() * (noted - mean)
     }
 
     /// Whether coefficients of its law are fitted, not taken as published.

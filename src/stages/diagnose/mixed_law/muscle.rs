@@ -9,13 +9,14 @@
 use super::MixedLaw;
 use super::parts::{Forecast, Parts};
 use super::readings::Read;
-use super::view::{Lengths, OF_SESSION, OF_STROKE, Own, Reading, View, Whose};
+use super::view::{Lengths, OF_SESSION, OF_STROKE, Own, OwnLengths, Reading, View, Whose};
 use crate::base::Base;
 use crate::data::{Data, specimen_id};
+use crate::settings;
 use pipeline_base::row::Row;
 use pipeline_numerics::cholesky::Cholesky;
 use pipeline_numerics::distributions::normal_cdf;
-use pipeline_numerics::matrix::{Matrix, dot};
+use pipeline_numerics::matrix::{Matrix, dot, norm};
 use pipeline_numerics::statistics::sum_of_squares;
 use serde::Serialize;
 use std::sync::Arc;
@@ -31,6 +32,8 @@ pub struct Estimate {
     pub session: Option<String>,
     /// Posterior mean.
     pub value: f64,
+    /// Mean before any reading.
+    pub value_before: f64,
     /// Posterior standard deviation.
     pub sd: f64,
     /// Standard deviation before any reading.
@@ -59,8 +62,10 @@ pub struct Muscle<'a> {
     campaign: Option<usize>,
     /// How well its length is known where its force is asked for, mm; none as the rig sets it.
     length_sd_mm: Option<f64>,
-    /// How well its own lengths are known, mm; none as those of others.
-    own_lengths_mm: Option<[f64; 2]>,
+    /// How well its own lengths are known; none as those of others.
+    own_lengths: Option<OwnLengths>,
+    /// By how many mm its contracted length is longer than noted if what is noted were all error.
+    noted_off_mm: f64,
     sessions: Vec<String>,
     /// Units of the set length of each session, mm.
     units_mm: Vec<f64>,
@@ -84,7 +89,8 @@ impl<'a> Muscle<'a> {
             base: Arc::new(law.base()),
             campaign: None,
             length_sd_mm: None,
-            own_lengths_mm: None,
+            own_lengths: None,
+            noted_off_mm: 0.0,
             sessions: Vec::new(),
             units_mm: Vec::new(),
             readings: 0,
@@ -121,7 +127,8 @@ impl<'a> Muscle<'a> {
         muscle.units_mm = vec![law.sd.set_length_mm; data.sessions.len()];
         for (reading, s) in read.readings.iter().zip(&read.session) {
             muscle.units_mm[*s] = reading.lengths().set_mm;
-            muscle.own_lengths_mm = Some(reading.lengths().own_mm);
+            muscle.own_lengths = Some(reading.lengths().own);
+            muscle.noted_off_mm = law.noted_off_mm(reading);
         }
         muscle.condition(&read);
         muscle
@@ -131,7 +138,8 @@ impl<'a> Muscle<'a> {
     pub fn without_readings(&self) -> Self {
         Self {
             length_sd_mm: self.length_sd_mm,
-            own_lengths_mm: self.own_lengths_mm,
+            own_lengths: self.own_lengths,
+            noted_off_mm: self.noted_off_mm,
             ..Self::unread(self.law)
         }
     }
@@ -139,12 +147,6 @@ impl<'a> Muscle<'a> {
     /// The same where its length is known to this standard deviation, mm.
     pub fn with_length_sd(mut self, sd_mm: f64) -> Self {
         self.length_sd_mm = Some(sd_mm);
-        self
-    }
-
-    /// The same where nobody noted its contracted length, which the caller draws among those of others.
-    pub fn without_noted_length(mut self) -> Self {
-        self.own_lengths_mm = Some([self.law.sd.rest_length_mm, 0.0]);
         self
     }
 
@@ -186,7 +188,7 @@ impl<'a> Muscle<'a> {
             campaign_gain: sd.campaign_gain * mean[first],
             length_mm: lengths.set_mm * of(0),
             zero_n: sd.zero_n * of(1) + sd.campaign_zero_n * mean[first + 1],
-            contracted_mm: lengths.own_mm[1] * mean[first + CONTRACTED],
+            contracted_mm: lengths.own.sd_mm[1] * mean[first + CONTRACTED],
         }
     }
 
@@ -243,9 +245,9 @@ impl<'a> Muscle<'a> {
         let at = self.law.steady(rest_m, contracted_m, length_m, kpa);
         let lengths = Lengths {
             set_mm: self.length_sd_mm.unwrap_or(self.law.sd.set_length_mm),
-            own_mm: self
-                .own_lengths_mm
-                .unwrap_or_else(|| self.law.usual_lengths_mm(rest_m)),
+            own: self
+                .own_lengths
+                .unwrap_or_else(|| self.law.usual_lengths(rest_m)),
         };
         self.law.state(at, whose, self.campaign, lengths)
     }
@@ -343,12 +345,24 @@ impl<'a> Muscle<'a> {
     }
 
     fn estimate(&self, place: usize, unit: f64, session: Option<String>) -> Estimate {
-        let sd = sum_of_squares(&self.whitened(&[(place, 1.0)])).sqrt();
+        self.estimate_of(0.0, &[(place, unit)], session)
+    }
+
+    /// A number that is linear in what is not known, and so much before any reading.
+    fn estimate_of(
+        &self,
+        value_before: f64,
+        row: &[(usize, f64)],
+        session: Option<String>,
+    ) -> Estimate {
+        let sizes: Vec<f64> = row.iter().map(|(_, x)| *x).collect();
+        let moved: f64 = row.iter().map(|(k, x)| x * self.mean[*k]).sum();
         Estimate {
             session,
-            value: unit * self.mean[place],
-            sd: unit * sd,
-            sd_before: unit,
+            value: value_before + moved,
+            value_before,
+            sd: sum_of_squares(&self.whitened(row)).sqrt(),
+            sd_before: norm(&sizes),
         }
     }
 
@@ -365,9 +379,17 @@ impl<'a> Muscle<'a> {
 
     /// The contracted length less the one noted, mm; none without readings.
     pub fn contracted_length(&self) -> Option<Estimate> {
-        let [_, unit_mm] = self.own_lengths_mm.filter(|_| self.readings > 0)?;
-        let place = self.first_own() + CONTRACTED;
-        Some(self.estimate(place, unit_mm, None))
+        let [_, unit_mm] = self.own_lengths.filter(|_| self.readings > 0)?.sd_mm;
+        let law = self.law;
+        let mut of_noting = vec![0.0; law.parameters()];
+        let (_, error_sd) = settings::NOTING_ERROR;
+        of_noting[MixedLaw::noting_column()] = error_sd * self.noted_off_mm;
+        let row = law.standardised(&of_noting).into_iter().enumerate();
+        let row: Vec<(usize, f64)> = row
+            .chain([(self.first_own() + CONTRACTED, unit_mm)])
+            .collect();
+        let as_noted = law.noting_error() * self.noted_off_mm;
+        Some(self.estimate_of(as_noted, &row, None))
     }
 
     /// The set length of each session less the one noted, mm.

@@ -6,6 +6,7 @@ use crate::data::{Data, Origins};
 use crate::library;
 use crate::problem::misfit::common_pairs;
 use crate::problem::{ForceProblem, component};
+use crate::settings;
 use crate::suited::{Declared, part_of, suited};
 use pipeline_base::row::Row;
 use pipeline_config::FitOptions;
@@ -190,6 +191,7 @@ fn exact() -> MixedLaw {
         campaigns: vec!["c".to_owned()],
         specimens: (0..7).map(|k| k.to_string()).collect(),
         lengths_m: vec![[0.2, 0.167]; 7],
+        noted_contraction: None,
         sessions: 28,
         readings: 500,
         unseen_n: None,
@@ -206,8 +208,8 @@ fn exact() -> MixedLaw {
             weights: vec![vec![0.0; 5]; common],
         },
         free: Vec::new(),
-        common_mean: vec![0.0; common],
-        root: vec![0.0; common * (common + 1) / 2],
+        common_mean: vec![0.0; common + 1],
+        root: vec![0.0; (common + 1) * (common + 2) / 2],
         sd: Sizes {
             gain: 0.05,
             rest_length_mm: 0.0,
@@ -228,8 +230,12 @@ fn exact() -> MixedLaw {
 }
 
 fn published(length_m: f64) -> f64 {
+    of_stroke(0.033, length_m)
+}
+
+fn of_stroke(stroke_m: f64, length_m: f64) -> f64 {
     let f620 = new::f620(303.5, 19.03, 0.0075, 0.2);
-    let relative = (0.2 - length_m) / 0.033;
+    let relative = (0.2 - length_m) / stroke_m;
     new::force([0.5682, 4.254, 0.5597], f620, relative, 500.0 / 620.0)
 }
 
@@ -289,6 +295,54 @@ fn one_reading_is_shared_out_by_the_variances() {
     // Its slope is that at the gain that it has now.
     let left = own - own * own / total + session + noise * noise;
     assert!((other.parts.variance() / left - 1.0).abs() < 0.02);
+}
+
+/// A muscle noted with 0.165 where others are noted with 0.155 has this, if all that the noted contractions differ by is error; not if it is declared.
+#[test]
+fn a_noted_contraction_counts_for_what_those_of_others_are_worth() {
+    let (error, error_sd, own_sd) = (0.75, 0.2, 0.004);
+    let mut law = exact();
+    let column = MixedLaw::noting_column();
+    law.noted_contraction = Some(0.155);
+    let (usual, sd) = settings::NOTING_ERROR;
+    law.common_mean[column] = (error - usual) / sd;
+    *law.root.last_mut().unwrap() = error_sd / sd;
+    law.sd.contraction = own_sd;
+    assert!(law.is_sound());
+    let close =
+        |a: f64, b: f64| assert!((a - b).abs() < 1e-6 * b.abs().max(1.0), "{a} against {b}");
+    let taken = 0.165 - error * 0.01;
+    let state = [0.2, 0.2 - 0.033, 0.19, 500.0];
+    let unread = Muscle::unread(&law).at(state, Whose::Actuator);
+    close(unread.mean_n(), of_stroke(0.2 * taken, 0.19));
+    let of = |eps: f64| of_stroke(0.2 * eps, 0.19);
+    let slope = (of(taken + 1e-6) - of(taken - 1e-6)) / 2e-6;
+    close(unread.parts.estimation_n, (slope * 0.01 * error_sd).abs());
+    close(unread.parts.lengths_n, (slope * own_sd).abs());
+    let mut row = rig_like::campaign(1, &rig_like::Settings::default())
+        .rows
+        .swap_remove(0);
+    (row.rest_length_m, row.contracted_length_m) = (state[0], state[1]);
+    (row.length_m, row.pressure_kpa, row.force_n) = (state[2], state[3], unread.mean_n());
+    row.length_sd_m = f64::NAN;
+    // It has just the force that is expected of it.
+    let longer = Muscle::read(&law, &[&row]).contracted_length().unwrap();
+    let mm = 200.0 * error * 0.01;
+    close(longer.value_before, mm);
+    close(longer.value, mm);
+    let sd = 200.0 * libm::hypot(own_sd, 0.01 * error_sd);
+    close(longer.sd_before, sd);
+    assert!(longer.sd < sd);
+    row.contracted_length_sd_m = 2e-4;
+    row.force_n = of(0.165);
+    let declared = Muscle::read(&law, &[&row]);
+    let longer = declared.contracted_length().unwrap();
+    close(longer.value_before, 0.0);
+    close(longer.sd_before, 0.2);
+    close(
+        declared.at(state, Whose::Actuator).mean_n(),
+        published(0.19),
+    );
 }
 
 /// A change from a session on is none of the sessions before it, and one of all that are still to come.

@@ -2,13 +2,15 @@
 
 use super::{Held, MixedLaw, Slot, What};
 use crate::base::Base;
-use crate::data::Data;
+use crate::data::{Data, contraction_620};
 use crate::library::{bent, force_argument, pressure_argument};
-use crate::problem::Operators;
 use crate::problem::forward::{
     COEFFICIENTS, CONTRACTED, GAIN, LENGTH, REST, SLOTS, TERMS, ZERO, sensed,
 };
-use crate::problem::misfit::{SESSION_COSINES, STROKE_COSINES, at_pressure, common_basis};
+use crate::problem::misfit::{
+    SESSION_COSINES, STROKE_COSINES, at_pressure, common_basis, common_pairs,
+};
+use crate::problem::{Operators, component};
 use crate::settings;
 use crate::slack::{self, Shape, Side, Sided};
 use pipeline_base::row::Row;
@@ -45,8 +47,17 @@ pub(super) struct Reading {
 pub(super) struct Lengths {
     /// Of the set length of a session.
     pub(super) set_mm: f64,
-    /// Of resting and contracted length of the muscle.
-    pub(super) own_mm: [f64; 2],
+    /// Of the muscle's own.
+    pub(super) own: OwnLengths,
+}
+
+/// How well a muscle's own lengths are known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct OwnLengths {
+    /// Standard deviations of resting and contracted length, mm.
+    pub(super) sd_mm: [f64; 2],
+    /// Whether somebody declared that of the contracted one.
+    pub(super) contracted_is_declared: bool,
 }
 
 impl Reading {
@@ -79,7 +90,7 @@ pub(super) struct Own {
     pub(super) length_mm: f64,
     /// Zero of the session and of a campaign that the law does not know, N.
     pub(super) zero_n: f64,
-    /// What the contracted length is longer than noted, mm.
+    /// What the contracted length is longer than others that are noted alike, mm.
     pub(super) contracted_mm: f64,
 }
 
@@ -144,19 +155,41 @@ impl MixedLaw {
 
     /// Whether how well the muscle's own lengths are known is mostly estimated: nobody declared it, and rounding is the smaller part of the contracted one.
     pub(super) fn estimates_lengths(&self, reading: &Reading) -> bool {
-        let rest_length_m = reading.at.rest_length_m;
-        let beside = 1e3 * rest_length_m * self.sd.contraction;
-        reading.lengths.own_mm == self.usual_lengths_mm(rest_length_m)
-            && beside > self.sd.contracted_length_mm
+        let beside = 1e3 * reading.at.rest_length_m * self.sd.contraction;
+        !reading.lengths.own.contracted_is_declared && beside > self.sd.contracted_length_mm
     }
 
-    /// How well the lengths of a muscle are known where nobody says it, mm.
-    pub(super) fn usual_lengths_mm(&self, rest_length_m: f64) -> [f64; 2] {
+    /// How well the lengths of a muscle are known where nobody says it.
+    pub(super) fn usual_lengths(&self, rest_length_m: f64) -> OwnLengths {
         let beside = 1e3 * rest_length_m * self.sd.contraction;
-        [
-            self.sd.rest_length_mm,
-            libm::hypot(self.sd.contracted_length_mm, beside),
-        ]
+        OwnLengths {
+            sd_mm: [
+                self.sd.rest_length_mm,
+                libm::hypot(self.sd.contracted_length_mm, beside),
+            ],
+            contracted_is_declared: false,
+        }
+    }
+
+    /// The column of the share of noted contractions that is error.
+    pub(super) fn noting_column() -> usize {
+        common_pairs().count()
+    }
+
+    /// The share of what noted contractions differ by that is error.
+    pub fn noting_error(&self) -> f64 {
+        component::noting_error(self.common_mean[Self::noting_column()])
+    }
+
+    /// By how many mm the contracted length of a reading's muscle is longer than noted if what is noted were all error.
+    pub(super) fn noted_off_mm(&self, reading: &Reading) -> f64 {
+        let noted = contraction_620(&reading.at);
+        match self.noted_contraction {
+            Some(mean) if !reading.lengths.own.contracted_is_declared => {
+                1e3 * reading.at.rest_length_m * (noted - mean)
+            }
+            _ => 0.0,
+        }
     }
 
     /// Readings that somebody made.
@@ -171,7 +204,7 @@ impl MixedLaw {
                     usual
                 }
             };
-            let usual = self.usual_lengths_mm(at.rest_length_m);
+            let usual = self.usual_lengths(at.rest_length_m).sd_mm;
             let declared_mm = self.sd.declared_factor * data.set_length_sd_mm[data.session[i]];
             let [rest, contracted] = data.specimen_lengths_sd_mm[data.specimen[i]];
             Reading {
@@ -187,7 +220,10 @@ impl MixedLaw {
                 terms: self.acting(Some(&row.session), Some(&row.extras), |_| true),
                 lengths: Lengths {
                     set_mm: or(declared_mm, self.sd.set_length_mm),
-                    own_mm: [or(rest, usual[0]), or(contracted, usual[1])],
+                    own: OwnLengths {
+                        sd_mm: [or(rest, usual[0]), or(contracted, usual[1])],
+                        contracted_is_declared: contracted.is_finite(),
+                    },
                 },
                 whose: Whose::Rig,
             }
@@ -283,7 +319,10 @@ impl MixedLaw {
             Dual::variable(own.length_mm, LENGTH),
             Dual::variable(zero_n, ZERO),
             Dual::variable(0.0, REST),
-            Dual::variable(own.contracted_mm, CONTRACTED),
+            Dual::variable(
+                own.contracted_mm + self.noting_error() * self.noted_off_mm(reading),
+                CONTRACTED,
+            ),
         ];
         let values = |k: usize, (t, places, _): &(usize, [usize; 2], f64)| {
             let values = &self.terms[*t].values;
@@ -349,7 +388,11 @@ impl MixedLaw {
     ) -> View {
         let (scale, mut row) = self.common_columns(base, reading);
         row.resize(self.common(), 0.0);
+        // What acts through the forward model is in its force.
         let common = dot(&row, &self.common_mean);
+        let (_, error_sd) = settings::NOTING_ERROR;
+        row[Self::noting_column()] =
+            force.gradient[CONTRACTED] * error_sd * self.noted_off_mm(reading);
         let by_gain = force.gradient[GAIN];
         let by_zero = reading.sensed() * force.gradient[ZERO];
         let [known_gain, _] = self.campaign_known(reading);
@@ -397,8 +440,8 @@ impl MixedLaw {
             campaign: of_campaign,
             specimen: [
                 by_gain * gain / (1.0 + own.gain) * self.sd.gain,
-                force.gradient[REST] * reading.lengths.own_mm[0],
-                force.gradient[CONTRACTED] * reading.lengths.own_mm[1],
+                force.gradient[REST] * reading.lengths.own.sd_mm[0],
+                force.gradient[CONTRACTED] * reading.lengths.own.sd_mm[1],
             ],
             session,
             stroke,
@@ -408,7 +451,7 @@ impl MixedLaw {
     }
 
     /// Columns of common columns and parameters, in units of independent standard normal numbers.
-    fn standardised(&self, row: &[f64]) -> Vec<f64> {
+    pub(super) fn standardised(&self, row: &[f64]) -> Vec<f64> {
         let mut columns = vec![0.0; row.len()];
         let mut line = 0;
         for (k, x) in row.iter().enumerate() {

@@ -30,8 +30,18 @@ pub const STROKE_MISFIT: usize = 9;
 pub const DECLARED_LENGTH: usize = 10;
 /// How much longer a specimen is at 620 kPa than noted, rounding apart, as a share of its resting length; where nobody declares how well that is known.
 pub const CONTRACTION: usize = 11;
+/// Share of what the contractions that are noted at 620 kPa differ by that is an error of noting ([`noting_error`]): 0 believes what was noted, 1 gives all
+/// specimens the mean. One number of all specimens, in standard deviations from the usual share; where nobody declares how well their contracted lengths
+/// are known.
+pub const NOTING_ERROR: usize = 12;
 /// How many there are.
-pub const COUNT: usize = 12;
+pub const COUNT: usize = 13;
+
+/// The share of what noted contractions differ by that is an error, at a value of [`NOTING_ERROR`].
+pub fn noting_error(value: f64) -> f64 {
+    let (usual, sd) = settings::NOTING_ERROR;
+    usual + sd * value
+}
 
 /// The components of a campaign or pool.
 pub(super) fn components(base: &Base, data: &Data, pooled: bool, strokes: usize) -> Vec<Component> {
@@ -93,6 +103,7 @@ pub(super) fn components(base: &Base, data: &Data, pooled: bool, strokes: usize)
                 .count()
                 .max(1),
         ),
+        component(Prior::Fixed(1.0), 1.0, false, true, false),
     ]
 }
 

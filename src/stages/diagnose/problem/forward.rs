@@ -112,8 +112,21 @@ impl ForceProblem<'_> {
         Some(first + campaign)
     }
 
-    /// Gain (as a factor), set length and zero that act on reading `i`.
-    fn random(&self, point: &Point, i: usize) -> [f64; 3] {
+    /// The column of the share of noted contractions that is error.
+    pub(crate) fn noting_column(&self) -> Option<usize> {
+        self.tree
+            .columns_of(0, component::NOTING_ERROR)
+            .map(|(k, _)| k)
+    }
+
+    /// By how much a specimen's contracted length is longer than noted as far as this shows in what is noted of it, at a point; share of the resting length.
+    pub(crate) fn as_noted(&self, point: &Point, specimen: usize) -> f64 {
+        let value = self.noting_column().map_or(0.0, |k| point.random[k]);
+        component::noting_error(value) * self.noted_off[specimen]
+    }
+
+    /// Gain (as a factor), set length, zero, and what resting and contracted length are longer than noted, that act on reading `i`.
+    fn random(&self, point: &Point, i: usize) -> [f64; 5] {
         let b = &point.random;
         let of = |node: usize, c: usize| self.tree.columns_of(node, c).map_or(0.0, |(k, _)| b[k]);
         let session = self.sessions[self.data.session[i]];
@@ -127,6 +140,8 @@ impl ForceProblem<'_> {
             of(session, component::SET_LENGTH)
                 + self.set_length_unit(i) * of(session, component::DECLARED_LENGTH),
             of(session, component::ZERO) + of_campaign(component::CAMPAIGN_ZERO),
+            0.0,
+            self.contraction_unit_mm(i) * self.as_noted(point, self.data.specimen[i]),
         ]
     }
 
@@ -144,9 +159,7 @@ impl ForceProblem<'_> {
     pub(super) fn value(&self, point: &Point, i: usize, at: &Conditions) -> f64 {
         let acting = self.acting(point, i);
         let terms: Vec<_> = acting.map(|(t, values, _)| (t, values)).collect();
-        let [gain, length, zero] = self.random(point, i);
-        let random = [gain, length, zero, 0.0, 0.0];
-        self.force(i, at, &point.coefficients, random, &terms)
+        self.force(i, at, &point.coefficients, self.random(point, i), &terms)
     }
 
     /// The scale of the misfit of reading `i`, N: at the largest force it is that force, whatever the floor.
@@ -170,14 +183,9 @@ impl ForceProblem<'_> {
         for (k, (slot, c)) in coefficients.iter_mut().zip(&point.coefficients).enumerate() {
             *slot = Dual::variable(*c, k);
         }
-        let [gain, length, zero] = self.random(point, i);
-        let random = [
-            Dual::variable(gain, GAIN),
-            Dual::variable(length, LENGTH),
-            Dual::variable(zero, ZERO),
-            Dual::variable(0.0, REST),
-            Dual::variable(0.0, CONTRACTED),
-        ];
+        let random = self.random(point, i);
+        let gain = random[0];
+        let random = std::array::from_fn(|k| Dual::variable(random[k], GAIN + k));
         let mut terms = Vec::with_capacity(point.terms.len());
         for (k, (t, [amplitude, shape], _)) in self.acting(point, i).enumerate() {
             let slot = TERMS + 2 * k;
@@ -301,6 +309,11 @@ impl ForceProblem<'_> {
             if let Some(column) = self.campaign_column(self.data.campaign[i], c) {
                 row[column] = derivative;
             }
+        }
+        if let Some(column) = self.noting_column() {
+            let off = self.noted_off[self.data.specimen[i]];
+            let (_, sd) = settings::NOTING_ERROR;
+            row[column] = force.gradient[CONTRACTED] * self.contraction_unit_mm(i) * sd * off;
         }
         row.push(by_gain * gain / of_specimen);
         row.extend(self.by_lengths(point, i, force));

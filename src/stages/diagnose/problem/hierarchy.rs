@@ -20,7 +20,10 @@ pub(super) struct Hierarchy {
 impl Hierarchy {
     /// A specimen that was measured in two campaigns is one specimen in each.
     pub(super) fn of(data: &Data, by_stroke: bool) -> Self {
-        let mut root = vec![block(component::COMMON_MISFIT, common_pairs().count())];
+        let mut root = vec![
+            block(component::COMMON_MISFIT, common_pairs().count()),
+            block(component::NOTING_ERROR, 1),
+        ];
         let campaigns = data.campaigns.len();
         if campaigns > 1 {
             root.push(block(component::CAMPAIGN_GAIN, campaigns));

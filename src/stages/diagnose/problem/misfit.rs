@@ -5,7 +5,7 @@
 //! would have it, not the data: on the rig it took 45% of the force, and the coefficients meant nothing.
 
 use super::ForceProblem;
-use crate::data::Data;
+use crate::data::{Data, contraction_620};
 use crate::settings;
 use crate::smooth::cosines;
 use pipeline_effects::Conditions;
@@ -133,8 +133,7 @@ pub(crate) fn at_pressure(at: &Conditions, count: usize, length_kpa: f64) -> Vec
 /// Products of cosines over eps* and P*, without the constant, which is a gain of all readings, and without those that vary faster than the
 /// fastest along one of the two.
 pub(crate) fn common_basis(at: &Conditions) -> Vec<f64> {
-    let eps_620 = (at.rest_length_m - at.contracted_length_m) / at.rest_length_m;
-    let contraction = (at.rest_length_m - at.length_m) / at.rest_length_m / eps_620;
+    let contraction = (at.rest_length_m - at.length_m) / at.rest_length_m / contraction_620(at);
     let length = settings::SURFACE_LENGTH;
     let [over_contraction, over_pressure] =
         [contraction, at.pressure_kpa / P_620_KPA].map(|x| cosines(COMMON_COSINES, x, length));

@@ -4,7 +4,9 @@
 //! the set length and z_s the zero of the force of the session, g_c and z_c gain and zero of the campaign (of a pool only). Resting and
 //! contracted length of a specimen are known as well as declared, or else to their rounding, and how far contracted lengths are off beside that
 //! is estimated, as a share of the resting length: the laboratory's nine specimens of 10 mm are noted with contractions of 0.157 to 0.188 at 620
-//! kPa, and their forces show others (log-likelihood larger by 21.6). Where the standard deviation of a session's set length is declared, it is
+//! kPa, and their forces show others (log-likelihood larger by 21.6). What is noted is itself a reading, and a share s of what the noted contractions
+//! differ by may be error (classical error, to which the scatter beside it is Berkson's: Carroll et al., Measurement Error in Nonlinear Models,
+//! 2nd ed. (2006), 1.4): each is taken nearer to their mean by the share s, one normal number ([`settings::NOTING_ERROR`]). Where the standard deviation of a session's set length is declared, it is
 //! not estimated. The misfit is proportional to the force, with a small floor, and absent where the actuator is slack: one over (eps*, P*) that
 //! all specimens share, one of each session along P and, where the readings show it, one of each stroke along P, Gaussian processes in a cosine
 //! basis (Solin and Sarkka, Statistics and Computing 30 (2020) 419).
@@ -93,6 +95,8 @@ pub struct ForceProblem<'a> {
     coefficients: Vec<Coefficient>,
     terms: Vec<EngineTerm>,
     operators: Operators,
+    /// By how much the contraction at 620 kPa that is noted of each specimen is above the mean of those noted; 0 where it is declared.
+    noted_off: Vec<f64>,
     /// Side of the corner to slackness of each reading.
     side: Vec<Side>,
     /// Cosines of the session's misfit, reading by reading.
@@ -129,6 +133,20 @@ fn for_engine(c: &BaseCoefficient) -> Coefficient {
 /// If it is not registered, which is a defect.
 fn registered(id: &str) -> usize {
     effects::index(id).unwrap_or_else(|| panic!("{id} is not in the registry of effects"))
+}
+
+/// See [`ForceProblem::noted_off`].
+fn noted_off(data: &Data) -> Vec<f64> {
+    let noted = data.noted_contractions();
+    let mean = mean_noted(&noted);
+    let off = |n: &Option<f64>| n.zip(mean).map_or(0.0, |(n, mean)| n - mean);
+    noted.iter().map(off).collect()
+}
+
+/// Mean of the contractions that are noted; none where none is.
+pub(crate) fn mean_noted(noted: &[Option<f64>]) -> Option<f64> {
+    let known: Vec<f64> = noted.iter().flatten().copied().collect();
+    (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
 }
 
 impl<'a> ForceProblem<'a> {
@@ -183,6 +201,7 @@ impl<'a> ForceProblem<'a> {
             coefficients: base.coefficients.iter().map(for_engine).collect(),
             terms: library.iter().map(|t| t.for_engine(data)).collect(),
             operators: Operators::registered(),
+            noted_off: noted_off(data),
             side,
             session_basis: along_pressure(data, SESSION_COSINES, settings::PRESSURE_LENGTH_KPA),
             stroke_basis: if by_stroke {
@@ -209,6 +228,18 @@ impl<'a> ForceProblem<'a> {
             .map(|c| variances.noise[*c] * variances.noise[*c])
             .collect();
         (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+    }
+
+    /// A point without what specimens and sessions have of their own.
+    pub fn bare(&self, point: &Point) -> Point {
+        let mut bare = point.clone();
+        bare.random[self.tree.width(0)..].fill(0.0);
+        bare
+    }
+
+    /// The values of the common misfit at a point; it stands first among the columns of every reading.
+    pub fn common_misfit_of<'p>(&self, point: &'p Point) -> &'p [f64] {
+        &point.random[..common_pairs().count()]
     }
 
     /// Whether a term is an offset of the length, the operator of the random set lengths.

@@ -31,7 +31,8 @@ pub(super) struct Seen<'a> {
     columns: Vec<(Column, [f64; 2])>,
     /// Factor on the force, of the specimen as its other sessions show it.
     pub(super) factor: f64,
-    /// What its contracted length is longer than noted, as these show it, share of the resting length.
+    /// What its contracted length is longer than noted, as these show it, share of the resting length; of specimens that were left out as the noted
+    /// contractions of others are to be taken.
     contraction: f64,
     /// Usual sizes of the gain of a specimen and of a set length, mm.
     usual_gain: f64,
@@ -70,6 +71,9 @@ impl<'a> Seen<'a> {
         let of_campaign = 1.0 + of_campaign.map_or(0.0, |k| fit.point.random[k]);
         let factor = above.iter().map(|n| 1.0 + of(*n, component::GAIN));
         let factor = of_campaign * factor.product::<f64>();
+        let specimen_of = problem.data.specimen_of_session();
+        let as_noted = of_group.map_or(0.0, |s| problem.as_noted(&fit.point, specimen_of[*s]));
+        let own_contraction = above.iter().map(|n| of(*n, component::CONTRACTION));
         let readings = |s: usize| (0..data.len()).filter(|i| data.session[*i] == s).collect();
         let others = fit.predicted.iter().zip(problem.node());
         let usual = |c: usize| problem.components()[c].scale.usual;
@@ -82,7 +86,7 @@ impl<'a> Seen<'a> {
             effects: applied(problem, fit),
             columns: columns(problem, fit),
             factor,
-            contraction: above.iter().map(|n| of(*n, component::CONTRACTION)).sum(),
+            contraction: own_contraction.sum::<f64>() + as_noted,
             usual_gain: usual(component::GAIN),
             usual_length_mm: usual(component::SET_LENGTH),
             noise: fit.variances.noise[campaign],
