@@ -229,9 +229,10 @@ fn contradictions(muscle: &Calibrated) -> Vec<String> {
     });
     let of_contracted = muscle.contracted_length().filter(stands_out).map(|e| {
         format!(
-            "a contracted length that is off by {:+.1} mm is {:.0} standard deviations from those that are noted",
+            "a contracted length that is off by {:+.1} mm is {:.0} standard deviations from what is expected of others that are noted alike ({:+.1} mm)",
             e.value,
-            deviations(&e)
+            deviations(&e),
+            e.value_before
         )
     });
     let lengths = muscle.set_lengths().into_iter().filter(|e| stands_out(e));
@@ -331,10 +332,11 @@ pub fn head(muscle: &Calibrated) {
     let contracted = muscle.contracted_length();
     if let Some(e) = contracted {
         line(format!(
-            "         contracted length {} ({:.1} ± {:.1} mm without the readings)",
+            "         contracted length {} (without the readings {:.1} ± {:.1} mm {})",
             beside_noted(&e),
-            e.value_before,
-            e.sd_before
+            e.value_before.abs(),
+            e.sd_before,
+            longer_or_shorter(e.value_before)
         ));
     }
     for length in muscle.set_lengths() {
@@ -350,12 +352,12 @@ fn beside_noted(length: &Estimate) -> String {
         "{:.digits$} ± {:.digits$} mm {} than noted, by that law",
         length.value.abs(),
         length.sd,
-        if length.value < 0.0 {
-            "shorter"
-        } else {
-            "longer"
-        }
+        longer_or_shorter(length.value)
     )
+}
+
+fn longer_or_shorter(mm: f64) -> &'static str {
+    if mm < 0.0 { "shorter" } else { "longer" }
 }
 
 /// A further reading that narrows the answer by less than this share is not worth a line.

@@ -3,7 +3,7 @@
 use crate::predict_calibrate;
 use crate::predict_print::warnings;
 use crate::print::{counted, line};
-use pipeline_diagnose::mixed_law::Whose;
+use pipeline_diagnose::mixed_law::{MixedLaw, Whose};
 use pipeline_predict::answer::FreeContraction;
 use pipeline_predict::muscle::mm;
 use pipeline_predict::{Fitted, Law, Predictor};
@@ -18,7 +18,7 @@ pub fn head(predictor: &Predictor) {
     if let Some(muscle) = predictor.calibrated() {
         predict_calibrate::head(muscle);
         warnings(&predictor.doubts);
-    } else if let Some(expected) = expected_contraction(predictor) {
+    } else if let Some(expected) = taken(predictor) {
         line(format!("         {expected}"));
     }
     line(format!("model    {}", model(&predictor.choice.law)));
@@ -56,20 +56,29 @@ fn muscle(predictor: &Predictor) -> String {
     )
 }
 
-/// What the law has for the contraction that is given, where that is another.
-fn expected_contraction(predictor: &Predictor) -> Option<String> {
+/// The contraction at 620 kPa that the law has for the one that is given of a muscle without readings, and the law.
+pub fn expected_contraction<'a>(predictor: &Predictor<'a>) -> Option<(f64, &'a MixedLaw)> {
     let Law::Fitted(Fitted { mixed, .. }) = predictor.choice.law else {
         return None;
     };
+    let law = mixed.filter(|_| predictor.calibrated().is_none())?;
     let given = predictor.muscle.contraction_620?;
-    let law = mixed.as_ref()?;
-    let expected = law.expected_contraction(given);
+    Some((law.expected_contraction(given), law))
+}
+
+/// `taken as 16.9%: of the differences between noted contractions 89 ± 29% is error`, where that is another.
+fn taken(predictor: &Predictor) -> Option<String> {
+    let (expected, law) = expected_contraction(predictor)?;
+    let given = predictor.muscle.contraction_620?;
+    // A normal number about a share may be outside of what shares are.
+    let percentage = |x: f64| 100.0 * x.clamp(0.0, 1.0);
     let differs = (expected - given).abs() >= LEAST_DIFFERENCE;
     differs.then(|| {
         format!(
-            "taken as {:.1}%: of the differences between noted contractions {:.0}% is error",
+            "taken as {:.1}%: of the differences between noted contractions {:.0} ± {:.0}% is error",
             100.0 * expected,
-            100.0 * law.noting_error().min(1.0)
+            percentage(law.noting_error()),
+            percentage(law.noting_error_sd())
         )
     })
 }

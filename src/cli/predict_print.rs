@@ -2,6 +2,7 @@
 
 use crate::columns::{Align, aligned};
 use crate::predict_calibrate;
+use crate::predict_head;
 use crate::predict_head::head;
 use crate::print::{line, print_json};
 use pipeline_base::error::Result;
@@ -384,7 +385,7 @@ pub fn with_head(predictor: &Predictor, key: &str, value: Value) -> Value {
         object["fit"] = json!({
             "is_mixed_model": mixed.is_some(),
             "as_read": predictor.whose == Whose::Rig,
-            "contraction_620_expected": mixed.zip(predictor.muscle.contraction_620).map(|(law, given)| law.expected_contraction(given)),
+            "contraction_620_expected": predict_head::expected_contraction(predictor).map(|(expected, _)| expected),
             "campaign": fit.group.campaign,
             "simulated": fit.group.simulated,
             "specimens": specimens,

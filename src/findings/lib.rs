@@ -414,7 +414,7 @@ pub struct Scatter {
 /// by `share_of_rest_length` of the scatter `contracted_length`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NotedContractions {
-    /// Number of specimens whose contracted length is noted and not declared.
+    /// Number of specimens whose contracted length is noted and not declared, held-out ones included.
     pub specimens: usize,
     /// Mean of what was noted.
     pub mean: f64,
@@ -514,7 +514,8 @@ pub struct RecordingError {
 /// Errors of a model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
-    /// On the readings it was fitted to, random effects 0; none for a unit that was held out.
+    /// On the readings it was fitted to, with what all share (campaigns of a pool their gain and zero) and nothing of specimens and sessions; none for a unit
+    /// that was held out.
     pub rmse_train: Option<f64>,
     /// On readings that took no part, random effects 0; none with one specimen.
     pub rmse_heldout: Option<f64>,

@@ -485,7 +485,13 @@ impl Population {
     fn sds(&self, rows: &[&Row]) -> [f64; 3] {
         let contracted_m = |r: &Row| match r.contracted_length_sd_m {
             declared if declared.is_finite() => declared,
-            _ => self.contracted_sd * r.rest_length_m,
+            _ => {
+                let noted = (r.rest_length_m - r.contracted_length_m) / r.rest_length_m;
+                let of_noting =
+                    |others: &NotedContractions| others.error_sd * (noted - others.mean);
+                let of_noting = self.noted.as_ref().map_or(0.0, of_noting);
+                r.rest_length_m * norm(&[self.contracted_sd, of_noting])
+            }
         };
         let contracted_mm = rows.first().map_or(0.0, |r| 1e3 * contracted_m(r));
         let of_contracted = mean_relative_contraction(rows) * contracted_mm;

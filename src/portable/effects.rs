@@ -53,9 +53,9 @@ pub fn of_findings(
     }
     said.extend(found.noted_contractions.map(|noted| {
         format!(
-            "Contractions at 620 kPa: of what was noted of {} specimens {:.0}% -/+ {:.0}% is error, so that the coefficients go with l_620 = l_rest (1 - {:.4} - {:.3} (noted - {:.4})).",
+            "Contractions at 620 kPa: of the differences between those noted of {} specimens {:.0}% -/+ {:.0}% is error; the coefficients go with l_620 = l_rest (1 - e), e = {:.4} + ({:.3}) (noted - {:.4}), unless l_620 is known better.",
             noted.specimens,
-            100.0 * noted.error,
+            100.0 * noted.error.clamp(0.0, 1.0),
             100.0 * noted.error_sd,
             noted.mean,
             1.0 - noted.error,

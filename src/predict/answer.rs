@@ -10,6 +10,7 @@ use pipeline_fit::{GroupFit, Ranges};
 use pipeline_mechanics::models::{
     Direction, P_620_KPA, PRESSURE_SLACK_KPA, Prediction, Reason, State, new, published,
 };
+use pipeline_numerics::matrix::norm;
 use serde::Serialize;
 
 /// Where eps_620 comes from.
@@ -338,7 +339,7 @@ impl<'a> Predictor<'a> {
             [rest, rest * (1.0 - eps_620), length_m, answer.pressure_kpa]
         };
         let here = state(eps_620);
-        // A muscle whose eps_620 nobody noted may have any of those that are noted.
+        // A muscle whose eps_620 nobody noted has one of the distribution of the specimens.
         let FreeContraction::MeanOfSpecimens {
             specimens,
             standard_deviation,
@@ -347,15 +348,23 @@ impl<'a> Predictor<'a> {
             let forecast = muscle.at(here, self.whose);
             return self.put(muscle, answer, here, &forecast, 0.0);
         };
+        let known = &muscle.clone().with_known_contraction();
+        let law = muscle.law;
+        // Its length goes with its contraction, or what is noted is right.
+        let is_relative = matches!(contraction, Contraction::Relative(_));
+        let (muscle, worth) = if is_relative || law.noted_contraction.is_none() {
+            (known, 1.0)
+        } else {
+            (
+                muscle,
+                norm(&[1.0 - law.noting_error(), law.noting_error_sd()]),
+            )
+        };
         let forecast = muscle.at(here, self.whose);
         let of_free = standard_deviation.map_or(0.0, |sd| {
-            let at = |e: f64| {
-                muscle
-                    .at(state(e.clamp(1e-3, 1.0 - 1e-3)), self.whose)
-                    .law_n
-            };
+            let at = |e: f64| known.at(state(e.clamp(1e-3, 1.0 - 1e-3)), self.whose).law_n;
             let change = at(eps_620 + sd) - at(eps_620 - sd);
-            0.5 * change.abs() * (1.0 + 1.0 / specimens as f64).sqrt()
+            0.5 * worth * change.abs() * (1.0 + 1.0 / specimens as f64).sqrt()
         });
         self.put(muscle, answer, here, &forecast, of_free);
     }

@@ -58,7 +58,7 @@ fn noted_contractions(noted: &NotedContractions) -> String {
         noted.specimens,
         rounded(100.0 * noted.sd, Rounding::Digits(2)),
         percentage(noted.error),
-        percentage(noted.error_sd),
+        rounded(100.0 * noted.error_sd, Rounding::Decimals(0)),
         if mostly_error {
             " Free lengths measured again would describe the specimens better."
         } else {

@@ -1,7 +1,7 @@
 //! How groups differ: random effects with their standard deviations and intervals, and the sizes of the misfit.
 
 use super::Work;
-use crate::problem::{ForceProblem, component};
+use crate::problem::{ForceProblem, component, mean_noted};
 use crate::settings;
 use pipeline_effects::{force_gain, force_zero_offset, length_offset, specimen_variation};
 use pipeline_findings::{Level, NotedContractions, Scatter};
@@ -11,11 +11,8 @@ use pipeline_inference::query;
 use pipeline_inference::system::Variances;
 use pipeline_inference::variance::Prior;
 use pipeline_numerics::matrix::norm;
-use pipeline_numerics::statistics::{mean, median, standard_deviation};
+use pipeline_numerics::statistics::{median, standard_deviation};
 use std::collections::BTreeMap;
-
-/// Contractions that scatter by less are one, noted alike.
-const SAME_CONTRACTION: f64 = 1e-9;
 
 /// The random effects as findings name them: component, id, level, unit.
 #[rustfmt::skip]
@@ -76,16 +73,16 @@ impl Work<'_> {
     /// What the contractions that were noted are worth; none where they are declared or alike.
     pub fn noted_contractions(&self) -> Option<NotedContractions> {
         let noted = self.data().noted_contractions();
-        let known: Vec<f64> = noted.iter().flatten().copied().collect();
-        let sd = standard_deviation(&known);
+        let mean = mean_noted(&noted)?;
+        let known: Vec<f64> = noted.into_iter().flatten().collect();
         let column = self.problem.noting_column()?;
         let unseen = Unseen::new(self.setting, &self.found.model);
         let (means, root) = unseen.parameters_known();
         let row: Vec<f64> = (0..=column).map(|j| root.at(column, j)).collect();
-        (sd > SAME_CONTRACTION).then(|| NotedContractions {
+        Some(NotedContractions {
             specimens: known.len(),
-            mean: mean(&known),
-            sd,
+            mean,
+            sd: standard_deviation(&known),
             error: component::noting_error(means[column]),
             error_sd: settings::NOTING_ERROR.1 * norm(&row),
         })

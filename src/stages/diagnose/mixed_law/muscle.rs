@@ -150,6 +150,15 @@ impl<'a> Muscle<'a> {
         self
     }
 
+    /// The same where its contracted length is known: its contraction is the one asked for.
+    pub fn with_known_contraction(mut self) -> Self {
+        self.own_lengths = Some(OwnLengths {
+            sd_mm: [self.law.sd.rest_length_mm, 0.0],
+            contracted_is_declared: true,
+        });
+        self
+    }
+
     /// Number of readings that were given, and of their sessions.
     pub fn count(&self) -> (usize, usize) {
         (self.readings, self.sessions.len())

@@ -181,6 +181,13 @@ impl MixedLaw {
         component::noting_error(self.common_mean[Self::noting_column()])
     }
 
+    /// Standard deviation of that share.
+    pub fn noting_error_sd(&self) -> f64 {
+        let column = Self::noting_column();
+        let first = column * (column + 1) / 2;
+        settings::NOTING_ERROR.1 * norm(&self.root[first..=first + column])
+    }
+
     /// By how many mm the contracted length of a reading's muscle is longer than noted if what is noted were all error.
     pub(super) fn noted_off_mm(&self, reading: &Reading) -> f64 {
         let noted = contraction_620(&reading.at);

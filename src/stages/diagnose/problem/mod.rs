@@ -6,8 +6,8 @@
 //! is estimated, as a share of the resting length: the laboratory's nine specimens of 10 mm are noted with contractions of 0.157 to 0.188 at 620
 //! kPa, and their forces show others (log-likelihood larger by 21.6). What is noted is itself a reading, and a share s of what the noted contractions
 //! differ by may be error (classical error, to which the scatter beside it is Berkson's: Carroll et al., Measurement Error in Nonlinear Models,
-//! 2nd ed. (2006), 1.4): each is taken nearer to their mean by the share s, one normal number ([`settings::NOTING_ERROR`]). Where the standard deviation of a session's set length is declared, it is
-//! not estimated. The misfit is proportional to the force, with a small floor, and absent where the actuator is slack: one over (eps*, P*) that
+//! 2nd ed. (2006), 1.4): each is taken nearer to their mean by the share s, one normal number ([`settings::NOTING_ERROR`]). Where the standard
+//! deviation of a session's set length is declared, it is not estimated. The misfit is proportional to the force, with a small floor, and absent where the actuator is slack: one over (eps*, P*) that
 //! all specimens share, one of each session along P and, where the readings show it, one of each stroke along P, Gaussian processes in a cosine
 //! basis (Solin and Sarkka, Statistics and Computing 30 (2020) 419).
 //!
@@ -143,10 +143,15 @@ fn noted_off(data: &Data) -> Vec<f64> {
     noted.iter().map(off).collect()
 }
 
-/// Mean of the contractions that are noted; none where none is.
+/// Contractions that differ by less are one, noted alike.
+const SAME_CONTRACTION: f64 = 1e-9;
+
+/// Mean of the contractions that are noted; none where none is, and where they are alike, which says nothing of what another one is worth.
 pub(crate) fn mean_noted(noted: &[Option<f64>]) -> Option<f64> {
     let known: Vec<f64> = noted.iter().flatten().copied().collect();
-    (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
+    let mean = known.iter().sum::<f64>() / known.len().max(1) as f64;
+    let differ = known.iter().any(|n| (n - mean).abs() > SAME_CONTRACTION);
+    differ.then_some(mean)
 }
 
 impl<'a> ForceProblem<'a> {
