@@ -197,27 +197,7 @@ fn line(observed: Coordinates, forms: &[Form]) -> Line {
 }
 
 impl Problem for Line {
-    fn tree(&self) -> &Tree {
-        &self.tree
-    }
-    fn node(&self) -> &[usize] {
-        &self.node
-    }
-    fn class(&self) -> &[usize] {
-        &self.class
-    }
-    fn noise(&self) -> &[Scale] {
-        &self.noise
-    }
-    fn observed(&self) -> &[f64] {
-        &self.observed
-    }
-    fn components(&self) -> &[Component] {
-        &self.components
-    }
-    fn coefficients(&self) -> &[Coefficient] {
-        &self.coefficients
-    }
+    crate::problem::from_fields!();
     fn terms(&self) -> &[Term] {
         &self.terms
     }

@@ -156,3 +156,33 @@ pub trait Problem: Sync {
         }
     }
 }
+
+/// What a problem of a test keeps in fields of these names.
+#[cfg(test)]
+macro_rules! from_fields {
+    () => {
+        fn tree(&self) -> &$crate::tree::Tree {
+            &self.tree
+        }
+        fn node(&self) -> &[usize] {
+            &self.node
+        }
+        fn class(&self) -> &[usize] {
+            &self.class
+        }
+        fn noise(&self) -> &[$crate::variance::Scale] {
+            &self.noise
+        }
+        fn observed(&self) -> &[f64] {
+            &self.observed
+        }
+        fn components(&self) -> &[$crate::problem::Component] {
+            &self.components
+        }
+        fn coefficients(&self) -> &[$crate::problem::Coefficient] {
+            &self.coefficients
+        }
+    };
+}
+#[cfg(test)]
+pub(crate) use from_fields;

@@ -221,27 +221,7 @@ impl Saturation {
 }
 
 impl Problem for Saturation {
-    fn tree(&self) -> &Tree {
-        &self.tree
-    }
-    fn node(&self) -> &[usize] {
-        &self.node
-    }
-    fn class(&self) -> &[usize] {
-        &self.class
-    }
-    fn noise(&self) -> &[Scale] {
-        &self.noise
-    }
-    fn observed(&self) -> &[f64] {
-        &self.observed
-    }
-    fn components(&self) -> &[Component] {
-        &self.components
-    }
-    fn coefficients(&self) -> &[Coefficient] {
-        &self.coefficients
-    }
+    crate::problem::from_fields!();
     fn terms(&self) -> &[Term] {
         &[]
     }

@@ -64,27 +64,7 @@ impl Squared {
 }
 
 impl Problem for Squared {
-    fn tree(&self) -> &Tree {
-        &self.tree
-    }
-    fn node(&self) -> &[usize] {
-        &self.node
-    }
-    fn class(&self) -> &[usize] {
-        &self.class
-    }
-    fn noise(&self) -> &[Scale] {
-        &self.noise
-    }
-    fn observed(&self) -> &[f64] {
-        &self.observed
-    }
-    fn components(&self) -> &[Component] {
-        &self.components
-    }
-    fn coefficients(&self) -> &[Coefficient] {
-        &self.coefficients
-    }
+    crate::problem::from_fields!();
     fn terms(&self) -> &[Term] {
         &[]
     }
