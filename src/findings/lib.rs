@@ -76,7 +76,7 @@ pub struct CampaignFindings {
     pub pit: Vec<f64>,
     /// Standard deviation of a reading, everything else known; none where it was not estimated.
     pub noise: Option<f64>,
-    /// Held-out error of a smooth black box on the residual of the base model.
+    /// Held-out error of a smooth black box on the residual of the base model, both fitted without what was held out.
     pub black_box_rmse_heldout: Option<f64>,
     /// What was tested at the first step, strongest first: one entry an effect's form or a column.
     pub tested: Vec<Tested>,

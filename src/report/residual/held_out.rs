@@ -95,7 +95,7 @@ pub(super) fn black_box(found: &CampaignFindings) -> String {
             String::new()
         };
         format!(
-            "A black-box smoother on the residual of the base model reaches {} on the same held-out readings{beats}. Its noise is chosen by this error, which favours it.",
+            "A black-box smoother on the residual of the base model, both fitted without the held-out readings, reaches {} on these{beats}. Its noise is chosen by this error, which favours it.",
             error_with_unit(e, &found.unit)
         )
     };

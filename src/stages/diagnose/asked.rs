@@ -66,7 +66,6 @@ pub(crate) fn answered(
     put_model(&mut findings, &work, &variances);
     findings.next_measurement = next::next(setting, problem, found, &held.budget);
     findings.alternatives = alternatives(problem, setting, found, base);
-    findings.black_box_rmse_heldout = unseen::black_box(setting, problem, &residuals.predicted);
     put_limits(&mut findings, limits);
     put_held_out(&mut findings, held);
     let mixed_law = MixedLaw::of(
@@ -123,6 +122,7 @@ fn put_held_out(findings: &mut CampaignFindings, held: unseen::HeldOut) {
     findings.inside_50 = held.inside.map(|i| i.0);
     findings.inside_95 = held.inside.map(|i| i.1);
     findings.pit = held.pit;
+    findings.black_box_rmse_heldout = held.black_box_rmse;
     findings.by_unit = held.units;
     findings.budget = held.budget;
 }

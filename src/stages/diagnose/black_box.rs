@@ -1,8 +1,9 @@
 //! A smooth black box: how much of a residual any smooth function of the columns could predict for a specimen that it has not seen.
 //!
 //! A Gaussian process (Rasmussen and Williams 2006) with a squared exponential over contraction, pressure, resting length and direction,
-//! plus one for each other column times the predicted force, on up to 150 inducing readings (subset of regressors). Its noise is chosen
-//! from a short grid by the held-out error itself, which favours it: it is a limit, not a competitor.
+//! plus one for each other column times the predicted force, on up to 150 inducing readings (subset of regressors). What it sees is left by a base
+//! model that was fitted without the held-out readings as well. Its noise is chosen from a short grid by the held-out error itself, which favours it: it
+//! is a limit, not a competitor.
 
 use super::data::{Data, PLACEBO};
 use pipeline_effects::Conditions;

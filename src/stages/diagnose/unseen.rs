@@ -43,6 +43,8 @@ pub struct HeldOut {
     pub left: [Vec<f64>; 2],
     /// Names of what the search without each fold found.
     pub searches: Vec<Vec<String>>,
+    /// Root mean square error of a smooth black box.
+    pub black_box_rmse: Option<f64>,
 }
 
 /// The held-out errors, the whole search inside each fold. `active` marks the nodes that were searched.
@@ -62,7 +64,10 @@ pub fn held_out(
     let mut sums = (Tally::default(), Tally::default());
     let mut units = Vec::new();
     let mut searches = Vec::new();
+    let mut of_black_box = [0.0; black_box::NOISE.len()];
     for a in answers {
+        let squares = of_black_box.iter_mut().zip(&a.black_box);
+        squares.for_each(|(sum, s)| *sum += s);
         let found: Vec<String> = a.terms.iter().map(|t| named(*t)).collect();
         for (unit, before, after) in a.units {
             units.push(UnitErrors {
@@ -80,8 +85,10 @@ pub fn held_out(
         searches.push(found);
     }
     let after = &sums.1;
+    let black_box_rmse = least_error(of_black_box, after.count);
     HeldOut {
         by,
+        black_box_rmse,
         before: sums.0.errors(),
         after: after.errors(),
         units,
@@ -97,6 +104,7 @@ struct FoldAnswer {
     /// Unit, errors without and with effects.
     units: Vec<(String, Tally, Tally)>,
     terms: Vec<usize>,
+    black_box: Vec<f64>,
 }
 
 /// Sessions that their owner held out, or else each specimen in turn.
@@ -170,6 +178,7 @@ fn answer(
     });
     let accepted: Vec<usize> = inner.accepted.iter().map(|a| a.term).collect();
     FoldAnswer {
+        black_box: black_box(&rest, &inner.null, problem, fold),
         units: units.collect(),
         terms: accepted
             .iter()
@@ -237,40 +246,34 @@ fn source(component: usize) -> Option<&'static str> {
     }
 }
 
-/// Held-out error of a smooth black box on what is left of predictions, under the same folds, N.
-pub fn black_box(setting: &Setting, problem: &ForceProblem, predicted: &[f64]) -> Option<f64> {
-    let (folds, _) = folds(setting, problem);
-    if folds.is_empty() {
-        return None;
-    }
+/// Squared errors of a smooth black box at the readings of a fold, summed, for each noise that it may have. It sees what the null model leaves, fitted
+/// without the fold as every other model that the fold judges.
+fn black_box(setting: &Setting, null: &Fitted, problem: &ForceProblem, fold: &Fold) -> Vec<f64> {
     let tree = problem.tree();
-    let forces = problem.data.force.iter().zip(predicted);
+    let is_held = |i: &usize| {
+        let path = tree.path(problem.node()[*i]);
+        fold.nodes.iter().any(|(_, n)| path.contains(n))
+    };
+    // Without what specimens and sessions have of their own.
+    let predicted = problem.predict(&problem.bare(&null.point));
+    let forces = problem.data.force.iter().zip(&predicted);
     let residual: Vec<f64> = forces.map(|(y, p)| y - p).collect();
-    let features = Features::new(problem.data, predicted);
-    let sums: Vec<Vec<f64>> = folds
-        .par_iter()
-        .map(|fold| {
-            let is_held = |i: &usize| {
-                let path = tree.path(problem.node()[*i]);
-                fold.nodes.iter().any(|(_, n)| path.contains(n))
-            };
-            let takes_part = |i: &usize| setting.active[problem.node()[*i]] && !is_held(i);
-            let held: Vec<usize> = (0..residual.len()).filter(is_held).collect();
-            let train: Vec<usize> = (0..residual.len()).filter(takes_part).collect();
-            let square = |p: &Vec<f64>| -> f64 {
-                let pairs = held.iter().zip(p);
-                pairs
-                    .map(|(i, p)| (residual[*i] - p) * (residual[*i] - p))
-                    .sum()
-            };
-            let answers = black_box::predict(&features, &residual, &train, &held);
-            let mut sums: Vec<f64> = answers.iter().map(square).collect();
-            sums.push(held.len() as f64);
-            sums
-        })
-        .collect();
-    let count: f64 = sums.iter().map(|s| s[s.len() - 1]).sum();
-    (0..black_box::NOISE.len())
-        .map(|k| (sums.iter().map(|s| s[k]).sum::<f64>() / count).sqrt())
-        .min_by(f64::total_cmp)
+    let all = 0..residual.len();
+    let (held, others): (Vec<usize>, Vec<usize>) = all.partition(is_held);
+    let mut train = others;
+    train.retain(|i| setting.active[problem.node()[*i]]);
+    let features = Features::new(problem.data, &predicted);
+    let square = |answer: &Vec<f64>| -> f64 {
+        let left = held.iter().zip(answer).map(|(i, p)| residual[*i] - p);
+        left.map(|e| e * e).sum()
+    };
+    let answers = black_box::predict(&features, &residual, &train, &held);
+    answers.iter().map(square).collect()
+}
+
+/// The least of the root mean squares over the noises of the black box.
+fn least_error(sums: [f64; black_box::NOISE.len()], readings: usize) -> Option<f64> {
+    let mean = sums.map(|s| s / readings.max(1) as f64);
+    let least = mean.into_iter().min_by(f64::total_cmp);
+    least.filter(|_| readings > 0).map(f64::sqrt)
 }
