@@ -102,6 +102,8 @@ class Law:
 
     def noted_off(self, r):
         """By how many mm the contracted length is longer than noted if what is noted were all error; none here is declared."""
+        if self.noted_contraction is None:
+            return 0.0
         return 1e3 * ((r.rest - r.contracted) - r.rest * self.noted_contraction)
 
     def name(self, term):
