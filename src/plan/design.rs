@@ -23,7 +23,7 @@ scatter_of = ""                               # a campaign of the last run whose
 [scatter]             # standard deviations; the defaults are as here
 gain = 0.04           # specimen gain
 length_mm = 0.4       # set lengths
-contracted = 0.009    # free lengths at 620 kPa about what noted ones are worth, share of the resting length
+contracted = 0.009    # free lengths at 620 kPa about those that the noted ones tell, share of the resting length
 zero_n = 1.0          # zero of the force of a session
 common_misfit = 0.02  # misfit of the law common to all, share of the force
 session_misfit = 0.01 # misfit of each session, along the pressure

@@ -5,7 +5,7 @@ use pipeline::findings::CampaignFindings;
 use serde_json::Value;
 
 /// What the table does not judge, beside free forms.
-const NOT_JUDGED: [&str; 11] = [
+const NOT_JUDGED: [&str; 12] = [
     "reference_level",
     "of_level",
     "smallest_p",
@@ -17,6 +17,7 @@ const NOT_JUDGED: [&str; 11] = [
     "next_measurement",
     "alternatives",
     "explained_as_well_by",
+    "black_box_rmse_heldout",
 ];
 
 /// The digest of some findings.

@@ -7,6 +7,7 @@ use super::suited::start;
 use super::{diagnose, library};
 use pipeline_base::random::Stream;
 use pipeline_base::row::Row;
+use pipeline_base::session::Role;
 use pipeline_config::{DiagnoseOptions, FitOptions};
 use pipeline_findings::{CampaignFindings, SmallestP, Verdict};
 use pipeline_fit::Group;
@@ -288,6 +289,34 @@ fn with_two_contractions_errors_of_the_size_of_those_observed_are_expected() {
         (0.5..2.0).contains(&(expected / observed)),
         "{expected} {observed}"
     );
+}
+
+/// Squared error of the black box on a specimen that its owner held out, N^2, whose forces are larger than they were by so much, N.
+fn black_box_squared(shift_n: f64) -> f64 {
+    let settings = rig_like::Settings {
+        specimens: Some(4),
+        scatter: rig_like::Scatter::Clean,
+        ..rig_like::Settings::default()
+    };
+    let mut rows = rig_like::campaign(1, &settings).rows;
+    let held_out = rows[0].specimen.clone();
+    for row in rows.iter_mut().filter(|r| r.specimen == held_out) {
+        row.role = Some(Role::Holdout);
+        row.force_n += shift_n;
+    }
+    let options = DiagnoseOptions::default();
+    let found = diagnose(&rig_like::group(), &rows, &FitOptions::default(), &options);
+    let error = found.unwrap().findings.black_box_rmse_heldout.unwrap();
+    error * error
+}
+
+/// The mean of (r + a - p)^2 and (r - a - p)^2 is that of (r - p)^2 and a^2 more, if the prediction p does not depend on the held-out force. It does by very
+/// little: the scale of the misfit knows the largest force.
+#[test]
+fn what_a_black_box_predicts_does_not_hang_on_the_readings_held_out() {
+    let [less, as_it_is, more] = [-1.0, 0.0, 1.0].map(black_box_squared);
+    let mean = 0.5 * (less + more);
+    assert!((mean - as_it_is - 1.0).abs() < 0.01, "{mean} {as_it_is}");
 }
 
 /// Where the law of 10 mm is slack, one of another shape pulls: its readings there were taken for slack, which made a zero of 6 to 15 N of them.

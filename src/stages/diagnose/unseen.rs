@@ -43,7 +43,7 @@ pub struct HeldOut {
     pub left: [Vec<f64>; 2],
     /// Names of what the search without each fold found.
     pub searches: Vec<Vec<String>>,
-    /// Root mean square error of a smooth black box.
+    /// Root mean square error of a smooth black box, N; none where nothing was held out.
     pub black_box_rmse: Option<f64>,
 }
 
@@ -246,8 +246,8 @@ fn source(component: usize) -> Option<&'static str> {
     }
 }
 
-/// Squared errors of a smooth black box at the readings of a fold, summed, for each noise that it may have. It sees what the null model leaves, fitted
-/// without the fold as every other model that the fold judges.
+/// Squared errors of a smooth black box at the readings of a fold, summed, for each noise that it may have. It sees what the law of
+/// the null model leaves, its common misfit included, fitted without the fold as every other model that the fold judges.
 fn black_box(setting: &Setting, null: &Fitted, problem: &ForceProblem, fold: &Fold) -> Vec<f64> {
     let tree = problem.tree();
     let is_held = |i: &usize| {
@@ -255,7 +255,8 @@ fn black_box(setting: &Setting, null: &Fitted, problem: &ForceProblem, fold: &Fo
         fold.nodes.iter().any(|(_, n)| path.contains(n))
     };
     // Without what specimens and sessions have of their own.
-    let predicted = problem.predict(&problem.bare(&null.point));
+    let mut predicted = problem.predict(&problem.bare(&null.point));
+    predicted.truncate(problem.data.len());
     let forces = problem.data.force.iter().zip(&predicted);
     let residual: Vec<f64> = forces.map(|(y, p)| y - p).collect();
     let all = 0..residual.len();
@@ -275,5 +276,7 @@ fn black_box(setting: &Setting, null: &Fitted, problem: &ForceProblem, fold: &Fo
 fn least_error(sums: [f64; black_box::NOISE.len()], readings: usize) -> Option<f64> {
     let mean = sums.map(|s| s / readings.max(1) as f64);
     let least = mean.into_iter().min_by(f64::total_cmp);
-    least.filter(|_| readings > 0).map(f64::sqrt)
+    least
+        .filter(|m| readings > 0 && m.is_finite())
+        .map(f64::sqrt)
 }

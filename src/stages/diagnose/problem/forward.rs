@@ -1,6 +1,6 @@
 //! The force of a reading as the engine asks for it: by coefficients, random effects and terms, with its derivatives by all of them.
 
-use super::{ForceProblem, MOST_TERMS, Operators, component, settings};
+use super::{ForceProblem, MOST_TERMS, Noted, Operators, component, settings};
 use crate::library::What;
 use crate::slack::{Side, Sided};
 use pipeline_effects as effects;
@@ -119,10 +119,17 @@ impl ForceProblem<'_> {
             .map(|(k, _)| k)
     }
 
-    /// By how much a specimen's contracted length is longer than noted as far as this shows in what is noted of it, at a point; share of the resting length.
-    pub(crate) fn as_noted(&self, point: &Point, specimen: usize) -> f64 {
+    /// The share of what noted contractions differ by that is error, at a point.
+    fn noting_error(&self, point: &Point) -> f64 {
         let value = self.noting_column().map_or(0.0, |k| point.random[k]);
-        component::noting_error(value) * self.noted_off[specimen]
+        component::noting_error(value)
+    }
+
+    /// What noted contractions are worth at a point, for a specimen whose contracted length is not declared; none where all are noted alike.
+    pub(crate) fn noted_of(&self, point: &Point, specimen: usize) -> Option<Noted> {
+        let mean = self.noted_mean?;
+        let error = self.noting_error(point);
+        (!self.data.contracted_is_declared(specimen)).then_some(Noted { mean, error })
     }
 
     /// Gain (as a factor), set length, zero, and what resting and contracted length are longer than noted, that act on reading `i`.
@@ -141,7 +148,9 @@ impl ForceProblem<'_> {
                 + self.set_length_unit(i) * of(session, component::DECLARED_LENGTH),
             of(session, component::ZERO) + of_campaign(component::CAMPAIGN_ZERO),
             0.0,
-            self.contraction_unit_mm(i) * self.as_noted(point, self.data.specimen[i]),
+            self.contraction_unit_mm(i)
+                * self.noting_error(point)
+                * self.noted_off[self.data.specimen[i]],
         ]
     }
 

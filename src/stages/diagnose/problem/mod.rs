@@ -97,6 +97,8 @@ pub struct ForceProblem<'a> {
     operators: Operators,
     /// By how much the contraction at 620 kPa that is noted of each specimen is above the mean of those noted; 0 where it is declared.
     noted_off: Vec<f64>,
+    /// That mean; none where all are declared or noted alike.
+    noted_mean: Option<f64>,
     /// Side of the corner to slackness of each reading.
     side: Vec<Side>,
     /// Cosines of the session's misfit, reading by reading.
@@ -135,12 +137,13 @@ fn registered(id: &str) -> usize {
     effects::index(id).unwrap_or_else(|| panic!("{id} is not in the registry of effects"))
 }
 
-/// See [`ForceProblem::noted_off`].
-fn noted_off(data: &Data) -> Vec<f64> {
-    let noted = data.noted_contractions();
-    let mean = mean_noted(&noted);
-    let off = |n: &Option<f64>| n.zip(mean).map_or(0.0, |(n, mean)| n - mean);
-    noted.iter().map(off).collect()
+/// What the contractions at 620 kPa that are noted of specimens are worth.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Noted {
+    /// Their mean.
+    pub(crate) mean: f64,
+    /// The share of what they differ by that is error of noting.
+    pub(crate) error: f64,
 }
 
 /// Contractions that differ by less are one, noted alike.
@@ -190,6 +193,9 @@ impl<'a> ForceProblem<'a> {
             noise.push(known::NOISE);
         }
         let forces = data.force.iter().copied();
+        let noted = data.noted_contractions();
+        let noted_mean = mean_noted(&noted);
+        let off = |n: &Option<f64>| n.zip(noted_mean).map_or(0.0, |(n, mean)| n - mean);
         Self {
             base,
             data,
@@ -206,7 +212,8 @@ impl<'a> ForceProblem<'a> {
             coefficients: base.coefficients.iter().map(for_engine).collect(),
             terms: library.iter().map(|t| t.for_engine(data)).collect(),
             operators: Operators::registered(),
-            noted_off: noted_off(data),
+            noted_off: noted.iter().map(off).collect(),
+            noted_mean,
             side,
             session_basis: along_pressure(data, SESSION_COSINES, settings::PRESSURE_LENGTH_KPA),
             stroke_basis: if by_stroke {

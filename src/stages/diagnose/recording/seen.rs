@@ -7,9 +7,9 @@ use super::least::least;
 use super::left::Group;
 use super::mistakes::Taken;
 use crate::base::Base;
-use crate::data::Data;
+use crate::data::{Data, contraction_620};
 use crate::library::Column;
-use crate::problem::{ForceProblem, component};
+use crate::problem::{ForceProblem, Noted, component};
 use crate::settings;
 use crate::slack::{Side, Sided};
 use pipeline_effects as effects;
@@ -31,9 +31,10 @@ pub(super) struct Seen<'a> {
     columns: Vec<(Column, [f64; 2])>,
     /// Factor on the force, of the specimen as its other sessions show it.
     pub(super) factor: f64,
-    /// What its contracted length is longer than noted, as these show it, share of the resting length; of specimens that were left out as the noted
-    /// contractions of others are to be taken.
+    /// By how much its contracted length is longer than what is noted is worth, as its other sessions show it, share of the resting length.
     contraction: f64,
+    /// What noted contractions are worth; none where its own is declared, or all are noted alike.
+    pub(super) noted: Option<Noted>,
     /// Usual sizes of the gain of a specimen and of a set length, mm.
     usual_gain: f64,
     usual_length_mm: f64,
@@ -72,8 +73,7 @@ impl<'a> Seen<'a> {
         let factor = above.iter().map(|n| 1.0 + of(*n, component::GAIN));
         let factor = of_campaign * factor.product::<f64>();
         let specimen_of = problem.data.specimen_of_session();
-        let as_noted = of_group.map_or(0.0, |s| problem.as_noted(&fit.point, specimen_of[*s]));
-        let own_contraction = above.iter().map(|n| of(*n, component::CONTRACTION));
+        let noted = of_group.and_then(|s| problem.noted_of(&fit.point, specimen_of[*s]));
         let readings = |s: usize| (0..data.len()).filter(|i| data.session[*i] == s).collect();
         let others = fit.predicted.iter().zip(problem.node());
         let usual = |c: usize| problem.components()[c].scale.usual;
@@ -86,7 +86,8 @@ impl<'a> Seen<'a> {
             effects: applied(problem, fit),
             columns: columns(problem, fit),
             factor,
-            contraction: own_contraction.sum::<f64>() + as_noted,
+            contraction: above.iter().map(|n| of(*n, component::CONTRACTION)).sum(),
+            noted,
             usual_gain: usual(component::GAIN),
             usual_length_mm: usual(component::SET_LENGTH),
             noise: fit.variances.noise[campaign],
@@ -111,8 +112,11 @@ impl<'a> Seen<'a> {
     ) -> Vec<(f64, f64)> {
         let one = |i: &usize| {
             let (mut at, mut measured) = (self.data.conditions[*i], self.data.force[*i]);
-            at.contracted_length_m += self.contraction * at.rest_length_m;
             change(&mut at, &mut measured);
+            // What was noted is corrected first: a mistake of 10 mm is 10 mm, however little noted lengths are worth.
+            let of_noted = |n: Noted| n.error * (contraction_620(&at) - n.mean);
+            let longer = self.contraction + self.noted.map_or(0.0, of_noted);
+            at.contracted_length_m += longer * at.rest_length_m;
             at.length_m += 1e-3 * length_mm;
             let law = Sided {
                 base: self.base,

@@ -106,6 +106,29 @@ fn a_resting_length_is_one_of_the_specimen() {
 }
 
 #[test]
+fn the_size_of_a_contracted_length_noted_wrongly_is_that_of_the_mistake() {
+    let settings = rig_like::Settings {
+        specimens: Some(6),
+        scatter: rig_like::Scatter::Clean,
+        ..rig_like::Settings::default()
+    };
+    let mut campaign = rig_like::campaign(1, &settings);
+    let id = campaign.rows[0].specimen.clone();
+    for row in campaign.rows.iter_mut().filter(|r| r.specimen == id) {
+        row.contracted_length_m += 0.012;
+    }
+    let errors = found(&campaign);
+    assert_eq!(errors.len(), 1, "{errors:?}");
+    let quantity = errors[0].quantity.as_deref();
+    assert_eq!(
+        (&errors[0].group, quantity),
+        (&id, Some("contracted_length"))
+    );
+    let value = errors[0].value.unwrap();
+    assert!((value + 12.0).abs() < 4.0, "{value}");
+}
+
+#[test]
 fn pounds_are_a_unit_of_the_force() {
     let mut campaign = simulated(None);
     // Without contraction the force goes nearly with the pressure: that could as well be in other units.
