@@ -41,8 +41,8 @@ pub struct Decision {
     pub alike: f64,
     /// Most terms in a model.
     pub most_terms: usize,
-    /// Whether candidates are also looked for from nothing, and alternatives to what was accepted, and a decision that its draws leave open gets all
-    /// the further ones that it may have. Inside folds, where a search starts from what all readings gave, none of these is needed.
+    /// Whether candidates are also looked for from nothing, and alternatives to what was accepted. Inside folds, where a search starts from what
+    /// all readings gave, neither is needed.
     pub thorough: bool,
 }
 

@@ -18,8 +18,6 @@ const CLEAR: f64 = 2.0;
 /// A decision that the draws leave open gets up to this many times as many: with 199 of them an answer at the level of 2% would hang on one or two,
 /// and another seed would give another.
 const MORE_DRAWS: usize = 10;
-/// The same in a search that is not thorough, inside a fold: what hangs on so little moves the error of one fold.
-const MORE_DRAWS_IN_FOLDS: usize = 3;
 
 /// How often a better optimum of the model without a further term is taken up.
 const MOST_BETTER: usize = 3;
@@ -167,12 +165,7 @@ impl Search<'_> {
         value: f64,
     ) -> Vec<f64> {
         let Decision { level, draws, .. } = self.decision;
-        let times = if self.decision.thorough {
-            MORE_DRAWS
-        } else {
-            MORE_DRAWS_IN_FOLDS
-        };
-        screen.draws_to_decide(begun, times * draws, normal, level, value)
+        screen.draws_to_decide(begun, MORE_DRAWS * draws, normal, level, value)
     }
 
     /// The candidates that are worth a comparison, fitted in full: those that would be accepted, if there are any.

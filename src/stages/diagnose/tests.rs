@@ -310,8 +310,8 @@ fn black_box_squared(shift_n: f64) -> f64 {
     error * error
 }
 
-/// The mean of (r + a - p)^2 and (r - a - p)^2 is that of (r - p)^2 and a^2 more, if the prediction p does not depend on the held-out force. It does by very
-/// little: the scale of the misfit knows the largest force.
+/// The mean of (r + a - p)^2 and (r - a - p)^2 is that of (r - p)^2 and a^2 more, if the prediction p does not depend on the held-out force. It does
+/// by very little: the scale of the misfit knows the largest force.
 #[test]
 fn what_a_black_box_predicts_does_not_hang_on_the_readings_held_out() {
     let [less, as_it_is, more] = [-1.0, 0.0, 1.0].map(black_box_squared);

@@ -10,7 +10,8 @@
 //! ```
 //! with everything that is not known a normal number: coefficients, effects, common misfit and the share of noted contractions that is error about their
 //! estimates with their joint covariance; lengths D of the muscle about those noted, as far as these are worth something; gain u of the muscle, set
-//! length d_s, zero z_s and misfit m_s of a session, gain and zero of a campaign of its own (of a pool), and noise, about 0. Its variance at a state is the sum of their parts ([`Parts`]). Readings of the muscle change mean and covariance ([`Muscle`]).
+//! length d_s, zero z_s and misfit m_s of a session, gain and zero of a campaign of its own (of a pool), and noise, about 0. Its variance at a state is the
+//! sum of their parts ([`Parts`]). Readings of the muscle change mean and covariance ([`Muscle`]).
 //!
 //! | file | idea |
 //! |---|---|

@@ -12,10 +12,6 @@ use pipeline_numerics::statistics::{mean, standard_deviation};
 /// Units that are taken for one another (lbf, kgf, psi, bar, and powers of ten), as factors; their inverses too.
 pub(super) const UNITS: [f64; 6] = [4.448, 9.807, 6.895, 10.0, 100.0, 1000.0];
 
-/// Least share of what noted contractions differ by that is none of their errors for one of them to be a mistake: where they are worth less, what is noted
-/// of a specimen hardly shows in its readings, and a small deviation of these would ask for a mistake several times as large.
-const LEAST_WORTH: f64 = 0.3;
-
 /// A change that takes a mistake back: of the conditions and of the measured force, by a number.
 pub(super) type Change = fn(&mut Conditions, &mut f64, f64);
 
@@ -60,12 +56,11 @@ impl Seen<'_> {
         let stroke = self.stroke_mm(&self.sessions[0].1);
         let rest: Change = |at, _, mm| at.rest_length_m += 1e-3 * mm;
         let contracted: Change = |at, _, mm| at.contracted_length_m += 1e-3 * mm;
-        let shows = self.noted.is_none_or(|n| 1.0 - n.error >= LEAST_WORTH);
-        let contracted = shows.then_some(("contracted_length", contracted));
-        let lengths = [("rest_length", rest)].into_iter().chain(contracted);
-        let taken_back =
-            |(quantity, change)| self.number(ErrorKind::Length, quantity, "mm", change, stroke);
-        let mut all: Vec<Taken> = lengths.map(taken_back).collect();
+        let both = [("rest_length", rest), ("contracted_length", contracted)];
+        let lengths = both.map(|(quantity, change)| {
+            self.number(ErrorKind::Length, quantity, "mm", change, stroke)
+        });
+        let mut all = lengths.to_vec();
         all.extend(self.of_columns());
         all
     }

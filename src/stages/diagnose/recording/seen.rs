@@ -34,7 +34,7 @@ pub(super) struct Seen<'a> {
     /// By how much its contracted length is longer than what is noted is worth, as its other sessions show it, share of the resting length.
     contraction: f64,
     /// What noted contractions are worth; none where its own is declared, or all are noted alike.
-    pub(super) noted: Option<Noted>,
+    noted: Option<Noted>,
     /// Usual sizes of the gain of a specimen and of a set length, mm.
     usual_gain: f64,
     usual_length_mm: f64,

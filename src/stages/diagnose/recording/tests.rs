@@ -105,27 +105,56 @@ fn a_resting_length_is_one_of_the_specimen() {
     assert_pointed_at(Mistake::RestLength, ErrorKind::Length, Some("rest_length"));
 }
 
-#[test]
-fn the_size_of_a_contracted_length_noted_wrongly_is_that_of_the_mistake() {
+/// What is found in a clean campaign of six specimens of which contracted lengths are noted longer by these shares of the resting length; and what the
+/// one specimen has that stands out, with how much longer it is noted, mm.
+fn noted_longer(seed: u64, shares: [f64; 6], one: usize) -> (Vec<RecordingError>, String, f64) {
     let settings = rig_like::Settings {
         specimens: Some(6),
         scatter: rig_like::Scatter::Clean,
         ..rig_like::Settings::default()
     };
-    let mut campaign = rig_like::campaign(1, &settings);
-    let id = campaign.rows[0].specimen.clone();
-    for row in campaign.rows.iter_mut().filter(|r| r.specimen == id) {
-        row.contracted_length_m += 0.012;
+    let mut campaign = rig_like::campaign(seed, &settings);
+    let mut specimens: Vec<String> = Vec::new();
+    let mut longer_mm = 0.0;
+    for row in &mut campaign.rows {
+        if !specimens.contains(&row.specimen) {
+            specimens.push(row.specimen.clone());
+        }
+        let place = specimens.iter().position(|s| *s == row.specimen).unwrap();
+        let longer_m = shares[place] * row.rest_length_m;
+        row.contracted_length_m += longer_m;
+        if place == one {
+            longer_mm = 1e3 * longer_m;
+        }
     }
-    let errors = found(&campaign);
-    assert_eq!(errors.len(), 1, "{errors:?}");
-    let quantity = errors[0].quantity.as_deref();
-    assert_eq!(
-        (&errors[0].group, quantity),
-        (&id, Some("contracted_length"))
-    );
-    let value = errors[0].value.unwrap();
-    assert!((value + 12.0).abs() < 4.0, "{value}");
+    (found(&campaign), specimens.swap_remove(one), longer_mm)
+}
+
+/// Beside others that are noted rightly, and beside others that are not, which makes noted lengths worth little.
+#[test]
+fn the_size_of_a_contracted_length_noted_wrongly_is_that_of_the_mistake() {
+    let wrongly = [0.02, -0.01, 0.015, -0.02, -0.012, 0.007];
+    for (seed, others, one, share) in [
+        (1, [0.0; 6], 0, 0.09),
+        (1, wrongly, 3, -0.14),
+        (7, wrongly, 3, -0.14),
+        (7, wrongly, 4, -0.13),
+    ] {
+        let mut shares = others;
+        shares[one] = share;
+        let (errors, id, longer_mm) = noted_longer(seed, shares, one);
+        assert_eq!(errors.len(), 1, "{errors:?}");
+        let quantity = errors[0].quantity.as_deref();
+        assert_eq!(
+            (&errors[0].group, quantity),
+            (&id, Some("contracted_length"))
+        );
+        let value = errors[0].value.unwrap();
+        assert!(
+            (value / -longer_mm - 1.0).abs() < 0.3,
+            "{value} {longer_mm}"
+        );
+    }
 }
 
 #[test]
