@@ -1,5 +1,5 @@
-//! The loop on campaigns that scatter as a laboratory's rig does: a handful of campaigns and, long, the answers to the fixed ones and some
-//! campaigns of `cargo run --release --example closed_loop`.
+//! The loop on campaigns that scatter as a laboratory's rig does: a handful of campaigns, what the log of
+//! `cargo run --release --example closed_loop` has, and, long, the answers to the fixed campaigns that say whether it is of this loop.
 
 #[path = "../../examples/closed_loop/bench/mod.rs"]
 mod bench;
@@ -7,14 +7,22 @@ mod bench;
 use bench::cases::{self, Case, SINGLE};
 use bench::digest;
 use bench::outcome::Outcome;
-use bench::plan::Plan;
-use bench::progress::{Log, run};
+use bench::plan::{MULTIPLES, Plan};
+use bench::progress::known;
 use bench::rate::Rate;
 use bench::search::search;
+use bench::table;
 use bench::trial::{Part, Trial};
 use pipeline::base::row::Row;
+use pipeline::config::{DiagnoseOptions, FitOptions};
 use pipeline::findings::{CampaignFindings, ColumnLimit, Verdict};
-use pipeline::simulate::rig_like::{Campaign, Family, Mistake, Pace, Put, Settings, campaign};
+use pipeline::simulate::rig_like::{
+    Campaign, Family, Mistake, Pace, Put, Scatter, Settings, campaign, group,
+};
+use pipeline::stages::diagnose::diagnose;
+
+/// The page that has the published table.
+const DOCUMENT: &str = include_str!("../../docs/closed-loop.md");
 
 fn put(id: &'static str, form: &'static str, size: f64, from: f64) -> Vec<Put> {
     vec![Put {
@@ -119,7 +127,39 @@ fn every_case_of_the_benchmark_can_be_simulated() {
     assert_eq!(SINGLE.iter().filter(|c| c.pace == Pace::Dwell).count(), 1);
 }
 
-/// The share of right answers that a part of the benchmark has to reach. So few campaigns cannot show that a bar is met: what fails here is far
+/// What the log beside the published table has of this loop: the campaigns of so many seeds as have all been searched.
+fn published() -> (Vec<Trial>, Vec<Outcome>) {
+    let (_, answers) = DOCUMENT
+        .split_once("Answers to the twelve fixed campaigns: `")
+        .expect("the digest of the answers");
+    let answers = answers.split('`').next().expect("its end");
+    let known = known(include_str!("../../docs/closed-loop.jsonl"), answers);
+    let of_seeds = |seeds| {
+        let family = Family::Published;
+        let trials = Plan { family, seeds }.trials();
+        let outcomes = trials.iter().map(|t| known.get(&t.name()).cloned());
+        let outcomes: Option<Vec<Outcome>> = outcomes.collect();
+        outcomes.map(|o| (trials, o))
+    };
+    let complete = (1..).map_while(of_seeds);
+    complete.last().expect("at least one seed of every case")
+}
+
+#[test]
+fn the_rows_of_the_published_table_are_what_the_log_has() {
+    let (trials, outcomes) = published();
+    for scatter in [Scatter::RigLike, Scatter::Clean] {
+        for bar in table::bars(&trials, &outcomes, scatter) {
+            let line = bar.line();
+            assert!(
+                DOCUMENT.lines().any(|l| l == line),
+                "docs/closed-loop.md does not have: {line}"
+            );
+        }
+    }
+}
+
+/// The share of right answers that a part of the benchmark has to reach. Few campaigns cannot show that a bar is met: what fails here is far
 /// below it.
 struct Bar {
     part: Part,
@@ -131,29 +171,22 @@ const fn bar(part: Part, share: f64, right: fn(&Outcome) -> bool) -> Bar {
     Bar { part, share, right }
 }
 
-/// Runs so many campaigns of each of these parts from the short form, and fails where a part is far below its bar.
-fn keep_to_bars(bars: &[Bar], campaigns: usize) {
-    let plan = Plan {
-        family: Family::Design,
-        seeds: 1,
-    };
-    let short = plan.short();
-    let first = |bar: &Bar| {
-        let own = short.iter().filter(|t| t.part == bar.part);
-        own.take(campaigns).cloned().collect::<Vec<Trial>>()
-    };
-    let trials: Vec<Trial> = bars.iter().flat_map(first).collect();
-    let outcomes = run(&trials, &Log::none(), |_, _| ());
-    let told: Vec<String> = trials.iter().zip(&outcomes).map(told).collect();
-    let told = told.join("\n");
+/// Fails where a part of the published campaigns is far below its bar. Of what was put in at a multiple of its limit, those at the largest are judged.
+fn keep_to_bars(bars: &[Bar]) {
+    let (trials, outcomes) = published();
     for bar in bars {
-        let own = trials.iter().zip(&outcomes);
-        let own = own.filter(|(t, _)| t.part == bar.part);
-        let rate = Rate::of(own.map(|(_, o)| (bar.right)(o)));
+        let own = trials.iter().zip(&outcomes).filter(|(t, o)| {
+            let is_asked = t.cases.is_empty() || t.multiple == MULTIPLES[2] && !o.size.capped;
+            t.part == bar.part && is_asked
+        });
+        let own: Vec<(&Trial, &Outcome)> = own.collect();
+        let rate = Rate::of(own.iter().map(|(_, o)| (bar.right)(o)));
+        let told: Vec<String> = own.into_iter().map(told).collect();
         let (part, share) = (bar.part, bar.share);
         assert!(
             rate.bounds().1 >= share,
-            "{part:?}: {rate}, bar {share}\n{told}"
+            "{part:?}: {rate}, bar {share}\n{}",
+            told.join("\n")
         );
     }
 }
@@ -162,14 +195,31 @@ fn told((trial, outcome): (&Trial, &Outcome)) -> String {
     format!("{}: {}", trial.name(), outcome.text())
 }
 
+#[test]
+fn every_part_of_the_published_benchmark_but_rediscovery_keeps_to_its_bar() {
+    keep_to_bars(&[
+        bar(Part::Nothing, 0.925, |o| o.found.is_empty()),
+        bar(Part::Single, 0.9, |o| o.exact),
+        bar(Part::Two, 0.85, |o| o.exact),
+        bar(Part::OtherForm, 0.9, |o| o.exact),
+        bar(Part::Outside, 0.9, |o| o.detected),
+        bar(Part::Recording, 0.9, |o| o.detected),
+    ]);
+}
+
 /// What is not reached yet, and why: run by nobody.
 mod not_reached {
     use super::*;
 
     #[test]
-    #[ignore = "not reached: on the seeds of docs/closed-loop.md in 1 of 2 campaigns of 6 to 8 lengths, 1 of 2 of ten and 2 of 2 of sixteen; scatter, a gain of the pressure or a compliance take the place of the length law"]
-    fn the_benchmark_rediscovers_the_resting_length() {
-        keep_to_bars(&[bar(Part::Rediscovery, 0.9, |o| o.detected)], 2);
+    #[ignore = "not reached: on the seeds of docs/closed-loop.md in 1 of 2 campaigns of 6 to 8 lengths, 1 of 2 of ten (2 of 2 of sixteen); scatter, a gain of the pressure or a compliance take the place of the length law"]
+    fn the_benchmark_rediscovers_the_resting_length_with_ten_lengths_or_fewer() {
+        let (trials, outcomes) = published();
+        let few = |t: &Trial| t.specimens.is_some_and(|lengths| lengths <= 10);
+        let own = trials.iter().zip(&outcomes);
+        let own = own.filter(|(t, _)| t.part == Part::Rediscovery && few(t));
+        let found = Rate::of(own.map(|(_, o)| o.detected));
+        assert!(found.bounds().1 >= 0.9, "{found}");
     }
 
     #[test]
@@ -241,7 +291,15 @@ mod long {
             specimens: Some(16),
             ..Settings::default()
         };
-        let found = search(&campaign(216, &settings).rows, "hunt2017");
+        // Candidates are ranked before any comes in, so none may.
+        let options = DiagnoseOptions {
+            base_model: "hunt2017".to_owned(),
+            most_effects: 0,
+            ..DiagnoseOptions::default()
+        };
+        let rows = campaign(216, &settings).rows;
+        let found = diagnose(&group(), &rows, &FitOptions::default(), &options);
+        let found = found.expect("enough readings").findings;
         let mut but_gain = found.tested.iter().filter(|t| t.id != "force_gain");
         let strongest = but_gain.next().unwrap();
         let is_it = strongest.id == "rest_length_scaling" && strongest.p_familywise < 0.05;
@@ -276,26 +334,11 @@ mod long {
     #[test]
     #[ignore = "long: 160 s of processor time"]
     fn the_published_table_is_of_this_loop() {
-        let document = include_str!("../../docs/closed-loop.md");
         let answers = digest::line(&digest::answers());
         assert!(
-            document.contains(&answers),
+            DOCUMENT.contains(&answers),
             "the loop's answers changed: the table in docs/closed-loop.md is out of date; run `cargo run --release --example closed_loop -- --published \
          --log FILE` and put what it prints below the introduction. Now: {answers}"
         );
-    }
-
-    #[test]
-    #[ignore = "long: 390 s of processor time"]
-    fn three_campaigns_of_every_part_of_the_benchmark_but_rediscovery_keep_to_its_bars() {
-        let reached = [
-            bar(Part::Nothing, 0.925, |o| o.found.is_empty()),
-            bar(Part::Single, 0.9, |o| o.exact),
-            bar(Part::Two, 0.85, |o| o.exact),
-            bar(Part::OtherForm, 0.9, |o| o.exact),
-            bar(Part::Outside, 0.9, |o| o.detected),
-            bar(Part::Recording, 0.9, |o| o.detected),
-        ];
-        keep_to_bars(&reached, 3);
     }
 }

@@ -42,11 +42,7 @@ impl Log {
     /// If the file cannot be written.
     pub fn open(path: &Path, answers: &str) -> std::io::Result<Self> {
         let text = std::fs::read_to_string(path).unwrap_or_default();
-        let lines = text
-            .lines()
-            .filter_map(|l| serde_json::from_str::<Line>(l).ok());
-        let own = lines.filter(|l| l.answers == answers);
-        let known = own.map(|l| (l.trial, l.outcome)).collect();
+        let known = known(&text, answers);
         let file = File::options().create(true).append(true).open(path)?;
         Ok(Self {
             answers: answers.to_owned(),
@@ -67,6 +63,14 @@ impl Log {
         let mut file = file.lock().expect("no thread has panicked");
         file.write_all(text.as_bytes()).expect("room for the log");
     }
+}
+
+/// What a log has of the campaigns that a loop with these answers searched, by the names of the trials.
+pub fn known(log: &str, answers: &str) -> BTreeMap<String, Outcome> {
+    let lines = log.lines();
+    let lines = lines.filter_map(|l| serde_json::from_str::<Line>(l).ok());
+    let own = lines.filter(|l| l.answers == answers);
+    own.map(|l| (l.trial, l.outcome)).collect()
 }
 
 /// The outcomes of trials, in their order: first those without an effect, which say how large the others are.

@@ -25,6 +25,17 @@ pub struct Bar {
 }
 
 impl Bar {
+    /// The line of the table.
+    pub fn line(&self) -> String {
+        let met = if self.met == Some(true) {
+            "met"
+        } else {
+            "**missed**"
+        };
+        let [case, result, bar] = [&self.case, &self.result, &self.bar];
+        format!("| {case} | {result} | {bar} | {met} |")
+    }
+
     /// A share within bounds.
     fn share(case: &str, rate: Rate, (low, high): (f64, f64)) -> Self {
         let percent = |x: f64| format!("{:.0}%", 100.0 * x);
@@ -228,12 +239,7 @@ pub fn document(trials: &[Trial], outcomes: &[Outcome]) -> String {
             "\n## {title}\n\n| case | result | bar | |\n|---|---|---|---|"
         );
         for b in bars {
-            let met = if b.met == Some(true) {
-                "met"
-            } else {
-                "**missed**"
-            };
-            let _ = writeln!(text, "| {} | {} | {} | {met} |", b.case, b.result, b.bar);
+            let _ = writeln!(text, "{}", b.line());
         }
         text.push_str(&by_case(trials, outcomes, scatter));
         text.push_str(&by_specimens(trials, outcomes, scatter));
