@@ -41,7 +41,8 @@ const MOST_STEPS: usize = 40;
 /// The force balance is solved to this, N.
 const BALANCED_N: f64 = 1e-10;
 
-/// The force that the sensor shows, N: base model, gain of the specimen (1 for a mean one) and effects.
+/// The force that the sensor shows, N: base model, gain of the specimen (1 for a mean one) and effects, those at one place in the order of
+/// [`all`], whatever that of the list.
 pub fn force<A: Actuator, R: Real>(
     actuator: &A,
     coefficients: &[R],
@@ -49,6 +50,9 @@ pub fn force<A: Actuator, R: Real>(
     effects: &[Applied<R>],
     at: &Conditions,
 ) -> R {
+    let mut effects: Vec<&Applied<R>> = effects.iter().collect();
+    effects.sort_by_key(|e| e.effect);
+    let effects = effects.as_slice();
     let mut link = Link {
         pressure: R::constant(at.pressure_kpa),
         length: R::constant(at.length_m),
@@ -72,11 +76,11 @@ pub fn scale(effect: &Applied<f64>, at: &Conditions) -> f64 {
         length: at.length_m,
         force: 1.0,
     };
-    at_place(Place::Actuator, std::slice::from_ref(effect), at, &mut link);
+    at_place(Place::Actuator, &[effect], at, &mut link);
     link.force
 }
 
-fn at_place<R: Real>(place: Place, effects: &[Applied<R>], at: &Conditions, link: &mut Link<R>) {
+fn at_place<R: Real>(place: Place, effects: &[&Applied<R>], at: &Conditions, link: &mut Link<R>) {
     for e in effects.iter().filter(|e| e.place() == place) {
         apply(e.effect, e.form, e.parameters, at, link);
     }
@@ -87,12 +91,13 @@ fn pulled<A: Actuator, R: Real>(
     actuator: &A,
     coefficients: &[R],
     gain: R,
-    effects: &[Applied<R>],
+    effects: &[&Applied<R>],
     at: &Conditions,
     mut link: Link<R>,
 ) -> R {
     link.force = actuator.force(coefficients, link.pressure, link.length, at) * gain;
     at_place(Place::Actuator, effects, at, &mut link);
+    at_place(Place::Braid, effects, at, &mut link);
     link.force
 }
 
@@ -105,7 +110,7 @@ fn balanced<A: Actuator, R: Real>(
     actuator: &A,
     coefficients: &[R],
     gain: R,
-    effects: &[Applied<R>],
+    effects: &[&Applied<R>],
     at: &Conditions,
     link: Link<R>,
 ) -> R {
@@ -119,6 +124,7 @@ fn balanced<A: Actuator, R: Real>(
             parameters: e.parameters.map(plain),
         })
         .collect();
+    let held: Vec<&Applied<Force>> = held.iter().collect();
     let at_force = |force: f64| {
         let mut yielded = Link {
             force: Force::variable(force, 0),

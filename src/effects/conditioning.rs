@@ -36,7 +36,7 @@ const FORMS: &[Form] = &[
     },
     Form {
         name: "first filling",
-        place: Place::Sensor,
+        place: Place::Braid,
         equation: "F -> F - L(c), c = h x^2/(1 + x^2) in the first filling of a set length, 0 later; x = eps/0.01; L(c) = c where the actuator pulls, else c/sqrt(1 + (c/F)^2)",
         amplitude: Parameter {
             name: "h",

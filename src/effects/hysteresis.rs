@@ -4,6 +4,8 @@
 //! shows loops of 8 N at every contraction of 4% and more, of less than 1 N at none. They are closed at the pressure at which filling turns into
 //! venting and widen away from it (*sliding, closed at the top*).
 //!
+//! A frame that yields carries what is left of the force. What also shows where the actuator is slack is not of its braid.
+//!
 //! Every amplitude is half of the loop, of one that closes half of it at half of the highest pressure, positive where the force is higher while
 //! venting, as friction makes it at a held length.
 
@@ -45,7 +47,7 @@ const fn form(
 const FORMS: &[Form] = &[
     form(
         "constant",
-        Place::Sensor,
+        Place::Braid,
         "F -> F - L(c), c = h s (s = +1 filling, -1 venting); L(c) = c where the actuator pulls, else c/sqrt(1 + (c/F)^2)",
         "h",
         "N",
@@ -61,7 +63,7 @@ const FORMS: &[Form] = &[
     ),
     form(
         "proportional to force",
-        Place::Sensor,
+        Place::Braid,
         "F -> F (1 - h s)",
         "h",
         "1",
@@ -69,7 +71,7 @@ const FORMS: &[Form] = &[
     ),
     form(
         "proportional to pressure",
-        Place::Sensor,
+        Place::Braid,
         "F -> F - L(c), c = h s P/620 kPa; L(c) = c where the actuator pulls, else c/sqrt(1 + (c/F)^2)",
         "h",
         "N",
@@ -85,7 +87,7 @@ const FORMS: &[Form] = &[
     ),
     form(
         "sliding, closed at the top",
-        Place::Sensor,
+        Place::Braid,
         "F -> F - L(c), c = 2 h s (1 - P/P_top) x^2/(1 + x^2), x = eps/0.01, P_top the highest of the log; L(c) = c where the actuator pulls, else c/sqrt(1 + (c/F)^2)",
         "h",
         "N",

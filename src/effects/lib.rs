@@ -5,7 +5,8 @@
 //!
 //! 1. **inputs**: gauge pressure and length as they were read become those of the actuator ([`Place::Input`]);
 //! 2. **frame**: the length yields to the force, F = A(P, l - s(F)), solved together with the force ([`Place::Frame`]);
-//! 3. **actuator**: the base model times what changes the actuator itself ([`Place::Actuator`]);
+//! 3. **actuator**: the base model times what changes the actuator itself ([`Place::Actuator`]), less what its braid loses in friction
+//!    ([`Place::Braid`]): the frame carries what is left;
 //! 4. **sensor**: what the load cell shows of the force ([`Place::Sensor`]).
 //!
 //! Each effect has *forms*: equations of one physical idea that differ in shape (a constant or a proportional hysteresis). A form has
@@ -45,6 +46,8 @@ pub enum Place {
     Frame,
     /// On the actuator's force.
     Actuator,
+    /// On what the braid passes on of it.
+    Braid,
     /// On what the sensor shows.
     Sensor,
 }

@@ -13,7 +13,7 @@ pub struct RateDependence;
 
 const FORMS: &[Form] = &[Form {
     name: "linear",
-    place: Place::Sensor,
+    place: Place::Braid,
     equation: "F -> F - L(c), c = r dP/dt; L(c) = c where the actuator pulls, else c/sqrt(1 + (c/F)^2)",
     amplitude: Parameter {
         name: "r",

@@ -209,6 +209,25 @@ fn a_yielding_frame_balances_as_two_springs_in_series() {
     );
 }
 
+/// What the braid loses in friction is no load of the frame: F = (a P + k (l - l_rest) - h)/(1 + k C).
+#[test]
+fn a_yielding_frame_carries_what_friction_leaves() {
+    let at = Conditions {
+        pulls: true,
+        ..somewhere()
+    };
+    let c = 8.0;
+    let softer = 1.0 + STIFFNESS * c * 1e-6;
+    let of = |form: usize| {
+        let friction = applied("hysteresis", form, 4.0, f64::NAN);
+        let frame = applied("series_compliance", 0, c, f64::NAN);
+        shown::<f64>(&[friction, frame], &at)
+    };
+    assert!((of(0) - 96.0 / softer).abs() < 1e-9, "{}", of(0));
+    // What also shows where the actuator is slack is no friction of its braid.
+    assert!((of(1) - (100.0 / softer - 4.0)).abs() < 1e-9, "{}", of(1));
+}
+
 #[test]
 fn operators_do_what_their_equations_say() {
     let at = somewhere();
@@ -299,7 +318,11 @@ fn the_order_of_the_list_does_not_matter() {
     let zero = applied("force_zero_offset", 0, 5.0, f64::NAN);
     let length = applied("length_offset", 0, 1.0, f64::NAN);
     let expected = 120.0 * 1.1 + 5.0;
-    for list in [[gain, length, zero], [length, gain, zero]] {
+    for list in [
+        [gain, length, zero],
+        [length, gain, zero],
+        [zero, length, gain],
+    ] {
         assert!((shown(&list, &at) - expected).abs() < 1e-9);
     }
 }

@@ -21,6 +21,7 @@ fn place(place: Place) -> &'static str {
         Place::Input => "input",
         Place::Frame => "frame",
         Place::Actuator => "actuator",
+        Place::Braid => "braid",
         Place::Sensor => "sensor",
     }
 }

@@ -5,7 +5,7 @@ use pipeline::findings::CampaignFindings;
 use serde_json::Value;
 
 /// What the table does not judge, beside free forms.
-const NOT_JUDGED: [&str; 12] = [
+const NOT_JUDGED: [&str; 13] = [
     "reference_level",
     "of_level",
     "smallest_p",
@@ -15,6 +15,7 @@ const NOT_JUDGED: [&str; 12] = [
     "found_in_folds",
     "by_specimen",
     "next_measurement",
+    "not_measurable",
     "alternatives",
     "explained_as_well_by",
     "black_box_rmse_heldout",

@@ -6,6 +6,7 @@ use crate::library::{Scope, Term};
 use crate::problem::ForceProblem;
 use crate::{answer, unseen};
 use pipeline_inference::fit::Setting;
+use pipeline_inference::problem::Point;
 use pipeline_inference::search::Found;
 
 /// The law with and without its dependence on the resting length, each alone and with a frame that yields, or with a constant length that its ends take
@@ -33,6 +34,7 @@ pub(crate) fn alternatives(
     let ends = of_all(&is_of_ends);
     let parts = [None, Some(frame)].into_iter().chain(ends.map(Some));
     let mut list = Vec::new();
+    let mut fits: Vec<(bool, Option<usize>, Point)> = Vec::new();
     for part in parts {
         for law in [false, true] {
             let setting = if law { setting } else { &without };
@@ -45,17 +47,33 @@ pub(crate) fn alternatives(
             if !law {
                 from.coefficients[base::LENGTH_LAW] = short.coefficients[base::LENGTH_LAW].start;
             }
-            if let Some(term) = part {
-                from.terms.push((term, problem.library[term].start(1.0)));
-            }
-            let fit = setting.fit(&from, std::slice::from_ref(&found.model.variances));
+            // What a model with fewer parts came to is a start of one with more: parts that act alike have optima of their own.
+            let is_simpler = |(l, p, _): &&(bool, Option<usize>, Point)| {
+                *l <= law && (p.is_none() || *p == part)
+            };
+            let mut starts = vec![(None, from)];
+            let simpler = fits.iter().filter(is_simpler);
+            starts.extend(simpler.map(|(_, p, point)| (*p, point.clone())));
+            let with_part = |(p, mut point): (Option<usize>, Point)| {
+                let missing = part.filter(|_| p.is_none());
+                let term = missing.map(|t| (t, problem.library[t].start(1.0)));
+                point.terms.extend(term);
+                point
+            };
+            let starts: Vec<Point> = starts.into_iter().map(with_part).collect();
+            let known = &found.model.variances;
+            let variances = [known.clone(), setting.widened(known)];
+            let Some(fit) = setting.best(&starts, &variances) else {
+                continue;
+            };
             list.push(answer::alternative(
                 &fit,
                 law,
                 part,
-                problem,
+                (setting, problem),
                 unseen::of_model(setting, if law { problem } else { &other }, &fit),
             ));
+            fits.push((law, part, fit.point));
         }
     }
     let first = list.first().map_or(0.0, |a| a.log_likelihood);

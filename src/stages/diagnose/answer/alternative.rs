@@ -4,20 +4,24 @@ use crate::base::LENGTH_LAW;
 use crate::problem::ForceProblem;
 use pipeline_findings::{Alternative, Parameter};
 use pipeline_inference::decisions;
-use pipeline_inference::fit::{Fitted, Free};
+use pipeline_inference::fit::{Fitted, Free, Setting};
 
-/// The law with or without its dependence on the resting length, and with or without another part, a term.
+/// The law with or without its dependence on the resting length, and with or without another part, a term. Intervals are 1.96 standard errors to
+/// either side, within the bounds.
 pub fn alternative(
     fit: &Fitted,
     length_law: bool,
     part: Option<usize>,
-    problem: &ForceProblem,
+    (setting, problem): (&Setting, &ForceProblem),
     held_out: Option<(f64, f64)>,
 ) -> Alternative {
-    let covariance = fit.covariance(&fit.variances);
-    let number = |name: &str, unit: &str, value: f64, place: Option<usize>| {
+    let covariance = fit.covariance(&fit.predictive(setting));
+    let number = |name: &str, unit: &str, value: f64, place: Option<usize>, (low, high)| {
         let error = place.map(|p| covariance.at(p, p).max(0.0).sqrt());
-        let end = |sign: f64| error.map(|e| value + sign * decisions::NORMAL_95 * e);
+        let end = |sign: f64| {
+            let end = |e: f64| value + sign * decisions::NORMAL_95 * e;
+            error.map(|e| end(e).clamp(low, high))
+        };
         Parameter {
             name: name.to_owned(),
             value,
@@ -41,13 +45,15 @@ pub fn alternative(
             &c.unit,
             fit.point.coefficients[LENGTH_LAW],
             place,
+            c.bounds,
         ));
     }
     if let Some(term) = part {
         parts.extend(problem.library[term].id().map(str::to_owned));
         if let (Some(form), Some(values)) = (problem.library[term].form(), fit.values(term)) {
             let a = form.amplitude;
-            numbers.push(number(a.name, a.unit, values[0], fit.place(term, 0)));
+            let place = fit.place(term, 0);
+            numbers.push(number(a.name, a.unit, values[0], place, a.bounds));
         }
     }
     Alternative {

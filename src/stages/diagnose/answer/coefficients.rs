@@ -9,7 +9,8 @@ impl Work<'_> {
     /// Coefficients of the law without and with the effects.
     pub fn coefficients(&self) -> Vec<CoefficientChange> {
         let model = &self.found.model;
-        let covariance = model.covariance(&model.variances);
+        // A handful of specimens often has the likelihood's maximum where they do not differ: no coefficient is that sure.
+        let covariance = model.covariance(&model.predictive(self.setting));
         let published = new::NewPublished.coefficients(self.diameter_mm);
         let list = self.base.coefficients.iter().enumerate();
         list.filter(|(_, c)| c.free)
