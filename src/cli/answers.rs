@@ -186,7 +186,7 @@ mod tests {
         for size in ["11.0 kPa", "21.0 kPa", "31.0 kPa", "41.0 kPa"] {
             assert!(text("found").contains(size), "{size}: {}", text("found"));
         }
-        assert!(text("error").contains("uncertainty gets worse"));
+        assert!(text("error").contains("intervals become less reliable"));
     }
 
     #[test]

@@ -32,10 +32,42 @@ pub enum Need {
 }
 
 impl Need {
+    /// All.
+    pub const ALL: [Need; 11] = [
+        Need::Direction,
+        Need::LaterFillings,
+        Need::LogTime,
+        Need::CampaignTime,
+        Need::SinceStep,
+        Need::Rate,
+        Need::Temperature,
+        Need::Cycles,
+        Need::RestLengths,
+        Need::LengthLaw,
+        Need::Zeros,
+    ];
+
+    /// Name in files.
+    pub fn id(self) -> &'static str {
+        match self {
+            Need::Direction => "direction",
+            Need::LaterFillings => "later_fillings",
+            Need::LogTime => "log_time",
+            Need::CampaignTime => "campaign_time",
+            Need::SinceStep => "since_step",
+            Need::Rate => "pressure_rate",
+            Need::Temperature => "temperature",
+            Need::Cycles => "cycles",
+            Need::RestLengths => "rest_lengths",
+            Need::LengthLaw => "length_law",
+            Need::Zeros => "zeros",
+        }
+    }
+
     /// What a campaign lacks without it.
     pub fn text(self) -> &'static str {
         match self {
-            Need::Direction => "the direction of the pressure (filling and venting)",
+            Need::Direction => "readings both while filling and while venting",
             Need::LaterFillings => "a second filling at one set length",
             Need::LogTime => "the time within a log",
             Need::CampaignTime => "the order of the sessions in time (dates)",

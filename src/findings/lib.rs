@@ -621,7 +621,8 @@ pub struct ColumnLimit {
 pub enum WhyNot {
     /// The coefficients of the law, or accepted effects, take all of its sensitivity (`by`).
     Absorbed,
-    /// A quantity that it needs was not recorded (`by`).
+    /// A quantity that it needs was not recorded, or is the same in all readings (`by`: `direction`, `later_fillings`, `log_time`, `campaign_time`,
+    /// `since_step`, `pressure_rate`, `temperature`, `cycles`, `rest_lengths`, `zeros`; of a joint a column).
     NoColumn,
     /// Its smallest detectable amplitude lies beyond what is physically possible.
     Bound,
@@ -670,7 +671,7 @@ pub enum NextKind {
 pub struct NextMeasurement {
     /// What for.
     pub kind: NextKind,
-    /// Ids of the effects that it separates; or the quantity that it makes known ("set_length", "contracted_length").
+    /// Ids of the effects that it separates; or the sources of error that it makes known: "set_length", or "specimen_lengths" with "contracted_length".
     pub separates: Vec<String>,
     /// The conditions: quantity with its unit -> value ("pressure_kpa": 450, "sd_mm": 0.2, "specimens": 4; "direction": 1 while filling, -1 while venting).
     pub at: BTreeMap<String, f64>,
@@ -740,7 +741,7 @@ pub struct Residuals {
     pub unseen: Vec<f64>,
     /// Predicted without effects.
     pub predicted: Vec<f64>,
-    /// The columns that were tested, by name, one value a reading.
+    /// The columns that were tested, and of a joint the knee angle before them, by name, one value a reading.
     pub columns: Vec<(String, Vec<f64>)>,
     /// Log file of each reading, within its session.
     #[serde(default)]

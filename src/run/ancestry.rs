@@ -198,6 +198,12 @@ impl Ancestry {
                     .is_some_and(|n| n.ends_with(".csv") || n.ends_with(".svg"))
             });
         }
+        let is_table =
+            |(_, n): &(usize, Option<String>)| n.as_ref().is_some_and(|n| n.contains("/tables/"));
+        if found.len() > 1 && found.iter().filter(|f| is_table(f)).count() == 1 {
+            // A figure's data may have the name of a table.
+            found.retain(is_table);
+        }
         if found.is_empty() {
             found.extend(self.unit_called(artifact).map(|k| (k, None)));
         }

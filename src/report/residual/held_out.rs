@@ -215,7 +215,7 @@ pub(super) fn alternatives_sentence(found: &CampaignFindings) -> String {
             format!("With {} alone", parts(chosen))
         };
         format!(
-            "{with}, the law fits as well as with {}: the log-likelihoods are within {}",
+            "{with}, the law fits as well as with {} (log-likelihoods within {})",
             listed(&others),
             rounded(ALIKE, Rounding::Decimals(0))
         )
@@ -225,7 +225,7 @@ pub(super) fn alternatives_sentence(found: &CampaignFindings) -> String {
         .find(|a| !is_close(a) && a.parts.len() <= chosen.parts.len());
     if let Some(next) = next {
         sentence += &format!(
-            "; it is {} above that with {}",
+            "; the log-likelihood is {} above that with {}",
             gain(chosen.log_likelihood - next.log_likelihood),
             parts(next)
         );
@@ -245,6 +245,9 @@ pub(super) fn alternatives_sentence(found: &CampaignFindings) -> String {
 /// Where another alternative than the chosen one has the lowest error on unseen units: which, and the errors of both.
 fn lowest_error(found: &CampaignFindings, chosen: &Alternative) -> String {
     let known = found.alternatives.iter();
+    // A part without a size has nothing to do with the error of its row.
+    let has_size = |p: &Parameter| p.ci_low.is_some() || p.ci_high.is_some();
+    let known = known.filter(|a| a.numbers.iter().all(has_size));
     let known = known.filter_map(|a| Some((a, a.rmse_heldout?)));
     let lowest = known.min_by(|a, b| a.1.total_cmp(&b.1));
     let (Some((other, error_there)), Some(here)) = (lowest, chosen.rmse_heldout) else {

@@ -133,14 +133,14 @@ pub(super) fn beside(found: &CampaignFindings) -> &'static str {
     }
 }
 
-/// Why not, and the effect; what was not recorded stands behind the effect, so that all of these are one reason.
+/// Why not, and the effect; what the readings lack stands behind the effect, so that all of these are one reason.
 fn reason(found: &CampaignFindings, one: &NotMeasurable) -> (String, String) {
     let form = one.form.as_deref().unwrap_or_default();
     let effect = name::effect_with_form(&one.id, form);
     match (one.reason, &one.by) {
         (WhyNot::NoColumn, Some(by)) => (
-            name::NOT_RECORDED.to_owned(),
-            format!("{} ({})", name::effect(&one.id), name::column(by)),
+            "the readings lack what stands behind each in brackets".to_owned(),
+            format!("{} ({})", name::effect(&one.id), name::quantity(by)),
         ),
         _ => (name::why_not(found, one), effect),
     }
@@ -154,7 +154,7 @@ pub(super) fn next(found: &CampaignFindings) -> Vec<[String; 2]> {
         let credible = n.kind == NextKind::Separate || is_credible(n);
         let worth = match worth_words(n) {
             Some(words) if credible => format!(" {words}{}", assumed(found, n)),
-            Some(_) => ": by how much it would lower the error cannot be said, as the errors that came out are others than those expected"
+            Some(_) => ": its worth is not stated, because the observed errors differ from the expected ones"
                 .to_owned(),
             None => String::new(),
         };

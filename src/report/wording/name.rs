@@ -3,6 +3,7 @@
 use pipeline_clean::zero::ZeroSource;
 use pipeline_compare::NEW;
 use pipeline_effects as effects;
+use pipeline_effects::Need;
 use pipeline_findings::{
     ActsOn, CampaignFindings, EffectFinding, ErrorKind, HeldOutBy, Level, NotAssessed,
     NotMeasurable, Verdict, WhyNot,
@@ -318,8 +319,11 @@ fn column_or_quantity(quantity: &str) -> String {
     }
 }
 
-/// Why a campaign cannot show effects whose quantity nobody recorded.
-pub const NOT_RECORDED: &str = "a quantity that it needs was not recorded";
+/// What a campaign would need to show an effect.
+pub fn quantity(by: &str) -> String {
+    let need = Need::ALL.iter().find(|need| need.id() == by);
+    need.map_or_else(|| column(by), |need| need.text().to_owned())
+}
 
 /// Why a campaign cannot show an effect.
 pub fn why_not(found: &CampaignFindings, none: &NotMeasurable) -> String {
@@ -340,8 +344,8 @@ pub fn why_not_of_law(none: &NotMeasurable) -> String {
         }
         (WhyNot::Absorbed, Some(by)) => format!("absorbed by {by}"),
         (WhyNot::Absorbed, None) => "absorbed by the fitted coefficients".to_owned(),
-        (WhyNot::NoColumn, Some(by)) => format!("{} was not recorded", column(by)),
-        (WhyNot::NoColumn, None) => NOT_RECORDED.to_owned(),
+        (WhyNot::NoColumn, Some(by)) => format!("the readings lack {}", quantity(by)),
+        (WhyNot::NoColumn, None) => "a quantity that it needs was not recorded".to_owned(),
         (WhyNot::Bound, _) => {
             "only sizes beyond what is physically possible would be detected".to_owned()
         }

@@ -51,21 +51,18 @@ fn an_error_that_rises_and_a_density_that_falls_are_said_in_plain_words() {
     found.after.log_density_heldout = Some(-4.5);
     assert_eq!(
         said(&found),
-        "the mixed model's error on unseen specimens falls from 18.7 to 15.8 N, but the uncertainty stated with the predictions gets worse (log \
+        "the mixed model's error on unseen specimens falls from 18.7 to 15.8 N, but the prediction intervals become less reliable (log \
          predictive density per reading \u{2212}4.31 before, \u{2212}4.50 after)"
     );
     found.after.rmse_heldout = Some(25.0);
     assert_eq!(
         said(&found),
-        "the mixed model's error on unseen specimens rises with the effects, from 18.7 to 25.0 N, and the uncertainty stated with the predictions \
-         gets worse too (log predictive density per reading \u{2212}4.31 before, \u{2212}4.50 after): the effects describe these specimens and do \
+        "the mixed model's error on unseen specimens rises with the effects, from 18.7 to 25.0 N, and the prediction intervals \
+         become less reliable too (log predictive density per reading \u{2212}4.31 before, \u{2212}4.50 after): the effects describe these specimens and do \
          not help on others"
     );
     found.after.log_density_heldout = Some(-4.0);
-    assert!(
-        said(&found)
-            .contains("25.0 N, but the uncertainty stated with the predictions gets better")
-    );
+    assert!(said(&found).contains("25.0 N, but the prediction intervals become more reliable"));
     found.after.rmse_heldout_calibrated = Some(9.0);
     found.before.rmse_heldout_calibrated = Some(5.0);
     assert!(said(&found).ends_with("; where gain and lengths are known, the error is larger with the effects: 9.0 against 5.0 N"));
@@ -428,7 +425,7 @@ fn a_free_form_says_whether_one_number_is_enough_and_over_what_range() {
     };
     assert_eq!(
         said(&effect).unwrap(),
-        "One value is enough for its size over the force range in which it acts, from 0.00 to 50.0 N (p = 0.40)."
+        "One value is enough for its size over the force range in which it acts, from 0 to 50 N (p = 0.40)."
     );
     let free = effect.free_form.as_mut().unwrap();
     (free.p, free.differs) = (0.01, true);
@@ -913,11 +910,11 @@ fn few_units_left_in_a_search_are_named_beside_an_expected_error_that_is_far_off
     for (specimens, words) in [
         (
             2,
-            "(10.0 N observed; each search without one specimen rests on one other): ",
+            "(10.0 N observed; each search without one specimen uses only one other): ",
         ),
         (
             3,
-            "(10.0 N observed; each search without one specimen rests on two others): ",
+            "(10.0 N observed; each search without one specimen uses only two others): ",
         ),
         (4, "(10.0 N observed): "),
     ] {

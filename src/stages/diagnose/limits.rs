@@ -1,6 +1,7 @@
 //! What this campaign could have shown: the smallest detectable amplitude of every effect and dependence on every column, effects that it cannot
 //! show, and pairs with nearly one sensitivity.
 
+use super::base::LENGTH_LAW;
 use super::data::Data;
 use super::library::{Scope, Term, What};
 use super::problem::ForceProblem;
@@ -8,7 +9,7 @@ use pipeline_effects as effects;
 use pipeline_effects::Need;
 use pipeline_findings::{Alias, ColumnLimit, DetectionLimit, NotMeasurable, WhyNot};
 use pipeline_inference::decisions::{IDENTIFIABLE, PARALLEL};
-use pipeline_inference::fit::{Fitted, Setting};
+use pipeline_inference::fit::{Fitted, Free, Setting};
 use pipeline_inference::power::{Power, strength, wanted};
 use pipeline_inference::problem::{Direction, Problem};
 use pipeline_inference::screen::Screen;
@@ -56,14 +57,15 @@ pub fn limits(setting: &Setting, problem: &ForceProblem, model: &Fitted, critica
     let screen = Screen::of(setting, model, all);
     let sizes = settled(setting, problem, model, critical, &screen);
     let mut smallest: Vec<DetectionLimit> = Vec::new();
-    let mut not_measurable = missing(problem.data);
+    let mut not_measurable = missing(problem);
     for effect in 0..effects::all().len() {
         match of_effect(effect, problem, model, &sizes) {
             Shown::From(limits) => smallest.extend(limits),
             Shown::Not(reason) => not_measurable.push(NotMeasurable {
                 id: effects::all()[effect].id().to_owned(),
                 reason,
-                by: None,
+                by: absorbing(problem, model, &screen, effect)
+                    .filter(|_| reason == WhyNot::Absorbed),
                 form: None,
             }),
             Shown::NotAsked => {}
@@ -279,8 +281,46 @@ fn of_columns(problem: &ForceProblem, model: &Fitted, sizes: &Sizes) -> Vec<Colu
     columns_beside(problem, model).filter_map(limit).collect()
 }
 
-/// Effects that lack a quantity.
-fn missing(data: &Data) -> Vec<NotMeasurable> {
+/// What absorbs an effect: the coefficient or effect whose whitened sensitivity is nearly its own; none where it takes several of them.
+fn absorbing(
+    problem: &ForceProblem,
+    model: &Fitted,
+    screen: &Screen,
+    effect: usize,
+) -> Option<String> {
+    let is_its =
+        |t: usize| matches!(problem.library[t].what, What::Effect { effect: k, .. } if k == effect);
+    let mut directions = screen.directions.iter();
+    let direction = directions.find(|d| is_its(d.term))?;
+    let own = &direction.columns[0];
+    let fixed = &model.design.x;
+    let with_own = |x: &Vec<f64>| x.iter().zip(own).map(|(x, d)| x + d).collect();
+    let mut columns = vec![own.clone()];
+    columns.extend(fixed.iter().cloned());
+    columns.extend(fixed.iter().map(with_own));
+    let panel = Panel::new(&model.design, &model.gram, &columns);
+    let factor = Factor::new(&model.design.tree, &model.gram, &model.variances);
+    let squares = factor.project(&panel).unprojected;
+    let cosine = |k: usize| {
+        let product = 0.5 * (squares[1 + fixed.len() + k] - squares[0] - squares[1 + k]);
+        (product / (squares[0] * squares[1 + k]).sqrt()).abs()
+    };
+    let places = (0..fixed.len()).map(|k| (k, cosine(k)));
+    let (k, _) = places
+        .filter(|(_, cosine)| *cosine >= PARALLEL)
+        .max_by(|a, b| a.1.total_cmp(&b.1))?;
+    match model.free[k] {
+        Free::Coefficient(c) => Some(problem.base.coefficients[c].name.clone()),
+        Free::Value(t, _) => problem.library[model.point.terms[t].0]
+            .id()
+            .map(str::to_owned),
+    }
+}
+
+/// Effects that lack a quantity, and the one that a fitted law has itself.
+fn missing(problem: &ForceProblem) -> Vec<NotMeasurable> {
+    let data: &Data = problem.data;
+    let of_law = || Some(problem.base.coefficients[LENGTH_LAW].name.clone());
     let lacks = |e: &&dyn effects::Effect| {
         let needs = e.forms().iter().map(|f| f.needs);
         let mut lacking = needs.map(|n| n.iter().find(|n| data.missing.contains_key(n)));
@@ -301,7 +341,11 @@ fn missing(data: &Data) -> Vec<NotMeasurable> {
                 } else {
                     WhyNot::NoColumn
                 },
-                by: (!is_of_base).then(|| need.text().to_owned()),
+                by: if is_of_base {
+                    of_law()
+                } else {
+                    Some(need.id().to_owned())
+                },
                 form: None,
             }
         })

@@ -44,7 +44,7 @@ fn fall(budget: &[BudgetEntry], less: f64) -> f64 {
     total.sqrt() - (total - less).max(0.0).sqrt()
 }
 
-/// Set or contracted lengths known better, and as many specimens again.
+/// Set lengths known better, or both free lengths of the specimens, and as many specimens again.
 fn by_budget(
     problem: &ForceProblem,
     variances: &Variances,
@@ -64,18 +64,25 @@ fn by_budget(
         worth: Some(fall(budget, less)),
         unit: "N".to_owned(),
     };
-    let known_better = |source: &str, sd: f64| {
-        let known = settings::CALIPER_MM / sd.max(settings::CALIPER_MM);
-        let less = of(source) * (1.0 - known * known);
+    let known_better = |sources: &[(&str, f64)]| {
+        let less_of = |(source, sd): &(&str, f64)| {
+            let known = settings::CALIPER_MM / sd.max(settings::CALIPER_MM);
+            of(source) * (1.0 - known * known)
+        };
+        let less = sources.iter().map(less_of).sum();
+        let names = sources.iter().map(|(source, _)| (*source).to_owned());
         let at = ("sd_mm", settings::CALIPER_MM);
-        entry(NextKind::Precision, vec![source.to_owned()], at, less)
+        entry(NextKind::Precision, names.collect(), at, less)
     };
     vec![
-        known_better(unseen::SET_LENGTH, set_length_sd_mm(problem, variances)),
-        known_better(
-            unseen::CONTRACTED_LENGTH,
-            contracted_length_sd_mm(problem, variances),
-        ),
+        known_better(&[(unseen::SET_LENGTH, set_length_sd_mm(problem, variances))]),
+        known_better(&[
+            (unseen::SPECIMEN_LENGTHS, free_lengths_sd_mm(problem)),
+            (
+                unseen::CONTRACTED_LENGTH,
+                contracted_length_sd_mm(problem, variances),
+            ),
+        ]),
         entry(
             NextKind::Specimens,
             Vec::new(),
@@ -107,6 +114,15 @@ fn contracted_length_sd_mm(problem: &ForceProblem, variances: &Variances) -> f64
     let noted = all.filter(|(k, _)| !data.contracted_is_declared(*k));
     let lengths_mm: Vec<f64> = noted.map(|(_, mm)| mm).collect();
     variances.components[component::CONTRACTION] * rms(&lengths_mm)
+}
+
+/// Root mean square of the standard deviations with which resting and contracted lengths were noted, mm.
+fn free_lengths_sd_mm(problem: &ForceProblem) -> f64 {
+    let specimens = 0..problem.data.specimens.len();
+    let all: Vec<f64> = specimens
+        .flat_map(|k| problem.specimen_lengths_sd_mm(k))
+        .collect();
+    rms(&all)
 }
 
 /// One reading for each set point of each specimen that was searched and pulls.

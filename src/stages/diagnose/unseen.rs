@@ -13,8 +13,10 @@ use rayon::prelude::*;
 
 /// The source of the budget that a better length gauge lowers.
 pub const SET_LENGTH: &str = "set_length";
-/// The source of the budget that a better measurement of the specimens' contracted lengths lowers.
+/// The source of the budget that is what contracted lengths scatter by beside their rounding.
 pub const CONTRACTED_LENGTH: &str = "contracted_length";
+/// The source of the budget that is the rounding of both free lengths of the specimens.
+pub const SPECIMEN_LENGTHS: &str = "specimen_lengths";
 /// Most folds: with more specimens, groups of them are held out together.
 const MOST_FOLDS: usize = 8;
 
@@ -238,7 +240,7 @@ fn source(component: usize) -> Option<&'static str> {
         component::GAIN => Some("specimen_gain"),
         component::SET_LENGTH | component::DECLARED_LENGTH => Some(SET_LENGTH),
         component::ZERO => Some("force_zero"),
-        component::REST_LENGTH | component::CONTRACTED_LENGTH => Some("specimen_lengths"),
+        component::REST_LENGTH | component::CONTRACTED_LENGTH => Some(SPECIMEN_LENGTHS),
         component::CONTRACTION => Some(CONTRACTED_LENGTH),
         component::SESSION_MISFIT => Some("session_misfit"),
         component::STROKE_MISFIT => Some("stroke_misfit"),

@@ -27,7 +27,7 @@ const DOT_MM: [f64; 2] = [0.6, 1.0];
 /// Up to so many readings are few.
 const FEW: usize = 250;
 /// Columns that are shown where nothing was more telling.
-const PLAIN: [&str; 3] = ["force_n", "pressure_kpa", "contraction_rel"];
+const PLAIN: [&str; 4] = ["force_n", "pressure_kpa", "contraction_rel", "angle_deg"];
 /// Up to so many specimens have a colour each.
 const COLOURS: [Ink; 6] = [
     Ink::Blue,
@@ -220,6 +220,7 @@ pub fn factor(column: &str) -> f64 {
 pub fn label(column: &str) -> String {
     let label = match column {
         "pressure_kpa" | "pressure" => "Pressure (kPa)",
+        "angle_deg" => "Knee angle (°)",
         "order" => "Place in the test (first 0, last 1)",
         "contraction_rel" => "ε* (–)",
         "contraction" => "ε (–)",

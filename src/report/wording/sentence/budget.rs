@@ -9,8 +9,9 @@ use pipeline_findings::{BudgetEntry, CampaignFindings, HeldOutBy, Scatter};
 /// A source that makes less than this share of the expected variance is summed up with others; noise is always named.
 const NAMED_SHARE: f64 = 0.02;
 
-/// Sources that the answer on a page and on the terminal names, beside noise; the table has all.
-const SOURCES_NAMED: usize = 3;
+/// Sources that the answer on a page and on the terminal names, beside noise: the fewest, and the most where what is left of the others is larger than
+/// each of those named; the table has all.
+const SOURCES_NAMED: (usize, usize) = (3, 5);
 
 /// Units from which the scatter that is stated is near those of the searches without one, which the expected error is of.
 const FEWEST_FOR_SCATTER: usize = 3;
@@ -27,15 +28,24 @@ fn named_sources(found: &CampaignFindings) -> (Vec<&BudgetEntry>, f64) {
     let mut order: Vec<&BudgetEntry> = found.budget.iter().collect();
     order.sort_by(|a, b| b.variance.total_cmp(&a.variance));
     let is_noise = |b: &BudgetEntry| b.source == "noise";
-    let large = order
-        .iter()
-        .filter(|b| !is_noise(b) && b.variance >= NAMED_SHARE * total);
-    let mut named: Vec<&BudgetEntry> = large.take(SOURCES_NAMED).copied().collect();
-    let left: f64 = order
-        .iter()
-        .filter(|b| !is_noise(b) && !named.iter().any(|n| n.source == b.source))
-        .map(|b| b.variance)
-        .sum();
+    let others: Vec<&BudgetEntry> = order.iter().filter(|b| !is_noise(b)).copied().collect();
+    let mut named: Vec<&BudgetEntry> = Vec::new();
+    let left_beside = |named: &[&BudgetEntry]| -> f64 {
+        let is_left = |b: &&&BudgetEntry| named.iter().all(|n| n.source != b.source);
+        others.iter().filter(is_left).map(|b| b.variance).sum()
+    };
+    let mut left = left_beside(&named);
+    for &entry in &others {
+        let is_told = named
+            .first()
+            .is_some_and(|largest| left <= largest.variance);
+        let is_enough = named.len() >= SOURCES_NAMED.0 && is_told;
+        if is_enough || named.len() == SOURCES_NAMED.1 || entry.variance < NAMED_SHARE * total {
+            break;
+        }
+        named.push(entry);
+        left = left_beside(&named);
+    }
     named.extend(order.iter().filter(|b| is_noise(b)));
     (named, left.max(0.0).sqrt())
 }
@@ -107,7 +117,7 @@ pub(super) fn points(found: &CampaignFindings) -> Option<String> {
     (!named.is_empty()).then(|| format!("{total} expected{came_out}: {}", parts.join(", ")))
 }
 
-/// ` (78.5 N observed; each search without one specimen rests on one other)`, where that is far from what was expected.
+/// ` (78.5 N observed; each search without one specimen uses only one other)`, where that is far from what was expected.
 pub(super) fn came_out(found: &CampaignFindings) -> String {
     let expected = found.expected_rmse_heldout;
     let (Some(expected), Some(came_out)) = (expected, found.rmse_of_answer()) else {
@@ -121,7 +131,7 @@ pub(super) fn came_out(found: &CampaignFindings) -> String {
     let rests = few_left(found).map_or_else(String::new, |left| {
         let others = if left == 1 { "other" } else { "others" };
         let left = count(left);
-        format!("; each search without one {unit} rests on {left} {others}")
+        format!("; each search without one {unit} uses only {left} {others}")
     });
     let came_out = error_with_unit(came_out, &found.unit);
     format!(" ({came_out} observed{rests})")

@@ -151,26 +151,26 @@ fn densities(found: &CampaignFindings, error: Change) -> String {
     );
     match (error, density) {
         (Change::Better, Change::Worse) => {
-            format!(", but the uncertainty stated with the predictions gets worse {numbers}")
+            format!(", but the prediction intervals become less reliable {numbers}")
         }
         (Change::Alike | Change::Worse, Change::Worse) => format!(
-            ", and the uncertainty stated with the predictions gets worse too {numbers}{}",
+            ", and the prediction intervals become less reliable too {numbers}{}",
             these_only(found)
         ),
         (Change::Alike | Change::Worse, Change::Better) => {
-            format!(", but the uncertainty stated with the predictions gets better {numbers}")
+            format!(", but the prediction intervals become more reliable {numbers}")
         }
         _ => String::new(),
     }
 }
 
-/// What follows where neither the error nor its stated uncertainty gets better.
+/// What follows where neither the error falls nor the predictive density rises.
 fn these_only(found: &CampaignFindings) -> String {
     let units = nouns(found).units;
     format!(": the effects describe these {units} and do not help on others")
 }
 
-/// `the mixed model's error on unseen actuators falls from 8.09 to 3.02 N m (larger on 1 of the 4 actuators), but its stated uncertainty gets worse`.
+/// `the mixed model's error on unseen actuators falls from 8.09 to 3.02 N m (larger on 1 of the 4 actuators), but its prediction intervals become less reliable`.
 pub(super) fn errors_in_short(found: &CampaignFindings) -> Option<String> {
     let Some((before, after, change)) = error_change(found) else {
         return errors(found);
@@ -186,7 +186,7 @@ pub(super) fn errors_in_short(found: &CampaignFindings) -> Option<String> {
     let sizes = match change {
         Change::Better if worse => {
             format!(
-                "the mixed model's error on {on} falls from {from} to {to}{on_some}, but its stated uncertainty gets worse"
+                "the mixed model's error on {on} falls from {from} to {to}{on_some}, but its prediction intervals become less reliable"
             )
         }
         Change::Better => {
@@ -194,14 +194,14 @@ pub(super) fn errors_in_short(found: &CampaignFindings) -> Option<String> {
         }
         Change::Alike if worse => {
             format!(
-                "the mixed model's error on {on} hardly changes ({from} to {to}), its stated uncertainty gets worse{}",
+                "the mixed model's error on {on} hardly changes ({from} to {to}), and its prediction intervals become less reliable{}",
                 these_only(found)
             )
         }
         Change::Alike => format!("the mixed model's error on {on} hardly changes ({from} to {to})"),
         Change::Worse if worse => {
             format!(
-                "the mixed model's error on {on} rises from {from} to {to}, its stated uncertainty gets worse{}",
+                "the mixed model's error on {on} rises from {from} to {to}, and its prediction intervals become less reliable{}",
                 these_only(found)
             )
         }
@@ -210,7 +210,7 @@ pub(super) fn errors_in_short(found: &CampaignFindings) -> Option<String> {
     Some(sizes + &with_own_values(found) + &beside_black_box(found, REACHES))
 }
 
-/// `error on unseen specimens 18.7 → 15.8 N (larger on 1 of the 5 specimens), the stated uncertainty gets worse`.
+/// `error on unseen specimens 18.7 → 15.8 N (larger on 1 of the 5 specimens), prediction intervals become less reliable`.
 pub(super) fn errors_in_numbers(found: &CampaignFindings) -> Option<String> {
     let on = name::held_out(found);
     let Some((before, after, change)) = error_change(found) else {
@@ -228,7 +228,7 @@ pub(super) fn errors_in_numbers(found: &CampaignFindings) -> Option<String> {
     };
     let worse = density_change(found).is_some_and(|(.., change)| change == Change::Worse);
     let density = if worse {
-        ", the stated uncertainty gets worse"
+        ", prediction intervals become less reliable"
     } else {
         ""
     };
@@ -266,7 +266,7 @@ pub(super) fn points(found: &CampaignFindings) -> Option<String> {
         .map(|s| format!("{s} after three readings"));
     let forms: Vec<String> = [unseen, after, known].into_iter().flatten().collect();
     let worse = if worse {
-        "; stated uncertainty worse"
+        "; prediction intervals less reliable"
     } else {
         ""
     };

@@ -26,7 +26,8 @@ enum Evidence {
     Weak,
     /// Neither.
     Moderate,
-    /// A small p, found again in every search without one unit, and of one size everywhere, with the sign that its source expects.
+    /// A small p, found again in every search without one unit, and of a size with the sign that its source expects, which neither differs between
+    /// units nor varies by more than itself.
     Strong,
 }
 
@@ -130,7 +131,7 @@ fn in_words(found: &CampaignFindings, reason: Reason, of_searches: &str) -> Opti
 pub fn grades() -> String {
     let number = |x: f64, decimals| rounded(x, Rounding::Decimals(decimals));
     format!(
-        "Evidence is strong where p ≤ {} and every search without one specimen (actuator) finds the effect again, with one size everywhere and the sign that its source expects; weak where p > {}, fewer than {} \
+        "Evidence is strong where p ≤ {} and every search without one specimen (actuator) finds the effect again, and its size has the sign that its source expects, varies by less than itself and is no other for some of them; weak where p > {}, fewer than {} \
          of these searches find it, a shuffled column does as well or all tests are doubtful, else moderate. Specimens (actuators) differ where their own estimates do by more \
          than their standard errors allow (Cochran's Q).",
         number(CLEAR, 3),

@@ -86,14 +86,15 @@ fn between_ends(effect: &EffectFinding, free: &FreeForm) -> String {
         let at = with_unit(&rounded(point.at, Rounding::Digits(2)), &free.unit);
         format!("{} at {at}", plain(point.amplitude, &size.unit))
     };
-    let between =
-        beyond(&free.curve).map_or(String::new(), |point| format!(" through {}", end(point)));
+    let between = beyond(&free.curve, size.value)
+        .map_or(String::new(), |point| format!(" through {}", end(point)));
     let (first, last) = (end(first), end(last));
     format!(", from {first}{between} to {last}, everything else refitted")
 }
 
-/// The point of a curve that lies furthest beyond the sizes at both ends; none where none does by more than a tenth of the curve's range.
-fn beyond(curve: &[FormPoint]) -> Option<&FormPoint> {
+/// The point of a curve that lies furthest beyond the sizes at both ends; none where none does by more than a tenth of the curve's range and the one
+/// size lies between those at the ends.
+fn beyond(curve: &[FormPoint], one_size: f64) -> Option<&FormPoint> {
     let (first, last) = (curve.first()?.amplitude, curve.last()?.amplitude);
     let outside = |x: f64| (first.min(last) - x).max(x - first.max(last));
     let sizes = || curve.iter().map(|p| p.amplitude);
@@ -101,7 +102,12 @@ fn beyond(curve: &[FormPoint]) -> Option<&FormPoint> {
     let furthest = curve
         .iter()
         .max_by(|a, b| outside(a.amplitude).total_cmp(&outside(b.amplitude)))?;
-    (outside(furthest.amplitude) > NARROW * range).then_some(furthest)
+    let least = if outside(one_size) > 0.0 {
+        0.0
+    } else {
+        NARROW * range
+    };
+    (outside(furthest.amplitude) > least).then_some(furthest)
 }
 
 /// The range of the argument over which the size of an effect was looked at.
@@ -116,7 +122,7 @@ fn is_narrow((low, high): (f64, f64)) -> bool {
 }
 
 fn range_words((low, high): (f64, f64), unit: &str) -> String {
-    let rounding = Rounding::Digits(3);
+    let rounding = Rounding::ByInterval { low, high };
     let high = with_unit(&rounded(high, rounding), unit);
     format!("from {} to {high}", rounded(low, rounding))
 }

@@ -134,8 +134,14 @@ pub fn measurement(next: &NextMeasurement, nouns: &Nouns) -> String {
     let number = |key: &str| next.at.get(key).copied();
     match next.kind {
         NextKind::Precision => {
-            let what: Vec<String> = next.separates.iter().map(|s| name::source(s)).collect();
-            format!("knowing {} to {}", listed(&what), conditions(next))
+            let is_of_specimens = next.separates.iter().any(|s| s == "specimen_lengths");
+            let what = if is_of_specimens {
+                "resting and contracted lengths".to_owned()
+            } else {
+                let what: Vec<String> = next.separates.iter().map(|s| name::source(s)).collect();
+                listed(&what)
+            };
+            format!("knowing {what} to {}", conditions(next))
         }
         NextKind::Specimens => match number("specimens") {
             Some(1.0) => format!("one more {}", nouns.unit),

@@ -310,10 +310,16 @@ impl Work<'_> {
         let named = |of: &dyn Fn(usize) -> usize, names: &[&str]| -> Vec<String> {
             rows.iter().map(|r| names[of(*r)].to_owned()).collect()
         };
+        let angle = |r: &usize| data.readings[*r].at.angle_rad.to_degrees();
+        let angles = ("angle_deg".to_owned(), rows.iter().map(angle).collect());
         let columns = data
             .columns
             .iter()
             .filter(|c| c.name != super::data::PLACEBO);
+        let columns = columns.map(|c| {
+            let values = rows.iter().map(|r| c.middle + c.sd * c.values[*r]);
+            (c.name.clone(), values.collect())
+        });
         Residuals {
             session: named(&|r| data.readings[r].test, &data.tests),
             specimen: named(&|r| data.readings[r].actuator, &data.actuators),
@@ -323,12 +329,7 @@ impl Work<'_> {
             unseen_before: self.torques().map(|i| self.held.left[0][i]).collect(),
             unseen: self.torques().map(|i| self.held.left[1][i]).collect(),
             predicted: without,
-            columns: columns
-                .map(|c| {
-                    let values = rows.iter().map(|r| c.middle + c.sd * c.values[*r]);
-                    (c.name.clone(), values.collect())
-                })
-                .collect(),
+            columns: [angles].into_iter().chain(columns).collect(),
             log: rows
                 .iter()
                 .map(|r| data.readings[*r].source.0.to_owned())
