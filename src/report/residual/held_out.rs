@@ -195,8 +195,15 @@ pub(super) fn alternatives_sentence(found: &CampaignFindings) -> String {
     let least: Vec<&Alternative> = close.iter().filter(simplest).copied().collect();
     let [chosen] = least[..] else {
         let all: Vec<String> = least.iter().map(|a| parts(a)).collect();
+        let error_of = |a: &Alternative| a.rmse_heldout.unwrap_or(f64::INFINITY);
+        let mut by_error = least;
+        by_error.sort_by(|a, b| error_of(a).total_cmp(&error_of(b)));
+        let errors = match by_error[..] {
+            [lowest, next, ..] => lower_error(found, lowest, next),
+            _ => String::new(),
+        };
         return format!(
-            "{} fit equally well, with log-likelihoods within {}: these readings cannot decide between them.",
+            "{} fit equally well (log-likelihoods within {}): these readings cannot decide between them by their likelihood{errors}.",
             name::capitalised(&listed(&all)),
             rounded(ALIKE, Rounding::Decimals(0))
         );
@@ -239,28 +246,36 @@ pub(super) fn alternatives_sentence(found: &CampaignFindings) -> String {
             );
         }
     }
-    sentence + &lowest_error(found, chosen) + "."
+    let lowest = lowest_error(found, chosen, next.copied());
+    sentence + &lowest + "."
 }
 
-/// Where another alternative than the chosen one has the lowest error on unseen units: which, and the errors of both.
-fn lowest_error(found: &CampaignFindings, chosen: &Alternative) -> String {
+/// Where another alternative than the chosen one has the lowest error on unseen units: which, and the errors of both; empty if these were told of it
+/// already.
+fn lowest_error(found: &CampaignFindings, chosen: &Alternative, told: Option<&Alternative>) -> String {
     let known = found.alternatives.iter();
     // A part without a size has nothing to do with the error of its row.
     let has_size = |p: &Parameter| p.ci_low.is_some() || p.ci_high.is_some();
     let known = known.filter(|a| a.numbers.iter().all(has_size));
     let known = known.filter_map(|a| Some((a, a.rmse_heldout?)));
     let lowest = known.min_by(|a, b| a.1.total_cmp(&b.1));
-    let (Some((other, error_there)), Some(here)) = (lowest, chosen.rmse_heldout) else {
+    let lowest = lowest.filter(|(other, _)| told.is_none_or(|told| told.parts != other.parts));
+    lowest.map_or_else(String::new, |(other, _)| lower_error(found, other, chosen))
+}
+
+/// Which of two alternatives has the lower error on unseen units, and the errors of both; empty where they are not known, or alike.
+fn lower_error(found: &CampaignFindings, lower: &Alternative, other: &Alternative) -> String {
+    let (Some(there), Some(here)) = (lower.rmse_heldout, other.rmse_heldout) else {
         return String::new();
     };
-    if error_there > MUCH_LOWER * here {
+    if there > MUCH_LOWER * here {
         return String::new();
     }
     format!(
         "; the error on {} is lowest with {}, {} against {}",
         name::held_out(found),
-        parts(other),
-        error(error_there, &found.unit),
+        parts(lower),
+        error(there, &found.unit),
         error_with_unit(here, &found.unit)
     )
 }
