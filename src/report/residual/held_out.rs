@@ -252,7 +252,11 @@ pub(super) fn alternatives_sentence(found: &CampaignFindings) -> String {
 
 /// Where another alternative than the chosen one has the lowest error on unseen units: which, and the errors of both; empty if these were told of it
 /// already.
-fn lowest_error(found: &CampaignFindings, chosen: &Alternative, told: Option<&Alternative>) -> String {
+fn lowest_error(
+    found: &CampaignFindings,
+    chosen: &Alternative,
+    told: Option<&Alternative>,
+) -> String {
     let known = found.alternatives.iter();
     // A part without a size has nothing to do with the error of its row.
     let has_size = |p: &Parameter| p.ci_low.is_some() || p.ci_high.is_some();
