@@ -356,3 +356,14 @@ fn arguments_are_known_where_their_form_is_and_scales_turn_back() {
         }
     }
 }
+
+/// What a form needs has a name in files, by which pages find its words.
+#[test]
+fn every_need_of_a_form_is_in_the_list_of_all_under_a_name_of_its_own() {
+    let forms = all().iter().flat_map(|e| e.forms());
+    let needs: BTreeSet<Need> = forms.flat_map(|f| f.needs.iter().copied()).collect();
+    let listed = BTreeSet::from(Need::ALL);
+    assert!(needs.is_subset(&listed), "{needs:?}");
+    let names: BTreeSet<&str> = Need::ALL.iter().map(|n| n.id()).collect();
+    assert_eq!(names.len(), Need::ALL.len());
+}

@@ -240,7 +240,7 @@ mod long {
 
     /// What the readings of the laboratory's rig show, in the simulator's own equations.
     #[test]
-    #[ignore = "long: 26 s of processor time"]
+    #[ignore = "long: 47 s of processor time"]
     fn friction_of_a_sliding_braid_and_a_first_filling_are_found_together() {
         let mut effects = put("hysteresis", "sliding", 8.0, 0.0);
         effects.extend(put("conditioning", "first_filling", 9.0, 0.0));
@@ -251,7 +251,7 @@ mod long {
     }
 
     #[test]
-    #[ignore = "long: 10 s of processor time"]
+    #[ignore = "long: 25 s of processor time"]
     fn what_the_library_does_not_know_is_unexplained_and_names_its_column() {
         let (found, _) = searched(214, put("humidity", "gain", 0.01, 0.0));
         assert_eq!(found.verdict, Verdict::Unexplained, "{:?}", names(&found));
@@ -259,7 +259,7 @@ mod long {
     }
 
     #[test]
-    #[ignore = "long: 30 s of processor time"]
+    #[ignore = "long: 58 s of processor time"]
     fn a_dependence_on_a_column_is_found_beyond_its_limit_and_not_far_below() {
         let (nothing, made) = searched(219, Vec::new());
         let of_humidity = |l: &&ColumnLimit| l.column == "humidity" && l.shape == "gain";
@@ -275,7 +275,7 @@ mod long {
     }
 
     #[test]
-    #[ignore = "long: 10 s of processor time"]
+    #[ignore = "long: 19 s of processor time"]
     fn a_threshold_is_found_or_its_alias_and_both_are_named() {
         let (found, _) = searched(213, put("bladder_threshold", "sharp", 55.0, 0.0));
         assert!(has(&found, "bladder_threshold"), "{:?}", names(&found));
@@ -283,7 +283,7 @@ mod long {
     }
 
     #[test]
-    #[ignore = "long: 120 s of processor time"]
+    #[ignore = "long: 71 s of processor time"]
     fn the_dependence_on_resting_length_is_the_strongest_candidate_beside_a_model_of_other_strength()
      {
         // Hunt's actuators were weaker by a third: a gain of all forces shows more. Whether the dependence comes in is another question: `not_reached`.
@@ -317,7 +317,7 @@ mod long {
 
     /// Two sessions show a large threshold most. Beside the law alone they look mistaken, and without them it hardly shows.
     #[test]
-    #[ignore = "long: 14 s of processor time"]
+    #[ignore = "long: 28 s of processor time"]
     fn what_an_effect_of_all_sessions_explains_is_no_mistake_of_two() {
         let settings = Settings {
             effects: put("bladder_threshold", "sharp", 150.0, 0.0),

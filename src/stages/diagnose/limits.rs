@@ -64,8 +64,9 @@ pub fn limits(setting: &Setting, problem: &ForceProblem, model: &Fitted, critica
             Shown::Not(reason) => not_measurable.push(NotMeasurable {
                 id: effects::all()[effect].id().to_owned(),
                 reason,
-                by: absorbing(problem, model, &screen, effect)
-                    .filter(|_| reason == WhyNot::Absorbed),
+                by: (reason == WhyNot::Absorbed)
+                    .then(|| absorbing(problem, model, &screen, effect))
+                    .flatten(),
                 form: None,
             }),
             Shown::NotAsked => {}
