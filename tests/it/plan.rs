@@ -1,6 +1,6 @@
 //! `plan`: what it foresees of a small campaign, and what it says of mistakes in a plan.
 
-use crate::support::Bench;
+use crate::support::{Bench, searched};
 use pipeline::plan::design;
 use serde_json::Value;
 
@@ -66,10 +66,9 @@ mod long {
     use super::*;
     use pipeline::base::row::Row;
     use pipeline::base::session::Phase;
-    use pipeline::config::{DiagnoseOptions, FitOptions};
+    use pipeline::config::DiagnoseOptions;
     use pipeline::plan::{design, draw, foresee};
-    use pipeline::stages::diagnose::diagnose;
-    use pipeline::stages::fit::Group;
+    use pipeline::stages::diagnose::{decision, draws, unseen};
     use rayon::prelude::*;
 
     #[test]
@@ -127,36 +126,28 @@ mod long {
     ];
 
     #[test]
-    #[ignore = "takes minutes: 98 campaigns are searched"]
+    #[ignore = "long: 400 s of processor time"]
     fn planned_campaigns_show_what_was_foreseen_at_its_limit() {
         let example = design::read("example", design::EXAMPLE).unwrap();
         let plan = design::Plan { runs: 1, ..example };
         let foreseen = foresee::foresee(&plan, &|_, _| {}).unwrap();
-        let group = Group {
-            campaign: draw::CAMPAIGN.to_owned(),
-            diameter_mm: 10,
-            members: vec![draw::CAMPAIGN.to_owned()],
-            simulated: true,
-        };
-        let search = |seed: u64, put: Put, size: f64| {
-            let mut rows = draw::rows(&plan, seed);
-            rows.iter_mut().for_each(|r| put(r, size));
-            let options = DiagnoseOptions::default();
-            diagnose(&group, &rows, &FitOptions::default(), &options)
-                .unwrap()
-                .findings
+        // A limit is of the search and an error of its folds, to which nothing else of a diagnosis adds.
+        let options = DiagnoseOptions::default();
+        let normal = draws("draw", options.seed);
+        let number_and_error = |seed: &u64| {
+            let rows = draw::rows(&plan, *seed);
+            let rows: Vec<&Row> = rows.iter().collect();
+            searched(plan.diameter_mm, &rows, |problem, setting, found| {
+                let decision = decision(&options);
+                let nameless = |_| String::new();
+                let held = unseen::held_out(setting, problem, found, decision, &normal, nameless);
+                (found.accepted.len(), held.after.rmse_heldout.unwrap())
+            })
         };
         let seeds: Vec<u64> = SEEDS.collect();
-        let plain: Vec<(usize, f64)> = seeds
-            .par_iter()
-            .map(|seed| {
-                let found = search(*seed, |_, _| {}, 0.0);
-                let error = found.after.rmse_heldout.unwrap();
-                (found.effects.len() + found.unexplained.len(), error * error)
-            })
-            .collect();
+        let plain: Vec<(usize, f64)> = seeds.par_iter().map(number_and_error).collect();
         let answered = plain.iter().filter(|(n, _)| *n > 0).count();
-        let realised = (plain.iter().map(|(_, s)| s).sum::<f64>() / plain.len() as f64).sqrt();
+        let realised = (plain.iter().map(|(_, e)| e * e).sum::<f64>() / plain.len() as f64).sqrt();
         let expected = foreseen.expected_rmse_n.unwrap();
         println!(
             "nothing in them: {answered} of {} answered; error {realised:.1} N, expected {expected:.1} N",
@@ -174,12 +165,16 @@ mod long {
                 .iter()
                 .find(|l| l.id == id && l.form == form)
                 .unwrap();
-            let shown = |size: f64| {
-                let has =
-                    |seed: &&u64| search(**seed, put, size).effects.iter().any(|e| e.id == id);
-                seeds.par_iter().filter(has).count()
+            let shows = |seed: &&u64| {
+                let mut rows = draw::rows(&plan, **seed);
+                rows.iter_mut().for_each(|r| put(r, limit.smallest));
+                let rows: Vec<&Row> = rows.iter().collect();
+                searched(plan.diameter_mm, &rows, |problem, _, found| {
+                    let mut terms = found.accepted.iter().map(|a| &problem.library[a.term]);
+                    terms.any(|t| t.id() == Some(id))
+                })
             };
-            let at = shown(limit.smallest);
+            let at = seeds.par_iter().filter(shows).count();
             println!(
                 "{id}, {form}: {} {}: {at} of {}",
                 limit.smallest,

@@ -6,6 +6,7 @@ use pipeline::predict::interval::Interval;
 use pipeline::simulate::{self, Truth};
 use pipeline::stages::diagnose::mixed_law::{MixedLaw, Muscle, Whose};
 use pipeline::stages::fit::Group;
+use rayon::prelude::*;
 
 const TRUTH: &str = r#"
 schema = "bpa-truth/1"
@@ -47,12 +48,12 @@ fn law_of(rows: &[Row]) -> MixedLaw {
 /// Of 100, how many readings of unseen specimens lie inside their interval, and how many of those above 20 N; over so many campaigns of
 /// specimens of these lengths. A reading below zero counts as zero: an actuator does not push.
 fn coverage(lengths_mm: &[f64], unseen_mm: &[f64], campaigns: u64) -> (f64, f64) {
-    let (mut seen, mut unseen) = (truth("l", lengths_mm), truth("n", unseen_mm));
-    let (mut all, mut pulling) = ([0_usize; 2], [0_usize; 2]);
-    for seed in 0..campaigns {
+    let count = |seed: u64| {
+        let (mut seen, mut unseen) = (truth("l", lengths_mm), truth("n", unseen_mm));
         (seen.seed, unseen.seed) = (seed, seed);
         let law = law_of(&simulate::campaign_rows(&seen).rows);
         let muscle = Muscle::unread(&law);
+        let (mut all, mut pulling) = ([0_usize; 2], [0_usize; 2]);
         for row in simulate::campaign_rows(&unseen).rows {
             let state = [
                 row.rest_length_m,
@@ -68,9 +69,14 @@ fn coverage(lengths_mm: &[f64], unseen_mm: &[f64], campaigns: u64) -> (f64, f64)
                 pulling = [pulling[0] + inside, pulling[1] + 1];
             }
         }
-    }
-    let share = |[inside, of]: [usize; 2]| 100.0 * inside as f64 / of as f64;
-    (share(all), share(pulling))
+        [all, pulling]
+    };
+    let counts: Vec<_> = (0..campaigns).into_par_iter().map(count).collect();
+    let share = |which: usize| {
+        let sum = |k: usize| counts.iter().map(|c| c[which][k]).sum::<usize>() as f64;
+        100.0 * sum(0) / sum(1)
+    };
+    (share(0), share(1))
 }
 
 /// Minutes: run by `.ci/run`.
@@ -81,7 +87,7 @@ mod long {
     /// four specimens can hardly tell: the interval counts what noted ones may be off by. Below 20 N a reading is mostly noise, cut at zero, and lies
     /// inside more often. Readings of one specimen share its gain, so that the 400 specimens of a line tell its share to about one or two percent.
     #[test]
-    #[ignore = "long: 20 s of processor time"]
+    #[ignore = "long: 280 s of processor time"]
     fn about_95_of_100_forces_of_unseen_specimens_lie_inside() {
         let unseen = [90.0, 100.0, 150.0, 210.0, 270.0, 340.0, 400.0, 440.0];
         for lengths in [

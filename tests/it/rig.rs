@@ -7,6 +7,7 @@ use pipeline::base::row::{self, Row};
 use pipeline::numerics::distributions::student_t_quantile;
 use pipeline::stages::diagnose::mixed_law::{MixedLaw, Muscle};
 use pipeline::stages::fit::{GroupFit, is_fitted};
+use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -343,7 +344,7 @@ fn measured(root: &Path, campaign: &str) -> Measured {
         (searched_law(group, &others), sessions)
     };
     Measured {
-        actuators: names.iter().map(of).collect(),
+        actuators: names.par_iter().map(of).collect(),
     }
 }
 

@@ -3,11 +3,12 @@
 use pipeline::base::row::Row;
 use pipeline::config::{DiagnoseOptions, FitOptions};
 use pipeline::inference::fit::Setting;
-use pipeline::inference::search::Search;
+use pipeline::inference::search::{Found, Search};
 use pipeline::simulate;
 use pipeline::stages::diagnose::base::Base;
 use pipeline::stages::diagnose::data::Data;
 use pipeline::stages::diagnose::mixed_law::MixedLaw;
+use pipeline::stages::diagnose::problem::ForceProblem;
 use pipeline::stages::diagnose::{Declared, decision, draws, library, suited};
 use pipeline::stages::fit::Group;
 use std::collections::{BTreeMap, BTreeSet};
@@ -324,15 +325,21 @@ pub fn rig_run() -> Arc<RigRun> {
     })
 }
 
-/// The law of the mixed model that a search of some readings ends with; nothing is set aside, and nothing else is asked of it.
+/// The law of the mixed model that a search of some readings ends with.
 pub fn searched_law(group: &Group, rows: &[&Row]) -> MixedLaw {
+    searched(group.diameter_mm, rows, |problem, setting, found| {
+        MixedLaw::of(group, problem, setting, &found.model, &[], None).unwrap()
+    })
+}
+
+/// What follows from a search of some readings; nothing is set aside, and nothing is asked of it but this.
+pub fn searched<T>(
+    diameter_mm: u32,
+    rows: &[&Row],
+    asked: impl FnOnce(&ForceProblem, &Setting, &Found) -> T,
+) -> T {
     let lengths: BTreeSet<u64> = rows.iter().map(|r| r.rest_length_m.to_bits()).collect();
-    let base = Base::new(
-        group.diameter_mm,
-        true,
-        lengths.len(),
-        &FitOptions::default(),
-    );
+    let base = Base::new(diameter_mm, true, lengths.len(), &FitOptions::default());
     let options = DiagnoseOptions::default();
     let data = Data::new(rows)
         .beside(&base)
@@ -347,5 +354,5 @@ pub fn searched_law(group: &Group, rows: &[&Row]) -> MixedLaw {
         tried: None,
     };
     let found = search.run(null, &draws("draw", options.seed), None);
-    MixedLaw::of(group, &problem, &setting, &found.model, &[], None).unwrap()
+    asked(&problem, &setting, &found)
 }
