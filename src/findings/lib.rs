@@ -703,6 +703,9 @@ pub struct CoefficientChange {
     pub before_at_bound: bool,
 }
 
+/// The part of [`Alternative`] that is the law's own dependence on the resting length.
+pub const LENGTH_LAW: &str = "length_law";
+
 /// The law with or without one of its parts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Alternative {
@@ -710,7 +713,8 @@ pub struct Alternative {
     pub parts: Vec<String>,
     /// Fitted coefficients and amplitudes.
     pub parameters: usize,
-    /// Marginal log-likelihood less that of the first entry.
+    /// Marginal log-likelihood less that of the first entry, of the readings alone: what is published of the dependence on the resting length counts for
+    /// nothing.
     pub log_likelihood: f64,
     /// Held-out error with these parts fixed, random effects 0.
     pub rmse_heldout: Option<f64>,

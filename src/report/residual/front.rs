@@ -2,6 +2,7 @@
 
 use super::Simpler;
 use crate::number::Rounding;
+use crate::wording::CLEARLY_LOWER;
 use crate::wording::name::{self, nouns};
 use crate::wording::number::{
     NONE, error, error_or_none, error_with_unit, percent, probability, rounded, unit,
@@ -92,9 +93,6 @@ pub(super) fn answer(found: &CampaignFindings) -> Said {
     sentence::full_answer(found).into()
 }
 
-/// Something simpler is named if its error is below this share of the model's.
-pub(super) const CLEARLY: f64 = 0.98;
-
 /// For the first page.
 #[derive(Serialize)]
 pub(super) struct Brief {
@@ -107,7 +105,7 @@ pub(super) struct Brief {
 pub(super) fn in_brief(found: &CampaignFindings, simpler: Option<Simpler>) -> Brief {
     let points = sentence::points(found);
     let own = found.rmse_of_answer();
-    let better = simpler.filter(|s| own.is_some_and(|own| s.error < CLEARLY * own));
+    let better = simpler.filter(|s| own.is_some_and(|own| s.error < CLEARLY_LOWER * own));
     let beside = |(about, words): (&'static str, String)| match better {
         Some(s) if about == sentence::ERROR => {
             let error = error_with_unit(s.error, &found.unit);

@@ -2,19 +2,17 @@
 
 use super::MOST_ROWS;
 use crate::number::Rounding;
-use crate::wording::ALIKE;
 use crate::wording::name::{self, listed, nouns};
 use crate::wording::number::{
     NONE, error, error_or_none, error_with_unit, gain, percent_or_none, rounded, size,
     unit as unit_name,
 };
 use crate::wording::sentence::black_box_beats;
+use crate::wording::{ALIKE, CLEARLY_LOWER};
 use pipeline_findings::{
     Alternative, CampaignFindings, CoefficientChange, EffectFinding, Parameter, UnitErrors,
 };
 
-/// An error on unseen units that is at most this share of another is lower.
-const MUCH_LOWER: f64 = 0.98;
 /// Most effects that are named of a unit; `residual_errors.csv` has all.
 const MOST_NAMED: usize = 2;
 /// Normal quantile of a 95% interval.
@@ -272,7 +270,7 @@ fn lower_error(found: &CampaignFindings, lower: &Alternative, other: &Alternativ
     let (Some(there), Some(here)) = (lower.rmse_heldout, other.rmse_heldout) else {
         return String::new();
     };
-    if there > MUCH_LOWER * here {
+    if there >= CLEARLY_LOWER * here {
         return String::new();
     }
     format!(

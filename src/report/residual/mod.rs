@@ -23,10 +23,10 @@ use crate::input::{GroupInput, ReportInput};
 use crate::knee;
 use crate::pages::{PageData, Picture};
 use crate::typeset::Pdf;
-use crate::wording::COMES_IN;
 use crate::wording::name;
 use crate::wording::number::unit;
 use crate::wording::sentence::implausible;
+use crate::wording::{CLEARLY_LOWER, COMES_IN};
 use pipeline_base::error::Result;
 use pipeline_compare::NEW;
 use pipeline_findings::CampaignFindings;
@@ -176,7 +176,7 @@ fn law_alone(group: &GroupInput) -> Option<f64> {
 pub(crate) fn better_law_alone(group: &GroupInput) -> Option<f64> {
     let found = &group.diagnosis.as_ref()?.findings;
     let own = found.rmse_of_answer()?;
-    law_alone(group).filter(|error| *error < front::CLEARLY * own)
+    law_alone(group).filter(|error| *error < CLEARLY_LOWER * own)
 }
 
 fn entries<'a>(input: &'a ReportInput, figures: &'a Figures) -> Vec<Entry<'a>> {

@@ -16,3 +16,6 @@ pub mod sentence;
 pub(crate) mod tests;
 
 pub use pipeline_inference::decisions::{ALIKE, COMES_IN, LEVEL as SIGNIFICANT};
+
+/// An error is lower than another, and not by chance of the last digit, if it is below this share of it.
+pub const CLEARLY_LOWER: f64 = 0.98;

@@ -5,7 +5,7 @@ use pipeline_compare::NEW;
 use pipeline_effects as effects;
 use pipeline_effects::Need;
 use pipeline_findings::{
-    ActsOn, CampaignFindings, EffectFinding, ErrorKind, HeldOutBy, Level, NotAssessed,
+    ActsOn, CampaignFindings, EffectFinding, ErrorKind, HeldOutBy, LENGTH_LAW, Level, NotAssessed,
     NotMeasurable, Verdict, WhyNot,
 };
 use pipeline_fit::engine::CoefficientState;
@@ -13,7 +13,7 @@ use pipeline_predict::law::LEAST_SQUARES;
 
 /// What stands among effects and is none of the library.
 const CALLED: [(&str, &str); 2] = [
-    ("length_law", "dependence on the resting length"),
+    (LENGTH_LAW, "dependence on the resting length"),
     ("placebo", "shuffled column"),
 ];
 

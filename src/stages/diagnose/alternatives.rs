@@ -10,19 +10,22 @@ use pipeline_inference::problem::Point;
 use pipeline_inference::search::Found;
 
 /// The law with and without its dependence on the resting length, each alone and with a frame that yields, or with a constant length that its ends take
-/// (`length_offset`). Effects that were found are in all of them but for these two.
+/// (`length_offset`). Effects that were found are in all of them but for these two. What is published of the dependence counts for nothing here.
 pub(crate) fn alternatives(
     problem: &ForceProblem,
     setting: &Setting,
     found: &Found,
     base: &Base,
 ) -> Vec<pipeline_findings::Alternative> {
-    let Some(short) = base.without_length_law() else {
+    let Some(bases) = base.with_and_without_length_law() else {
         return Vec::new();
     };
-    let other = problem.with_base(&short);
-    let mut without = Setting::new(&other);
-    without.active.clone_from(&setting.active);
+    let [with, without] = &bases;
+    let problems = [problem.with_base(without), problem.with_base(with)];
+    let settings = [0, 1].map(|k| Setting {
+        active: setting.active.clone(),
+        ..Setting::new(&problems[k])
+    });
     let of_all = |is: &dyn Fn(&Term) -> bool| {
         let all = problem.library.iter();
         all.clone().position(|t| t.scope == Scope::All && is(t))
@@ -37,7 +40,7 @@ pub(crate) fn alternatives(
     let mut fits: Vec<(bool, Option<usize>, Point)> = Vec::new();
     for part in parts {
         for law in [false, true] {
-            let setting = if law { setting } else { &without };
+            let (problem, setting) = (&problems[usize::from(law)], &settings[usize::from(law)]);
             let mut from = found.model.point.clone();
             from.terms.retain(|(t, _)| {
                 let term = &problem.library[*t];
@@ -45,7 +48,7 @@ pub(crate) fn alternatives(
                 !term.is_frame() && !stands_for_ends
             });
             if !law {
-                from.coefficients[base::LENGTH_LAW] = short.coefficients[base::LENGTH_LAW].start;
+                from.coefficients[base::LENGTH_LAW] = without.coefficients[base::LENGTH_LAW].start;
             }
             // What a model with fewer parts came to is a start of one with more: parts that act alike have optima of their own.
             let is_simpler = |(l, p, _): &&(bool, Option<usize>, Point)| {
@@ -71,7 +74,7 @@ pub(crate) fn alternatives(
                 law,
                 part,
                 (setting, problem),
-                unseen::of_model(setting, if law { problem } else { &other }, &fit),
+                unseen::of_model(setting, problem, &fit),
             ));
             fits.push((law, part, fit.point));
         }

@@ -215,23 +215,33 @@ impl Base {
         self.coefficients.iter().map(|c| c.start).collect()
     }
 
-    /// The same model without its dependence on the resting length, if it has one that is fitted.
-    pub fn without_length_law(&self) -> Option<Self> {
-        let Equation::New { cap_length_m } = self.equation else {
-            return None;
-        };
-        let mut coefficients = self.coefficients.clone();
-        if !coefficients[LENGTH_LAW].free {
-            return None;
-        }
-        coefficients[LENGTH_LAW].free = false;
-        coefficients[LENGTH_LAW].start = NO_LENGTH_LAW;
-        Some(Self {
-            id: self.id.clone(),
-            coefficients,
-            equation: Equation::New { cap_length_m },
-            shape: self.shape,
+    /// The same model with and without its dependence on the resting length, of which nothing is known beforehand in either, so that readings alone tell
+    /// them apart: what is published of it may have been measured on the rig in question. None of a model in which it is not fitted.
+    pub fn with_and_without_length_law(&self) -> Option<[Self; 2]> {
+        let cap_length_m = self.cap_length_m()?;
+        self.fits_length_law().then(|| {
+            let of = |free: bool| {
+                let mut coefficients = self.coefficients.clone();
+                let c = &mut coefficients[LENGTH_LAW];
+                c.known = None;
+                c.free = free;
+                if !free {
+                    c.start = NO_LENGTH_LAW;
+                }
+                Self {
+                    id: self.id.clone(),
+                    coefficients,
+                    equation: Equation::New { cap_length_m },
+                    shape: self.shape,
+                }
+            };
+            [of(true), of(false)]
         })
+    }
+
+    /// Whether it has a dependence on the resting length that is fitted.
+    pub fn fits_length_law(&self) -> bool {
+        self.cap_length_m().is_some() && self.coefficients[LENGTH_LAW].free
     }
 }
 

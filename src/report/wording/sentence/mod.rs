@@ -8,6 +8,7 @@ mod found;
 mod next;
 mod points;
 mod recording;
+mod undecided;
 
 use crate::number::Rounding;
 use crate::wording::name::capitalised;

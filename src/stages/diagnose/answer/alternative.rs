@@ -34,7 +34,7 @@ pub fn alternative(
     let mut parts = Vec::new();
     let mut numbers = Vec::new();
     if length_law {
-        parts.push("length_law".to_owned());
+        parts.push(pipeline_findings::LENGTH_LAW.to_owned());
         let c = &problem.base.coefficients[LENGTH_LAW];
         let place = fit
             .free

@@ -252,7 +252,7 @@ impl Data {
 
     /// The same beside a base law: what it fits itself is no effect.
     pub fn beside(mut self, base: &Base) -> Self {
-        if base.without_length_law().is_some() {
+        if base.fits_length_law() {
             let need = Need::LengthLaw;
             self.missing
                 .insert(need, format!("the search lacks {}", need.text()));

@@ -23,8 +23,7 @@ pub(super) struct Known {
 }
 
 impl Known {
-    /// Of the coefficients of a law. What is not fitted counts as well: a law without its dependence on the length is as far from what is known as that
-    /// is from none, and likelihoods with and without it compare.
+    /// Of the coefficients of a law.
     pub(super) fn of(base: &Base) -> Vec<Self> {
         let all = base.coefficients.iter().enumerate();
         let known = all.filter_map(|(place, c)| {

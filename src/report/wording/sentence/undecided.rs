@@ -1,0 +1,99 @@
+//! What fits as well in the place of a part of the law.
+
+use crate::wording::number::{error, error_with_unit, size};
+use crate::wording::{ALIKE, CLEARLY_LOWER, name};
+use pipeline_effects as effects;
+use pipeline_findings::{Alternative, CampaignFindings, LENGTH_LAW, Parameter};
+
+/// `a frame that yields (C = 14 um/N) instead of the law's dependence on the resting length fits as well and has 12.1 instead of 14.6 N on unseen
+/// specimens; to tell: ...`, where exactly one other part does as well in the place of the dependence and predicts unseen units clearly better.
+pub(super) fn undecided(found: &CampaignFindings) -> Option<String> {
+    let only = |a: &&Alternative, id: &str| a.parts == [id];
+    let law = found.alternatives.iter().find(|a| only(a, LENGTH_LAW))?;
+    let of_law = law.rmse_heldout?;
+    let is_better = |a: &&Alternative| {
+        let error = a.rmse_heldout.unwrap_or(f64::INFINITY);
+        a.log_likelihood > law.log_likelihood - ALIKE && error < CLEARLY_LOWER * of_law
+    };
+    let has_size = |p: &Parameter| p.ci_low.is_some() || p.ci_high.is_some();
+    let better = found.alternatives.iter().filter(is_better);
+    let better = better.filter(|a| a.numbers.iter().all(has_size));
+    let mut of_one = better.filter_map(|a| match &a.parts[..] {
+        [part] => Some((a, part)),
+        _ => None,
+    });
+    // Of two nobody knows which to look for.
+    let (Some((other, part)), None) = (of_one.next(), of_one.next()) else {
+        return None;
+    };
+    let sizes: Vec<String> = other.numbers.iter().map(size).collect();
+    let measurement = effects::index(part).map(|e| effects::all()[e].measurement());
+    let tell = measurement.map_or_else(String::new, |m| format!("; to tell which: {m}"));
+    Some(format!(
+        "{} ({}) in place of the law's {} fits the readings as well, with {} instead of {} on {}{tell}",
+        name::part(part),
+        sizes.join(", "),
+        name::part(LENGTH_LAW),
+        error(other.rmse_heldout?, &found.unit),
+        error_with_unit(of_law, &found.unit),
+        name::held_out(found),
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wording::tests::example;
+
+    fn alternative(parts: &[&str], log_likelihood: f64, error: f64) -> Alternative {
+        Alternative {
+            parts: parts.iter().map(|p| (*p).to_owned()).collect(),
+            parameters: 0,
+            log_likelihood,
+            rmse_heldout: Some(error),
+            log_density_heldout: None,
+            numbers: vec![Parameter {
+                name: "C".to_owned(),
+                value: 14.2,
+                ci_low: Some(11.6),
+                ci_high: Some(16.8),
+                unit: "um/N".to_owned(),
+                of_level: None,
+            }],
+        }
+    }
+
+    fn said(frame: Alternative, offset: Alternative) -> Option<String> {
+        let mut found = example();
+        found.alternatives = vec![
+            alternative(&[], 0.0, 26.0),
+            alternative(&[LENGTH_LAW], 13.0, 14.6),
+            frame,
+            alternative(&[LENGTH_LAW, "series_compliance"], 14.0, 12.0),
+            offset,
+        ];
+        undecided(&found)
+    }
+
+    #[test]
+    fn what_does_as_well_in_the_place_of_the_length_law_is_said_if_it_predicts_better() {
+        let frame = |gain: f64, error: f64| alternative(&["series_compliance"], gain, error);
+        let offset = |gain: f64| alternative(&["length_offset"], gain, 12.0);
+        let words = said(frame(11.1, 12.1), offset(1.0)).unwrap();
+        let words = words.replace('\u{a0}', " ");
+        for part in [
+            "(C = 14.2 [11.6, 16.8] µm/N) in place of the law's dependence on the resting length fits",
+            "with 12.1 instead of 14.6 N on unseen specimens",
+            "; to tell which: put a dial gauge",
+        ] {
+            assert!(words.contains(part), "{words}");
+        }
+        // One that fits worse, does no better, or is not the only one.
+        assert_eq!(said(frame(10.9, 12.1), offset(1.0)), None);
+        assert_eq!(said(frame(14.0, 14.5), offset(1.0)), None);
+        assert_eq!(said(frame(14.0, 12.1), offset(12.0)), None);
+        let mut unbounded = frame(14.0, 12.1);
+        (unbounded.numbers[0].ci_low, unbounded.numbers[0].ci_high) = (None, None);
+        assert_eq!(said(unbounded, offset(1.0)), None);
+    }
+}
