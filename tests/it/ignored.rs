@@ -33,8 +33,11 @@ fn a_test_is_ignored_if_its_module_says_why_and_only_then() {
 #[test]
 fn every_kind_of_ignored_tests_is_run_by_ci_but_what_is_not_reached() {
     let ci = include_str!("../../.ci/run");
-    for kind in RUN {
-        assert!(ci.contains(&format!("ignored {kind}::\n")), "{kind}");
+    let lines = ci.lines().map(str::trim_start);
+    let run: Vec<&str> = lines.filter(|l| l.starts_with("ignored ")).collect();
+    for kind in RUN.map(|kind| format!("{kind}::")) {
+        let is_run = run.iter().any(|line| line.split(' ').any(|k| k == kind));
+        assert!(is_run, "{kind}");
     }
     assert!(!ci.contains(NOT_RUN));
 }
