@@ -5,9 +5,19 @@ use crate::base::{self, Base};
 use crate::library::{Scope, Term};
 use crate::problem::ForceProblem;
 use crate::{answer, unseen};
-use pipeline_inference::fit::Setting;
+use pipeline_inference::fit::{Fitted, Free, Setting};
 use pipeline_inference::problem::Point;
 use pipeline_inference::search::Found;
+
+/// Fits end within this of the largest log-likelihood.
+const UNSETTLED: f64 = 0.1;
+
+/// A row that is fitted: whether the law depends on the resting length, the other part, if there is one.
+struct Row {
+    law: bool,
+    part: Option<usize>,
+    fit: Fitted,
+}
 
 /// The law with and without its dependence on the resting length, each alone and with a frame that yields, or with a constant length that its ends take
 /// (`length_offset`). Effects that were found are in all of them but for these two. What is published of the dependence counts for nothing here.
@@ -37,7 +47,7 @@ pub(crate) fn alternatives(
     let ends = of_all(&is_of_ends);
     let parts = [None, Some(frame)].into_iter().chain(ends.map(Some));
     let mut list = Vec::new();
-    let mut fits: Vec<(bool, Option<usize>, Point)> = Vec::new();
+    let mut rows: Vec<Row> = Vec::new();
     for part in parts {
         for law in [false, true] {
             let (problem, setting) = (&problems[usize::from(law)], &settings[usize::from(law)]);
@@ -51,24 +61,40 @@ pub(crate) fn alternatives(
                 from.coefficients[base::LENGTH_LAW] = without.coefficients[base::LENGTH_LAW].start;
             }
             // What a model with fewer parts came to is a start of one with more: parts that act alike have optima of their own.
-            let is_simpler = |(l, p, _): &&(bool, Option<usize>, Point)| {
-                *l <= law && (p.is_none() || *p == part)
-            };
+            let is_simpler = |r: &&Row| r.law <= law && (r.part.is_none() || r.part == part);
+            let simpler = rows.iter().filter(is_simpler);
             let mut starts = vec![(None, from)];
-            let simpler = fits.iter().filter(is_simpler);
-            starts.extend(simpler.map(|(_, p, point)| (*p, point.clone())));
-            let with_part = |(p, mut point): (Option<usize>, Point)| {
+            starts.extend(simpler.clone().map(|r| (r.part, r.fit.point.clone())));
+            let with_part = |(p, mut point): (Option<usize>, Point), size: f64| {
                 let missing = part.filter(|_| p.is_none());
-                let term = missing.map(|t| (t, problem.library[t].start(1.0)));
+                let term = missing.map(|t| (t, problem.library[t].start(size)));
                 point.terms.extend(term);
                 point
             };
-            let starts: Vec<Point> = starts.into_iter().map(with_part).collect();
+            let starts: Vec<Point> = starts.into_iter().map(|s| with_part(s, 1.0)).collect();
             let known = &found.model.variances;
             let variances = [known.clone(), setting.widened(known)];
-            let Some(fit) = setting.best(&starts, &variances) else {
+            let Some(mut fit) = setting.best(&starts, &variances) else {
                 continue;
             };
+            // A model is no worse than one that it contains: where no start led that far, what that lacks is nothing here either.
+            let likeliest = simpler.max_by(|a, b| {
+                let [a, b] = [a, b].map(|r| r.fit.log_likelihood);
+                a.total_cmp(&b)
+            });
+            if let Some(r) =
+                likeliest.filter(|r| r.fit.log_likelihood > fit.log_likelihood + UNSETTLED)
+            {
+                let point = with_part((r.part, r.fit.point.clone()), 0.0);
+                let mut nothing = setting.clone();
+                if r.law < law {
+                    nothing.pinned.push(Free::Coefficient(base::LENGTH_LAW));
+                }
+                if r.part != part {
+                    nothing.pinned.push(Free::Value(point.terms.len() - 1, 0));
+                }
+                fit = nothing.fit(&point, std::slice::from_ref(&r.fit.variances));
+            }
             list.push(answer::alternative(
                 &fit,
                 law,
@@ -76,7 +102,7 @@ pub(crate) fn alternatives(
                 (setting, problem),
                 unseen::of_model(setting, problem, &fit),
             ));
-            fits.push((law, part, fit.point));
+            rows.push(Row { law, part, fit });
         }
     }
     let first = list.first().map_or(0.0, |a| a.log_likelihood);

@@ -9,6 +9,7 @@ use pipeline_base::random::Stream;
 use pipeline_base::row::Row;
 use pipeline_base::session::Role;
 use pipeline_config::{DiagnoseOptions, FitOptions};
+use pipeline_effects as effects;
 use pipeline_findings::{CampaignFindings, SmallestP, Verdict};
 use pipeline_fit::Group;
 use pipeline_inference::fit::{Free, Setting};
@@ -400,4 +401,57 @@ fn campaigns_of_a_pool_have_a_gain_and_a_noise_of_their_own() {
     assert_eq!(share_off.len(), 4);
     let mean = share_off.iter().sum::<f64>() / 4.0;
     assert!(mean.abs() < 0.04, "{share_off:?}");
+}
+
+/// Six specimens whose forces do not depend on the resting length, on a frame that yields by so much, um/N.
+fn on_a_frame(compliance_um_per_n: f64) -> Vec<Row> {
+    let settings = rig_like::Settings {
+        specimens: Some(6),
+        scatter: rig_like::Scatter::Clean,
+        ..rig_like::Settings::default()
+    };
+    let mut rows = rig_like::campaign(3, &settings).rows;
+    let law = Base::new(10, true, 2, &FitOptions::default());
+    let [_, without] = law.with_and_without_length_law().unwrap();
+    let frame = effects::Applied {
+        effect: effects::index(effects::series_compliance::ID).unwrap(),
+        form: 0,
+        parameters: [compliance_um_per_n, 0.0],
+    };
+    let mut stream = Stream::new(1, &["frame"]);
+    for row in &mut rows {
+        let at = effects::Conditions::at(
+            row.rest_length_m,
+            row.contracted_length_m,
+            row.length_m,
+            row.pressure_kpa,
+        );
+        let force = effects::force(&without, &without.starts(), 1.0, &[frame], &at);
+        row.force_n = force.max(0.0) + 2.0 * stream.normal();
+    }
+    rows
+}
+
+/// It comes in beside the law here, and the fit then takes the dependence for what it is.
+#[test]
+fn a_frame_that_yields_is_found_and_a_dependence_on_the_length_that_is_not_there_goes() {
+    let rows = on_a_frame(15.0);
+    let found = diagnose(
+        &rig_like::group(),
+        &rows,
+        &FitOptions::default(),
+        &DiagnoseOptions::default(),
+    );
+    let found = found.unwrap().findings;
+    let [frame] = &found.effects[..] else {
+        panic!("{:?}", found.effects);
+    };
+    assert_eq!(frame.id, "series_compliance");
+    let size = &frame.parameters[0];
+    let (low, high) = (size.ci_low.unwrap(), size.ci_high.unwrap());
+    assert!(low < 15.0 && 15.0 < high && high - low < 6.0, "{size:?}");
+    let length_law = &found.coefficients[super::base::LENGTH_LAW];
+    assert!(length_law.after < 0.2 * length_law.before, "{length_law:?}");
+    let errors = [&found.before, &found.after].map(|e| e.rmse_heldout.unwrap());
+    assert!(errors[1] < 0.7 * errors[0], "{errors:?}");
 }

@@ -5,9 +5,10 @@ use crate::wording::{ALIKE, CLEARLY_LOWER, name};
 use pipeline_effects as effects;
 use pipeline_findings::{Alternative, CampaignFindings, LENGTH_LAW, Parameter};
 
-/// `a frame that yields (C = 14 um/N) instead of the law's dependence on the resting length fits as well and has 12.1 instead of 14.6 N on unseen
-/// specimens; to tell: ...`, where exactly one other part does as well in the place of the dependence and predicts unseen units clearly better.
+/// `compliance in series with the actuator (C = 14 um/N) in place of the law's dependence on the resting length fits the readings as well, with 12.1
+/// instead of 14.6 N on unseen specimens; to tell which: ...`, where exactly one other part does as well or better and predicts unseen units clearly better.
 pub(super) fn undecided(found: &CampaignFindings) -> Option<String> {
+    let is_found = |part: &str| found.effects.iter().any(|e| e.id == part);
     let only = |a: &&Alternative, id: &str| a.parts == [id];
     let law = found.alternatives.iter().find(|a| only(a, LENGTH_LAW))?;
     let of_law = law.rmse_heldout?;
@@ -19,7 +20,8 @@ pub(super) fn undecided(found: &CampaignFindings) -> Option<String> {
     let better = found.alternatives.iter().filter(is_better);
     let better = better.filter(|a| a.numbers.iter().all(has_size));
     let mut of_one = better.filter_map(|a| match &a.parts[..] {
-        [part] => Some((a, part)),
+        // What was found beside the law stands in every row that does not name it, so that rows without it are no answer.
+        [part] if !is_found(part) => Some((a, part)),
         _ => None,
     });
     // Of two nobody knows which to look for.
@@ -30,10 +32,15 @@ pub(super) fn undecided(found: &CampaignFindings) -> Option<String> {
     let measurement = effects::index(part).map(|e| effects::all()[e].measurement());
     let tell = measurement.map_or_else(String::new, |m| format!("; to tell which: {m}"));
     Some(format!(
-        "{} ({}) in place of the law's {} fits the readings as well, with {} instead of {} on {}{tell}",
+        "{} ({}) in place of the law's {} fits the readings {}, with {} instead of {} on {}{tell}",
         name::part(part),
         sizes.join(", "),
         name::part(LENGTH_LAW),
+        if other.log_likelihood > law.log_likelihood + ALIKE {
+            "better"
+        } else {
+            "as well"
+        },
         error(other.rmse_heldout?, &found.unit),
         error_with_unit(of_law, &found.unit),
         name::held_out(found),
@@ -92,6 +99,10 @@ mod tests {
         assert_eq!(said(frame(10.9, 12.1), offset(1.0)), None);
         assert_eq!(said(frame(14.0, 14.5), offset(1.0)), None);
         assert_eq!(said(frame(14.0, 12.1), offset(12.0)), None);
+        let mut found = example();
+        found.effects[0].id = "series_compliance".to_owned();
+        found.alternatives = vec![alternative(&[LENGTH_LAW], 13.0, 14.6), frame(14.0, 12.1)];
+        assert_eq!(undecided(&found), None);
         let mut unbounded = frame(14.0, 12.1);
         (unbounded.numbers[0].ci_low, unbounded.numbers[0].ci_high) = (None, None);
         assert_eq!(said(unbounded, offset(1.0)), None);

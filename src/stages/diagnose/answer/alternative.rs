@@ -56,9 +56,12 @@ pub fn alternative(
             numbers.push(number(a.name, a.unit, values[0], place, a.bounds));
         }
     }
+    // Those that ended at a bound as well.
+    let of_law = problem.base.coefficients.iter().filter(|c| c.free);
+    let of_terms = fit.point.terms.iter().map(|(_, values)| values.len());
     Alternative {
         parts,
-        parameters: fit.free.len(),
+        parameters: of_law.count() + of_terms.sum::<usize>(),
         log_likelihood: fit.log_likelihood,
         rmse_heldout: held_out.map(|h| h.0),
         log_density_heldout: held_out.map(|h| h.1),
