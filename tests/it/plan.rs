@@ -72,7 +72,7 @@ mod long {
     use rayon::prelude::*;
 
     #[test]
-    #[ignore = "long: 43 s of processor time"]
+    #[ignore = "long: 116 s of processor time"]
     fn a_small_campaign_is_foreseen_with_what_would_lower_its_error() {
         let bench = Bench::empty();
         let files = ["--csv", "limits.csv", "--plot", "plan.svg"];
