@@ -19,6 +19,28 @@ struct Row {
     fit: Fitted,
 }
 
+impl Row {
+    /// The same with what a larger model has beside it, which is nothing: `point` is this row's with the part of the larger model at its end, if it
+    /// lacks that.
+    fn within(
+        &self,
+        (law, part): (bool, Option<usize>),
+        point: &Point,
+        setting: &Setting,
+    ) -> Fitted {
+        let mut nothing = setting.clone();
+        if self.law != law {
+            let coefficient = Free::Coefficient(base::LENGTH_LAW);
+            nothing.pinned.push(coefficient);
+        }
+        if self.part != part {
+            let value = Free::Value(point.terms.len() - 1, 0);
+            nothing.pinned.push(value);
+        }
+        nothing.fit(point, std::slice::from_ref(&self.fit.variances))
+    }
+}
+
 /// The law with and without its dependence on the resting length, each alone and with a frame that yields, or with a constant length that its ends take
 /// (`length_offset`). Effects that were found are in all of them but for these two. What is published of the dependence counts for nothing here.
 pub(crate) fn alternatives(
@@ -82,18 +104,10 @@ pub(crate) fn alternatives(
                 let [a, b] = [a, b].map(|r| r.fit.log_likelihood);
                 a.total_cmp(&b)
             });
-            if let Some(r) =
-                likeliest.filter(|r| r.fit.log_likelihood > fit.log_likelihood + UNSETTLED)
-            {
-                let point = with_part((r.part, r.fit.point.clone()), 0.0);
-                let mut nothing = setting.clone();
-                if r.law < law {
-                    nothing.pinned.push(Free::Coefficient(base::LENGTH_LAW));
-                }
-                if r.part != part {
-                    nothing.pinned.push(Free::Value(point.terms.len() - 1, 0));
-                }
-                fit = nothing.fit(&point, std::slice::from_ref(&r.fit.variances));
+            let least = fit.log_likelihood + UNSETTLED;
+            if let Some(row) = likeliest.filter(|r| r.fit.log_likelihood > least) {
+                let point = with_part((row.part, row.fit.point.clone()), 0.0);
+                fit = row.within((law, part), &point, setting);
             }
             list.push(answer::alternative(
                 &fit,

@@ -6,7 +6,8 @@ use pipeline_effects as effects;
 use pipeline_findings::{Alternative, CampaignFindings, LENGTH_LAW, Parameter};
 
 /// `compliance in series with the actuator (C = 14 um/N) in place of the law's dependence on the resting length fits the readings as well, with 12.1
-/// instead of 14.6 N on unseen specimens; to tell which: ...`, where exactly one other part does as well or better and predicts unseen units clearly better.
+/// instead of 14.6 N on unseen specimens (with the effects found here, not searched again); to tell which: ...`, where exactly one other part does as well
+/// or better and predicts unseen units clearly better.
 pub(super) fn undecided(found: &CampaignFindings) -> Option<String> {
     let is_found = |part: &str| found.effects.iter().any(|e| e.id == part);
     let only = |a: &&Alternative, id: &str| a.parts == [id];
@@ -32,7 +33,7 @@ pub(super) fn undecided(found: &CampaignFindings) -> Option<String> {
     let measurement = effects::index(part).map(|e| effects::all()[e].measurement());
     let tell = measurement.map_or_else(String::new, |m| format!("; to tell which: {m}"));
     Some(format!(
-        "{} ({}) in place of the law's {} fits the readings {}, with {} instead of {} on {}{tell}",
+        "{} ({}) in place of the law's {} fits the readings {}, with {} instead of {} on {} (with the effects found here, not searched again){tell}",
         name::part(part),
         sizes.join(", "),
         name::part(LENGTH_LAW),
