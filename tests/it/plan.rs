@@ -131,7 +131,7 @@ mod long {
         let example = design::read("example", design::EXAMPLE).unwrap();
         let plan = design::Plan { runs: 1, ..example };
         let foreseen = foresee::foresee(&plan, &|_, _| {}).unwrap();
-        // A limit is of the search and an error of its folds, to which nothing else of a diagnosis adds.
+        // A limit is of the search and an error of its folds; a whole diagnosis also sets mistaken sessions aside, of which there are none here.
         let options = DiagnoseOptions::default();
         let normal = draws("draw", options.seed);
         let number_and_error = |seed: &u64| {
