@@ -6,7 +6,6 @@
 
 use crate::system::add_times;
 use crate::tree::Tree;
-use multiversion::multiversion;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -372,7 +371,6 @@ impl Gram {
 }
 
 /// Adds the upper triangle of `row row'`.
-#[multiversion(targets("x86_64+avx2"))]
 fn add_outer(products: &mut Square, row: &[f64]) {
     let n = products.n;
     for (i, a) in row.iter().enumerate() {

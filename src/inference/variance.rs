@@ -173,23 +173,9 @@ impl Maximiser<'_> {
 
     /// The same with its derivatives by the variables: logarithms of the standard deviations that are estimated.
     pub(crate) fn value_and_gradient(&self, gram: &Gram, variables: &[f64]) -> (f64, Vec<f64>) {
-        let (value, gradient) = self.value_and_gradient_if(gram, variables, |_| true);
-        (value, gradient.unwrap_or_default())
-    }
-
-    /// The value, and the derivatives where it is one that they are wanted of.
-    fn value_and_gradient_if(
-        &self,
-        gram: &Gram,
-        variables: &[f64],
-        is_wanted: impl Fn(f64) -> bool,
-    ) -> (f64, Option<Vec<f64>>) {
         let at = self.variances(variables);
         let factor = Factor::new(self.tree, gram, &at);
         let value = factor.log_likelihood(self.likelihood) + self.log_prior(&at);
-        if !is_wanted(value) {
-            return (value, None);
-        }
         let (by_components, by_noise) = factor.gradient(self.likelihood);
         let slopes = by_components.iter().chain(&by_noise);
         let values = at.components.iter().chain(&at.noise);
@@ -202,7 +188,7 @@ impl Maximiser<'_> {
                 Prior::Free | Prior::Fixed(_) | Prior::Held(_) => *slope,
             })
             .collect();
-        (value, Some(gradient))
+        (value, gradient)
     }
 
     /// Inverse of the largest curvature that the logarithms can have: each value of a component, and each reading of a class, adds at most 2.
@@ -262,10 +248,9 @@ impl Maximiser<'_> {
                 && length > 1e-4
             {
                 let y = step(&x, &direction, length, &limits);
-                let rises = |v: f64| v.is_finite() && v >= value + 1e-4 * length * slope;
-                let (v, g) = self.value_and_gradient_if(gram, &y, rises);
+                let (v, g) = self.value_and_gradient(gram, &y);
                 evaluations += 1;
-                if let Some(g) = g {
+                if v.is_finite() && v >= value + 1e-4 * length * slope {
                     moved = Some((y, v, g));
                     break;
                 }

@@ -106,21 +106,6 @@ impl ForceProblem<'_> {
         })
     }
 
-    /// How many of a term's values act on one reading: its amplitude there and its shape, or both numbers of a dependence on a column.
-    fn values_on_a_reading(&self, term: usize) -> usize {
-        let term = &self.library[term];
-        1 + usize::from(term.has_shape() || term.id().is_none())
-    }
-
-    /// The slots of derivatives that a point needs: they cost as much as there are.
-    pub(super) fn slots(&self, point: &Point) -> usize {
-        let of_terms = point
-            .terms
-            .iter()
-            .map(|(t, _)| self.values_on_a_reading(*t));
-        TERMS + of_terms.sum::<usize>()
-    }
-
     /// The column of what a campaign of a pool has of its own; none outside a pool.
     pub(crate) fn campaign_column(&self, campaign: usize, component: usize) -> Option<usize> {
         let (first, _) = self.tree.columns_of(0, component)?;
@@ -211,16 +196,14 @@ impl ForceProblem<'_> {
         let gain = random[0];
         let random = std::array::from_fn(|k| Dual::variable(random[k], GAIN + k));
         let mut terms = Vec::with_capacity(point.terms.len());
-        let mut slot = TERMS;
-        for (t, [first, second], _) in self.acting(point, i) {
-            let values = self.values_on_a_reading(t);
-            let second = if values > 1 {
-                Dual::variable(second, slot + 1)
+        for (k, (t, [amplitude, shape], _)) in self.acting(point, i).enumerate() {
+            let slot = TERMS + 2 * k;
+            let second = if self.library[t].has_shape() || self.library[t].id().is_none() {
+                Dual::variable(shape, slot + 1)
             } else {
-                Dual::constant(second)
+                Dual::constant(shape)
             };
-            terms.push((t, [Dual::variable(first, slot), second]));
-            slot += values;
+            terms.push((t, [Dual::variable(amplitude, slot), second]));
         }
         let force = self.force(i, at, &coefficients[..known], random, &terms);
         let row = self.random_row(i, &force, gain, point);
@@ -246,13 +229,11 @@ impl ForceProblem<'_> {
             for (k, column) in linear.by_coefficients.iter_mut().enumerate() {
                 column[i] = gradient[k];
             }
-            let mut slot = TERMS;
-            for (t, _, places) in self.acting(point, i) {
-                let values = self.values_on_a_reading(t);
-                for (place, k) in places.iter().zip(slot..slot + values) {
-                    linear.by_terms[*place][i] = gradient[k];
+            for (k, (t, _, places)) in self.acting(point, i).enumerate() {
+                linear.by_terms[places[0]][i] = gradient[TERMS + 2 * k];
+                if self.library[t].has_shape() || self.library[t].id().is_none() {
+                    linear.by_terms[places[1]][i] = gradient[TERMS + 2 * k + 1];
                 }
-                slot += values;
             }
             linear.predicted.push(force);
             linear.random.push(row);

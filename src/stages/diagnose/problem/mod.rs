@@ -292,21 +292,6 @@ impl<'a> ForceProblem<'a> {
     }
 }
 
-/// A method with as many slots of derivatives as are needed, or a few more.
-macro_rules! with_slots {
-    ($slots:expr, $self:ident.$method:ident($($argument:expr),*)) => {
-        match $slots - TERMS {
-            0 => $self.$method::<TERMS>($($argument),*),
-            1 => $self.$method::<{ TERMS + 1 }>($($argument),*),
-            2 => $self.$method::<{ TERMS + 2 }>($($argument),*),
-            3 => $self.$method::<{ TERMS + 3 }>($($argument),*),
-            4 | 5 => $self.$method::<{ TERMS + 5 }>($($argument),*),
-            6 | 7 => $self.$method::<{ TERMS + 7 }>($($argument),*),
-            _ => $self.$method::<SLOTS>($($argument),*),
-        }
-    };
-}
-
 impl Problem for ForceProblem<'_> {
     fn tree(&self) -> &Tree {
         &self.tree
@@ -345,11 +330,26 @@ impl Problem for ForceProblem<'_> {
     }
 
     fn linearise_some(&self, point: &Point, readings: &[usize]) -> (Vec<f64>, Vec<Vec<f64>>) {
-        with_slots!(self.slots(point), self.rows(point, readings))
+        match point.terms.len() {
+            0 => self.rows::<TERMS>(point, readings),
+            1 => self.rows::<{ TERMS + 2 }>(point, readings),
+            2 => self.rows::<{ TERMS + 4 }>(point, readings),
+            3 => self.rows::<{ TERMS + 6 }>(point, readings),
+            4 => self.rows::<{ TERMS + 8 }>(point, readings),
+            _ => self.rows::<SLOTS>(point, readings),
+        }
     }
 
     fn linearise(&self, point: &Point) -> Linearised {
-        with_slots!(self.slots(point), self.linearised(point))
+        // Derivatives cost as much as there are slots.
+        match point.terms.len() {
+            0 => self.linearised::<TERMS>(point),
+            1 => self.linearised::<{ TERMS + 2 }>(point),
+            2 => self.linearised::<{ TERMS + 4 }>(point),
+            3 => self.linearised::<{ TERMS + 6 }>(point),
+            4 => self.linearised::<{ TERMS + 8 }>(point),
+            _ => self.linearised::<SLOTS>(point),
+        }
     }
 
     fn far(&self, point: &Point) -> Vec<(usize, Vec<f64>)> {
