@@ -109,8 +109,8 @@ pub struct Found {
 /// How many of the strongest candidates are fitted in full.
 const FITTED: usize = 3;
 
-/// A swap has to gain this much in log-likelihood, else the search would go in circles.
-const WORTH_A_SWAP: f64 = 0.1;
+/// A swap has to gain this much in log-likelihood, else the search would go in circles: fits end within less of the optimum.
+pub const WORTH_A_SWAP: f64 = 0.1;
 
 /// Most rounds of additions and deletions.
 const MOST_ROUNDS: usize = 3;

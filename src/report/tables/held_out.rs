@@ -99,8 +99,8 @@ pub fn alternatives(input: &ReportInput) -> Table {
         .value("value", "Value", One, |(_, (_, p))| size(p))
         .interval("ci", "95%", One, |(_, (_, p))| size(p))
         .text("number_unit", "Unit", |(_, (_, p))| p.map(|p| &p.unit))
-        .note("\\v{Log-likelihood}: relative to the first, what is published of the length law left out. \\v{Held out}: each alternative as it is, without a search. \\v{Log density}: per \
-             held-out reading.")
+        .note("\\v{Log-likelihood}: relative to the first, what is published of the length law left out. \\v{Held out}: each alternative \
+             as it is, without a search. \\v{Log density}: per held-out reading.")
         .of_all(input, |found| found.alternatives.iter().flat_map(numbers).collect())
 }
 

@@ -7,38 +7,76 @@ use crate::problem::ForceProblem;
 use crate::{answer, unseen};
 use pipeline_inference::fit::{Fitted, Free, Setting};
 use pipeline_inference::problem::Point;
-use pipeline_inference::search::Found;
+use pipeline_inference::search::{Found, WORTH_A_SWAP};
+use pipeline_inference::system::Variances;
 
-/// Fits end within this of the largest log-likelihood.
-const UNSETTLED: f64 = 0.1;
-
-/// A row that is fitted: whether the law depends on the resting length, the other part, if there is one.
-struct Row {
+/// What a row of the table has.
+#[derive(Clone, Copy, PartialEq)]
+struct Parts {
+    /// Whether the law depends on the resting length.
     law: bool,
-    part: Option<usize>,
+    /// The term beside it, if there is one.
+    other: Option<usize>,
+}
+
+impl Parts {
+    fn contain(self, simpler: Self) -> bool {
+        simpler.law <= self.law && (simpler.other.is_none() || simpler.other == self.other)
+    }
+
+    /// `point` with the term, of this size where it lacks it.
+    fn added_to(self, mut point: Point, size: f64, problem: &ForceProblem) -> Point {
+        let of_point: Vec<usize> = point.terms.iter().map(|(t, _)| *t).collect();
+        let missing = self.other.filter(|t| !of_point.contains(t));
+        let term = missing.map(|t| (t, problem.library[t].start(size)));
+        point.terms.extend(term);
+        point
+    }
+}
+
+/// A row that is fitted.
+struct Row {
+    parts: Parts,
     fit: Fitted,
 }
 
 impl Row {
-    /// The same with what a larger model has beside it, which is nothing: `point` is this row's with the part of the larger model at its end, if it
-    /// lacks that.
-    fn within(
-        &self,
-        (law, part): (bool, Option<usize>),
-        point: &Point,
-        setting: &Setting,
-    ) -> Fitted {
+    /// The same as a fit of a larger model, in which what this one lacks is nothing.
+    fn within(&self, parts: Parts, setting: &Setting, problem: &ForceProblem) -> Fitted {
+        let point = parts.added_to(self.fit.point.clone(), 0.0, problem);
         let mut nothing = setting.clone();
-        if self.law != law {
+        if self.parts.law != parts.law {
             let coefficient = Free::Coefficient(base::LENGTH_LAW);
             nothing.pinned.push(coefficient);
         }
-        if self.part != part {
+        if self.parts.other != parts.other {
             let value = Free::Value(point.terms.len() - 1, 0);
             nothing.pinned.push(value);
         }
-        nothing.fit(point, std::slice::from_ref(&self.fit.variances))
+        nothing.fit(&point, std::slice::from_ref(&self.fit.variances))
     }
+}
+
+/// The fit of a row from what was found and from the rows that it contains: parts that act alike have optima of their own.
+fn fit(
+    parts: Parts,
+    (setting, problem): (&Setting, &ForceProblem),
+    (from, known): (Point, &Variances),
+    rows: &[Row],
+) -> Option<Fitted> {
+    let simpler = rows.iter().filter(|r| parts.contain(r.parts));
+    let of_rows = simpler.clone().map(|r| r.fit.point.clone());
+    let starts = std::iter::once(from).chain(of_rows);
+    let starts: Vec<Point> = starts.map(|s| parts.added_to(s, 1.0, problem)).collect();
+    let fit = setting.best(&starts, &[known.clone(), setting.widened(known)])?;
+    // A model is no worse than one that it contains: where no start led that far, what that lacks is nothing here either.
+    let likeliest = simpler.max_by(|a, b| {
+        let [a, b] = [a, b].map(|r| r.fit.log_likelihood);
+        a.total_cmp(&b)
+    });
+    let least = fit.log_likelihood + WORTH_A_SWAP;
+    let better = likeliest.filter(|r| r.fit.log_likelihood > least);
+    Some(better.map_or(fit, |r| r.within(parts, setting, problem)))
 }
 
 /// The law with and without its dependence on the resting length, each alone and with a frame that yields, or with a constant length that its ends take
@@ -67,57 +105,28 @@ pub(crate) fn alternatives(
         return Vec::new();
     };
     let ends = of_all(&is_of_ends);
-    let parts = [None, Some(frame)].into_iter().chain(ends.map(Some));
+    let others = [None, Some(frame)].into_iter().chain(ends.map(Some));
     let mut list = Vec::new();
     let mut rows: Vec<Row> = Vec::new();
-    for part in parts {
-        for law in [false, true] {
-            let (problem, setting) = (&problems[usize::from(law)], &settings[usize::from(law)]);
-            let mut from = found.model.point.clone();
-            from.terms.retain(|(t, _)| {
-                let term = &problem.library[*t];
-                let stands_for_ends = is_of_ends(term) && term.scope == Scope::All;
-                !term.is_frame() && !stands_for_ends
-            });
-            if !law {
-                from.coefficients[base::LENGTH_LAW] = without.coefficients[base::LENGTH_LAW].start;
-            }
-            // What a model with fewer parts came to is a start of one with more: parts that act alike have optima of their own.
-            let is_simpler = |r: &&Row| r.law <= law && (r.part.is_none() || r.part == part);
-            let simpler = rows.iter().filter(is_simpler);
-            let mut starts = vec![(None, from)];
-            starts.extend(simpler.clone().map(|r| (r.part, r.fit.point.clone())));
-            let with_part = |(p, mut point): (Option<usize>, Point), size: f64| {
-                let missing = part.filter(|_| p.is_none());
-                let term = missing.map(|t| (t, problem.library[t].start(size)));
-                point.terms.extend(term);
-                point
-            };
-            let starts: Vec<Point> = starts.into_iter().map(|s| with_part(s, 1.0)).collect();
-            let known = &found.model.variances;
-            let variances = [known.clone(), setting.widened(known)];
-            let Some(mut fit) = setting.best(&starts, &variances) else {
-                continue;
-            };
-            // A model is no worse than one that it contains: where no start led that far, what that lacks is nothing here either.
-            let likeliest = simpler.max_by(|a, b| {
-                let [a, b] = [a, b].map(|r| r.fit.log_likelihood);
-                a.total_cmp(&b)
-            });
-            let least = fit.log_likelihood + UNSETTLED;
-            if let Some(row) = likeliest.filter(|r| r.fit.log_likelihood > least) {
-                let point = with_part((row.part, row.fit.point.clone()), 0.0);
-                fit = row.within((law, part), &point, setting);
-            }
-            list.push(answer::alternative(
-                &fit,
-                law,
-                part,
-                (setting, problem),
-                unseen::of_model(setting, problem, &fit),
-            ));
-            rows.push(Row { law, part, fit });
+    for parts in others.flat_map(|other| [false, true].map(|law| Parts { law, other })) {
+        let of_law = usize::from(parts.law);
+        let (problem, setting) = (&problems[of_law], &settings[of_law]);
+        let mut from = found.model.point.clone();
+        from.terms.retain(|(t, _)| {
+            let term = &problem.library[*t];
+            let stands_for_ends = is_of_ends(term) && term.scope == Scope::All;
+            !term.is_frame() && !stands_for_ends
+        });
+        if !parts.law {
+            from.coefficients[base::LENGTH_LAW] = without.coefficients[base::LENGTH_LAW].start;
         }
+        let model = (setting, problem);
+        let Some(fit) = fit(parts, model, (from, &found.model.variances), &rows) else {
+            continue;
+        };
+        let held = unseen::of_model(setting, problem, &fit);
+        list.push(answer::alternative(&fit, parts.law, parts.other, model, held));
+        rows.push(Row { parts, fit });
     }
     let first = list.first().map_or(0.0, |a| a.log_likelihood);
     for a in &mut list {
