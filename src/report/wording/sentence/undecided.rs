@@ -6,8 +6,8 @@ use pipeline_effects as effects;
 use pipeline_findings::{Alternative, CampaignFindings, LENGTH_LAW, Parameter};
 
 /// `compliance in series with the actuator (C = 14 um/N) in place of the law's dependence on the resting length fits the readings as well, with 12.1
-/// instead of 14.6 N on unseen specimens (with the effects found here, not searched again); to tell which: ...`, where exactly one other part does as well
-/// or better and predicts unseen units clearly better.
+/// instead of 14.6 N on unseen specimens (with the effects found here, not searched again); predictions have the dependence; to tell which: ...`, where
+/// other parts do as well or better and predict unseen units clearly better.
 pub(super) fn undecided(found: &CampaignFindings) -> Option<String> {
     let is_found = |part: &str| found.effects.iter().any(|e| e.id == part);
     let only = |a: &&Alternative, id: &str| a.parts == [id];
@@ -20,31 +20,45 @@ pub(super) fn undecided(found: &CampaignFindings) -> Option<String> {
     let has_size = |p: &Parameter| p.ci_low.is_some() || p.ci_high.is_some();
     let better = found.alternatives.iter().filter(is_better);
     let better = better.filter(|a| a.numbers.iter().all(has_size));
-    let mut of_one = better.filter_map(|a| match &a.parts[..] {
-        // What was found beside the law stands in every row that does not name it, so that rows without it are no answer.
-        [part] if !is_found(part) => Some((a, part)),
-        _ => None,
-    });
-    // Of two nobody knows which to look for.
-    let (Some((other, part)), None) = (of_one.next(), of_one.next()) else {
+    let others: Vec<(&Alternative, &str)> = better
+        .filter_map(|a| match &a.parts[..] {
+            // What was found beside the law stands in every row that does not name it, so that rows without it are no answer.
+            [part] if !is_found(part) => Some((a, part.as_str())),
+            _ => None,
+        })
+        .collect();
+    if others.is_empty() {
         return None;
+    }
+    let of_others = |words: &dyn Fn(&Alternative, &str) -> String| {
+        let words: Vec<String> = others.iter().map(|(a, part)| words(a, part)).collect();
+        words.join(" or ")
     };
-    let sizes: Vec<String> = other.numbers.iter().map(size).collect();
-    let measurement = effects::index(part).map(|e| effects::all()[e].measurement());
-    let tell = measurement.map_or_else(String::new, |m| format!("; to tell which: {m}"));
+    let with_sizes = |a: &Alternative, part: &str| {
+        let sizes: Vec<String> = a.numbers.iter().map(size).collect();
+        format!("{} ({})", name::part(part), sizes.join(", "))
+    };
+    let errors = |a: &Alternative, _: &str| {
+        let error_of_one = a.rmse_heldout.map(|e| error(e, &found.unit));
+        error_of_one.unwrap_or_default()
+    };
+    let fits_better = |(a, _): &(&Alternative, &str)| a.log_likelihood > law.log_likelihood + ALIKE;
+    let indices = others.iter().filter_map(|(_, part)| effects::index(part));
+    let measurements: Vec<&str> = indices.map(|e| effects::all()[e].measurement()).collect();
     Some(format!(
-        "{} ({}) in place of the law's {} fits the readings {}, with {} instead of {} on {} (with the effects found here, not searched again){tell}",
-        name::part(part),
-        sizes.join(", "),
+        "{} in place of the law's {} fits the readings {}, with {} instead of {} on {} (with the effects found here, not searched again); predictions \
+         have the dependence; to tell which: {}",
+        of_others(&with_sizes),
         name::part(LENGTH_LAW),
-        if other.log_likelihood > law.log_likelihood + ALIKE {
+        if others.iter().all(fits_better) {
             "better"
         } else {
             "as well"
         },
-        error(other.rmse_heldout?, &found.unit),
+        of_others(&errors),
         error_with_unit(of_law, &found.unit),
         name::held_out(found),
+        measurements.join("; "),
     ))
 }
 
@@ -96,10 +110,18 @@ mod tests {
         ] {
             assert!(words.contains(part), "{words}");
         }
-        // One that fits worse, does no better, or is not the only one.
+        // Another that does as well is named with it.
+        let both = said(frame(14.0, 12.1), offset(12.0)).unwrap();
+        let both = both.replace('\u{a0}', " ");
+        for part in [
+            "(C = 14.2 [11.6, 16.8] µm/N) or offset of the length (C",
+            "fits the readings as well, with 12.1 or 12.0 instead of 14.6 N",
+        ] {
+            assert!(both.contains(part), "{both}");
+        }
+        // One that fits worse, or does no better.
         assert_eq!(said(frame(10.9, 12.1), offset(1.0)), None);
         assert_eq!(said(frame(14.0, 14.5), offset(1.0)), None);
-        assert_eq!(said(frame(14.0, 12.1), offset(12.0)), None);
         let mut found = example();
         found.effects[0].id = "series_compliance".to_owned();
         found.alternatives = vec![alternative(&[LENGTH_LAW], 13.0, 14.6), frame(14.0, 12.1)];
