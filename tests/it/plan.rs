@@ -66,9 +66,10 @@ mod long {
     use super::*;
     use pipeline::base::row::Row;
     use pipeline::base::session::Phase;
-    use pipeline::config::DiagnoseOptions;
+    use pipeline::config::{DiagnoseOptions, FitOptions};
     use pipeline::plan::{design, draw, foresee};
-    use pipeline::stages::diagnose::{decision, draws, unseen};
+    use pipeline::stages::diagnose::{decision, diagnose, draws, unseen};
+    use pipeline::stages::fit::Group;
     use rayon::prelude::*;
 
     #[test]
@@ -126,12 +127,13 @@ mod long {
     ];
 
     #[test]
-    #[ignore = "long: 400 s of processor time"]
+    #[ignore = "long: 430 s of processor time"]
     fn planned_campaigns_show_what_was_foreseen_at_its_limit() {
         let example = design::read("example", design::EXAMPLE).unwrap();
         let plan = design::Plan { runs: 1, ..example };
         let foreseen = foresee::foresee(&plan, &|_, _| {}).unwrap();
-        // A limit is of the search and an error of its folds; a whole diagnosis also sets mistaken sessions aside, of which there are none here.
+        // A limit is of the search and an error of its folds; a whole diagnosis also sets mistaken sessions aside, of which there are none here: two
+        // show that it says the same.
         let options = DiagnoseOptions::default();
         let normal = draws("draw", options.seed);
         let number_and_error = |seed: &u64| {
@@ -146,6 +148,19 @@ mod long {
         };
         let seeds: Vec<u64> = SEEDS.collect();
         let plain: Vec<(usize, f64)> = seeds.par_iter().map(number_and_error).collect();
+        let group = Group {
+            campaign: draw::CAMPAIGN.to_owned(),
+            diameter_mm: plan.diameter_mm,
+            members: vec![draw::CAMPAIGN.to_owned()],
+            simulated: true,
+        };
+        for (seed, (number, error)) in seeds.iter().zip(&plain).take(2) {
+            let rows = draw::rows(&plan, *seed);
+            let whole = diagnose(&group, &rows, &FitOptions::default(), &options).unwrap();
+            let found = whole.findings;
+            assert_eq!(found.effects.len() + found.unexplained.len(), *number);
+            assert_eq!(found.after.rmse_heldout, Some(*error));
+        }
         let answered = plain.iter().filter(|(n, _)| *n > 0).count();
         let realised = (plain.iter().map(|(_, e)| e * e).sum::<f64>() / plain.len() as f64).sqrt();
         let expected = foreseen.expected_rmse_n.unwrap();
