@@ -3,17 +3,17 @@
 use crate::described::*;
 use crate::input::ReportInput;
 use crate::wording::name;
-use pipeline_base::session::Session;
+use pipeline_base::session::{Sampling, Session};
 use pipeline_clean::zero::Zero;
 
 /// Where a zero is from that replaces one that holds a pull.
 const USUAL: &str = "usual";
 
-/// One row a session that has a zero log or a slack state.
+/// One row a session of logs over time, or of points that have a zero log.
 #[rustfmt::skip]
 pub fn zeros(input: &ReportInput) -> Table {
     let all = input.sessions.iter().filter_map(|s| Some((&s.ingest.session, s.clean.zero.as_ref()?)));
-    let known = all.filter(|(_, zero)| zero.zero_log_n.is_some() || zero.slack_n.is_some());
+    let known = all.filter(|(s, zero)| s.sampling == Sampling::Timeseries || zero.zero_log_n.is_some());
     let usual = |session: &Session| input.usual_zeros.get(&session.id).copied();
     Described::<(&Session, &Zero)>::new("zeros", "The zero of the force channel")
         .text("session", "Session", |(s, _)| &s.id)

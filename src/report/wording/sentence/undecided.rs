@@ -8,7 +8,41 @@ use pipeline_findings::{Alternative, CampaignFindings, LENGTH_LAW, Parameter};
 /// `compliance in series with the actuator (C = 14 um/N) in place of the law's dependence on the resting length fits the readings as well, with 12.1
 /// instead of 14.6 N on unseen specimens (with the effects found here, not searched again); predictions have the dependence; to tell which: ...`, where
 /// other parts do as well or better and predict unseen units clearly better.
+/// Where such a part was found beside the dependence, `beside the compliance in series with the actuator that was found, the law's dependence on the
+/// resting length is not needed: without it ...`.
 pub(super) fn undecided(found: &CampaignFindings) -> Option<String> {
+    not_needed(found).or_else(|| in_place_of_the_law(found))
+}
+
+/// That the law fits as well and predicts better without its dependence on the resting length, beside a part that was found.
+fn not_needed(found: &CampaignFindings) -> Option<String> {
+    let all = found.alternatives.iter();
+    let with_law = |part: &str| {
+        let has_both = |a: &&Alternative| a.parts == [LENGTH_LAW, part];
+        all.clone().find(has_both)
+    };
+    let (alone, both, part) = all.clone().find_map(|a| {
+        let [part] = &a.parts[..] else { return None };
+        let is_found = found.effects.iter().any(|e| e.id == *part);
+        Some((a, with_law(part)?, part)).filter(|_| is_found)
+    })?;
+    let (of_alone, of_both) = (alone.rmse_heldout?, both.rmse_heldout?);
+    let is_better = alone.log_likelihood > both.log_likelihood - ALIKE;
+    (is_better && of_alone < CLEARLY_LOWER * of_both).then(|| {
+        format!(
+            "beside the {} that was found, the law's {} is not needed: without it the readings fit as well, with {} instead of {} on {} (with the \
+             effects found here, not searched again); predictions have both",
+            name::part(part),
+            name::part(LENGTH_LAW),
+            error(of_alone, &found.unit),
+            error_with_unit(of_both, &found.unit),
+            name::held_out(found),
+        )
+    })
+}
+
+/// What does as well in the place of the dependence.
+fn in_place_of_the_law(found: &CampaignFindings) -> Option<String> {
     let is_found = |part: &str| found.effects.iter().any(|e| e.id == part);
     let only = |a: &&Alternative, id: &str| a.parts == [id];
     let law = found.alternatives.iter().find(|a| only(a, LENGTH_LAW))?;
@@ -125,6 +159,13 @@ mod tests {
         let mut found = example();
         found.effects[0].id = "series_compliance".to_owned();
         found.alternatives = vec![alternative(&[LENGTH_LAW], 13.0, 14.6), frame(14.0, 12.1)];
+        assert_eq!(undecided(&found), None);
+        let beside = alternative(&[LENGTH_LAW, "series_compliance"], 14.9, 13.9);
+        found.alternatives.push(beside.clone());
+        let words = undecided(&found).unwrap().replace('\u{a0}', " ");
+        let not_needed = "is not needed: without it the readings fit as well, with 12.1 instead of 13.9 N on unseen specimens";
+        assert!(words.contains(not_needed), "{words}");
+        found.alternatives[2].log_likelihood = 16.1;
         assert_eq!(undecided(&found), None);
         let mut unbounded = frame(14.0, 12.1);
         (unbounded.numbers[0].ci_low, unbounded.numbers[0].ci_high) = (None, None);
