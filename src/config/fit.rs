@@ -66,7 +66,7 @@ pub struct FitOptions {
     /// The same for 20 mm.
     pub l_0_20mm_m: f64,
     /// Whether a zero log that was recorded while the actuator pulled gives way to the usual zero of its campaign: in sessions at resting length, where it
-    /// is more than four standard deviations above those of sessions away from it. Else every zero is taken off as it is declared.
+    /// is above those of sessions away from it by more than one of these could be (Student's t at 3e-5). Else every zero is taken off as it is declared.
     pub usual_zeros: bool,
     /// Also fit each diameter over all measured campaigns that have it.
     pub pool: bool,

@@ -2,12 +2,15 @@
 //!
 //! Without pressure an actuator pulls only where it is held at its resting length or beyond, hooked in and stretched. A zero log of such a session holds
 //! that pull, which is then taken off every force of the session. Away from the resting length a vented actuator is slack, and what the load cell shows
-//! is its zero. Where a session at resting length has a zero far above those of the campaign's sessions away from it, their median is taken off in its
-//! place. A zero far below is no pull, and stays.
+//! is its zero. Where a session at resting length has a zero so far above those of the campaign's sessions away from it that it is none of these, their
+//! median is taken off in its place. What is declared gives way only where it is improbable by far, few sessions say little of how zeros scatter, and a
+//! zero far below is no pull: the test is one-sided, Student's t of one more zero, at the probability that a normal distribution has beyond four
+//! standard deviations.
 
 use pipeline_base::row::Row;
 use pipeline_config::FitOptions;
-use pipeline_numerics::statistics::{median, sd_by_median};
+use pipeline_numerics::distributions::{normal_cdf, student_t_quantile};
+use pipeline_numerics::statistics::{mean, median, sd_by_median, standard_deviation};
 use std::collections::BTreeMap;
 
 /// A zero so many standard deviations from those of other sessions of its campaign is in doubt.
@@ -39,6 +42,17 @@ pub fn beside_others(applied_n: f64, others: &[f64]) -> Option<Beside> {
         median: middle,
         deviations: (applied_n - middle) / sd,
     })
+}
+
+/// Whether a zero is above some others by more than one more of them could be, N.
+fn is_above(zero_n: f64, others: &[f64]) -> bool {
+    if others.len() < FEWEST_OTHERS {
+        return false;
+    }
+    let n = others.len() as f64;
+    let sd = standard_deviation(others).max(LEAST_SD_N) * (1.0 + 1.0 / n).sqrt();
+    let limit = student_t_quantile(normal_cdf(FAR_FROM_OTHERS), n - 1.0);
+    zero_n - mean(others) > limit * sd
 }
 
 /// What a session has of a zero, N, and the least and largest relative contraction at which it was tested.
@@ -73,9 +87,8 @@ pub fn usual_of_pulled(rows: &[Row], options: &FitOptions) -> BTreeMap<String, f
         let away: Vec<f64> = away.map(|t| t.zero_n).collect();
         for (session, tested) in sessions {
             let is_at_rest = tested.contractions.1 <= options.at_rest;
-            let beside = beside_others(tested.zero_n, &away).filter(|_| is_at_rest);
-            if let Some(beside) = beside.filter(|b| b.deviations > FAR_FROM_OTHERS) {
-                usual.insert(session.to_owned(), beside.median);
+            if is_at_rest && is_above(tested.zero_n, &away) {
+                usual.insert(session.to_owned(), median(&away));
             }
         }
     }
@@ -127,9 +140,13 @@ mod tests {
             row("b", -0.2, 12.0),
             row("c", 0.0, -30.0),
             row("d", 0.0, 1.0),
-            row("e", 0.3, 40.0),
         ];
-        rows.extend([("f", 0.0), ("g", 1.0), ("h", 2.0)].map(|(s, z)| row(s, 0.5, z)));
+        let away = [0.0, 1.0, 2.0, 0.0, 1.0, 2.0, 1.0, 1.0];
+        rows.extend(
+            away.iter()
+                .zip("efghijkl".chars())
+                .map(|(z, s)| row(&s.to_string(), 0.5, *z)),
+        );
         let options = FitOptions::default();
         let zeros = |rows: &[Row], options: &FitOptions| -> Vec<f64> {
             let after = with_usual_zeros(rows.to_vec(), options);
@@ -137,24 +154,33 @@ mod tests {
             assert!(after.iter().all(|r| (logged(r) - 100.0).abs() < 1e-12));
             after.iter().map(|r| r.zero_force_n).collect()
         };
-        // The median of e to h; e stands apart, but an actuator that is contracted so far is slack; c is no pull.
-        let usual = [1.5, 1.5, -30.0, 1.0, 40.0, 0.0, 1.0, 2.0];
-        assert_eq!(zeros(&rows, &options), usual);
-        // Another campaign says nothing, nor do fewer than three sessions away from rest; and somebody may want zeros as they are declared.
-        let declared = [15.0, 12.0, -30.0, 1.0, 40.0, 0.0, 1.0, 2.0];
+        // c is no pull.
+        assert_eq!(zeros(&rows, &options)[..4], [1.0, 1.0, -30.0, 1.0]);
+        assert_eq!(zeros(&rows, &options)[4..], away);
+        // Another campaign says nothing, nor do few sessions away from rest, whose scatter is hardly known, nor one that was tested at rest and away from
+        // it, whose zero has no length; and somebody may want zeros as they are declared.
+        let declared = [15.0, 12.0, -30.0, 1.0];
         let mut apart = rows.clone();
         for r in apart.iter_mut().filter(|r| r.session.as_str() > "d") {
             r.campaign = "other".to_owned();
         }
-        assert_eq!(zeros(&apart, &options), declared);
-        assert_eq!(zeros(&rows[..6], &options), declared[..6]);
+        assert_eq!(zeros(&apart, &options)[..4], declared);
+        assert_eq!(zeros(&rows[..8], &options)[..4], declared);
         let as_declared = FitOptions {
             usual_zeros: false,
             ..FitOptions::default()
         };
-        assert_eq!(zeros(&rows, &as_declared), declared);
-        // A session that was tested at rest and away from it has no length for its zero.
+        assert_eq!(zeros(&rows, &as_declared)[..4], declared);
         rows.push(row("a", 0.4, 15.0));
-        assert_eq!(zeros(&rows, &options)[0], 15.0);
+        assert_eq!(zeros(&rows, &options)[..2], [15.0, 1.0]);
+    }
+
+    #[test]
+    fn a_pull_is_beyond_what_one_more_zero_could_be() {
+        // Mean 0, standard deviation 2: Student's t of 4 degrees of freedom at 1 - 3.167e-5 is 17.448228 (SciPy), times 2 sqrt(1.2).
+        let others = [-2.0, -2.0, 0.0, 2.0, 2.0];
+        let limit = 17.448_228 * 2.0 * 1.2_f64.sqrt();
+        assert!(!is_above(0.9999 * limit, &others) && is_above(1.0001 * limit, &others));
+        assert!(!is_above(1e3, &others[..2]));
     }
 }
