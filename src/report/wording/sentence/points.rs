@@ -39,7 +39,7 @@ pub fn points(found: &CampaignFindings) -> Points {
         (ERROR, error_points(found).filter(|_| is_tested)),
         ("Made of", budget_points(found)),
         ("Not named", unexplained),
-        ("Not needed", not_needed(found)),
+        ("The law", not_needed(found)),
         ("Undecided", undecided(found)),
         ("Declared", contradicted),
         ("Records", recording_errors),
