@@ -67,7 +67,8 @@ pub fn usual_of_pulled(rows: &[Row], options: &FitOptions) -> BTreeMap<String, f
         return BTreeMap::new();
     }
     let mut campaigns: BTreeMap<(&str, u64), BTreeMap<&str, Tested>> = BTreeMap::new();
-    for row in rows.iter().filter(|r| r.zero_force_n.is_finite()) {
+    let is_known = |r: &&Row| r.zero_force_n.is_finite() && r.contraction_rel.is_finite();
+    for row in rows.iter().filter(is_known) {
         let of_campaign = (row.campaign.as_str(), row.diameter_mm.to_bits());
         let sessions = campaigns.entry(of_campaign).or_default();
         let tested = sessions.entry(&row.session).or_insert(Tested {
