@@ -17,8 +17,6 @@ use pipeline_base::error::{Error, Result};
 use pipeline_base::row::Row;
 use pipeline_cache::Entry;
 use pipeline_compare::Predictions;
-use pipeline_config::FitOptions;
-use pipeline_fit::zeros::{usual_of_pulled, with_usual_zeros};
 use pipeline_formats::discover::{Discovery, Unusable};
 use pipeline_report::explorer::sample::Extent;
 use pipeline_report::predictions::{Columns, Predicted};
@@ -66,7 +64,7 @@ pub fn tables<'a>(engine: &'a Engine, done: &Done, options: &'a RunOptions) -> R
     let input_digest = Digest::of_named(inputs.iter());
     let part = options.config.part(OF_TABLES)?;
     let step = engine.step(STAGE.stage, TABLES, part.keyed, inputs, || {
-        let input = gather(engine, done, &options.config.fit, &input_digest)?;
+        let input = gather(engine, done, &input_digest)?;
         report::tables(&input, &part.config)
     })?;
     if step.entry().is_some() {
@@ -118,7 +116,7 @@ pub fn pages(
     inputs.insert("implausible sessions".to_owned(), Digest::of(&doubted));
     let part = options.config.part(OF_PAGES)?;
     let step = engine.step(STAGE.stage, PAGES, part.keyed, inputs, || {
-        let input = gather(engine, done, &options.config.fit, &input_digest)?;
+        let input = gather(engine, done, &input_digest)?;
         let mut input = with_figures(engine, input, (done, figures), &tables.step)?;
         input.implausible = implausible.to_vec();
         report::pages(&input, &part.config)
@@ -229,12 +227,7 @@ fn discovery_digest(discovery: &Discovery) -> Result<Digest> {
 }
 
 /// What tables are made of.
-pub(crate) fn gather(
-    engine: &Engine,
-    done: &Done,
-    options: &FitOptions,
-    input_digest: &Digest,
-) -> Result<ReportInput> {
+pub(crate) fn gather(engine: &Engine, done: &Done, input_digest: &Digest) -> Result<ReportInput> {
     let made = done.made.of(Scope::Session);
     let (mut sessions, mut rows) = (Vec::with_capacity(made.len()), Vec::new());
     for session in made {
@@ -247,8 +240,6 @@ pub(crate) fn gather(
         });
         rows.extend(session_rows);
     }
-    let usual_zeros = usual_of_pulled(&rows, options);
-    let rows = with_usual_zeros(rows, options);
     let made = done.made.of(Scope::Group);
     let groups = made
         .iter()
@@ -260,7 +251,6 @@ pub(crate) fn gather(
         unusable: unusable.map(name_and_reasons).collect(),
         diagnostics: done.discovery.diagnostics.clone(),
         sessions,
-        usual_zeros,
         rows,
         predicted,
         groups,
