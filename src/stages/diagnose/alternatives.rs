@@ -125,7 +125,13 @@ pub(crate) fn alternatives(
             continue;
         };
         let held = unseen::of_model(setting, problem, &fit);
-        list.push(answer::alternative(&fit, parts.law, parts.other, model, held));
+        list.push(answer::alternative(
+            &fit,
+            parts.law,
+            parts.other,
+            model,
+            held,
+        ));
         rows.push(Row { parts, fit });
     }
     let first = list.first().map_or(0.0, |a| a.log_likelihood);
