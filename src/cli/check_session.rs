@@ -3,7 +3,7 @@
 use crate::args::ResultArgs;
 use crate::check_session_words::said;
 use crate::columns::{Align, aligned};
-use crate::print::{line, print_json};
+use crate::print::{counted, line, print_json};
 use crate::{DONE, predict, watch};
 use pipeline_base::columns::is_prediction;
 use pipeline_base::digest::Digest;
@@ -185,7 +185,8 @@ fn print(found: &Inspection) {
     }
     let fine = found.checks.len() - shown.len();
     if fine > 0 {
-        line(format!("  ok    {fine} more checks of its logs"));
+        let more = counted(fine, "more check", "more checks");
+        line(format!("  ok    {more} of its logs"));
     }
     if let Some(against) = &found.against {
         line(format!("  compared with {against}"));

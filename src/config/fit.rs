@@ -65,6 +65,9 @@ pub struct FitOptions {
     pub l_0_10mm_m: f64,
     /// The same for 20 mm.
     pub l_0_20mm_m: f64,
+    /// Whether a zero log that was recorded while the actuator pulled gives way to the usual zero of its campaign: in sessions at resting length, where it
+    /// is above those of sessions away from it by more than one of these could be (Student's t at 3e-5). Else every zero is taken off as it is declared.
+    pub usual_zeros: bool,
     /// Also fit each diameter over all measured campaigns that have it.
     pub pool: bool,
 }
@@ -84,6 +87,7 @@ impl Default for FitOptions {
             near_620_kpa: 15.0,
             l_0_10mm_m: 0.0075,
             l_0_20mm_m: 0.013,
+            usual_zeros: true,
             pool: true,
         }
     }

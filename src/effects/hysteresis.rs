@@ -64,7 +64,7 @@ const FORMS: &[Form] = &[
     form(
         "proportional to force",
         Place::Braid,
-        "F -> F (1 - h s)",
+        "F -> F (1 - h s) (s = +1 filling, -1 venting)",
         "h",
         "1",
         0.5,
@@ -72,7 +72,7 @@ const FORMS: &[Form] = &[
     form(
         "proportional to pressure",
         Place::Braid,
-        "F -> F - L(c), c = h s P/620 kPa; L(c) = c where the actuator pulls, else c/sqrt(1 + (c/F)^2)",
+        "F -> F - L(c), c = h s P/620 kPa (s = +1 filling, -1 venting); L(c) = c where the actuator pulls, else c/sqrt(1 + (c/F)^2)",
         "h",
         "N",
         300.0,
@@ -88,7 +88,7 @@ const FORMS: &[Form] = &[
     form(
         "sliding, closed at the top",
         Place::Braid,
-        "F -> F - L(c), c = 2 h s (1 - P/P_top) x^2/(1 + x^2), x = eps/0.01, P_top the highest of the log; L(c) = c where the actuator pulls, else c/sqrt(1 + (c/F)^2)",
+        "F -> F - L(c), c = 2 h s (1 - P/P_top) x^2/(1 + x^2), x = eps/0.01, s = +1 filling, -1 venting, P_top the highest of the log; L(c) = c where the actuator pulls, else c/sqrt(1 + (c/F)^2)",
         "h",
         "N",
         300.0,

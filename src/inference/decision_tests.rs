@@ -1030,6 +1030,31 @@ fn two_terms_come_in_for_one_where_neither_does_alone() {
 }
 
 #[test]
+fn another_kind_comes_in_first_as_well_where_several_came_in() {
+    // y = a (w1 + w2), twice the log-likelihood of both is 2 a^2. (w1 + w2 + w3)/sqrt 3, another form of the first, comes first with 4 a^2/3 and hides w2,
+    // which gains a^2/6 beside it; (w1 + w2 - 2 w3 + sqrt 2 w5)/sqrt 8 gains a^2/2. In the place of either alone, w1 or w2 lose.
+    let a = 6.0;
+    let forms = [
+        form(0, &[(1, 1.0)]),
+        form(0, &[(1, 1.0), (2, 1.0), (3, 1.0)]),
+        form(1, &[(2, 1.0)]),
+        form(2, &[(1, 1.0), (2, 1.0), (3, -2.0), (5, 2.0_f64.sqrt())]),
+    ];
+    let problem = line(&[(1, a), (2, a)], &forms);
+    for (decision, expected) in [(DECISION, [0, 2]), (QUICK, [1, 3])] {
+        let mut terms = accepted(&found(&problem, decision, 9.0));
+        terms.sort_unstable();
+        assert_eq!(terms, expected);
+    }
+    // With a third term that both answers have.
+    let forms = [&forms[..], &[form(3, &[(6, 1.0)])]].concat();
+    let problem = line(&[(1, a), (2, a), (6, 5.0)], &forms);
+    let mut terms = accepted(&found(&problem, DECISION, 9.0));
+    terms.sort_unstable();
+    assert_eq!(terms, [0, 2, 4]);
+}
+
+#[test]
 fn names_by_themselves_are_preferred_to_a_curve_where_forms_are_exchanged() {
     // r^2/2 against 2.
     for (square, differs) in sides(4.0) {

@@ -4,7 +4,8 @@ use crate::population::Known;
 use crate::{Check, Seen, State, others};
 use pipeline_base::session::{Sampling, Session};
 use pipeline_clean::Cleaned;
-use pipeline_clean::zero::{Beside, FAR_FROM_OTHERS, ZeroSource, beside_others};
+use pipeline_clean::zero::ZeroSource;
+use pipeline_fit::zeros::{Beside, FAR_FROM_OTHERS, beside_others};
 use std::collections::BTreeMap;
 
 /// Share of a zero log at the converter's limit from which somebody should look.

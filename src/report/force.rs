@@ -15,10 +15,11 @@ use crate::wording::sentence::{implausible, in_doubt};
 use pipeline_base::error::Result;
 use pipeline_base::reject::Extent;
 use pipeline_base::session::{Kind, Session};
-use pipeline_clean::zero::{FAR_FROM_OTHERS, ZeroSource, beside_others};
+use pipeline_clean::zero::ZeroSource;
 use pipeline_compare::NEW;
 use pipeline_config::Config;
 use pipeline_fit::equations::JOINT;
+use pipeline_fit::zeros::{FAR_FROM_OTHERS, beside_others};
 use pipeline_mechanics::models::new;
 use serde::Serialize;
 
@@ -39,7 +40,10 @@ struct Own {
     further_groups: Vec<String>,
     /// A log with its plateaus.
     trace: Option<Picture>,
-    /// Zeros that are far from those of the other sessions of their campaign.
+    /// Zeros that hold a pull and gave way to the usual one of their campaign.
+    replaced_zeros: Vec<DoubtfulZero>,
+    more_replaced_zeros: usize,
+    /// Zeros that are far from those of the other sessions of their campaign, and were taken off.
     doubtful_zeros: Vec<DoubtfulZero>,
     more_doubtful_zeros: usize,
     /// Sessions whose readings no such actuator gives, in a sentence; empty where there are none.
@@ -71,11 +75,11 @@ struct Campaign {
     knee: bool,
 }
 
-/// A zero in doubt: session, what was taken off, and the median of the others.
+/// A zero in doubt: session, what its log says, and the median of the others.
 #[derive(Serialize)]
 pub(crate) struct DoubtfulZero {
     session: String,
-    applied: String,
+    logged: String,
     others: String,
 }
 
@@ -182,27 +186,48 @@ pub fn force_pdf(
     document.compile()
 }
 
-/// The zeros that are far from those of the other sessions of their campaign, in the order of the sessions.
+/// The zeros that are far from those of the other sessions of their campaign, in the order of the sessions, but for those that were replaced.
 pub(crate) fn doubtful_zeros(input: &ReportInput) -> Vec<DoubtfulZero> {
-    let zeros = input.sessions.iter().filter_map(|s| {
-        let zero = s.clean.zero.as_ref()?;
-        (zero.source != ZeroSource::None).then_some((&s.ingest.session, zero.applied_n))
-    });
-    let zeros: Vec<(&Session, f64)> = zeros.collect();
-    let newtons = |x: f64| with_unit(&rounded(x, Rounding::Decimals(1)), "N");
-    let doubtful = |(session, applied): &(&Session, f64)| {
+    let zeros: Vec<(&Session, f64)> = logged_zeros(input).collect();
+    let doubtful = |(session, logged): &(&Session, f64)| {
         let others = zeros
             .iter()
             .filter(|(other, _)| other.campaign == session.campaign && other.id != session.id);
         let others: Vec<f64> = others.map(|(_, n)| *n).collect();
-        let beside = beside_others(*applied, &others)?;
-        (beside.deviations.abs() > FAR_FROM_OTHERS).then(|| DoubtfulZero {
-            session: session.id.clone(),
-            applied: newtons(*applied),
-            others: newtons(beside.median),
-        })
+        let beside = beside_others(*logged, &others)?;
+        let is_far = beside.deviations.abs() > FAR_FROM_OTHERS;
+        let is_taken_off = !input.usual_zeros.contains_key(&session.id);
+        (is_far && is_taken_off).then(|| DoubtfulZero::of(session, *logged, beside.median))
     };
     zeros.iter().filter_map(doubtful).collect()
+}
+
+/// The zeros that hold a pull, in the order of the sessions.
+pub(crate) fn replaced_zeros(input: &ReportInput) -> Vec<DoubtfulZero> {
+    let replaced = logged_zeros(input).filter_map(|(session, logged)| {
+        let usual = input.usual_zeros.get(&session.id)?;
+        Some(DoubtfulZero::of(session, logged, *usual))
+    });
+    replaced.collect()
+}
+
+/// What the clean stage found of the zeros of the sessions, N.
+fn logged_zeros(input: &ReportInput) -> impl Iterator<Item = (&Session, f64)> {
+    input.sessions.iter().filter_map(|s| {
+        let zero = s.clean.zero.as_ref()?;
+        (zero.source != ZeroSource::None).then_some((&s.ingest.session, zero.applied_n))
+    })
+}
+
+impl DoubtfulZero {
+    fn of(session: &Session, logged: f64, others: f64) -> Self {
+        let newtons = |x: f64| with_unit(&rounded(x, Rounding::Decimals(1)), "N");
+        Self {
+            session: session.id.clone(),
+            logged: newtons(logged),
+            others: newtons(others),
+        }
+    }
 }
 
 /// A count with its thousands apart.
@@ -227,6 +252,7 @@ fn own(input: &ReportInput, config: &Config) -> Own {
         .filter(|a| !a.is_empty());
     let unusable = input.unusable.iter().flat_map(|(_, all)| all);
     let doubtful_zeros = doubtful_zeros(input);
+    let replaced_zeros = replaced_zeros(input);
     Own {
         title: options.title.clone(),
         authors: authors.collect(),
@@ -245,6 +271,8 @@ fn own(input: &ReportInput, config: &Config) -> Own {
         models: opening::models(),
         first_figure: None,
         campaigns: campaigns(input),
+        more_replaced_zeros: replaced_zeros.len().saturating_sub(MOST_NAMED),
+        replaced_zeros: replaced_zeros.into_iter().take(MOST_NAMED).collect(),
         more_doubtful_zeros: doubtful_zeros.len().saturating_sub(MOST_NAMED),
         doubtful_zeros: doubtful_zeros.into_iter().take(MOST_NAMED).collect(),
         groups: input

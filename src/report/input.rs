@@ -18,6 +18,7 @@ use pipeline_ingest::IngestHeader;
 use pipeline_torque::CampaignTorque;
 use pipeline_torque::reference::Reference;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// One session as the stages left it.
 #[derive(Clone, Debug)]
@@ -121,6 +122,8 @@ pub struct ReportInput {
     pub diagnostics: Vec<Diagnostic>,
     /// Usable sessions, by id.
     pub sessions: Vec<SessionInput>,
+    /// What is taken off the force of sessions whose zero log holds a pull, N, by session.
+    pub usual_zeros: BTreeMap<String, f64>,
     /// The rows of all sessions, by session.
     pub rows: Vec<Row>,
     /// What models and the residual search expect of the rows.

@@ -10,6 +10,7 @@ use crate::{Progress, RunOptions, check_outside, reports};
 use pipeline_base::digest::Digest;
 use pipeline_base::error::{Error, Result};
 use pipeline_cache::store::write_atomically;
+use pipeline_config::FitOptions;
 use pipeline_formats::discover::{Discovery, discover};
 use pipeline_report::explorer::{self, sample::Extent, trace};
 use pipeline_report::stage::ReportInput;
@@ -60,7 +61,7 @@ pub fn explore(
         discovery: &discovery,
         made: &made,
     };
-    let page = pool.install(|| page(&engine, &done, campaign))?;
+    let page = pool.install(|| page(&engine, &done, &options.config.fit, campaign))?;
     write_atomically(out, page.as_bytes())
 }
 
@@ -78,13 +79,14 @@ fn no_campaign(options: &RunOptions, campaign: &str, discovery: &Discovery) -> S
 ///
 /// # Errors
 /// Results that are not up to date, a campaign that is not there, damaged entries.
-fn page(engine: &Engine, done: &Done, campaign: &str) -> Result<String> {
+fn page(engine: &Engine, done: &Done, options: &FitOptions, campaign: &str) -> Result<String> {
     let inputs = reports::results(done)?.map_err(|on| {
         Error::Usage(format!(
             "the results of the {on} are missing or out of date; `pipeline run` makes them"
         ))
     })?;
-    let mut input = reports::gather(engine, done, &Digest::of_named(inputs.iter()))?;
+    let digest = Digest::of_named(inputs.iter());
+    let mut input = reports::gather(engine, done, options, &digest)?;
     let sessions = input.sessions.iter().map(|s| &s.ingest.session);
     let known: BTreeSet<&str> = sessions.map(|s| s.campaign.as_str()).collect();
     if !known.contains(campaign) {

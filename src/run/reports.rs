@@ -17,6 +17,8 @@ use pipeline_base::error::{Error, Result};
 use pipeline_base::row::Row;
 use pipeline_cache::Entry;
 use pipeline_compare::Predictions;
+use pipeline_config::FitOptions;
+use pipeline_fit::zeros::{usual_of_pulled, with_usual_zeros};
 use pipeline_formats::discover::{Discovery, Unusable};
 use pipeline_report::explorer::sample::Extent;
 use pipeline_report::predictions::{Columns, Predicted};
@@ -64,7 +66,7 @@ pub fn tables<'a>(engine: &'a Engine, done: &Done, options: &'a RunOptions) -> R
     let input_digest = Digest::of_named(inputs.iter());
     let part = options.config.part(OF_TABLES)?;
     let step = engine.step(STAGE.stage, TABLES, part.keyed, inputs, || {
-        let input = gather(engine, done, &input_digest)?;
+        let input = gather(engine, done, &options.config.fit, &input_digest)?;
         report::tables(&input, &part.config)
     })?;
     if step.entry().is_some() {
@@ -116,7 +118,7 @@ pub fn pages(
     inputs.insert("implausible sessions".to_owned(), Digest::of(&doubted));
     let part = options.config.part(OF_PAGES)?;
     let step = engine.step(STAGE.stage, PAGES, part.keyed, inputs, || {
-        let input = gather(engine, done, &input_digest)?;
+        let input = gather(engine, done, &options.config.fit, &input_digest)?;
         let mut input = with_figures(engine, input, (done, figures), &tables.step)?;
         input.implausible = implausible.to_vec();
         report::pages(&input, &part.config)
@@ -227,7 +229,12 @@ fn discovery_digest(discovery: &Discovery) -> Result<Digest> {
 }
 
 /// What tables are made of.
-pub(crate) fn gather(engine: &Engine, done: &Done, input_digest: &Digest) -> Result<ReportInput> {
+pub(crate) fn gather(
+    engine: &Engine,
+    done: &Done,
+    options: &FitOptions,
+    input_digest: &Digest,
+) -> Result<ReportInput> {
     let made = done.made.of(Scope::Session);
     let (mut sessions, mut rows) = (Vec::with_capacity(made.len()), Vec::new());
     for session in made {
@@ -240,6 +247,8 @@ pub(crate) fn gather(engine: &Engine, done: &Done, input_digest: &Digest) -> Res
         });
         rows.extend(session_rows);
     }
+    let usual_zeros = usual_of_pulled(&rows, options);
+    let rows = with_usual_zeros(rows, options);
     let made = done.made.of(Scope::Group);
     let groups = made
         .iter()
@@ -251,6 +260,7 @@ pub(crate) fn gather(engine: &Engine, done: &Done, input_digest: &Digest) -> Res
         unusable: unusable.map(name_and_reasons).collect(),
         diagnostics: done.discovery.diagnostics.clone(),
         sessions,
+        usual_zeros,
         rows,
         predicted,
         groups,

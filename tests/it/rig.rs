@@ -119,8 +119,9 @@ fn phases(plateaus: &[BTreeMap<String, String>]) {
     }
 }
 
-/// The errors that a rough extraction gave, near 19 N and 75 N, are those of the plateaus that carry load. Over all plateaus they are
-/// smaller, because two fifths of them are slack and all models are right there.
+/// The errors that a rough extraction gave, near 19 N and 75 N, are those of the plateaus that carry load, with the zeros as they are declared. Over all
+/// plateaus they are 17.2 and 64.0 N, because two fifths of them are slack and all models are right there; with the three zeros that hold a pull replaced
+/// 12.4 and 58.4 N.
 fn errors(bench: &Bench) {
     let rmse = |model: &str| {
         let table = bench.table("model_comparison");
@@ -130,12 +131,12 @@ fn errors(bench: &Bench) {
         row.unwrap()["rmse"].parse::<f64>().unwrap()
     };
     assert!(
-        (15.0..21.0).contains(&rmse("new_published")),
+        (11.0..14.0).contains(&rmse("new_published")),
         "{}",
         rmse("new_published")
     );
     assert!(
-        (60.0..80.0).contains(&rmse("hunt2017")),
+        (54.0..63.0).contains(&rmse("hunt2017")),
         "{}",
         rmse("hunt2017")
     );

@@ -1,6 +1,7 @@
 //! The search: forward from the null model, one term at a time, each tested against the maximum over all candidates; then deletions and
 //! swaps among terms that show alike. A term that tells groups apart has to show beyond the scatter of its size among them as well
-//! ([`crate::problem::Problem::scatters`]): what scatters from group to group differs between any two sets of groups. At the end a term stays
+//! ([`crate::problem::Problem::scatters`]): what scatters from group to group differs between any two sets of groups. Where several came in, the search is
+//! made again with another kind first, and the better one kept. At the end a term stays
 //! only if it also shows where the size of any other one may bend along its own argument
 //! ([`crate::problem::Problem::bends`]): an effect whose form the library does not have must not call up a second one.
 //!
@@ -27,7 +28,7 @@ mod worth;
 use crate::fit::{Fitted, Setting};
 use crate::problem::Point;
 use crate::screen::{Normal, Screen, Shown};
-use crate::statistic::critical;
+use crate::statistic::{critical, likelihood_ratio};
 use without::LeftOut;
 
 /// The numbers on which a search decides.
@@ -146,18 +147,42 @@ struct Way {
     of_amplitude: f64,
     /// Whether one may come in while another gives way.
     in_pairs: bool,
+    /// A kind that does not come in first.
+    not_first: Option<usize>,
 }
 
 impl Search<'_> {
-    /// Searches from a fitted null. `known` are draws of the same design, which stand for draws from this null.
+    /// Searches from a fitted null. `known` are draws of the same design, which stand for draws from this null. Where several terms came in, the search
+    /// is made again with another kind first: of two that gain nearly as much by themselves chance decides which comes in first, and where that has
+    /// a form that takes part of the other, what then comes in is what is left of both.
     pub fn run(&self, null: Fitted, normal: &Normal, known: Option<&[f64]>) -> Found {
-        let mut found = self.begun(null, normal, known);
+        let begun = self.begun(null, normal, known);
         let way = Way {
             drawn: known.map_or(Drawn::IfClose, |_| Drawn::IfDoubtful),
             named_only: false,
             of_amplitude: self.decision.alike,
             in_pairs: false,
+            not_first: None,
         };
+        let mut found = self.completed(begun.clone(), normal, way);
+        if let [first, _, ..] = &found.accepted[..]
+            && self.decision.thorough
+        {
+            let other_first = Way {
+                not_first: Some(self.setting.problem.terms()[first.term].kind),
+                ..way
+            };
+            let other = self.completed(begun, normal, other_first);
+            if self.paid(&other) > self.paid(&found) + WORTH_A_SWAP {
+                found = other;
+            }
+        }
+        self.leave_out_bends(&mut found);
+        found
+    }
+
+    /// Terms come in and go until nothing changes.
+    fn completed(&self, mut found: Found, normal: &Normal, way: Way) -> Found {
         // What gave way to a term that then went itself may come back.
         let mut ended = Vec::new();
         for _ in 0..MOST_ROUNDS {
@@ -170,8 +195,16 @@ impl Search<'_> {
             }
             ended = terms;
         }
-        self.leave_out_bends(&mut found);
         found
+    }
+
+    /// The log-likelihood of what was found, less what every term has to gain to come in.
+    fn paid(&self, found: &Found) -> f64 {
+        let of_terms = found.accepted.iter().map(|a| {
+            let amplitudes = self.setting.problem.terms()[a.term].amplitudes;
+            0.5 * likelihood_ratio(a.critical, amplitudes)
+        });
+        self.weighed(&found.model) - of_terms.sum::<f64>()
     }
 
     /// The same, with exchanges after every step: the model is built anew with every choice of forms, because the first form to come in may lead
@@ -187,6 +220,7 @@ impl Search<'_> {
             named_only,
             of_amplitude: self.decision.alike,
             in_pairs: true,
+            not_first: None,
         };
         let mut found = self.grown(begun.clone(), normal, way(false));
         let is_named = |a: &Accepted| self.setting.problem.terms()[a.term].named;

@@ -70,12 +70,16 @@ impl Search<'_> {
     fn next(&self, found: &mut Found, normal: &Normal, way: Way) -> Step {
         let model = found.model.clone();
         let screen = self.screen(self.setting, &model, way);
-        let shown = screen.shown(2 * Screen::refined_in_draws());
+        let is_first = found.accepted.is_empty();
+        let kind = |t: usize| self.setting.problem.terms()[t].kind;
+        let may_come = |t: usize| !is_first || way.not_first != Some(kind(t));
+        let mut shown = screen.shown(2 * Screen::refined_in_draws());
+        shown.retain(|s| may_come(screen.directions[s.direction].term));
         let first = strongest(&shown);
         let (mut draws, own) = self.draws_beside(found, &screen, normal, way, first);
         let limit = critical(&draws, self.decision.level);
-        let is_first = found.accepted.is_empty();
-        let fits = self.fits_beside((&model, is_first), (&screen, &shown), limit, way);
+        let mut fits = self.fits_beside((&model, is_first), (&screen, &shown), limit, way);
+        fits.retain(|(_, t)| may_come(*t));
         let Some((fitted, term)) = self.preferred(&fits, way) else {
             return self.in_pairs(found, &draws, limit, way);
         };

@@ -18,7 +18,7 @@ mod limits;
 use crate::extent::{MOST_GROUPS, MOST_ROWS_ON_PAGES};
 use crate::figures::Drawn;
 use crate::figures::found::Kind;
-use crate::force::doubtful_zeros;
+use crate::force::{doubtful_zeros, replaced_zeros};
 use crate::input::{GroupInput, ReportInput};
 use crate::knee;
 use crate::pages::{PageData, Picture};
@@ -73,7 +73,9 @@ struct Own {
     budget: Option<Picture>,
     /// Sessions whose readings no such actuator gives, in a sentence; empty where there are none.
     implausible: String,
-    /// How many sessions have a zero that is far from those of the others.
+    /// How many sessions have a zero log that holds a pull.
+    replaced_zeros: usize,
+    /// How many have a zero that is far from those of the others, and was taken off.
     doubtful_zeros: usize,
     /// What the words for the strength of the evidence mean; empty where nothing was found.
     evidence: String,
@@ -231,6 +233,7 @@ pub fn residual_pdf(
     let own = Own {
         campaigns: sections(input, figures),
         implausible: implausible(&input.implausible).unwrap_or_default(),
+        replaced_zeros: replaced_zeros(input).len(),
         doubtful_zeros: doubtful_zeros(input).len(),
         not_assessed: front::not_assessed(with_section().map(|(found, _)| found)),
         errors: with_section()

@@ -4,6 +4,7 @@ use super::clean::READINGS;
 use super::parts::*;
 use pipeline_base::reject::Reject;
 use pipeline_base::row::Row;
+use pipeline_fit::zeros::with_usual_zeros;
 use pipeline_normalize as normalize;
 
 /// The stage.
@@ -41,10 +42,12 @@ fn run(given: &Given) -> Result<Outputs> {
     Ok(outputs)
 }
 
-/// The rows of all sessions one after the other, for a rule that reads [`ROWS_OF_EACH`].
+/// The rows of all sessions one after the other, with the usual zeros of their campaigns ([`pipeline_fit::zeros`]), for a rule that reads
+/// [`ROWS_OF_EACH`] and the options of the fit.
 ///
 /// # Errors
 /// They are not declared; a damaged cache.
 pub fn rows(given: &Given) -> Result<Vec<Row>> {
-    Ok(given.each(&ROWS)?.into_iter().flatten().collect())
+    let rows = given.each(&ROWS)?.into_iter().flatten().collect();
+    Ok(with_usual_zeros(rows, &given.config().fit))
 }

@@ -12,14 +12,15 @@
 //! 4. `none`: nothing is taken off.
 //!
 //! A zero log that contradicts the slack state is still applied, because it is what the measurers declared, and because a zero that
-//! moved between zero log and test is an effect that the residual search must be able to find; the difference is reported.
+//! moved between zero log and test is an effect that the residual search must be able to find; the difference is reported. What the zeros of a
+//! campaign say of one of them is judged where its sessions come together (`pipeline_fit::zeros`).
 
 use crate::screen::Screened;
 use pipeline_base::columns::{FORCE, PRESSURE};
 use pipeline_base::reading::Reading;
 use pipeline_base::session::{ColumnSpec, Sampling};
 use pipeline_config::ZeroRule;
-use pipeline_numerics::statistics::{median, quantile_range, sd_by_median};
+use pipeline_numerics::statistics::{median, quantile_range};
 use serde::{Deserialize, Serialize};
 
 /// Where a zero came from.
@@ -46,37 +47,6 @@ impl ZeroSource {
             ZeroSource::None => "none",
         }
     }
-}
-
-/// A zero so many standard deviations from those of other sessions of its campaign is in doubt.
-pub const FAR_FROM_OTHERS: f64 = 4.0;
-/// Fewest other sessions that say what is usual.
-const FEWEST_OTHERS: usize = 3;
-/// Zeros scatter by this much at least, N: what a load cell does from day to day.
-const LEAST_SD_N: f64 = 1.0;
-
-/// A zero beside those of other sessions.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Beside {
-    /// Their median, N.
-    pub median: f64,
-    /// How far it is from that, in their standard deviations.
-    pub deviations: f64,
-}
-
-/// A zero beside those of the other sessions of its campaign, N: a zero log that was recorded while the actuator was under tension has that in
-/// it. Of fewer than three others none.
-pub fn beside_others(applied_n: f64, others: &[f64]) -> Option<Beside> {
-    if others.len() < FEWEST_OTHERS {
-        return None;
-    }
-    let middle = median(others);
-    let sizes: Vec<f64> = others.iter().map(|z| (z - middle).abs()).collect();
-    let sd = sd_by_median(&sizes).max(LEAST_SD_N);
-    Some(Beside {
-        median: middle,
-        deviations: (applied_n - middle) / sd,
-    })
 }
 
 /// The zero of one session, and what speaks for and against it. Forces in N.
@@ -218,17 +188,6 @@ mod tests {
             values: [(PRESSURE.to_owned(), pressure), (FORCE.to_owned(), force)].into(),
             labels: std::collections::BTreeMap::new(),
         }
-    }
-
-    #[test]
-    fn a_zero_is_far_from_others_in_their_own_deviations() {
-        let far = beside_others(1.0 + 5.0 * sd_by_median(&[1.0]), &[0.0, 1.0, 2.0]).unwrap();
-        assert_eq!(far.median, 1.0);
-        assert!((far.deviations - 5.0).abs() < 1e-12);
-        // Others that agree to less than a load cell does from day to day.
-        let near = beside_others(3.0, &[0.0, 0.0, 0.0]).unwrap();
-        assert_eq!(near.deviations, 3.0);
-        assert_eq!(beside_others(9.0, &[0.0, 0.0]), None);
     }
 
     #[test]

@@ -17,6 +17,9 @@
 //! freedom (Efron 1982; Tukey 1958), which the refits for leave-one-specimen-out give for nothing; below three specimens there is only
 //! the linearised one, and the table says so.
 //!
+//! Rows come with the zeros that their sessions declare; which of these are pulls of the actuator, the zeros of a campaign show beside one another
+//! ([`zeros`]).
+//!
 //! Refits of ten specimens and more are steps from the full fit, checked on the rows (`steps`), so that the work grows with the rows and not
 //! with specimens times rows.
 
@@ -32,6 +35,7 @@ pub mod split;
 mod steps;
 #[cfg(test)]
 mod tests_of_refits;
+pub mod zeros;
 
 use engine::EquationFit;
 use maxima::Maximum;

@@ -3,7 +3,7 @@
 use super::budget::points as budget_points;
 use super::errors::points as error_points;
 use super::found::{graded_answer, mounted_off};
-use super::undecided::undecided;
+use super::undecided::{not_needed, undecided};
 use super::{Clauses, clauses};
 use crate::wording::name::capitalised;
 use pipeline_findings::{CampaignFindings, Verdict};
@@ -39,6 +39,7 @@ pub fn points(found: &CampaignFindings) -> Points {
         (ERROR, error_points(found).filter(|_| is_tested)),
         ("Made of", budget_points(found)),
         ("Not named", unexplained),
+        ("The law", not_needed(found)),
         ("Undecided", undecided(found)),
         ("Declared", contradicted),
         ("Records", recording_errors),
