@@ -37,7 +37,7 @@ pub fn read(args: &PredictArgs, places: &Places) -> Result<Option<Read>> {
         rows.extend(of_specimen(&known, id)?);
     }
     for folder in &args.calibrate {
-        rows.extend(of_folder(folder, places)?);
+        rows.extend(of_folder(folder, places, &known)?);
         doubts.extend(doubts_of(folder, places, &known));
     }
     doubts.dedup();
@@ -94,8 +94,8 @@ fn of_specimen(known: &Known, id: &str) -> Result<Vec<Row>> {
 }
 
 /// The readings of the sessions in a folder.
-fn of_folder(folder: &Path, places: &Places) -> Result<Vec<Row>> {
-    let (own, unusable) = pipeline_inspect::readings(folder, &places.config);
+fn of_folder(folder: &Path, places: &Places, known: &Known) -> Result<Vec<Row>> {
+    let (own, unusable) = pipeline_inspect::readings(folder, &places.config, known);
     if !unusable.is_empty() {
         return Err(Error::Config(unusable));
     }

@@ -65,8 +65,8 @@ pub struct FitOptions {
     pub l_0_10mm_m: f64,
     /// The same for 20 mm.
     pub l_0_20mm_m: f64,
-    /// Whether a zero log that was recorded while the actuator pulled gives way to the usual zero of its campaign: in sessions at resting length, where it
-    /// is above those of sessions away from it by more than one of these could be (Student's t at 3e-5). Else every zero is taken off as it is declared.
+    /// Whether zero logs that were recorded while the actuator pulled give way to the usual zero of their campaign: in sessions at resting length, where one
+    /// is further above those of sessions away from it than one more would be by chance (Student's t at 3e-5). Else every zero is taken off as it is declared.
     pub usual_zeros: bool,
     /// Also fit each diameter over all measured campaigns that have it.
     pub pool: bool,

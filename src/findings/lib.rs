@@ -701,6 +701,9 @@ pub struct CoefficientChange {
     pub at_bound: bool,
     /// Whether the one without them did.
     pub before_at_bound: bool,
+    /// Whether the effects took its place: `after` is then where the law has none of it, and no reading was used for that.
+    #[serde(default)]
+    pub left_out: bool,
 }
 
 /// The part of [`Alternative`] that is the law's own dependence on the resting length.

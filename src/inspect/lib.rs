@@ -28,6 +28,7 @@ use pipeline_base::session::{Kind, LogSpec, Session};
 use pipeline_clean::Cleaned;
 use pipeline_config::Config;
 use pipeline_findings::RecordingError;
+use pipeline_fit::zeros::with_zeros_of_run;
 use pipeline_formats::discover::{Located, discover};
 use pipeline_formats::log_file;
 use pipeline_ingest::{Ingested, LogBytes};
@@ -327,14 +328,15 @@ pub fn log(located: &Located, file: &str, config: &Config, known: &Known) -> Ins
     inspect(located, &session, config, known)
 }
 
-/// The readings of the sessions in a folder or below it, as a run would have them, and the folders that cannot be read.
-pub fn readings(folder: &Path, config: &Config) -> (Vec<Row>, Vec<Diagnostic>) {
+/// The readings of the sessions in a folder or below it, as a run with those that are known would have them, and the folders that cannot be read.
+pub fn readings(folder: &Path, config: &Config, known: &Known) -> (Vec<Row>, Vec<Diagnostic>) {
     let found = discover(&[folder.to_path_buf()]);
     let rows = found
         .sessions
         .iter()
         .flat_map(|l| rows(l, config))
         .collect();
+    let rows = with_zeros_of_run(rows, &known.rows, &config.fit);
     let unusable = found.unusable.iter();
     let messages = unusable.flat_map(|u| placed(folder, &u.diagnostics));
     (rows, messages.collect())
@@ -346,7 +348,7 @@ fn placed(folder: &Path, diagnostics: &[Diagnostic]) -> Vec<Diagnostic> {
     diagnostics.iter().map(place).collect()
 }
 
-/// The readings of a session, as a run would have them.
+/// The readings of a session by itself.
 pub fn rows(located: &Located, config: &Config) -> Vec<Row> {
     let session = &located.session;
     normalized(located, session, files(located, session), config).rows
@@ -392,6 +394,7 @@ fn inspect(located: &Located, session: &Session, config: &Config, known: &Known)
         cleaned,
         rows,
     } = normalized(located, session, files.clone(), config);
+    let rows = with_zeros_of_run(rows, &known.rows, &config.fit);
     let mut checks: Vec<Check> = Vec::new();
     checks.extend(session.exclude.iter().map(|why| Check {
         log: None,

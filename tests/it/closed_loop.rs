@@ -332,7 +332,7 @@ mod long {
 
     /// The table in the documentation is of these answers and no others.
     #[test]
-    #[ignore = "long: 390 s of processor time"]
+    #[ignore = "long: 650 s of processor time"]
     fn the_published_table_is_of_this_loop() {
         let answers = digest::line(&digest::answers());
         assert!(

@@ -139,11 +139,12 @@ mod long {
         let number_and_error = |seed: &u64| {
             let rows = draw::rows(&plan, *seed);
             let rows: Vec<&Row> = rows.iter().collect();
-            searched(plan.diameter_mm, &rows, |problem, setting, found| {
+            searched(plan.diameter_mm, &rows, |outcome, setting| {
                 let decision = decision(&options);
                 let nameless = |_| String::new();
-                let held = unseen::held_out(setting, problem, found, decision, &normal, nameless);
-                (found.accepted.len(), held.after.rmse_heldout.unwrap())
+                let held = unseen::held_out(outcome, setting, decision, &normal, nameless);
+                let found = outcome.found.accepted.len();
+                (found, held.after.rmse_heldout.unwrap())
             })
         };
         let seeds: Vec<u64> = SEEDS.collect();
@@ -184,8 +185,9 @@ mod long {
                 let mut rows = draw::rows(&plan, **seed);
                 rows.iter_mut().for_each(|r| put(r, limit.smallest));
                 let rows: Vec<&Row> = rows.iter().collect();
-                searched(plan.diameter_mm, &rows, |problem, _, found| {
-                    let mut terms = found.accepted.iter().map(|a| &problem.library[a.term]);
+                searched(plan.diameter_mm, &rows, |outcome, _| {
+                    let library = outcome.problem.library;
+                    let mut terms = outcome.found.accepted.iter().map(|a| &library[a.term]);
                     terms.any(|t| t.id() == Some(id))
                 })
             };

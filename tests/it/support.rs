@@ -3,12 +3,11 @@
 use pipeline::base::row::Row;
 use pipeline::config::{DiagnoseOptions, FitOptions};
 use pipeline::inference::fit::Setting;
-use pipeline::inference::search::{Found, Search};
 use pipeline::simulate;
 use pipeline::stages::diagnose::base::Base;
 use pipeline::stages::diagnose::data::Data;
+use pipeline::stages::diagnose::length_law::{self, Outcome};
 use pipeline::stages::diagnose::mixed_law::MixedLaw;
-use pipeline::stages::diagnose::problem::ForceProblem;
 use pipeline::stages::diagnose::{Declared, decision, draws, library, suited};
 use pipeline::stages::fit::Group;
 use std::collections::{BTreeMap, BTreeSet};
@@ -327,8 +326,9 @@ pub fn rig_run() -> Arc<RigRun> {
 
 /// The law of the mixed model that a search of some readings ends with.
 pub fn searched_law(group: &Group, rows: &[&Row]) -> MixedLaw {
-    searched(group.diameter_mm, rows, |problem, setting, found| {
-        MixedLaw::of(group, problem, setting, &found.model, &[], None).unwrap()
+    searched(group.diameter_mm, rows, |outcome, setting| {
+        let (problem, model) = (&outcome.problem, &outcome.found.model);
+        MixedLaw::of(group, problem, setting, model, &[], None).unwrap()
     })
 }
 
@@ -336,7 +336,7 @@ pub fn searched_law(group: &Group, rows: &[&Row]) -> MixedLaw {
 pub fn searched<T>(
     diameter_mm: u32,
     rows: &[&Row],
-    asked: impl FnOnce(&ForceProblem, &Setting, &Found) -> T,
+    asked: impl FnOnce(&Outcome, &Setting) -> T,
 ) -> T {
     let lengths: BTreeSet<u64> = rows.iter().map(|r| r.rest_length_m.to_bits()).collect();
     let base = Base::new(diameter_mm, true, lengths.len(), &FitOptions::default());
@@ -346,13 +346,12 @@ pub fn searched<T>(
         .with_placebo(options.seed)
         .thinned(options.most_readings);
     let library = library::terms(&data);
-    let (problem, null) = suited(&base, &data, &library, &BTreeSet::new(), Declared::Taken);
-    let setting = Setting::new(&problem);
-    let search = Search {
-        setting: &setting,
-        decision: decision(&options),
-        tried: None,
-    };
-    let found = search.run(null, &draws("draw", options.seed), None);
-    asked(&problem, &setting, &found)
+    let nobody = BTreeSet::new();
+    let (problem, null) = suited(&base, &data, &library, &nobody, Declared::Taken);
+    let laws = base.with_and_without_length_law();
+    let normal = draws("draw", options.seed);
+    let decision = decision(&options);
+    let laws = laws.as_ref();
+    let outcome = length_law::searched(problem, null, laws, &nobody, decision, &normal);
+    asked(&outcome, &Setting::new(&outcome.problem))
 }

@@ -5,9 +5,10 @@ use pipeline::findings::CampaignFindings;
 use serde_json::Value;
 
 /// What the table does not judge, beside free forms.
-const NOT_JUDGED: [&str; 13] = [
+const NOT_JUDGED: [&str; 14] = [
     "reference_level",
     "of_level",
+    "left_out",
     "smallest_p",
     "share_of_rest_length",
     "rmse_heldout_calibrated",

@@ -56,13 +56,18 @@ impl Channel<'_> {
     }
 }
 
+/// The force of a reading before its zero was subtracted, N.
+fn logged_n(reading: &Row) -> f64 {
+    let zero = reading.zero_force_n;
+    reading.force_n + if zero.is_finite() { zero } else { 0.0 }
+}
+
 fn figure(input: &ReportInput, trace: &Trace) -> Option<Named> {
     let time = trace.samples.numbers(TIME)?;
     let of_log = |r: &&Row| r.session == trace.session && r.log == trace.log;
     let readings: Vec<&Row> = input.rows.iter().filter(of_log).collect();
     let of_trace = |s: &&SessionInput| s.ingest.session.id == trace.session;
     let session = input.sessions.iter().find(of_trace)?;
-    let zero = session.clean.zero.as_ref().map_or(0.0, |z| z.applied_n);
     let pressure = Channel {
         label: "Pressure (kPa)",
         ink: Ink::Vermilion,
@@ -76,10 +81,7 @@ fn figure(input: &ReportInput, trace: &Trace) -> Option<Named> {
         label: "Force as logged (N)",
         ink: Ink::Blue,
         values: trace.samples.numbers(FORCE)?,
-        readings: readings
-            .iter()
-            .map(|r| (r.time_s, r.force_n + zero))
-            .collect(),
+        readings: readings.iter().map(|r| (r.time_s, logged_n(r))).collect(),
     };
     let windows = windows(session, trace, &readings, time)?;
     let from = close_up(&readings)?;

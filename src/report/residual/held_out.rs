@@ -122,7 +122,9 @@ fn coefficient(c: &CoefficientChange) -> [String; 5] {
     let after = rounded(c.after, rounding);
     let at_bound = |value: String| format!("{value} (at its bound)");
     let before = rounded(c.before, Rounding::Digits(4));
-    let with = if c.at_bound {
+    let with = if c.left_out {
+        "left out".to_owned()
+    } else if c.at_bound {
         at_bound(after)
     } else if bounded {
         format!("{after} ± {}", rounded(half, rounding))

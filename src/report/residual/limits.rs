@@ -125,6 +125,9 @@ fn is_absorbed_part(found: &CampaignFindings, one: &NotMeasurable) -> bool {
 
 /// Beside what the smallest sizes would have been found: the law, with the part that takes the place of others, and what was found.
 pub(super) fn beside(found: &CampaignFindings) -> &'static str {
+    if found.coefficients.iter().any(|c| c.left_out) {
+        return "the law without its dependence on the resting length and the effects found";
+    }
     match (found.alternatives.is_empty(), has_terms(found)) {
         (false, false) => "the law with its dependence on the resting length",
         (false, true) => "the law with its dependence on the resting length and the effects found",

@@ -91,6 +91,7 @@ pub(crate) fn alternatives(
         return Vec::new();
     };
     let [with, without] = &bases;
+    let found_beside_law = problem.base.fits_length_law();
     let problems = [problem.with_base(without), problem.with_base(with)];
     let settings = [0, 1].map(|k| Setting {
         active: setting.active.clone(),
@@ -117,8 +118,9 @@ pub(crate) fn alternatives(
             let stands_for_ends = is_of_ends(term) && term.scope == Scope::All;
             !term.is_frame() && !stands_for_ends
         });
-        if !parts.law {
-            from.coefficients[base::LENGTH_LAW] = without.coefficients[base::LENGTH_LAW].start;
+        let of_base = if parts.law { with } else { without };
+        if !(parts.law && found_beside_law) {
+            from.coefficients[base::LENGTH_LAW] = of_base.coefficients[base::LENGTH_LAW].start;
         }
         let model = (setting, problem);
         let Some(fit) = fit(parts, model, (from, &found.model.variances), &rows) else {

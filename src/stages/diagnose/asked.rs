@@ -4,6 +4,7 @@ use crate::alternatives::alternatives;
 use crate::answer::{self, Work};
 use crate::base::Base;
 use crate::expected;
+use crate::length_law::Outcome;
 use crate::mixed_law::MixedLaw;
 use crate::problem::ForceProblem;
 use crate::{Diagnosis, draws, form, library, limits, next, unseen, verdict};
@@ -14,16 +15,15 @@ use pipeline_fit::Group;
 use pipeline_inference::fit::{Fitted, Setting};
 use pipeline_inference::profile::Profiles;
 use pipeline_inference::screen::Normal;
-use pipeline_inference::search::{Decision, Found};
+use pipeline_inference::search::Decision;
 use pipeline_inference::system::Variances;
 use std::collections::BTreeMap;
 
 /// A search that is done.
 pub(crate) struct Searched<'a> {
-    pub(crate) problem: &'a ForceProblem<'a>,
+    pub(crate) outcome: &'a Outcome<'a>,
     pub(crate) setting: &'a Setting<'a>,
     pub(crate) decision: Decision,
-    pub(crate) found: &'a Found,
     pub(crate) normal: &'a Normal<'a>,
 }
 
@@ -36,18 +36,18 @@ pub(crate) fn answered(
     mut findings: CampaignFindings,
 ) -> Diagnosis {
     let Searched {
-        problem,
+        outcome,
         setting,
         decision,
-        found,
         normal,
     } = *searched;
+    let Outcome { problem, found, .. } = outcome;
     let (library, data) = (problem.library, problem.data);
     let name = |t: usize| match library[t].what {
         library::What::Column(column) => column.name(data),
         library::What::Effect { effect, .. } => effects::all()[effect].id().to_owned(),
     };
-    let held = unseen::held_out(setting, problem, found, decision, normal, name);
+    let held = unseen::held_out(outcome, setting, decision, normal, name);
     let forms = free_forms(setting, problem, &found.model, options);
     let work = Work {
         diameter_mm: group.diameter_mm,
@@ -55,6 +55,7 @@ pub(crate) fn answered(
         problem,
         setting,
         found,
+        null: outcome.null(),
         held: &held,
         forms: &forms,
         smallest_n: options.smallest_effect_n,
@@ -98,7 +99,7 @@ fn put_model(findings: &mut CampaignFindings, work: &Work, variances: &Variances
         rmse_train: Some(work.error_in_sample(model)),
         ..of_unseen.clone()
     };
-    findings.before = errors(&work.found.null, &work.held.before);
+    findings.before = errors(work.null, &work.held.before);
     findings.after = errors(&work.found.model, &work.held.after);
     findings.noise = Some(work.problem.noise_of(variances));
     findings.tested = work.tested();

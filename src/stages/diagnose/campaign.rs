@@ -4,6 +4,7 @@ use crate::aside::{groups_of, law_found, mistakes_among, without_mistakes};
 use crate::asked::{Searched, answered};
 use crate::base::Base;
 use crate::data::Data;
+use crate::length_law::{Outcome, searched};
 use crate::problem::ForceProblem;
 use crate::suited::{Declared, part_of, suited};
 use crate::unassessed::unassessed;
@@ -16,13 +17,15 @@ use pipeline_fit::Group;
 use pipeline_inference::decisions;
 use pipeline_inference::fit::Fitted;
 use pipeline_inference::screen::Normal;
-use pipeline_inference::search::{Found, Search};
+use pipeline_inference::search::Found;
 use std::collections::BTreeSet;
 
 /// The readings of a group, to be assessed.
 pub(crate) struct Campaign<'a> {
     pub(crate) group: &'a Group,
     pub(crate) base: &'a Base,
+    /// The base law with and without its dependence on the resting length, by the readings alone; none where that is not fitted.
+    pub(crate) laws: Option<&'a [Base; 2]>,
     pub(crate) rows: &'a [&'a Row],
     /// Rows that the base law has no value for.
     pub(crate) outside: usize,
@@ -71,18 +74,18 @@ impl Campaign<'_> {
             };
         }
         let normal = draws("draw", self.options.seed);
-        let (problem, found) = self.searched(problem, null, &kept_out, &normal);
+        let outcome = self.searched(problem, null, &kept_out, &normal);
+        let Outcome { problem, found, .. } = &outcome;
         if again {
-            let others = self.mistakes_beside(&problem, &found);
+            let others = self.mistakes_beside(problem, found);
             if groups_of(&others) != groups_of(mistakes) {
                 return Answer::OtherMistakes(others);
             }
         }
         let searched = Searched {
-            problem: &problem,
-            setting: &part_of(&problem, &kept_out),
+            outcome: &outcome,
+            setting: &part_of(problem, &kept_out),
             decision: decision(self.options),
-            found: &found,
             normal: &normal,
         };
         let mut diagnosis = answered(self.group, self.base, &searched, self.options, findings);
@@ -92,42 +95,32 @@ impl Campaign<'_> {
         Answer::Given(Box::new(diagnosis))
     }
 
-    /// What a search finds, and the problem that it was made of: with declared standard deviations estimated, if what was found contradicts them.
+    /// What a search finds: with declared standard deviations estimated, if what was found contradicts them.
     fn searched<'p>(
         &self,
         problem: ForceProblem<'p>,
         null: Fitted,
         kept_out: &BTreeSet<&str>,
         normal: &Normal,
-    ) -> (ForceProblem<'p>, Found) {
-        let searched = |problem: &ForceProblem, null: Fitted| {
-            let search = Search {
-                setting: &part_of(problem, kept_out),
-                decision: decision(self.options),
-                tried: None,
-            };
-            search.run(null, normal, None)
-        };
-        let found = searched(&problem, null);
+    ) -> Outcome<'p>
+    where
+        Self: 'p,
+    {
+        let decision = decision(self.options);
+        let outcome = searched(problem, null, self.laws, kept_out, decision, normal);
+        let Outcome { problem, found, .. } = &outcome;
         // An effect that was accepted beside too little scatter may be no more than the rest of that scatter.
-        if !problem.contradicts_declared(&part_of(&problem, kept_out), &found.model) {
-            return (problem, found);
+        if !problem.contradicts_declared(&part_of(problem, kept_out), &found.model) {
+            return outcome;
         }
         let (data, library) = (problem.data, problem.library);
-        let (problem, null) = suited(
-            problem.base,
-            data,
-            library,
-            kept_out,
-            Declared::Contradicted,
-        );
-        let found = searched(&problem, null);
-        (problem, found)
+        let (problem, null) = suited(self.base, data, library, kept_out, Declared::Contradicted);
+        searched(problem, null, self.laws, kept_out, decision, normal)
     }
 
     /// What looks mistaken beside the law with what was found.
     fn mistakes_beside(&self, problem: &ForceProblem, found: &Found) -> Vec<RecordingError> {
-        let law = law_found(self.base, self.judged, problem, found);
+        let law = law_found(problem.base, self.judged, problem, found);
         if law.is_bare() {
             self.beside_law.to_vec()
         } else {

@@ -9,7 +9,8 @@
 //! 2. [`library`]: the terms that may be added: forms of effects, and smooth functions of columns.
 //! 3. The null model has gain and contracted length of each specimen, set length and zero of the force of each session, and a smooth misfit of the
 //!    law. What is published of the law is one further reading of each coefficient but its scales b1 and c0.
-//!    The search tests every term against the maximum over all of them in draws from it ([`pipeline_inference::search`]).
+//!    The search tests every term against the maximum over all of them in draws from it ([`pipeline_inference::search`]), beside the law and beside the
+//!    law without its dependence on the resting length, whose place an effect may take ([`length_law`]).
 //! 4. [`unseen`]: the same search without each specimen; [`tally`]: errors, predictive intervals, the budget of the expected error.
 //! 5. [`form`]: whether one number is enough for the size of what was found.
 //! 6. [`limits`]: what could have been seen, and what is indistinguishable. [`answer`]: the [`pipeline_findings`], as values.
@@ -34,6 +35,7 @@ mod campaign;
 pub mod data;
 pub mod form;
 pub mod labels;
+pub mod length_law;
 pub mod library;
 pub mod limits;
 pub mod mixed_law;
@@ -106,9 +108,11 @@ pub fn diagnose(
     let outside = rows.len() - answered.len();
     let judged = judged(&answered);
     let beside_law = mistakes_among(group, &Law::new(&base), &judged);
+    let laws = base.with_and_without_length_law();
     let campaign = Campaign {
         group,
         base: &base,
+        laws: laws.as_ref(),
         rows: &answered,
         outside,
         judged: &judged,

@@ -333,6 +333,8 @@ fn missing(problem: &ForceProblem) -> Vec<NotMeasurable> {
     effects::all()
         .iter()
         .filter_map(|e| Some((e.id(), lacks(e)??)))
+        // A dependence that was left out is in no model.
+        .filter(|(_, need)| *need != Need::LengthLaw || problem.base.fits_length_law())
         .map(|(id, need)| {
             let is_of_base = need == Need::LengthLaw;
             NotMeasurable {

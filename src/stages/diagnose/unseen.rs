@@ -1,6 +1,7 @@
 //! What a model says of specimens that took no part: folds, errors in their three forms, predictive intervals, and the budget.
 
 use super::black_box::{self, Features};
+use super::length_law::{Outcome, of_active};
 use super::problem::{ForceProblem, component};
 use super::tally::{Scored, Tally};
 use pipeline_findings::{BudgetEntry, Errors, HeldOutBy, UnitErrors};
@@ -49,19 +50,24 @@ pub struct HeldOut {
     pub black_box_rmse: Option<f64>,
 }
 
-/// The held-out errors, the whole search inside each fold. `active` marks the nodes that were searched.
+/// The held-out errors, the whole search inside each fold. `setting` marks the nodes that were searched.
 pub fn held_out(
+    outcome: &Outcome,
     setting: &Setting,
-    problem: &ForceProblem,
-    found: &Found,
     decision: Decision,
     normal: &Normal,
     named: impl Fn(usize) -> String + Sync,
 ) -> HeldOut {
+    let problem = &outcome.problem;
     let (folds, by) = folds(setting, problem);
+    // Where a search starts from what all readings gave, candidates from nothing are not needed.
+    let decision = Decision {
+        thorough: false,
+        ..decision
+    };
     let answers: Vec<FoldAnswer> = folds
         .par_iter()
-        .map(|fold| answer(setting, problem, found, decision, normal, fold))
+        .map(|fold| answer(outcome, setting, decision, normal, fold))
         .collect();
     let mut sums = (Tally::default(), Tally::default());
     let mut units = Vec::new();
@@ -147,40 +153,85 @@ fn folds(setting: &Setting, problem: &ForceProblem) -> (Vec<Fold>, HeldOutBy) {
     (folds, HeldOutBy::SpecimenGroups)
 }
 
+/// A search without a fold.
+struct WithoutFold<'a> {
+    setting: Setting<'a>,
+    problem: &'a ForceProblem<'a>,
+    found: Found,
+}
+
+impl<'a> WithoutFold<'a> {
+    /// From what all readings gave.
+    fn new(
+        (setting, problem): (Setting<'a>, &'a ForceProblem<'a>),
+        found: &Found,
+        decision: Decision,
+        normal: &Normal,
+        fold: &Fold,
+    ) -> Self {
+        let (rest, from) = without(&setting, &found.null, fold);
+        // From the fit to all readings and from nothing: without one of a handful of specimens another optimum may be the best.
+        let near = rest.fit(&from, std::slice::from_ref(&found.null.variances));
+        let afresh = rest.fit_afresh(&problem.start());
+        let null = if afresh.log_likelihood > near.log_likelihood {
+            afresh
+        } else {
+            near
+        };
+        let search = Search {
+            setting: &rest,
+            decision,
+            tried: Some(&found.model),
+        };
+        let found = search.run(null, normal, Some(&found.draws));
+        Self {
+            setting: rest,
+            problem,
+            found,
+        }
+    }
+
+    fn unseen<'s>(&'s self, model: &'s Fitted) -> Unseen<'s> {
+        Unseen::new(&self.setting, model)
+    }
+}
+
 fn answer(
+    outcome: &Outcome,
     setting: &Setting,
-    problem: &ForceProblem,
-    found: &Found,
     decision: Decision,
     normal: &Normal,
     fold: &Fold,
 ) -> FoldAnswer {
-    let (rest, from) = without(setting, &found.null, fold);
-    // From the fit to all readings and from nothing: without one of a handful of specimens another optimum may be the best.
-    let near = rest.fit(&from, std::slice::from_ref(&found.null.variances));
-    let afresh = rest.fit_afresh(&problem.start());
-    let null = if afresh.log_likelihood > near.log_likelihood {
-        afresh
-    } else {
-        near
+    let problem = &outcome.problem;
+    let of = |model, found| WithoutFold::new(model, found, decision, normal, fold);
+    let mut chosen = of((setting.clone(), problem), &outcome.found);
+    // Whether what was found takes the place of the law's dependence on the resting length is asked in the fold as well.
+    let with = outcome.replaced.as_ref().map(|r| {
+        let with = of((of_active(&r.problem, setting), &r.problem), &r.found);
+        let gives_way = r.gives_way(&with.found, &chosen.found, &chosen.setting, decision);
+        (with, gives_way)
+    });
+    let known = match with {
+        Some((with, true)) => Some(with),
+        Some((with, false)) => {
+            chosen = with;
+            None
+        }
+        None => None,
     };
-    let search = Search {
-        setting: &rest,
-        decision: Decision {
-            thorough: false,
-            ..decision
-        },
-        tried: Some(&found.model),
-    };
-    let inner = search.run(null, normal, Some(&found.draws));
-    let models = [&inner.null, &inner.model].map(|m| Unseen::new(&rest, m));
+    let known = known.as_ref().unwrap_or(&chosen);
+    let models = [
+        (known.problem, known.unseen(&known.found.null)),
+        (chosen.problem, chosen.unseen(&chosen.found.model)),
+    ];
     let units = fold.nodes.iter().map(|(unit, node)| {
-        let [before, after] = [&models[0], &models[1]].map(|m| tally(m, *node, problem, false));
+        let [before, after] = [0, 1].map(|k| tally(&models[k].1, *node, models[k].0, false));
         (unit.clone(), before, after)
     });
-    let accepted: Vec<usize> = inner.accepted.iter().map(|a| a.term).collect();
+    let accepted: Vec<usize> = chosen.found.accepted.iter().map(|a| a.term).collect();
     FoldAnswer {
-        black_box: black_box(&rest, &inner.null, problem, fold),
+        black_box: black_box(&known.setting, &known.found.null, known.problem, fold),
         units: units.collect(),
         terms: accepted
             .iter()

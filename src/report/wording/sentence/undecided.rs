@@ -6,24 +6,44 @@ use pipeline_effects as effects;
 use pipeline_findings::{Alternative, CampaignFindings, LENGTH_LAW, Parameter};
 
 /// `beside the compliance in series with the actuator that was found, the law's dependence on the resting length is not needed: without it the readings
-/// fit as well, with 11.7 instead of 13.9 N on unseen specimens (...); predictions have both`.
+/// fit as well, with 11.7 instead of 13.9 N on unseen specimens (...); predictions have both`, or, where the search left it out, `predictions do not have
+/// it; to make sure: ...`.
 pub(super) fn not_needed(found: &CampaignFindings) -> Option<String> {
+    let is_left_out = found.coefficients.iter().any(|c| c.left_out);
     let all = found.alternatives.iter();
     let with_law = |part: &str| {
         let has_both = |a: &&Alternative| a.parts == [LENGTH_LAW, part];
         all.clone().find(has_both)
     };
-    let (alone, both, part) = all.clone().find_map(|a| {
+    let of_part = all.clone().find_map(|a| {
         let [part] = &a.parts[..] else { return None };
         let is_found = found.effects.iter().any(|e| e.id == *part);
         Some((a, with_law(part)?, part)).filter(|_| is_found)
-    })?;
+    });
+    let with_errors = of_part.filter(|(a, b, _)| a.rmse_heldout.and(b.rmse_heldout).is_some());
+    let Some((alone, both, part)) = with_errors else {
+        return is_left_out.then(|| {
+            format!(
+                "beside what was found, the law's {} is not needed: without it the readings fit as well; predictions do not have it",
+                name::part(LENGTH_LAW)
+            )
+        });
+    };
     let (of_alone, of_both) = (alone.rmse_heldout?, both.rmse_heldout?);
     let is_better = alone.log_likelihood > both.log_likelihood - ALIKE;
-    (is_better && of_alone < CLEARLY_LOWER * of_both).then(|| {
+    (is_left_out || is_better && of_alone < CLEARLY_LOWER * of_both).then(|| {
+        let have = if is_left_out {
+            let measurement = effects::index(part).map(|e| effects::all()[e].measurement());
+            format!(
+                "predictions do not have it; to make sure: {}",
+                measurement.unwrap_or_default()
+            )
+        } else {
+            "predictions have both".to_owned()
+        };
         format!(
             "beside the {} that was found, the law's {} is not needed: without it the readings fit as well, with {} instead of {} on {} (with the \
-             effects found here, not searched again); predictions have both",
+             effects found here, not searched again); {have}",
             name::part(part),
             name::part(LENGTH_LAW),
             error(of_alone, &found.unit),
@@ -37,6 +57,9 @@ pub(super) fn not_needed(found: &CampaignFindings) -> Option<String> {
 /// instead of 14.6 N on unseen specimens (with the effects found here, not searched again); predictions have the dependence; to tell which: ...`, where
 /// other parts do as well or better and predict unseen units clearly better.
 pub(super) fn undecided(found: &CampaignFindings) -> Option<String> {
+    if found.coefficients.iter().any(|c| c.left_out) {
+        return None;
+    }
     let is_found = |part: &str| found.effects.iter().any(|e| e.id == part);
     let only = |a: &&Alternative, id: &str| a.parts == [id];
     let law = found.alternatives.iter().find(|a| only(a, LENGTH_LAW))?;
@@ -94,6 +117,7 @@ pub(super) fn undecided(found: &CampaignFindings) -> Option<String> {
 mod tests {
     use super::*;
     use crate::wording::tests::example;
+    use pipeline_findings::CoefficientChange;
 
     fn alternative(parts: &[&str], log_likelihood: f64, error: f64) -> Alternative {
         Alternative {
@@ -159,6 +183,23 @@ mod tests {
         let words = not_needed(&found).unwrap().replace('\u{a0}', " ");
         let is_said = "is not needed: without it the readings fit as well, with 12.1 instead of 13.9 N on unseen specimens";
         assert!(words.contains(is_said), "{words}");
+        found.coefficients = vec![CoefficientChange {
+            name: "1/b2".to_owned(),
+            unit: "m".to_owned(),
+            before: 0.03,
+            after: 1e-4,
+            standard_error: 0.0,
+            published: Some(0.03),
+            at_bound: false,
+            before_at_bound: false,
+            left_out: true,
+        }];
+        let words = not_needed(&found).unwrap().replace('\u{a0}', " ");
+        assert!(
+            words.contains("predictions do not have it; to make sure: put a dial gauge"),
+            "{words}"
+        );
+        found.coefficients.clear();
         found.alternatives[2].log_likelihood = 16.1;
         assert_eq!(not_needed(&found), None);
         let mut unbounded = frame(14.0, 12.1);

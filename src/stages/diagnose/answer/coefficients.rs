@@ -24,7 +24,7 @@ impl Work<'_> {
                 CoefficientChange {
                     name: c.name.clone(),
                     unit: c.unit.clone(),
-                    before: self.found.null.point.coefficients[k],
+                    before: self.null.point.coefficients[k],
                     after: model.point.coefficients[k],
                     standard_error: error,
                     published: match c.reciprocal_of {
@@ -32,7 +32,8 @@ impl Work<'_> {
                         None => known(&c.name),
                     },
                     at_bound: model.at_bound[k],
-                    before_at_bound: self.found.null.at_bound[k],
+                    before_at_bound: self.null.at_bound[k],
+                    left_out: !self.problem.base.coefficients[k].free,
                 }
             })
             .collect()

@@ -45,6 +45,8 @@ pub struct Work<'a> {
     pub setting: &'a Setting<'a>,
     /// What the search found.
     pub found: &'a Found,
+    /// The law as it is known, without any effect.
+    pub null: &'a Fitted,
     /// What it says of unseen specimens.
     pub held: &'a HeldOut,
     /// Free forms of the effects, by term.

@@ -23,12 +23,12 @@ impl Work<'_> {
                 .iter()
                 .map(|k| data.specimens[*k].clone())
                 .collect(),
-            before: self.left_as_unseen(&self.found.null),
+            before: self.left_as_unseen(self.null),
             after: self.left_as_unseen(&self.found.model),
             conditional,
             unseen_before: self.held.left[0].clone(),
             unseen: self.held.left[1].clone(),
-            predicted: self.unconditional(&self.found.null.point, None),
+            predicted: self.unconditional(&self.null.point, None),
             columns: columns(data),
             steps: self.steps(),
             ..Residuals::default()

@@ -9,7 +9,7 @@ impl Work<'_> {
     pub fn unexplained(&self) -> Vec<Unexplained> {
         let point = &self.found.model.point;
         let before: Vec<f64> = self
-            .unconditional(&self.found.null.point, None)
+            .unconditional(&self.null.point, None)
             .iter()
             .zip(&self.data().force)
             .map(|(p, y)| y - p)

@@ -167,13 +167,7 @@ fn sizes(problem: &ForceProblem, variances: &Variances, (means, noise): (&[f64],
 impl ForceProblem<'_> {
     /// What the common misfit is beside, and largest force and floor of its scale, N; none where the readings are too few for it.
     fn misfit_beside(&self) -> Option<(Beside, [f64; 2])> {
-        let (coefficients, weights) = self.law_in_misfit()?;
-        let all = self.base.coefficients.iter().enumerate();
-        let beside = Beside {
-            coefficients,
-            free: all.filter(|(_, c)| c.free).map(|(k, _)| k).collect(),
-            weights,
-        };
+        let beside = self.law_in_misfit()?;
         Some((beside, self.misfit_sizes()))
     }
 }

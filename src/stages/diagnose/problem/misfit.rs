@@ -6,6 +6,7 @@
 
 use super::ForceProblem;
 use crate::data::{Data, contraction_620};
+use crate::mixed_law::Beside;
 use crate::settings;
 use crate::smooth::cosines;
 use pipeline_effects::Conditions;
@@ -82,9 +83,9 @@ impl ForceProblem<'_> {
         })
     }
 
-    /// The coefficients of the law at which the scale of the misfit is taken, and for every cosine of the common misfit by how much each free one
-    /// would move to do the same; none where the readings are too few.
-    pub(crate) fn law_in_misfit(&self) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
+    /// The coefficients of the law at which the scale of the misfit is taken, the places of those that were free in it, and for every cosine of the common
+    /// misfit by how much each of these would move to do the same; none where the readings are too few.
+    pub(crate) fn law_in_misfit(&self) -> Option<Beside> {
         let span = self.law_span()?;
         let cosines: Vec<Vec<f64>> = self.data.conditions.iter().map(common_basis).collect();
         let of_cosine = |c: usize| {
@@ -92,7 +93,11 @@ impl ForceProblem<'_> {
             span.weights(&shares)
         };
         let weights = (0..common_pairs().count()).map(of_cosine).collect();
-        Some((self.reference_coefficients.clone(), weights))
+        Some(Beside {
+            coefficients: self.reference_coefficients.clone(),
+            free: self.sloped.clone(),
+            weights,
+        })
     }
 
     /// Largest force and floor of the scale of the misfit, N.

@@ -107,8 +107,10 @@ pub struct ForceProblem<'a> {
     stroke_basis: Vec<Vec<f64>>,
     /// Columns of the common misfit, reading by reading, N for a misfit of 1.
     common_misfit: Vec<Vec<f64>>,
-    /// Derivatives of the reference by the free coefficients of the law, one column each.
+    /// Derivatives of the reference by the coefficients of the law that were free in it, one column each.
     slopes: Vec<Vec<f64>>,
+    /// Places of these coefficients.
+    sloped: Vec<usize>,
     /// The coefficients of the fit without misfit of which the reference is; none before there is one.
     reference_coefficients: Vec<f64>,
     /// Largest force, N.
@@ -223,6 +225,7 @@ impl<'a> ForceProblem<'a> {
             },
             common_misfit: vec![vec![0.0; common_pairs().count()]; data.len()],
             slopes: Vec::new(),
+            sloped: Vec::new(),
             reference_coefficients: Vec::new(),
             reference: vec![0.0; data.len()],
             floor: settings::MISFIT_FLOOR * largest,

@@ -20,8 +20,9 @@ impl<'a> ForceProblem<'a> {
         let linear = self.linearise(&fit.point);
         self.reference = linear.predicted;
         self.reference_coefficients = fit.point.coefficients;
-        let columns = linear.by_coefficients.into_iter().zip(&self.coefficients);
-        self.slopes = columns.filter(|(_, c)| c.free).map(|(x, _)| x).collect();
+        let columns = linear.by_coefficients.into_iter().enumerate();
+        let (sloped, slopes) = columns.filter(|(k, _)| self.coefficients[*k].free).unzip();
+        (self.sloped, self.slopes) = (sloped, slopes);
         self.common_misfit = self.beside_the_law();
         self
     }
@@ -31,6 +32,7 @@ impl<'a> ForceProblem<'a> {
         let mut other = Self {
             reference: self.reference.clone(),
             slopes: self.slopes.clone(),
+            sloped: self.sloped.clone(),
             reference_coefficients: self.reference_coefficients.clone(),
             floor: share * self.largest,
             ..Self::built(self.base, self.data, self.library, self.has_strokes())
@@ -45,6 +47,7 @@ impl<'a> ForceProblem<'a> {
         (strokes > self.sessions.len()).then(|| Self {
             reference: self.reference.clone(),
             slopes: self.slopes.clone(),
+            sloped: self.sloped.clone(),
             reference_coefficients: self.reference_coefficients.clone(),
             common_misfit: self.common_misfit.clone(),
             floor: self.floor,
@@ -95,6 +98,7 @@ impl<'a> ForceProblem<'a> {
         ForceProblem {
             reference: self.reference.clone(),
             slopes: self.slopes.clone(),
+            sloped: self.sloped.clone(),
             reference_coefficients: self.reference_coefficients.clone(),
             common_misfit: self.common_misfit.clone(),
             floor: self.floor,
