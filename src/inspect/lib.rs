@@ -34,6 +34,7 @@ use pipeline_formats::log_file;
 use pipeline_ingest::{Ingested, LogBytes};
 use plausible::{Phases, Stretched};
 use population::{Known, Suit};
+use rayon::prelude::*;
 use serde::Serialize;
 use std::path::Path;
 
@@ -304,7 +305,8 @@ pub fn sessions(folder: &Path, config: &Config, known: &Known) -> Vec<Inspection
         against: None,
         expected: Vec::new(),
     });
-    let usable = found.sessions.iter().map(|s| session(s, config, known));
+    let usable = found.sessions.par_iter();
+    let usable: Vec<Inspection> = usable.map(|s| session(s, config, known)).collect();
     unusable.chain(usable).collect()
 }
 

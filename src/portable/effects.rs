@@ -62,6 +62,12 @@ pub fn of_findings(
             noted.mean
         )
     }));
+    if found.coefficients.iter().any(|c| c.left_out) {
+        said.push(
+            "Resting length: the effects took the place of the law's dependence on it; b2 is fixed at a value at which F_620 is the same for all lengths."
+                .to_owned(),
+        );
+    }
     model.title = format!("new model, mixed-model fit to {}", source::campaign(fit));
     model.spread = None;
     model.coefficients = found.coefficients.iter().map(of_change).collect();

@@ -131,7 +131,9 @@ impl Search<'_> {
         for s in &shown {
             let direction = &screen.directions[s.direction];
             let kind = self.setting.problem.terms()[direction.term].kind;
-            if kinds.contains(&kind) || self.is_decoy(direction.term) {
+            let is_out =
+                self.is_decoy(direction.term) || !self.may_come(model, direction.term, way);
+            if kinds.contains(&kind) || is_out {
                 continue;
             }
             if fits.len() >= FITTED {
@@ -159,8 +161,10 @@ impl Search<'_> {
             .iter()
             .map(|(t, _)| terms[*t].kind)
             .collect();
-        let may_come =
-            |t: usize| !kinds.contains(&terms[t].kind) && (terms[t].named || !way.named_only);
+        let may_come = |t: usize| {
+            let is_new = !kinds.contains(&terms[t].kind) && self.may_come(model, t, way);
+            is_new && (terms[t].named || !way.named_only)
+        };
         let starts = self.setting.problem.far(&model.point).into_par_iter();
         let starts = starts.filter(|(t, _)| may_come(*t));
         let starts = starts.map(|(term, values)| self.glanced(model, term, values));

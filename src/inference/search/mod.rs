@@ -26,9 +26,10 @@ mod without;
 mod worth;
 
 use crate::fit::{Fitted, Setting};
-use crate::problem::Point;
+use crate::problem::{Point, Term};
 use crate::screen::{Normal, Screen, Shown};
 use crate::statistic::{critical, likelihood_ratio};
+use std::collections::BTreeSet;
 use without::LeftOut;
 
 /// The numbers on which a search decides.
@@ -107,6 +108,21 @@ pub struct Found {
     pub critical: f64,
 }
 
+impl Found {
+    /// What its terms have to gain in log-likelihood to come in, all at one critical value of [`crate::statistic::deviate`].
+    pub fn price(&self, terms: &[Term], critical: f64) -> f64 {
+        let amplitudes = self.accepted.iter().map(|a| terms[a.term].amplitudes);
+        let gains = amplitudes.map(|n| 0.5 * likelihood_ratio(critical, n));
+        gains.sum()
+    }
+
+    /// The term that came in first, where several did and are there still.
+    fn first_of_several(&self) -> Option<usize> {
+        let with_one = self.stages.get(1).filter(|_| self.accepted.len() > 1)?;
+        with_one.point.terms.first().map(|(term, _)| *term)
+    }
+}
+
 /// How many of the strongest candidates are fitted in full.
 const FITTED: usize = 3;
 
@@ -165,16 +181,25 @@ impl Search<'_> {
             not_first: None,
         };
         let mut found = self.completed(begun.clone(), normal, way);
-        if let [first, _, ..] = &found.accepted[..]
+        if let Some(first) = found.first_of_several()
             && self.decision.thorough
         {
             let other_first = Way {
-                not_first: Some(self.setting.problem.terms()[first.term].kind),
+                not_first: Some(self.setting.problem.terms()[first].kind),
                 ..way
             };
-            let other = self.completed(begun, normal, other_first);
-            if self.paid(&other) > self.paid(&found) + WORTH_A_SWAP {
-                found = other;
+            let mut other = begun;
+            self.forward(&mut other, normal, other_first, found.accepted.len());
+            // Mostly the same terms come in by another way.
+            if terms_of(&other) != terms_of(&found) {
+                let other = self.completed(other, normal, other_first);
+                let critical = found.critical;
+                let worth = |f: &Found| {
+                    self.weighed(&f.model) - f.price(self.setting.problem.terms(), critical)
+                };
+                if worth(&other) > worth(&found) + WORTH_A_SWAP {
+                    found = other;
+                }
             }
         }
         self.leave_out_bends(&mut found);
@@ -196,15 +221,6 @@ impl Search<'_> {
             ended = terms;
         }
         found
-    }
-
-    /// The log-likelihood of what was found, less what every term has to gain to come in.
-    fn paid(&self, found: &Found) -> f64 {
-        let of_terms = found.accepted.iter().map(|a| {
-            let amplitudes = self.setting.problem.terms()[a.term].amplitudes;
-            0.5 * likelihood_ratio(a.critical, amplitudes)
-        });
-        self.weighed(&found.model) - of_terms.sum::<f64>()
     }
 
     /// The same, with exchanges after every step: the model is built anew with every choice of forms, because the first form to come in may lead
@@ -292,4 +308,9 @@ impl Search<'_> {
         let starts = std::slice::from_ref(&compared.variances);
         self.setting.fit(&compared.point, starts)
     }
+}
+
+/// The terms that were found, in whatever order.
+fn terms_of(found: &Found) -> BTreeSet<usize> {
+    found.accepted.iter().map(|a| a.term).collect()
 }

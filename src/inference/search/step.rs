@@ -71,15 +71,12 @@ impl Search<'_> {
         let model = found.model.clone();
         let screen = self.screen(self.setting, &model, way);
         let is_first = found.accepted.is_empty();
-        let kind = |t: usize| self.setting.problem.terms()[t].kind;
-        let may_come = |t: usize| !is_first || way.not_first != Some(kind(t));
         let mut shown = screen.shown(2 * Screen::refined_in_draws());
-        shown.retain(|s| may_come(screen.directions[s.direction].term));
+        shown.retain(|s| self.may_come(&model, screen.directions[s.direction].term, way));
         let first = strongest(&shown);
         let (mut draws, own) = self.draws_beside(found, &screen, normal, way, first);
         let limit = critical(&draws, self.decision.level);
-        let mut fits = self.fits_beside((&model, is_first), (&screen, &shown), limit, way);
-        fits.retain(|(_, t)| may_come(*t));
+        let fits = self.fits_beside((&model, is_first), (&screen, &shown), limit, way);
         let Some((fitted, term)) = self.preferred(&fits, way) else {
             return self.in_pairs(found, &draws, limit, way);
         };
@@ -172,6 +169,12 @@ impl Search<'_> {
         screen.draws_to_decide(begun, MORE_DRAWS * draws, normal, level, value)
     }
 
+    /// Whether a term may come in beside a model: not first, if it is of the kind that does not.
+    pub(super) fn may_come(&self, model: &Fitted, term: usize, way: Way) -> bool {
+        let kind = self.setting.problem.terms()[term].kind;
+        !model.point.terms.is_empty() || way.not_first != Some(kind)
+    }
+
     /// The candidates that are worth a comparison, fitted in full: those that would be accepted, if there are any.
     fn fits_beside(
         &self,
@@ -180,7 +183,9 @@ impl Search<'_> {
         limit: f64,
         way: Way,
     ) -> Vec<(Fitted, usize)> {
-        let shows = |f: &(Fitted, usize)| self.beyond_scatter(&f.0, f.1, model) >= limit;
+        let shows = |f: &(Fitted, usize)| {
+            self.may_come(model, f.1, way) && self.beyond_scatter(&f.0, f.1, model) >= limit
+        };
         let mut fits = self.fits_tried(model);
         fits.retain(shows);
         if strongest(shown) >= limit {

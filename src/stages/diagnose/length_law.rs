@@ -11,7 +11,6 @@ use crate::suited::{part_of, start};
 use pipeline_inference::fit::{Fitted, Setting};
 use pipeline_inference::screen::Normal;
 use pipeline_inference::search::{Decision, Found, Search};
-use pipeline_inference::statistic::likelihood_ratio;
 use std::collections::BTreeSet;
 
 /// What a search ends with.
@@ -82,12 +81,7 @@ fn is_shown(with: f64, without: f64, decision: Decision) -> bool {
 /// The log-likelihoods of what was found with the dependence and without, less what each effect has to gain to come in: at one critical value, since each search has
 /// its own draws, and many effects would add up what these differ by.
 fn priced(freed: &Setting, found: &Found, instead: &Found) -> [f64; 2] {
-    let terms = freed.problem.terms();
-    let price = |f: &Found| -> f64 {
-        let amplitudes = f.accepted.iter().map(|a| terms[a.term].amplitudes);
-        let gains = amplitudes.map(|n| 0.5 * likelihood_ratio(found.critical, n));
-        gains.sum()
-    };
+    let price = |f: &Found| f.price(freed.problem.terms(), found.critical);
     [
         refitted(freed, &found.model) - price(found),
         instead.model.log_likelihood - price(instead),
@@ -109,15 +103,7 @@ pub fn searched<'p>(
     decision: Decision,
     normal: &Normal,
 ) -> Outcome<'p> {
-    let search = |problem: &ForceProblem, null: Fitted| {
-        let search = Search {
-            setting: &part_of(problem, kept_out),
-            decision,
-            tried: None,
-        };
-        search.run(null, normal, None)
-    };
-    let found = search(&problem, null);
+    let found = search(&part_of(&problem, kept_out), decision).run(null, normal, None);
     let mut outcome = Outcome {
         problem,
         found,
@@ -128,15 +114,8 @@ pub fn searched<'p>(
     };
     let freed = outcome.problem.with_base(with);
     let bare = outcome.problem.with_base(without);
-    let null = start(&part_of(&bare, kept_out));
-    let of_freed = part_of(&freed, kept_out);
-    let with = refitted(&of_freed, &outcome.found.null);
-    if !is_shown(with, null.log_likelihood, decision) {
-        return outcome;
-    }
-    let instead = search(&bare, null);
-    if is_replaced(priced(&of_freed, &outcome.found, &instead), decision) {
-        drop(of_freed);
+    let parts = [&freed, &bare].map(|p| part_of(p, kept_out));
+    if let Some(instead) = in_its_place(&parts, &outcome.found, decision, normal) {
         let with = std::mem::replace(&mut outcome.problem, bare);
         outcome.replaced = Some(Replaced {
             problem: with,
@@ -145,6 +124,31 @@ pub fn searched<'p>(
         });
     }
     outcome
+}
+
+/// What is found beside the law without the dependence, where that takes its place; of the law with it, by the readings alone, and without it.
+fn in_its_place(
+    [freed, bare]: &[Setting; 2],
+    found: &Found,
+    decision: Decision,
+    normal: &Normal,
+) -> Option<Found> {
+    let null = start(bare);
+    if !is_shown(refitted(freed, &found.null), null.log_likelihood, decision) {
+        return None;
+    }
+    // The same design: its draws stand for draws from this null.
+    let instead = search(bare, decision).run(null, normal, Some(&found.draws));
+    is_replaced(priced(freed, found, &instead), decision).then_some(instead)
+}
+
+/// A search that nothing is known for.
+fn search<'a>(setting: &'a Setting<'a>, decision: Decision) -> Search<'a> {
+    Search {
+        setting,
+        decision,
+        tried: None,
+    }
 }
 
 #[cfg(test)]

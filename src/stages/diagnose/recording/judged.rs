@@ -52,7 +52,7 @@ impl Ranked {
                 Seen::new(law, data, (&problem, &setting, &fit), vec![*s], group).off,
             )
         };
-        let mut sessions: Vec<(usize, f64)> = left.sessions.iter().map(off).collect();
+        let mut sessions: Vec<(usize, f64)> = left.sessions.par_iter().map(off).collect();
         sessions.sort_by(|a, b| b.1.total_cmp(&a.1));
         Self { sessions }
     }
@@ -119,22 +119,19 @@ impl<'a> Judged<'a> {
         self.seen.iter().find(|(g, _)| *g == group).map(|(_, s)| s)
     }
 
-    /// The group that is furthest off, and how far; in place of a session its specimen, if another length of that explains its sessions
-    /// better than they agree without the one.
-    pub(super) fn worst(&self, left: &Left) -> Option<(Group, &Seen<'a>, f64)> {
-        let (group, seen) = self
-            .seen
-            .iter()
-            .max_by(|a, b| a.1.off.total_cmp(&b.1.off))?;
-        if let Group::Session(s) = *group {
-            let whole = Group::Specimen(left.specimen_of[s]);
-            if let Some(specimen) = self.of(whole)
-                && specimen.sessions.len() > 1
-                && specimen.least_off() < specimen.without(s)
-            {
-                return Some((whole, specimen, seen.off));
-            }
-        }
-        Some((*group, seen, seen.off))
+    /// The group that is furthest off.
+    pub(super) fn furthest(&self) -> Option<(Group, &Seen<'a>)> {
+        let furthest = self.seen.iter().max_by(|a, b| a.1.off.total_cmp(&b.1.off));
+        furthest.map(|(group, seen)| (*group, seen))
+    }
+
+    /// The specimen of a group that is a session, if it has others that were judged with it.
+    pub(super) fn specimen_of(&self, group: Group, left: &Left) -> Option<(Group, &Seen<'a>)> {
+        let Group::Session(s) = group else {
+            return None;
+        };
+        let whole = Group::Specimen(left.specimen_of[s]);
+        let seen = self.of(whole)?;
+        (seen.sessions.len() > 1).then_some((whole, seen))
     }
 }

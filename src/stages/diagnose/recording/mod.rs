@@ -36,11 +36,12 @@ mod tests;
 pub use law::Law;
 
 use super::data::Data;
-use judged::{Judged, Ranked};
+use judged::{Judged, Ranked, Usual};
 use left::{Group, Left};
 use pipeline_findings::RecordingError;
 use pipeline_inference::decisions::{EXPLAINS, LEVEL, MOST_MISTAKEN, MOST_MISTAKEN_SHARE};
 use rayon::prelude::*;
+use seen::Seen;
 
 /// Readings of a session that are looked at: a wrong length, zero or unit shows in all of them, and the time goes with their number.
 const READINGS: usize = 16;
@@ -61,34 +62,81 @@ pub fn recording_errors(group_diameter_mm: u32, law: &Law, data: &Data) -> Vec<R
     let mut ranked = Ranked::new(law, &data, &left);
     while errors.len() < MOST_MISTAKEN {
         let judged = Judged::new(law, &data, &left, ranked.shortlist(&left));
-        let Some((group, seen, off)) = judged.worst(&left) else {
+        let Some(furthest) = judged.furthest() else {
             break;
         };
-        let rest = left.without(group);
-        if !rest.is_most_of(&data) {
+        let off = furthest.1.off;
+        let specimen = judged.specimen_of(furthest.0, &left);
+        // Whose mistake it would be takes much longer to tell than whether it is improbable.
+        let [of_furthest, of_specimen] = [Some(furthest), specimen]
+            .map(|seen| Improbable::of(law, &data, &left, (seen?.0, off)));
+        if of_furthest.is_none() && of_specimen.is_none() {
             break;
         }
-        // The others without it: with it they would all be off, or the noise so large that nobody is.
-        let others = Ranked::new(law, &data, &rest);
-        let Some(usual) = others.usual() else {
+        let is_of_specimen = specimen.is_some_and(|(_, seen)| explains(seen, furthest.0));
+        let (improbable, seen) = match specimen {
+            Some((_, seen)) if is_of_specimen => (of_specimen, seen),
+            _ => (of_furthest, furthest.1),
+        };
+        let Some(Improbable {
+            group,
+            p,
+            rest,
+            others,
+            usual,
+        }) = improbable
+        else {
             break;
         };
-        let p = usual.p(off) * left.groups() as f64;
-        if p.is_nan() || p >= LEVEL {
-            break;
-        }
         match spoiling(law, &data, &left, &others) {
             Some((error, rest, others)) => {
                 errors.push(error);
                 (left, ranked) = (rest, others);
             }
             None => {
-                errors.push(seen.error(group, p.min(1.0), &usual));
+                errors.push(seen.error(group, p, &usual));
                 (left, ranked) = (rest, others);
             }
         }
     }
     errors
+}
+
+/// A group that is too far off to be one of the others.
+struct Improbable {
+    group: Group,
+    /// Family-wise probability.
+    p: f64,
+    /// What is left without it.
+    rest: Left,
+    /// The others without it: with it they would all be off, or the noise so large that nobody is.
+    others: Ranked,
+    usual: Usual,
+}
+
+impl Improbable {
+    /// A group that is so far off; none where that is not improbable, or the others are too few to say so.
+    fn of(law: &Law, data: &Data, left: &Left, (group, off): (Group, f64)) -> Option<Self> {
+        let rest = left.without(group);
+        if !rest.is_most_of(data) {
+            return None;
+        }
+        let others = Ranked::new(law, data, &rest);
+        let usual = others.usual()?;
+        let p = usual.p(off) * left.groups() as f64;
+        (p < LEVEL).then_some(Self {
+            group,
+            p,
+            rest,
+            others,
+            usual,
+        })
+    }
+}
+
+/// Whether a mistake about a specimen explains its sessions better than they agree without the one that is furthest off.
+fn explains(specimen: &Seen, furthest: Group) -> bool {
+    matches!(furthest, Group::Session(s) if specimen.least_off() < specimen.without(s))
 }
 
 /// The specimen without which nobody is half as far off as somebody is without the group that is furthest off, `others` of which are given: where all
@@ -116,5 +164,5 @@ fn spoiling(
     let judged = Judged::new(law, data, left, vec![group]);
     let (seen, usual) = (judged.of(group)?, agreeing.usual()?);
     let p = usual.p(seen.off) * left.groups() as f64;
-    (p < LEVEL).then(|| (seen.error(group, p.min(1.0), &usual), rest, agreeing))
+    (p < LEVEL).then(|| (seen.error(group, p, &usual), rest, agreeing))
 }
