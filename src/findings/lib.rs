@@ -76,6 +76,8 @@ pub struct CampaignFindings {
     pub pit: Vec<f64>,
     /// Standard deviation of a reading, everything else known; none where it was not estimated.
     pub noise: Option<f64>,
+    /// Noise that is correlated in time, which the search takes for independent; none where the readings show none, and of torques.
+    pub noise_in_time: Option<NoiseInTime>,
     /// Held-out error of a smooth black box on the residual of the base model, both fitted without what was held out.
     pub black_box_rmse_heldout: Option<f64>,
     /// What was tested at the first step, strongest first: one entry an effect's form or a column.
@@ -127,6 +129,7 @@ impl CampaignFindings {
             inside_95: None,
             pit: Vec::new(),
             noise: None,
+            noise_in_time: None,
             black_box_rmse_heldout: None,
             tested: Vec::new(),
             detection_limits: Vec::new(),
@@ -445,6 +448,36 @@ pub struct Misfit {
     pub stroke: Option<f64>,
     /// Ids of effects, or columns, whose place in the answer changes where the prior scales are halved or doubled.
     pub sensitive: Vec<String>,
+}
+
+/// Noise that is correlated in time within a stroke (the filling or the venting of one log), and what was found beside it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct NoiseInTime {
+    /// Standard deviation of what the force wanders by, N.
+    pub sd: f64,
+    /// Standard deviation of a reading beside it, N.
+    pub noise: f64,
+    /// Gain in log-likelihood over the model of the search.
+    pub log_likelihood_gain: f64,
+    /// What was found: effects and columns, fitted again beside it.
+    pub beside: Vec<BesideNoise>,
+}
+
+/// An effect or a column where noise is correlated in time.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BesideNoise {
+    /// Id, or column.
+    pub id: String,
+    /// First parameter of the effect; of a column its change over the range.
+    pub value: f64,
+    /// Lower end of its 95% interval, by its standard error.
+    pub ci_low: f64,
+    /// Upper end.
+    pub ci_high: f64,
+    /// Gain in log-likelihood.
+    pub log_likelihood_gain: f64,
+    /// Whether it would have come in.
+    pub stands: bool,
 }
 
 /// A column that explains what no effect does.

@@ -5,10 +5,11 @@ use pipeline::findings::CampaignFindings;
 use serde_json::Value;
 
 /// What the table does not judge, beside free forms.
-const NOT_JUDGED: [&str; 14] = [
+const NOT_JUDGED: [&str; 15] = [
     "reference_level",
     "of_level",
     "left_out",
+    "noise_in_time",
     "smallest_p",
     "share_of_rest_length",
     "rmse_heldout_calibrated",

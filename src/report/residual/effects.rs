@@ -6,8 +6,10 @@ use crate::wording::name;
 use crate::wording::number::{
     NONE, error_with_unit, gain, gain_or_none, percent, plain, probability, rounded, size,
 };
-use crate::wording::sentence::{PLACEBO, beyond_usual, differ, plain_number};
-use pipeline_findings::{CampaignFindings, EffectFinding, Tested, Unexplained};
+use crate::wording::sentence::{PLACEBO, beside_noise, beyond_usual, differ, plain_number};
+use pipeline_findings::{
+    BesideNoise, CampaignFindings, EffectFinding, Parameter, Tested, Unexplained,
+};
 use serde::Serialize;
 
 /// Most tested candidates in print; `tested.csv` has all.
@@ -74,6 +76,8 @@ fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, Stri
         )
     }));
     facts.extend(differ(found, e).map(|words| ("own estimates", words)));
+    let beside = beside_noise(found, e).and_then(|beside| in_time(beside, e));
+    facts.extend(beside.map(|size| ("beside correlated noise", size)));
     let mut misfit = found.misfit.iter();
     if misfit.any(|m| m.sensitive.contains(&e.id)) {
         facts.push((
@@ -82,6 +86,22 @@ fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, Stri
         ));
     }
     facts
+}
+
+/// The size of an effect beside noise that is correlated in time; none of one without a size.
+fn in_time(beside: &BesideNoise, e: &EffectFinding) -> Option<String> {
+    let there = size(&Parameter {
+        value: beside.value,
+        ci_low: Some(beside.ci_low),
+        ci_high: Some(beside.ci_high),
+        ..e.parameters.first()?.clone()
+    });
+    let comes_in = if beside.stands {
+        ""
+    } else {
+        "; it would not come in"
+    };
+    Some(there + comes_in)
 }
 
 /// A family-wise p; with `≤` where none of the draws came as far.

@@ -4,7 +4,8 @@ use super::MOST_ROWS;
 use crate::number::Rounding;
 use crate::wording::name::{self, listed};
 use crate::wording::number::{
-    NONE, error, error_or_none, gain_or_none, plain, probability, rounded, unit, with_interval,
+    NONE, error, error_or_none, error_with_unit, gain_or_none, plain, probability, rounded, unit,
+    with_interval,
 };
 use crate::wording::sentence::{recorded_size, set_aside};
 use pipeline_findings::{CampaignFindings, NotedContractions, RecordingError, Scatter};
@@ -92,6 +93,10 @@ fn misfit(found: &CampaignFindings) -> String {
             listed(&sensitive)
         )
     };
+    let changes = match noise_in_time(found) {
+        Some(words) => format!("{changes} {words}"),
+        None => changes,
+    };
     let (quantity, along) = if found.kind == "knee-torque" {
         ("torque", "angle")
     } else {
@@ -110,6 +115,25 @@ fn misfit(found: &CampaignFindings) -> String {
             )
         })
     )
+}
+
+/// Noise that is correlated in time in two sentences; none where the readings show none.
+fn noise_in_time(found: &CampaignFindings) -> Option<String> {
+    let noise = found.noise_in_time.as_ref()?;
+    let size = |x: f64| error_with_unit(x, &found.unit);
+    let fallen = noise.beside.iter().filter(|b| !b.stands);
+    let fallen: Vec<String> = fallen.map(|b| name::candidate(&b.id)).collect();
+    let stands = match (noise.beside.is_empty(), fallen.is_empty()) {
+        (true, _) => String::new(),
+        (_, true) => " Everything that was found stands beside it.".to_owned(),
+        (_, false) => format!(" Beside it these would not stand: {}.", listed(&fallen)),
+    };
+    Some(format!(
+        "Noise is correlated in time: within a stroke the force wanders by {}, with {} of noise beside it (log-likelihood +{}); the search takes noise for independent.{stands}",
+        size(noise.sd),
+        size(noise.noise),
+        rounded(noise.log_likelihood_gain, Rounding::Decimals(0))
+    ))
 }
 
 /// The first of the recording errors, a row each.

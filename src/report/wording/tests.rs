@@ -803,6 +803,17 @@ fn evidence_from_doubtful_tests_alone_is_weak() {
 }
 
 #[test]
+fn evidence_that_does_not_stand_beside_correlated_noise_is_weak() {
+    let mut found = example();
+    found.effects[0].class.truncate(1);
+    found.effects[0].by_specimen.clear();
+    assert!(remarks(&found).starts_with("(strong)"));
+    found.noise_in_time.as_mut().unwrap().beside[0].stands = false;
+    let weak = "(weak: not shown beside noise that is correlated in time)";
+    assert!(remarks(&found).starts_with(weak), "{}", remarks(&found));
+}
+
+#[test]
 fn a_size_that_varies_and_one_of_the_wrong_sign_are_said_beside_it() {
     let mut found = example();
     found.effects.truncate(1);

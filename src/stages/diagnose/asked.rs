@@ -7,9 +7,8 @@ use crate::expected;
 use crate::length_law::Outcome;
 use crate::mixed_law::MixedLaw;
 use crate::problem::ForceProblem;
-use crate::{Diagnosis, draws, form, library, limits, next, unseen, verdict};
+use crate::{Diagnosis, draws, form, in_time, limits, next, unseen, verdict};
 use pipeline_config::DiagnoseOptions;
-use pipeline_effects as effects;
 use pipeline_findings::{CampaignFindings, Errors, FreeForm, Misfit};
 use pipeline_fit::Group;
 use pipeline_inference::fit::{Fitted, Setting};
@@ -42,11 +41,7 @@ pub(crate) fn answered(
         normal,
     } = *searched;
     let Outcome { problem, found, .. } = outcome;
-    let (library, data) = (problem.library, problem.data);
-    let name = |t: usize| match library[t].what {
-        library::What::Column(column) => column.name(data),
-        library::What::Effect { effect, .. } => effects::all()[effect].id().to_owned(),
-    };
+    let name = |t: usize| problem.library[t].name(problem.data);
     let held = unseen::held_out(outcome, setting, decision, normal, name);
     let forms = free_forms(setting, problem, &found.model, options);
     let work = Work {
@@ -102,6 +97,7 @@ fn put_model(findings: &mut CampaignFindings, work: &Work, variances: &Variances
     findings.before = errors(work.null, &work.held.before);
     findings.after = errors(&work.found.model, &work.held.after);
     findings.noise = Some(work.problem.noise_of(variances));
+    findings.noise_in_time = in_time::noise_in_time(work.problem, work.setting, work.found);
     findings.tested = work.tested();
     findings.coefficients = work.coefficients();
 }

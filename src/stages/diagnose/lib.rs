@@ -12,7 +12,7 @@
 //!    The search tests every term against the maximum over all of them in draws from it ([`pipeline_inference::search`]), beside the law and beside the
 //!    law without its dependence on the resting length, whose place an effect may take ([`length_law`]).
 //! 4. [`unseen`]: the same search without each specimen; [`tally`]: errors, predictive intervals, the budget of the expected error.
-//! 5. [`form`]: whether one number is enough for the size of what was found.
+//! 5. [`form`]: whether one number is enough for the size of what was found; `in_time`: what of it stands where noise is correlated in time.
 //! 6. [`limits`]: what could have been seen, and what is indistinguishable. [`answer`]: the [`pipeline_findings`], as values.
 //! 7. [`mixed_law`]: what the model says of readings that are still to be made.
 //!
@@ -34,6 +34,7 @@ pub mod black_box;
 mod campaign;
 pub mod data;
 pub mod form;
+mod in_time;
 pub mod labels;
 pub mod length_law;
 pub mod library;

@@ -200,6 +200,14 @@ impl Term {
         }
     }
 
+    /// Id of the effect, or name of the column.
+    pub fn name(&self, data: &Data) -> String {
+        match self.what {
+            What::Effect { effect, .. } => effects::all()[effect].id().to_owned(),
+            What::Column(column) => column.name(data),
+        }
+    }
+
     /// Whether it has a shape.
     pub fn has_shape(&self) -> bool {
         self.form().is_some_and(|f| f.shape.is_some())

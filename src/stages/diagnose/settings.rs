@@ -13,6 +13,10 @@ pub const SESSION_MISFIT: f64 = 0.02;
 pub const PRESSURE_LENGTH_KPA: f64 = 100.0;
 /// Length scale of a stroke's misfit, kPa: what the first filling after the length was set has of its own reaches over most of it.
 pub const STROKE_LENGTH_KPA: f64 = 200.0;
+/// Correlation length of what the force wanders by within a stroke, as a share of its duration: shorter is noise, longer a zero or a drift.
+pub const WANDER_LENGTH: f64 = 0.2;
+/// Usual size of that, N.
+pub const USUAL_WANDER_N: f64 = 1.0;
 /// Usual misfit of a stroke, share of the force.
 pub const USUAL_STROKE: f64 = 0.01;
 /// Length scale of the common misfit, in eps* and P*: the likelihood of the laboratory's campaigns is largest between 0.45 and 0.6 (10 mm: -3451.9,

@@ -6,7 +6,7 @@ use crate::number::Rounding;
 use crate::wording::name::{nouns, without_one};
 use crate::wording::number::{equals_probability, percent, rounded, with_unit};
 use crate::wording::{COMES_IN, SIGNIFICANT};
-use pipeline_findings::{CampaignFindings, EffectFinding, HeldOutBy, Tested};
+use pipeline_findings::{BesideNoise, CampaignFindings, EffectFinding, HeldOutBy, Tested};
 use pipeline_numerics::statistics::homogeneity;
 
 /// Largest family-wise p of strong evidence.
@@ -64,13 +64,18 @@ fn graded(found: &CampaignFindings, e: &EffectFinding) -> (Evidence, Vec<Reason>
     } else {
         Evidence::Moderate
     };
+    let by_noise = match beside_noise(found, e) {
+        Some(beside) if !beside.stands => Evidence::Weak,
+        _ => Evidence::Strong,
+    };
     let reasons = [
         (by_owner, Reason::Doubtful),
         (by_p, Reason::Probability(e.p_familywise)),
         (by_placebo, Reason::Shuffled(placebo.unwrap_or_default())),
         (by_folds, fold),
+        (by_noise, Reason::InTime),
     ];
-    let by_others = by_folds.min(by_placebo);
+    let by_others = by_folds.min(by_placebo).min(by_noise);
     let grade = by_owner.min(by_p).min(by_others).min(by_size);
     let lacking = reasons.into_iter().filter(|r| r.0 < Evidence::Strong);
     (grade, lacking.map(|r| r.1).collect())
@@ -89,6 +94,15 @@ enum Reason {
     Again(f64),
     /// No search was made without one unit.
     NotRepeated,
+    /// It would not have come in where noise is correlated in time, and the readings show that it is.
+    InTime,
+}
+
+/// An effect beside noise that is correlated in time, where the readings show such noise.
+pub fn beside_noise<'f>(found: &'f CampaignFindings, e: &EffectFinding) -> Option<&'f BesideNoise> {
+    let all = found.noise_in_time.iter().flat_map(|n| &n.beside);
+    let mut own = all.filter(|b| b.id == e.id);
+    own.next()
 }
 
 /// Share of the searches without one unit that find an effect again; none where no search was made on less than everything.
@@ -123,6 +137,7 @@ fn in_words(found: &CampaignFindings, reason: Reason, of_searches: &str) -> Opti
         {
             return None;
         }
+        Reason::InTime => "not shown beside noise that is correlated in time".to_owned(),
         Reason::NotRepeated => format!("no search without one {unit}"),
     })
 }
@@ -132,7 +147,7 @@ pub fn grades() -> String {
     let number = |x: f64, decimals| rounded(x, Rounding::Decimals(decimals));
     format!(
         "Evidence is strong where p ≤ {} and every search without one specimen (actuator) finds the effect again, and its size has the sign that its source expects, varies by less than itself and is no other for some of them; weak where p > {}, fewer than {} \
-         of these searches find it, a shuffled column does as well or all tests are doubtful, else moderate. Specimens (actuators) differ where their own estimates do by more \
+         of these searches find it, a shuffled column does as well, it would not come in beside noise that is correlated in time or all tests are doubtful, else moderate. Specimens (actuators) differ where their own estimates do by more \
          than their standard errors allow (Cochran's Q).",
         number(CLEAR, 3),
         number(NEAR, 2),

@@ -22,7 +22,7 @@ use recording::{recording_errors, recording_errors_in_short};
 
 pub use budget::{scatter_behind, scatter_size};
 pub use errors::black_box_beats;
-pub use evidence::{PLACEBO, differ, grades};
+pub use evidence::{PLACEBO, beside_noise, differ, grades};
 pub use form::form;
 pub use found::{alias_set, beyond_usual, called, has_terms};
 pub use next::{assumed, conditions, is_worth_credible, measurement, plain_number, worth_words};

@@ -22,10 +22,9 @@ pub use scatter::misfit;
 
 use super::base::Base;
 use super::data::Data;
-use super::library::{Scope, Term, What};
+use super::library::{Scope, Term};
 use super::problem::ForceProblem;
 use super::unseen::HeldOut;
-use pipeline_effects as registry;
 use pipeline_findings::{ActsOn, FreeForm};
 use pipeline_inference::fit::{Fitted, Setting};
 use pipeline_inference::problem::{Point, Problem};
@@ -73,10 +72,7 @@ impl Work<'_> {
 
     /// Id of an effect, or name of a column.
     pub fn name(&self, term: usize) -> String {
-        match self.term(term).what {
-            What::Column(column) => column.name(self.data()),
-            What::Effect { effect, .. } => registry::all()[effect].id().to_owned(),
-        }
+        self.term(term).name(self.data())
     }
 
     fn acts_on(&self, term: usize) -> (ActsOn, Option<String>, Option<String>) {

@@ -34,8 +34,8 @@ pub const CONTRACTION: usize = 11;
 /// specimens the mean. One number of all specimens, in standard deviations from the usual share; where nobody declares how well their contracted lengths
 /// are known.
 pub const NOTING_ERROR: usize = 12;
-/// How many there are.
-pub const COUNT: usize = 13;
+/// What the force wanders by within a stroke, N: noise that is correlated in time. No other component stands behind it: a search has none.
+pub const WANDER: usize = 13;
 
 /// The share of what noted contractions differ by that is an error, at a value of [`NOTING_ERROR`].
 pub fn noting_error(value: f64) -> f64 {
@@ -105,6 +105,20 @@ pub(super) fn components(base: &Base, data: &Data, pooled: bool, strokes: usize)
         ),
         component(Prior::Fixed(1.0), 1.0, false, true, false),
     ]
+}
+
+/// [`WANDER`], of so many strokes.
+pub(super) fn wander(strokes: usize) -> Component {
+    Component {
+        scale: Scale {
+            prior: Prior::HalfNormal(settings::LARGEST_SCATTER * settings::USUAL_WANDER_N),
+            usual: settings::USUAL_WANDER_N,
+            groups: strokes,
+        },
+        linear: true,
+        calibrates: false,
+        misfit: false,
+    }
 }
 
 fn with_groups(mut component: Component, groups: usize) -> Component {

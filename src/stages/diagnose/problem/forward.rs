@@ -330,6 +330,7 @@ impl ForceProblem<'_> {
         row.push(force.gradient[ZERO]);
         let along = self.session_basis[i].iter().chain(&self.stroke_basis[i]);
         row.extend(along.map(|c| c * scale));
+        row.extend_from_slice(&self.wander_basis[i]);
         row
     }
 }

@@ -1,8 +1,9 @@
 //! The groups of the readings as a tree: specimens, sessions, strokes. What the campaigns of a pool have of their own stands at the root: an unseen
 //! specimen is one of a campaign whose other specimens tell its gain and its zero.
 
+use super::OfStrokes;
 use super::component;
-use super::misfit::{SESSION_COSINES, STROKE_COSINES, common_pairs};
+use super::misfit::{SESSION_COSINES, STROKE_COSINES, WANDER_COSINES, common_pairs};
 use crate::data::Data;
 use pipeline_inference::tree::{Block, Tree};
 use std::collections::BTreeMap;
@@ -19,7 +20,7 @@ pub(super) struct Hierarchy {
 
 impl Hierarchy {
     /// A specimen that was measured in two campaigns is one specimen in each.
-    pub(super) fn of(data: &Data, by_stroke: bool) -> Self {
+    pub(super) fn of(data: &Data, of_strokes: OfStrokes) -> Self {
         let mut root = vec![
             block(component::COMMON_MISFIT, common_pairs().count()),
             block(component::NOTING_ERROR, 1),
@@ -39,12 +40,12 @@ impl Hierarchy {
         let mut nodes = BTreeMap::new();
         for (i, stroke) in data.strokes().into_iter().enumerate() {
             let session = all.session_of(data, i);
-            let node = if by_stroke {
-                let blocks = || vec![block(component::STROKE_MISFIT, STROKE_COSINES)];
-                let add = || all.tree.add(session, blocks());
-                *nodes.entry(stroke).or_insert_with(add)
-            } else {
+            let blocks = of_strokes.blocks();
+            let node = if blocks.is_empty() {
                 session
+            } else {
+                let add = || all.tree.add(session, blocks);
+                *nodes.entry(stroke).or_insert_with(add)
             };
             all.node.push(node);
         }
@@ -80,6 +81,16 @@ impl Hierarchy {
             self.sessions[s] = self.tree.add(self.specimens[k], blocks);
         }
         self.sessions[s]
+    }
+}
+
+impl OfStrokes {
+    fn blocks(self) -> Vec<Block> {
+        let misfit = (self.misfit, component::STROKE_MISFIT, STROKE_COSINES);
+        let wander = (self.wander, component::WANDER, WANDER_COSINES);
+        let own = [misfit, wander].into_iter().filter(|(is_own, ..)| *is_own);
+        own.map(|(_, component, columns)| block(component, columns))
+            .collect()
     }
 }
 

@@ -20,6 +20,9 @@ pub(crate) const SESSION_COSINES: usize = 8;
 /// Cosines of a stroke's misfit along the pressure.
 pub(crate) const STROKE_COSINES: usize = 5;
 
+/// Cosines of what the force wanders by, along the time of a stroke.
+pub(crate) const WANDER_COSINES: usize = 7;
+
 /// Cosines of the common misfit along each of eps* and P*.
 const COMMON_COSINES: usize = 6;
 
@@ -133,6 +136,25 @@ pub(super) fn along_pressure(data: &Data, count: usize, length_kpa: f64) -> Vec<
 /// The same of one reading.
 pub(crate) fn at_pressure(at: &Conditions, count: usize, length_kpa: f64) -> Vec<f64> {
     cosines(count, at.pressure_kpa / P_620_KPA, length_kpa / P_620_KPA)
+}
+
+/// Cosines along the time of the stroke of every reading, of what has a correlation length that is a share of its duration; zeros where it has none.
+pub(super) fn along_stroke(data: &Data, count: usize, length: f64) -> Vec<Vec<f64>> {
+    let strokes = data.strokes();
+    let mut ends = vec![(f64::INFINITY, f64::NEG_INFINITY); data.len()];
+    for (at, s) in data.conditions.iter().zip(&strokes) {
+        let (first, last) = ends[*s];
+        ends[*s] = (first.min(at.log_time_s), last.max(at.log_time_s));
+    }
+    let of = |(at, s): (&Conditions, &usize)| {
+        let (first, last) = ends[*s];
+        if last > first {
+            cosines(count, (at.log_time_s - first) / (last - first), length)
+        } else {
+            vec![0.0; count]
+        }
+    };
+    data.conditions.iter().zip(&strokes).map(of).collect()
 }
 
 /// Products of cosines over eps* and P*, without the constant, which is a gain of all readings, and without those that vary faster than the

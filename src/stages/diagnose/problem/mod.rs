@@ -45,7 +45,9 @@ use component::{components, noise};
 use forward::{SLOTS, TERMS};
 use hierarchy::Hierarchy;
 use known::Known;
-use misfit::{SESSION_COSINES, STROKE_COSINES, along_pressure, common_pairs};
+use misfit::{
+    SESSION_COSINES, STROKE_COSINES, WANDER_COSINES, along_pressure, along_stroke, common_pairs,
+};
 use pipeline_effects as effects;
 use pipeline_inference::problem::Term as EngineTerm;
 use pipeline_inference::problem::{Coefficient, Component, Direction, Linearised, Point, Problem};
@@ -70,6 +72,15 @@ impl Operators {
             zero: registered(effects::force_zero_offset::ID),
         }
     }
+}
+
+/// What a stroke, the filling or the venting of one log, has of its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct OfStrokes {
+    /// A misfit along the pressure.
+    misfit: bool,
+    /// Noise that is correlated in time.
+    wander: bool,
 }
 
 /// An isometric campaign, or a pool of them.
@@ -103,8 +114,11 @@ pub struct ForceProblem<'a> {
     side: Vec<Side>,
     /// Cosines of the session's misfit, reading by reading.
     session_basis: Vec<Vec<f64>>,
-    /// Cosines of the stroke's misfit; none where sessions are of one stroke.
+    of_strokes: OfStrokes,
+    /// Cosines of the stroke's misfit; none where strokes have none.
     stroke_basis: Vec<Vec<f64>>,
+    /// Cosines of what the force wanders by within the stroke; none where it does not.
+    wander_basis: Vec<Vec<f64>>,
     /// Columns of the common misfit, reading by reading, N for a misfit of 1.
     common_misfit: Vec<Vec<f64>>,
     /// Derivatives of the reference by the coefficients of the law that were free in it, one column each.
@@ -162,17 +176,17 @@ pub(crate) fn mean_noted(noted: &[Option<f64>]) -> Option<f64> {
 impl<'a> ForceProblem<'a> {
     /// The problem of some readings, the misfit of strokes left out.
     pub fn new(base: &'a Base, data: &'a Data, library: &'a [Term]) -> Self {
-        Self::built(base, data, library, false)
+        Self::built(base, data, library, OfStrokes::default())
     }
 
-    fn built(base: &'a Base, data: &'a Data, library: &'a [Term], by_stroke: bool) -> Self {
+    fn built(base: &'a Base, data: &'a Data, library: &'a [Term], of_strokes: OfStrokes) -> Self {
         let Hierarchy {
             tree,
             mut node,
             specimens,
             sessions,
             strokes,
-        } = Hierarchy::of(data, by_stroke);
+        } = Hierarchy::of(data, of_strokes);
         let largest = data.force.iter().copied().fold(0.0, f64::max);
         let forces = data.force.iter().zip(&data.conditions);
         let side: Vec<Side> = forces
@@ -218,8 +232,14 @@ impl<'a> ForceProblem<'a> {
             noted_mean,
             side,
             session_basis: along_pressure(data, SESSION_COSINES, settings::PRESSURE_LENGTH_KPA),
-            stroke_basis: if by_stroke {
+            of_strokes,
+            stroke_basis: if of_strokes.misfit {
                 along_pressure(data, STROKE_COSINES, settings::STROKE_LENGTH_KPA)
+            } else {
+                vec![Vec::new(); data.len()]
+            },
+            wander_basis: if of_strokes.wander {
+                along_stroke(data, WANDER_COSINES, settings::WANDER_LENGTH)
             } else {
                 vec![Vec::new(); data.len()]
             },
@@ -269,7 +289,7 @@ impl<'a> ForceProblem<'a> {
 
     /// Whether strokes have a misfit of their own.
     pub fn has_strokes(&self) -> bool {
-        self.stroke_basis.iter().any(|b| !b.is_empty())
+        self.of_strokes.misfit
     }
 
     /// Whether a term is no more than where the dependence on a column that is among others has its origin, which nobody knows: a zero of the force

@@ -1,6 +1,6 @@
 //! The same readings under other assumptions: the scale and floor of the misfit, strokes, declared lengths, another form of the base law.
 
-use super::{ForceProblem, component};
+use super::{ForceProblem, OfStrokes, component};
 use crate::base::Base;
 use crate::settings;
 use pipeline_inference::fit::{Fitted, Setting};
@@ -30,12 +30,8 @@ impl<'a> ForceProblem<'a> {
     /// The same with another floor of the scale of the misfit, a share of the largest force.
     pub fn with_floor(&self, share: f64) -> Self {
         let mut other = Self {
-            reference: self.reference.clone(),
-            slopes: self.slopes.clone(),
-            sloped: self.sloped.clone(),
-            reference_coefficients: self.reference_coefficients.clone(),
             floor: share * self.largest,
-            ..Self::built(self.base, self.data, self.library, self.has_strokes())
+            ..self.rebuilt(self.base, self.of_strokes)
         };
         other.common_misfit = other.beside_the_law();
         other
@@ -44,15 +40,25 @@ impl<'a> ForceProblem<'a> {
     /// The same with a misfit of every stroke; none where no session has several strokes, whose own that would be.
     pub fn with_strokes(&self) -> Option<Self> {
         let strokes = self.data.strokes().into_iter().max()? + 1;
-        (strokes > self.sessions.len()).then(|| Self {
-            reference: self.reference.clone(),
-            slopes: self.slopes.clone(),
-            sloped: self.sloped.clone(),
-            reference_coefficients: self.reference_coefficients.clone(),
-            common_misfit: self.common_misfit.clone(),
-            floor: self.floor,
-            ..Self::built(self.base, self.data, self.library, true)
-        })
+        let misfit = OfStrokes {
+            misfit: true,
+            ..self.of_strokes
+        };
+        (strokes > self.sessions.len()).then(|| self.rebuilt(self.base, misfit))
+    }
+
+    /// The same with noise that is correlated in time within every stroke; none where no stroke has a time.
+    pub fn with_wander(&self) -> Option<Self> {
+        let wander = OfStrokes {
+            wander: true,
+            ..self.of_strokes
+        };
+        let mut with = self.rebuilt(self.base, wander);
+        with.components.clone_from(&self.components);
+        let strokes = with.data.strokes().into_iter().max()? + 1;
+        with.components.push(component::wander(strokes));
+        let has_time = with.wander_basis.iter().flatten().any(|b| *b != 0.0);
+        has_time.then_some(with)
     }
 
     /// The same with the scatter of the declared set lengths estimated, for readings that contradict what was declared.
@@ -96,14 +102,24 @@ impl<'a> ForceProblem<'a> {
         'a: 'b,
     {
         ForceProblem {
+            components: self.components.clone(),
+            ..self.rebuilt(base, self.of_strokes)
+        }
+    }
+
+    /// The same readings, terms and scale of the misfit.
+    fn rebuilt<'b>(&self, base: &'b Base, of_strokes: OfStrokes) -> ForceProblem<'b>
+    where
+        'a: 'b,
+    {
+        ForceProblem {
             reference: self.reference.clone(),
             slopes: self.slopes.clone(),
             sloped: self.sloped.clone(),
             reference_coefficients: self.reference_coefficients.clone(),
             common_misfit: self.common_misfit.clone(),
             floor: self.floor,
-            components: self.components.clone(),
-            ..ForceProblem::built(base, self.data, self.library, self.has_strokes())
+            ..ForceProblem::built(base, self.data, self.library, of_strokes)
         }
     }
 }
