@@ -174,6 +174,22 @@ impl<'r, 'a> Section<'r, 'a> {
         entry
     }
 
+    /// The same of a key that must stand in this file, whatever another one has.
+    pub fn require_own(
+        &self,
+        key: &'static str,
+        expected: &str,
+        hint: &str,
+    ) -> Option<Entry<'r, 'a>> {
+        let is_own = self.entries.keys().any(|k| k.get_ref().as_ref() == key);
+        if is_own {
+            return self.require(key, expected, hint);
+        }
+        self.reader
+            .report(self.line, &self.path_of(key), "nothing", expected, hint);
+        None
+    }
+
     /// Every key with its value, in the order of the file, then what another file has beside them: for tables whose keys the user invents.
     pub fn entries(&self) -> Vec<(String, Entry<'r, 'a>)> {
         let mut all: Vec<(String, Entry<'r, 'a>)> = self

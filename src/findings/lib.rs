@@ -450,7 +450,8 @@ pub struct Misfit {
     pub sensitive: Vec<String>,
 }
 
-/// Noise that is correlated in time within a stroke (the filling or the venting of one log), and what was found beside it.
+/// Noise that is correlated in time within a stroke (the filling or the venting of one log), or a misfit of the law finer than the model has, and what was
+/// found beside it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct NoiseInTime {
     /// Standard deviation of what the force wanders by, N.
@@ -468,13 +469,13 @@ pub struct NoiseInTime {
 pub struct BesideNoise {
     /// Id, or column.
     pub id: String,
-    /// First parameter of the effect; of a column its change over the range.
-    pub value: f64,
-    /// Lower end of its 95% interval, by its standard error.
-    pub ci_low: f64,
+    /// First parameter of the effect; none of a column.
+    pub value: Option<f64>,
+    /// Lower end of its 95% interval, by its standard error; none where it has come to its bound.
+    pub ci_low: Option<f64>,
     /// Upper end.
-    pub ci_high: f64,
-    /// Gain in log-likelihood.
+    pub ci_high: Option<f64>,
+    /// Gain in log-likelihood, beside what stands; of what does not, beside that and what fell after it.
     pub log_likelihood_gain: f64,
     /// Whether it would have come in.
     pub stands: bool,

@@ -119,7 +119,7 @@ struct Head {
 }
 
 fn head(root: &Section) -> Head {
-    if let Some(entry) = root.require("schema", SCHEMA, "write schema = \"bpa-session/1\"") {
+    if let Some(entry) = root.require_own("schema", SCHEMA, "write schema = \"bpa-session/1\"") {
         entry.choice(&[(SCHEMA, ())]);
     }
     let id = identifier(root, "id", "a name that no other session has");

@@ -100,7 +100,16 @@ fn expect(all: Vec<(Bad, &[&str])>) -> Bench {
 
 #[test]
 fn mistakes_in_session_toml_name_line_key_found_expected_and_hint() {
-    let cases: [(&str, &str, &'static [&'static str]); 20] = [
+    let cases: [(&str, &str, &'static [&'static str]); 21] = [
+        (
+            "schema = \"bpa-session/1\"\n",
+            "",
+            &[
+                "/session.toml:1 [schema]",
+                "found nothing",
+                "write schema = \"bpa-session/1\"",
+            ],
+        ),
         (
             "kind = \"isometric\"",
             "kind = \"isometrik\"",

@@ -109,10 +109,10 @@ pub struct Found {
 }
 
 impl Found {
-    /// What its terms have to gain in log-likelihood to come in, all at one critical value of [`crate::statistic::deviate`].
-    pub fn price(&self, terms: &[Term], critical: f64) -> f64 {
-        let amplitudes = self.accepted.iter().map(|a| terms[a.term].amplitudes);
-        let gains = amplitudes.map(|n| 0.5 * likelihood_ratio(critical, n));
+    /// What its terms have to gain in log-likelihood to come in, each at a critical value of [`crate::statistic::deviate`].
+    pub fn price(&self, terms: &[Term], critical: impl Fn(&Accepted) -> f64) -> f64 {
+        let gains = self.accepted.iter();
+        let gains = gains.map(|a| 0.5 * likelihood_ratio(critical(a), terms[a.term].amplitudes));
         gains.sum()
     }
 
@@ -190,13 +190,14 @@ impl Search<'_> {
             };
             let mut other = begun;
             self.forward(&mut other, normal, other_first, found.accepted.len());
-            // Mostly the same terms come in by another way.
-            if terms_of(&other) != terms_of(&found) {
+            // Each term at the price at which it came in: another model's draws may be wilder.
+            let terms = self.setting.problem.terms();
+            let worth = |f: &Found| self.weighed(&f.model) - f.price(terms, |a| a.critical);
+            // Mostly the same terms come in by another way, to the same optimum.
+            let is_same = terms_of(&other) == terms_of(&found)
+                && self.weighed(&other.model) <= self.weighed(&found.model) + WORTH_A_SWAP;
+            if !is_same {
                 let other = self.completed(other, normal, other_first);
-                let critical = found.critical;
-                let worth = |f: &Found| {
-                    self.weighed(&f.model) - f.price(self.setting.problem.terms(), critical)
-                };
                 if worth(&other) > worth(&found) + WORTH_A_SWAP {
                     found = other;
                 }
@@ -213,7 +214,11 @@ impl Search<'_> {
         for _ in 0..MOST_ROUNDS {
             self.forward(&mut found, normal, way, self.decision.most_terms);
             let before = found.accepted.len();
-            self.tidy(&mut found, way);
+            let anything = Way {
+                not_first: None,
+                ..way
+            };
+            self.tidy(&mut found, anything);
             let terms: Vec<usize> = found.accepted.iter().map(|a| a.term).collect();
             if found.accepted.len() == before || terms == ended {
                 break;

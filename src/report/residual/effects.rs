@@ -91,17 +91,20 @@ fn facts(found: &CampaignFindings, e: &EffectFinding) -> Vec<(&'static str, Stri
 /// The size of an effect beside noise that is correlated in time; none of one without a size.
 fn in_time(beside: &BesideNoise, e: &EffectFinding) -> Option<String> {
     let there = size(&Parameter {
-        value: beside.value,
-        ci_low: Some(beside.ci_low),
-        ci_high: Some(beside.ci_high),
+        value: beside.value?,
+        ci_low: beside.ci_low,
+        ci_high: beside.ci_high,
         ..e.parameters.first()?.clone()
     });
-    let comes_in = if beside.stands {
-        ""
-    } else {
-        "; it would not come in"
+    let comes_in = match (beside.stands, beside.ci_low) {
+        (true, _) => String::new(),
+        (false, None) => ", its bound: it would not come in".to_owned(),
+        (false, Some(_)) => format!(
+            "; gain in log-likelihood {}, too little to come in",
+            gain(beside.log_likelihood_gain)
+        ),
     };
-    Some(there + comes_in)
+    Some(there + &comes_in)
 }
 
 /// A family-wise p; with `≤` where none of the draws came as far.

@@ -129,7 +129,7 @@ fn noise_in_time(found: &CampaignFindings) -> Option<String> {
         (_, false) => format!(" Beside it these would not stand: {}.", listed(&fallen)),
     };
     Some(format!(
-        "Noise is correlated in time: within a stroke the force wanders by {}, with {} of noise beside it (log-likelihood +{}); the search takes noise for independent.{stands}",
+        "Readings of one stroke are alike beyond this: noise is correlated in time, or the law is wrong in finer ways. The force wanders by {}, with {} of noise beside it (log-likelihood +{}); the search takes noise for independent.{stands}",
         size(noise.sd),
         size(noise.noise),
         rounded(noise.log_likelihood_gain, Rounding::Decimals(0))

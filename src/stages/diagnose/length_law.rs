@@ -81,7 +81,7 @@ fn is_shown(with: f64, without: f64, decision: Decision) -> bool {
 /// The log-likelihoods of what was found with the dependence and without, less what each effect has to gain to come in: at one critical value, since each search has
 /// its own draws, and many effects would add up what these differ by.
 fn priced(freed: &Setting, found: &Found, instead: &Found) -> [f64; 2] {
-    let price = |f: &Found| f.price(freed.problem.terms(), found.critical);
+    let price = |f: &Found| f.price(freed.problem.terms(), |_| found.critical);
     [
         refitted(freed, &found.model) - price(found),
         instead.model.log_likelihood - price(instead),

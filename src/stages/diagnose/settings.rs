@@ -15,8 +15,8 @@ pub const PRESSURE_LENGTH_KPA: f64 = 100.0;
 pub const STROKE_LENGTH_KPA: f64 = 200.0;
 /// Correlation length of what the force wanders by within a stroke, as a share of its duration: shorter is noise, longer a zero or a drift.
 pub const WANDER_LENGTH: f64 = 0.2;
-/// Usual size of that, N.
-pub const USUAL_WANDER_N: f64 = 1.0;
+/// Usual size of that, share of the largest force.
+pub const USUAL_WANDER: f64 = 0.005;
 /// Usual misfit of a stroke, share of the force.
 pub const USUAL_STROKE: f64 = 0.01;
 /// Length scale of the common misfit, in eps* and P*: the likelihood of the laboratory's campaigns is largest between 0.45 and 0.6 (10 mm: -3451.9,

@@ -21,8 +21,8 @@ pub const PLACEBO: &str = "placebo";
 /// How strong the evidence for an effect is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Evidence {
-    /// A p near the level, found again in few of the searches without one unit, no stronger than a shuffled column, or from tests that their owner
-    /// doubts.
+    /// A p near the level, found again in few of the searches without one unit, no stronger than a shuffled column, too little to come in beside noise
+    /// that is correlated in time, or from tests that their owner doubts.
     Weak,
     /// Neither.
     Moderate,

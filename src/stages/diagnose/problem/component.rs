@@ -107,12 +107,13 @@ pub(super) fn components(base: &Base, data: &Data, pooled: bool, strokes: usize)
     ]
 }
 
-/// [`WANDER`], of so many strokes.
-pub(super) fn wander(strokes: usize) -> Component {
+/// [`WANDER`], of so many strokes, where the largest force is `largest_n`.
+pub(super) fn wander(strokes: usize, largest_n: f64) -> Component {
+    let usual = settings::USUAL_WANDER * largest_n;
     Component {
         scale: Scale {
-            prior: Prior::HalfNormal(settings::LARGEST_SCATTER * settings::USUAL_WANDER_N),
-            usual: settings::USUAL_WANDER_N,
+            prior: Prior::HalfNormal(settings::LARGEST_SCATTER * usual),
+            usual,
             groups: strokes,
         },
         linear: true,

@@ -8,6 +8,7 @@ use pipeline_inference::problem::Problem;
 use pipeline_inference::query;
 use pipeline_inference::variance::{Prior, Scale};
 use pipeline_numerics::statistics::median;
+use std::collections::BTreeSet;
 
 impl<'a> ForceProblem<'a> {
     /// The same with the misfit scaled by the predictions of a fit without it.
@@ -55,10 +56,12 @@ impl<'a> ForceProblem<'a> {
         };
         let mut with = self.rebuilt(self.base, wander);
         with.components.clone_from(&self.components);
-        let strokes = with.data.strokes().into_iter().max()? + 1;
-        with.components.push(component::wander(strokes));
-        let has_time = with.wander_basis.iter().flatten().any(|b| *b != 0.0);
-        has_time.then_some(with)
+        let strokes = with.data.strokes().into_iter().zip(&with.wander_basis);
+        let in_time = strokes.filter(|(_, basis)| basis.iter().any(|b| *b != 0.0));
+        let in_time: BTreeSet<usize> = in_time.map(|(stroke, _)| stroke).collect();
+        let component = component::wander(in_time.len(), with.largest);
+        with.components.push(component);
+        (!in_time.is_empty()).then_some(with)
     }
 
     /// The same with the scatter of the declared set lengths estimated, for readings that contradict what was declared.
