@@ -1,7 +1,7 @@
 //! What was found, where the noise of a stroke may be correlated in time.
 //!
 //! The search takes the noise of readings for independent. On the laboratory's rig it is not: with a component of every stroke that wanders over a fifth
-//! of its duration the model of the search is likelier by 793 in logarithm (10 mm, 1675 readings), noise beside it falls from 0.9 to 0.2 N, and a drift and
+//! of its duration the model of the search is likelier by 807 in logarithm (10 mm, 1675 readings), noise beside it falls from 0.9 to 0.2 N, and a drift and
 //! a creep do not stand. Part of it may be a misfit of the law finer than the model has, for the pressure goes with the time. A search with it is worse at
 //! unseen specimens, 20.6 N where the one without has 14.1: with so little noise left it believes how the force changes from reading to reading, where the law
 //! is wrong as well. So it is no part of the search; what would not stand beside it is said.
