@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_2;
 
-/// Compliances of the frame, um/N: none, the laboratory's, and one that costs a short actuator a fifth of its strain.
+/// Compliances of the frame, um/N: none, the laboratory's, and about three times that.
 const COMPLIANCES: [f64; 3] = [0.0, 14.0, 40.0];
 
 /// What a search said.

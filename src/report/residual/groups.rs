@@ -117,7 +117,7 @@ fn misfit(found: &CampaignFindings) -> String {
     )
 }
 
-/// Noise that is correlated in time in two sentences; none where the readings show none.
+/// Noise that is correlated in time, and what does not stand beside it; none where the readings show none.
 fn noise_in_time(found: &CampaignFindings) -> Option<String> {
     let noise = found.noise_in_time.as_ref()?;
     let size = |x: f64| error_with_unit(x, &found.unit);

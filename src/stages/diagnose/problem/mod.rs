@@ -11,6 +11,8 @@
 //! all specimens share, one of each session along P and, where the readings show it, one of each stroke along P, Gaussian processes in a cosine
 //! basis (Solin and Sarkka, Statistics and Computing 30 (2020) 419).
 //!
+//! Noise is independent from reading to reading; a variant has noise that is correlated in time within every stroke (`in_time` asks it).
+//!
 //! A stroke is the filling or the venting of one log. On the laboratory's rig readings of one stroke are alike beyond everything else: most of
 //! all those of the first filling after the length was set, which is up to 15 N below the next ones.
 //!
@@ -22,7 +24,7 @@
 //! | `forward` | the force of a reading with its derivatives |
 //! | `known` | what is known of coefficients beforehand, as further readings |
 //! | `directions` | what each term of the library would change |
-//! | `variants` | the same readings under other assumptions: floor, strokes, declared lengths, base law |
+//! | `variants` | the same readings under other assumptions: floor, strokes, correlated noise, declared lengths, base law |
 
 pub mod component;
 mod directions;
@@ -114,6 +116,7 @@ pub struct ForceProblem<'a> {
     side: Vec<Side>,
     /// Cosines of the session's misfit, reading by reading.
     session_basis: Vec<Vec<f64>>,
+    /// What strokes have of their own.
     of_strokes: OfStrokes,
     /// Cosines of the stroke's misfit; none where strokes have none.
     stroke_basis: Vec<Vec<f64>>,

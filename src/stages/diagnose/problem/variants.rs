@@ -1,4 +1,4 @@
-//! The same readings under other assumptions: the scale and floor of the misfit, strokes, declared lengths, another form of the base law.
+//! The same readings under other assumptions: the scale and floor of the misfit, strokes, correlated noise, declared lengths, another form of the base law.
 
 use super::{ForceProblem, OfStrokes, component};
 use crate::base::Base;
