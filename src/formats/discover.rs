@@ -1,7 +1,7 @@
 //! Finding sessions: every folder below a raw directory that holds a `session.toml`, in sorted order.
 
 use crate::session_toml::CAMPAIGN_FILE;
-use crate::{leg, session_toml, shared_logs};
+use crate::{leg, session_toml, shared_logs, unnamed_logs};
 use pipeline_base::diagnostics::{Diagnostic, Severity};
 use pipeline_base::session::{LogSpec, Session, Specimen};
 use pipeline_base::toml_reader::line_of_key;
@@ -72,8 +72,9 @@ pub struct Discovery {
 pub fn discover(roots: &[PathBuf]) -> Discovery {
     let mut found = Discovery::default();
     let mut seen = BTreeSet::new();
+    let mut others = Vec::new();
     for root in roots {
-        let folders = walk(root, &mut seen, &mut found);
+        let folders = walk(root, &mut seen, &mut others, &mut found);
         let read = folders.par_iter().map(|folder| read_session(root, folder));
         for session in read.collect::<Vec<_>>() {
             match session {
@@ -82,6 +83,7 @@ pub fn discover(roots: &[PathBuf]) -> Discovery {
             }
         }
     }
+    unnamed_logs::note(&mut found, others);
     reject_duplicates(&mut found);
     shared_logs::reject(&mut found);
     note_contradictions(&mut found);
@@ -91,8 +93,13 @@ pub fn discover(roots: &[PathBuf]) -> Discovery {
     found
 }
 
-/// The folders that hold a session.
-fn walk(root: &Path, seen: &mut BTreeSet<PathBuf>, found: &mut Discovery) -> Vec<PathBuf> {
+/// The folders that hold a session. Files that describe nothing go to `others`, each with the name of its folder in messages.
+fn walk(
+    root: &Path,
+    seen: &mut BTreeSet<PathBuf>,
+    others: &mut Vec<(PathBuf, String)>,
+    found: &mut Discovery,
+) -> Vec<PathBuf> {
     let mut folders = Vec::new();
     let entries = WalkDir::new(root).follow_links(true).sort_by_file_name();
     for entry in entries {
@@ -109,6 +116,11 @@ fn walk(root: &Path, seen: &mut BTreeSet<PathBuf>, found: &mut Discovery) -> Vec
             }
             Ok(entry) if entry.file_name() == SESSION_FILE => {
                 found.unusable.push(not_a_file(root, entry.path()));
+            }
+            Ok(entry) if entry.file_name() == CAMPAIGN_FILE => {}
+            Ok(entry) if entry.file_type().is_file() => {
+                let folder = relative_to(root, entry.path().parent().unwrap_or(root));
+                others.push((entry.into_path(), folder));
             }
             Ok(_) => {}
             Err(error) => found.diagnostics.push(unreadable_entry(root, &error)),

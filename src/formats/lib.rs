@@ -24,6 +24,7 @@ pub mod session_toml;
 mod shared_logs;
 pub mod table;
 pub mod text_format;
+mod unnamed_logs;
 mod words;
 mod workspace;
 

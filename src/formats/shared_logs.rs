@@ -1,4 +1,4 @@
-//! One log under two sessions: its readings would count twice, once with the wrong lengths.
+//! One log under two sessions, or twice in one: its readings would count twice, once with the wrong lengths.
 //!
 //! Only logs of one size are read to be compared, so that a tree without such a mistake costs a look at the size of each file. Zero logs may be
 //! shared: several sessions may stand between two of them.
@@ -16,7 +16,7 @@ struct Measured {
     path: PathBuf,
 }
 
-/// Of sessions with one log the first in the order of ids stays; the others are unusable.
+/// Of sessions with one log the first in the order of ids stays; the others are unusable, and so is a session that has one log twice.
 pub fn reject(found: &mut Discovery) {
     let mut of_size: BTreeMap<(u64, String), Vec<Measured>> = BTreeMap::new();
     for (session, located) in found.sessions.iter().enumerate() {
@@ -52,27 +52,36 @@ fn repeated(alike: &[Measured], sessions: &[Located]) -> Vec<(usize, Diagnostic)
         let Ok(digest) = digest::of_file(&log.path) else {
             continue;
         };
-        let original = first.entry(digest).or_insert(log);
-        if original.session != log.session {
-            let [own, other] = [log, original].map(|l| &sessions[l.session].relative);
-            let diagnostic = Diagnostic::error(
-                format!("{own}/{SESSION_FILE}"),
+        let Some(original) = first.get(&digest) else {
+            first.insert(digest, log);
+            continue;
+        };
+        let [own, other] = [log, *original].map(|l| &sessions[l.session].relative);
+        let (found, expected, hint) = if original.session == log.session {
+            (
+                format!("{}, which is {} byte for byte", log.name, original.name),
+                "a log that is named once",
+                "remove one of the two, or name the right log",
+            )
+        } else {
+            (
                 format!(
                     "{}, which is {other}/{} byte for byte",
                     log.name, original.name
                 ),
                 "a log that belongs to one session only",
                 "name the right log, or remove one of the two sessions",
-            );
-            let diagnostic = diagnostic.in_column("log");
-            let line = line_of_log(&sessions[log.session], log);
-            repeated.push((log.session, diagnostic.at_row(line)));
-        }
+            )
+        };
+        let file = format!("{own}/{SESSION_FILE}");
+        let diagnostic = Diagnostic::error(file, found, expected, hint).in_column("log");
+        let line = line_of_log(&sessions[log.session], log);
+        repeated.push((log.session, diagnostic.at_row(line)));
     }
     repeated
 }
 
-/// The line of the session's description that names a log; the first where no line does so in these words.
+/// The last line of the session's description that names a log; the first where no line does so in these words.
 fn line_of_log(session: &Located, log: &Measured) -> u64 {
     let text = std::fs::read_to_string(session.directory.join(SESSION_FILE)).unwrap_or_default();
     let file = log
@@ -80,8 +89,8 @@ fn line_of_log(session: &Located, log: &Measured) -> u64 {
         .strip_prefix(&session.directory)
         .unwrap_or(&log.path);
     let quoted = format!("\"{}\"", file.display());
-    let line = text.lines().position(|line| line.contains(&quoted));
-    line.map_or(1, |line| line as u64 + 1)
+    let named = text.lines().enumerate().filter(|l| l.1.contains(&quoted));
+    named.last().map_or(1, |(line, _)| line as u64 + 1)
 }
 
 fn take_out(found: &mut Discovery, mut twice: BTreeMap<usize, Diagnostic>) {

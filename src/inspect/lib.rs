@@ -457,7 +457,7 @@ fn without_logs(check: &mut Check) {
     }
 }
 
-/// Logs that are copies of one before them.
+/// Logs that are copies of one before them, where one of the two is a zero log: a session with one log that measures twice cannot be read at all.
 fn copies(session: &Session, files: &[LogBytes]) -> Vec<Check> {
     let logs: Vec<(&LogSpec, &Vec<u8>)> = whole_files(session, files).collect();
     let copy = |(k, (log, bytes)): (usize, &(&LogSpec, &Vec<u8>))| {

@@ -351,6 +351,59 @@ fn one_log_under_two_sessions_is_refused_with_both_named() {
     assert_eq!(bench.table("plateaus").len(), 7);
 }
 
+#[test]
+fn a_copy_of_a_log_in_its_session_is_refused_with_its_line() {
+    let copied = with("points.csv", "182,620,388", "182,620,389");
+    let log = std::fs::read(copied.raw().join("bad/points.csv")).unwrap();
+    copied.write("bad/copy.csv", log);
+    let named = format!(
+        "{}\n[[log]]\nfile = \"copy.csv\"\n",
+        POINTS.replacen("points", "bad", 1)
+    );
+    copied.write("bad/session.toml", named);
+    let said = copied.run(&["run"]);
+    said.warns_of(&[
+        "bad/session.toml:22 [log]",
+        "found copy.csv, which is points.csv byte for byte",
+        "a log that is named once",
+    ]);
+    assert_eq!(copied.table("plateaus").len(), 7, "the good session's");
+}
+
+#[test]
+fn logs_that_no_session_names_are_told_and_other_files_are_not() {
+    let bench = with("points.csv", "182,620,388", "182,620,389");
+    for name in ["run2.csv", "run3.txt", "run4", "run5.dat"] {
+        bench.write(&format!("bad/{name}"), DATA.replace(',', "\t"));
+    }
+    bench.write("alone/l200.csv", DATA);
+    bench.write(
+        "alone/notes.txt",
+        "hung up at 12:30\nlength 200, 180 and 160 mm\n",
+    );
+    bench.write("good/README.md", "Measured by hand.\n");
+    bench.write("good/.points.csv.swp", DATA);
+    bench.write("broken/session.toml", "id = ");
+    bench.write("broken/points.csv", DATA);
+    let said = bench.run(&["run"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    said.warns_of(&[
+        "raw/bad: found run2.csv, run3.txt, run4 and 1 more, which no session names",
+        "add a [[log]] for each to session.toml",
+        "raw/alone: found l200.csv, which no session names",
+        "`pipeline new-session` drafts one",
+    ]);
+    for quiet in [
+        "notes.txt",
+        "README.md",
+        ".swp",
+        "broken/points.csv",
+        "raw/good",
+    ] {
+        assert!(!said.err.contains(quiet), "{quiet} is in\n{}", said.err);
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn a_loop_of_links_is_reported_and_not_entered() {

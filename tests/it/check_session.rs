@@ -218,7 +218,7 @@ fn a_copy_of_a_log_and_lengths_that_others_have_otherwise_are_named() {
     };
     let rest = line("rest_length_mm");
     let length: f64 = rest.split('=').nth(1).unwrap().trim().parse().unwrap();
-    let log = "\n[[log]]\nfile = \"copy.csv\"\n\n[columns]";
+    let log = "\n[[log]]\nfile = \"copy.csv\"\nrole = \"zero\"\n\n[columns]";
     let folder = copied(
         &bench,
         &[
@@ -237,6 +237,18 @@ fn a_copy_of_a_log_and_lengths_that_others_have_otherwise_are_named() {
     assert_eq!(otherwise[0]["what"], "rest_length");
     let of = |key: &str| otherwise[0][key].as_f64().unwrap();
     assert!((of("here_mm") - of("others_mm") - 3.0).abs() < 1e-6);
+
+    let session = folder_of.join("session.toml");
+    let twice = std::fs::read_to_string(&session).unwrap();
+    let twice = twice.replace("\"copy.csv\"\nrole = \"zero\"", "\"copy.csv\"");
+    std::fs::write(session, twice).unwrap();
+    let (code, found) = inspected(&bench, &folder);
+    assert_eq!(code, 2, "{found}");
+    let refused = checks(&found, "description")[0]["message"].to_string();
+    assert!(
+        refused.contains("test8.csv, which is copy.csv byte for byte"),
+        "{refused}"
+    );
 }
 
 #[test]
