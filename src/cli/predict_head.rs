@@ -66,21 +66,25 @@ pub fn expected_contraction<'a>(predictor: &Predictor<'a>) -> Option<(f64, &'a M
     Some((law.expected_contraction(given), law))
 }
 
+/// The contraction at 620 kPa that a muscle is taken to have, where that is another than the one given.
+pub fn taken_contraction(predictor: &Predictor) -> Option<f64> {
+    let (expected, _) = expected_contraction(predictor)?;
+    let given = predictor.muscle.contraction_620?;
+    ((expected - given).abs() >= LEAST_DIFFERENCE).then_some(expected)
+}
+
 /// `taken as 16.9%: of the differences between noted contractions 89 ± 29% is error`, where that is another.
 fn taken(predictor: &Predictor) -> Option<String> {
-    let (expected, law) = expected_contraction(predictor)?;
-    let given = predictor.muscle.contraction_620?;
+    let taken = taken_contraction(predictor)?;
+    let (_, law) = expected_contraction(predictor)?;
     // A normal number about a share may be outside of what shares are.
     let percentage = |x: f64| 100.0 * x.clamp(0.0, 1.0);
-    let differs = (expected - given).abs() >= LEAST_DIFFERENCE;
-    differs.then(|| {
-        format!(
-            "taken as {:.1}%: of the differences between noted contractions {:.0} ± {:.0}% is error",
-            100.0 * expected,
-            percentage(law.noting_error()),
-            percentage(law.noting_error_sd())
-        )
-    })
+    Some(format!(
+        "taken as {:.1}%: of the differences between noted contractions {:.0} ± {:.0}% is error",
+        100.0 * taken,
+        percentage(law.noting_error()),
+        percentage(law.noting_error_sd())
+    ))
 }
 
 fn model(law: &Law) -> String {

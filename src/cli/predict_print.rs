@@ -26,9 +26,18 @@ pub fn single(predictor: &Predictor, answer: &Answer, as_json: bool) -> Result<(
         return print_json(&value);
     }
     head(predictor);
-    let relative = answer
-        .contraction_rel
-        .map_or_else(String::new, |r| format!(", relative contraction {r:.3}"));
+    let relative = answer.contraction_rel.map_or_else(String::new, |noted| {
+        let taken = predict_head::taken_contraction(predictor).map(|taken| {
+            format!(
+                " of the noted one, {:.3} of that taken",
+                answer.contraction / taken
+            )
+        });
+        format!(
+            ", relative contraction {noted:.3}{}",
+            taken.unwrap_or_default()
+        )
+    });
     line(format!(
         "state    {:.1} kPa, length {:.1} mm: contraction {:.2}%{relative}",
         answer.pressure_kpa,

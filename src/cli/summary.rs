@@ -60,6 +60,9 @@ struct Session {
     /// The part of its notes that keeps it apart.
     #[serde(default)]
     doubtful: Option<String>,
+    /// The zero of the force that was taken, N, where its own zero log holds a pull of the actuator.
+    #[serde(default)]
+    usual_zero_n: Option<f64>,
 }
 
 /// The models of one campaign and diameter, on the readings that all of them answer.
@@ -180,6 +183,7 @@ impl Answers {
         let in_full = detail == Detail::Full;
         let shown = if in_full { campaigns.len() } else { SHOWN };
         if !in_full {
+            self.print_zeros();
             line("");
             self.print_models(shown);
         }
@@ -205,6 +209,19 @@ impl Answers {
             ));
         }
         line("");
+    }
+
+    /// In how many sessions the zero of the force was replaced; nothing where in none.
+    fn print_zeros(&self) {
+        let used = &self.summary.sessions_used;
+        let replaced = used.iter().filter(|s| s.usual_zero_n.is_some()).count();
+        if replaced > 0 {
+            line(format!(
+                "zero logs that hold a pull of the actuator: {replaced} of {}; the usual zero of the campaign is taken instead (tables/zeros.csv; \
+                 `usual_zeros = false` in [fit] keeps them)",
+                counted(used.len(), "session", "sessions")
+            ));
+        }
     }
 
     /// A table of the models of the campaigns shown; nothing where no model stands beside the new one.

@@ -40,7 +40,7 @@ pub(crate) fn summary(input: &ReportInput, left_out: &[LeftOut]) -> Result<Vec<u
         let doubtful = doubtful.and_then(|t| t.doubtful.as_ref());
         json!({
             "id": s.id, "campaign": s.campaign, "kind": row::kind_name(s.kind), "simulated": s.is_simulated(), "exclude": s.exclude,
-            "doubtful": doubtful,
+            "doubtful": doubtful, "usual_zero_n": input.usual_zeros.get(&s.id),
         })
     };
     let logs: Vec<_> = input
