@@ -2,7 +2,7 @@
 
 use pipeline_findings::CampaignFindings;
 use pipeline_report::wording::name;
-use pipeline_report::wording::sentence::{clauses, in_three_lines};
+use pipeline_report::wording::sentence::{LawAlone, clauses, in_three_lines};
 use serde_json::{Value, json};
 
 /// Letters in a line.
@@ -55,9 +55,12 @@ pub(super) fn lines(found: &CampaignFindings, models: Option<&str>) -> Vec<Strin
     std::iter::once(name).chain(below).collect()
 }
 
-/// The same in three lines, each of which may be wrapped; with the error of the law alone in N where that is the better one.
-pub(super) fn in_short(found: &CampaignFindings, better_law_alone_n: Option<f64>) -> Vec<String> {
-    let mut said = in_three_lines(found, better_law_alone_n);
+/// The same in three lines, each of which may be wrapped; with the law alone where that is the better one.
+pub(super) fn in_short(
+    found: &CampaignFindings,
+    better_law_alone: Option<LawAlone>,
+) -> Vec<String> {
+    let mut said = in_three_lines(found, better_law_alone);
     if let Some(first) = said.first_mut() {
         *first = format!("{}: {first}", name::campaign(found));
     }

@@ -318,7 +318,7 @@ fn print_points(read: &Read, chosen: &Design, surety: Surety) {
         .collect();
     if let Some(first) = outside.first() {
         line(format!(
-            "* {} of {} points lie outside the measured or permitted range:",
+            "* {} of {} points have warnings:",
             outside.len(),
             chosen.points.len()
         ));

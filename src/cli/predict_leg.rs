@@ -267,4 +267,8 @@ fn print_verdict(fine: &[AtAngle], human: Option<&str>) {
             line(format!("warning: {warning}"));
         }
     }
+    let inferred = fine.iter().find_map(|a| Some((a, a.inferred.as_ref()?)));
+    if let Some((at, why)) = inferred {
+        line(format!("warning: as at {:.0} deg, {why}", at.angle_deg));
+    }
 }

@@ -51,7 +51,7 @@ pub fn single(predictor: &Predictor, answer: &Answer, as_json: bool) -> Result<(
     if let Some(why) = no_interval(predictor) {
         line(format!("         {why}"));
     }
-    warnings(&answer.warnings);
+    warnings(answer.remarks());
     measured(&answer.measured);
     others(&answer.others);
     Ok(())
@@ -105,7 +105,7 @@ pub fn solved(predictor: &Predictor, wanted: Wanted, solved: &Solved, as_json: b
     if let Some(why) = no_interval(predictor) {
         line(why);
     }
-    warnings(&solved.answer.warnings);
+    warnings(solved.answer.remarks());
     measured(&solved.answer.measured);
     Ok(())
 }
@@ -195,7 +195,11 @@ pub fn table(predictor: &Predictor, rows: &[Vec<Answer>], as_json: bool) -> Resu
 }
 
 fn star(answer: &Answer) -> &'static str {
-    if answer.is_outside() { "*" } else { "" }
+    if answer.remarks().next().is_some() {
+        "*"
+    } else {
+        ""
+    }
 }
 
 fn force(predictor: &Predictor, answer: &Answer) -> String {
@@ -286,7 +290,7 @@ fn no_interval(predictor: &Predictor) -> Option<String> {
 }
 
 /// Prints warnings, a line each.
-pub fn warnings(all: &[String]) {
+pub fn warnings<'a>(all: impl IntoIterator<Item = &'a String>) {
     for warning in all {
         line(format!("warning: {warning}"));
     }
@@ -358,21 +362,16 @@ fn footnotes(predictor: &Predictor, answers: &[Answer], with_intervals: bool) {
             of_which(predictor)
         )),
     }
-    let starred: Vec<&Answer> = answers.iter().filter(|a| a.is_outside()).collect();
+    let starred: Vec<&Answer> = answers.iter().filter(|a| !star(a).is_empty()).collect();
     if let (Some(first), Some(last)) = (starred.first(), starred.last()) {
         line(format!(
-            "* {} of {} states lie outside the measured or permitted range:",
+            "* {} of {} states have warnings:",
             starred.len(),
             answers.len()
         ));
-        let mut said = first.warnings.clone();
-        said.extend(
-            last.warnings
-                .iter()
-                .filter(|w| !first.warnings.contains(w))
-                .cloned(),
-        );
-        warnings(&said);
+        let mut said: Vec<&String> = first.remarks().collect();
+        said.extend(last.remarks().filter(|w| !first.remarks().any(|f| f == *w)));
+        warnings(said);
     }
 }
 

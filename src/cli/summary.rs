@@ -15,7 +15,7 @@ use pipeline_fit::Group;
 use pipeline_report::number::Rounding;
 use pipeline_report::wording::name::{self, model_name};
 use pipeline_report::wording::number::{error, rounded};
-use pipeline_report::wording::sentence::law_alone;
+use pipeline_report::wording::sentence::LawAlone;
 use pipeline_run as run;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -70,12 +70,18 @@ struct Session {
 pub(super) struct GroupModels {
     pub campaign: String,
     pub diameter_mm: u32,
+    /// Whether it is several campaigns together.
+    #[serde(default)]
+    is_pool: bool,
     readings: usize,
     of: Option<usize>,
     rmse_n: Vec<ModelError>,
-    /// The error of the law alone, by least squares, where it is clearly below that of the mixed model with what was found, N.
+    /// The law alone where its error is clearly below that of the mixed model with what was found.
     #[serde(default)]
-    better_law_alone_n: Option<f64>,
+    better_law_alone: Option<LawAlone>,
+    /// The error of the published law on all readings of the group, N; none where it does not answer all of them.
+    #[serde(default)]
+    published_n: Option<f64>,
 }
 
 /// The error of one model on unseen specimens, N.
@@ -194,10 +200,11 @@ impl Answers {
                 let lines = answers::lines(found, models.as_deref());
                 lines.into_iter().for_each(line);
             } else {
-                let alone = self.models_of(found).and_then(|m| m.better_law_alone_n);
+                let alone = self.models_of(found).and_then(|m| m.better_law_alone);
                 answers::in_short(found, alone).into_iter().for_each(line);
             }
         }
+        self.print_unsearched();
         if !in_full {
             line("\n`pipeline summary CAMPAIGN` shows one campaign in full, --full all of them");
         }
@@ -220,6 +227,27 @@ impl Answers {
                 "zero logs that hold a pull of the actuator: {replaced} of {}; the usual zero of the campaign is taken instead (tables/zeros.csv; \
                  `usual_zeros = false` in [fit] keeps them)",
                 counted(used.len(), "session", "sessions")
+            ));
+        }
+    }
+
+    /// Which groups were fitted and not searched: pools that are too large.
+    fn print_unsearched(&self) {
+        let is_searched = |m: &&GroupModels| {
+            let mut all = self.findings.campaigns.iter();
+            all.any(|found| {
+                (found.campaign.as_str(), found.diameter_mm) == (&m.campaign, m.diameter_mm)
+            })
+        };
+        for models in self
+            .summary
+            .models
+            .iter()
+            .filter(|m| m.is_pool && !is_searched(m))
+        {
+            line(format!(
+                "{}, {} mm: a pool of more specimens than are searched together for effects (`pooled_specimens` in [diagnose])",
+                models.campaign, models.diameter_mm
             ));
         }
     }
@@ -302,8 +330,11 @@ pub(super) fn better_published(
         (m.campaign.as_str(), m.diameter_mm) == (group.campaign.as_str(), group.diameter_mm)
     };
     let models = summary.models.iter().find(is)?;
-    let (least_squares, published) = models.both_laws()?;
-    let fitted = mixed_n.unwrap_or(least_squares);
+    // Each pair on the same readings.
+    let (fitted, published) = match mixed_n {
+        Some(mixed) => (mixed, models.published_n?),
+        None => models.both_laws()?,
+    };
     (published < fitted).then(|| {
         format!(
             "on unseen specimens the published coefficients have an RMSE of {}, the fitted ones {} N: --model {PUBLISHED} uses the published ones",
@@ -366,10 +397,10 @@ fn models_text(models: &GroupModels) -> String {
         }
         _ => "",
     };
-    let alone = models.better_law_alone_n.map_or_else(String::new, |error| {
+    let alone = models.better_law_alone.map_or_else(String::new, |law| {
         format!(
             "; {}, less than the mixed model with what was found",
-            law_alone(error)
+            law.in_words()
         )
     });
     format!(

@@ -710,7 +710,7 @@ pub struct NextMeasurement {
     /// The conditions: quantity with its unit -> value ("pressure_kpa": 450, "sd_mm": 0.2, "specimens": 4; "direction": 1 while filling, -1 while venting).
     pub at: BTreeMap<String, f64>,
     /// What it is worth: by how much the expected held-out error falls; or, where it separates, the expected gain in log-likelihood; none where
-    /// that was not computed.
+    /// that was not computed. The pages omit the former where errors on unseen units contradict the expected one.
     pub worth: Option<f64>,
     /// Unit of `worth`: that of the errors, or "1".
     pub unit: String,

@@ -86,6 +86,9 @@ pub struct Answer {
     pub measured: Vec<Measured>,
     /// What a user has to know: quantities outside of what was measured or is allowed.
     pub warnings: Vec<String>,
+    /// That the force is far from what the rig reads, because effects were taken off as the rig's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inferred: Option<String>,
     /// Every other model.
     pub others: Vec<Other>,
 }
@@ -109,6 +112,11 @@ impl Answer {
     /// Whether the law only extrapolates here, or gives nothing.
     pub fn is_outside(&self) -> bool {
         !self.warnings.is_empty()
+    }
+
+    /// All that a user has to know.
+    pub fn remarks(&self) -> impl Iterator<Item = &String> {
+        self.warnings.iter().chain(&self.inferred)
     }
 }
 
@@ -263,6 +271,7 @@ impl<'a> Predictor<'a> {
             effects: Vec::new(),
             measured: Vec::new(),
             warnings: Vec::new(),
+            inferred: None,
             others: others(&state, self.choice.law.id()),
         };
         match self.choice.law {
@@ -399,6 +408,7 @@ impl<'a> Predictor<'a> {
             class: term.class.clone(),
         };
         answer.effects = terms.map(of).collect();
+        answer.inferred = inferred(answer);
     }
 
     fn needs(&self) -> Error {
@@ -407,6 +417,23 @@ impl<'a> Predictor<'a> {
             self.choice.law.id()
         ))
     }
+}
+
+/// That the force is far from what was read, because of effects that were taken off as the rig's; none where the reading lies in the interval.
+fn inferred(answer: &Answer) -> Option<String> {
+    let (force, interval) = (answer.force_n?, answer.interval?);
+    let left_out = || answer.effects.iter().filter(|e| !e.included);
+    let of_rig: f64 = left_out().map(|e| e.change_n).sum();
+    let read = (force + of_rig).max(0.0);
+    let names: Vec<&str> = left_out().map(|e| e.effect.as_str()).collect();
+    (read < interval.low_n || read > interval.high_n).then(|| {
+        format!(
+            "the rig would read {read:.1} N: {:+.1} N are taken for the rig's own ({}), which is inferred from forces and was not measured; residual.pdf has \
+             the evidence, `pipeline predict --as-read` the reading",
+            of_rig,
+            names.join(", ")
+        )
+    })
 }
 
 fn state(muscle: &Muscle, contraction: f64, pressure_kpa: f64) -> State {

@@ -244,7 +244,7 @@ fn at_point(
     let ends = answer.interval.map(|i| (turned(i.low_n), turned(i.high_n)));
     found.low = ends.map(|(a, b)| a.min(b));
     found.high = ends.map(|(a, b)| a.max(b));
-    found.warnings.extend(answer.warnings);
+    found.warnings.extend(answer.remarks().cloned());
     Ok(found)
 }
 

@@ -54,6 +54,9 @@ pub struct AtAngle {
     pub meets: Option<bool>,
     /// What a user has to know: what lies outside of what was measured or is allowed.
     pub warnings: Vec<String>,
+    /// That the force is far from what the rig reads, because effects were taken off as the rig's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inferred: Option<String>,
 }
 
 impl Target {
@@ -143,6 +146,7 @@ fn at_angle(
         human_nm,
         meets: None,
         warnings: Vec::new(),
+        inferred: None,
     };
     if let Some(why) = impossible(contraction) {
         found.warnings.push(why);
@@ -156,6 +160,7 @@ fn at_angle(
     found.interval_nm = answer.interval.map(|i| (torque(i.low_n), torque(i.high_n)));
     found.meets = found.torque_nm.zip(human_nm).map(|(t, h)| meets(t, h));
     found.warnings = answer.warnings;
+    found.inferred = answer.inferred;
     Ok(Some(found))
 }
 

@@ -5,13 +5,13 @@ use crate::number::Rounding;
 use crate::residual::better_law_alone;
 use crate::wording::name;
 use crate::wording::number::{NONE, error_or_none, rounded};
-use crate::wording::sentence::{answer_in_short, in_doubt, law_alone};
+use crate::wording::sentence::{answer_in_short, in_doubt};
 use pipeline_base::session::Session;
-use pipeline_compare::{COMMON, NEW};
+use pipeline_compare::{COMMON, NEW, NEW_PUBLISHED};
 use serde::Serialize;
 
 /// The models of the first page: the new one as fitted and as published, and those with which it is ranked.
-pub(crate) const SHOWN: [&str; 4] = [NEW, "new_published", "hunt2017", "festo_tool"];
+pub(crate) const SHOWN: [&str; 4] = [NEW, NEW_PUBLISHED, "hunt2017", "festo_tool"];
 
 /// One group of rows on the first page.
 #[derive(Serialize)]
@@ -114,9 +114,9 @@ fn compared(group: &GroupInput) -> [String; 5] {
 fn answer(group: &GroupInput) -> Vec<String> {
     let found = group.diagnosis.as_ref().map(|d| &d.findings);
     let mut of_loop = found.map_or_else(Vec::new, answer_in_short);
-    if let Some(error) = better_law_alone(group) {
+    if let Some(law) = better_law_alone(group) {
         let after_errors = of_loop.len().min(1);
-        of_loop.insert(after_errors, name::capitalised(&law_alone(error)) + ".");
+        of_loop.insert(after_errors, name::capitalised(&law.in_words()) + ".");
     }
     let doubtful = in_doubt(group.doubtful()).map(|s| name::capitalised(&s) + ".");
     of_loop.into_iter().chain(doubtful).collect()
@@ -146,11 +146,14 @@ mod tests {
     #[test]
     fn the_law_alone_is_named_where_it_does_better() {
         let mut group = groups().swap_remove(0);
-        let alone = { group.comparison.comparisons.iter() }
+        let all = &mut group.comparison.comparisons;
+        all.retain(|c| c.model != NEW_PUBLISHED);
+        let mut published = { all.iter() }
             .find(|c| c.model == NEW && c.split == "loso")
-            .and_then(|c| c.rmse)
+            .cloned()
             .unwrap();
-        let mut said = |own: f64| {
+        let alone = published.rmse.unwrap();
+        let said = |group: &mut GroupInput, own: f64| {
             let mut findings = example();
             findings.after.rmse_heldout = Some(own);
             let residuals = Residuals::default();
@@ -159,10 +162,15 @@ mod tests {
                 residuals,
                 mixed_law: None,
             });
-            answer(&group).join(" ")
+            answer(group).join(" ")
         };
-        assert!(said(2.0 * alone).contains("The law alone, by least squares, has "));
-        assert!(!said(alone).contains("The law alone"));
+        let words = "The law alone, by least squares, has ";
+        assert!(said(&mut group, 2.0 * alone).contains(words));
+        assert!(!said(&mut group, alone).contains("The law"));
+        published.model = NEW_PUBLISHED.to_owned();
+        published.rmse = Some(0.5 * alone);
+        group.comparison.comparisons.push(published);
+        assert!(said(&mut group, alone).contains("The law as published, without effects, has "));
     }
 
     #[test]

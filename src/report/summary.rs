@@ -3,7 +3,7 @@
 use crate::input::{GroupInput, ReportInput};
 use crate::left_out::LeftOut;
 use crate::opening::SHOWN;
-use crate::residual::better_law_alone;
+use crate::residual::{better_law_alone, published_n};
 use crate::wording::sentence::sentences;
 use pipeline_base::error::{Error, Result};
 use pipeline_base::reject::Extent;
@@ -97,9 +97,10 @@ fn models_json(input: &GroupInput) -> Option<serde_json::Value> {
         .collect();
     (errors.len() > 1).then(|| {
         json!({
-            "campaign": group.campaign, "diameter_mm": group.diameter_mm, "readings": new.n,
+            "campaign": group.campaign, "diameter_mm": group.diameter_mm, "is_pool": group.is_pool(), "readings": new.n,
             "of": of(NEW, "loso").map(|c| c.n + c.n_excluded), "rmse_n": errors,
-            "better_law_alone_n": better_law_alone(input),
+            "better_law_alone": better_law_alone(input),
+            "published_n": published_n(input),
         })
     })
 }

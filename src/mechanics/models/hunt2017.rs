@@ -66,13 +66,7 @@ pub fn force_signed<R: Real>(c: [R; 7], pressure_kpa: R, eps: R, eps_max: R) -> 
     };
     let value = c.map(Real::value);
     let (target, e, e_max) = (pressure_kpa.value(), eps_in.value(), eps_max.value());
-    let mut low = 0.0;
-    let mut step = 100.0;
-    while gap(value, target, low, e, e_max, 0.0).0 > 0.0 && step < 1e6 {
-        low -= step;
-        step *= 2.0;
-    }
-    let root = root_above(low, value, target, e, e_max, 0.0);
+    let root = signed_root(value, target, e, e_max);
     let (_, slope) = gap(value, 0.0, root, e, e_max, 0.0);
     let start = R::constant(root);
     let force = start - (pressure(c, start, eps_in, eps_max, 0.0) - pressure_kpa) / slope;
@@ -114,6 +108,37 @@ fn root(c: [f64; 7], target: f64, eps: f64, eps_max: f64, s: f64) -> f64 {
         return 0.0;
     }
     root_above(0.0, c, target, eps, eps_max, s)
+}
+
+/// The one root of either sign between the poles of the tangent, where the pressure rises with the force from minus to plus infinity. Both poles may be at
+/// forces that push.
+fn signed_root(c: [f64; 7], target: f64, eps: f64, eps_max: f64) -> f64 {
+    let [_, _, w, q, k, ..] = c;
+    // The strain is then the same at any force.
+    if k == 0.0 {
+        return linear_root(c, target, eps, eps_max);
+    }
+    let pole = pole(c, eps, eps_max);
+    let lowest_strain = q - FRAC_PI_2 / w;
+    let low = if lowest_strain > 0.0 {
+        (eps_max - eps / lowest_strain) / k
+    } else {
+        let is_above =
+            |force: f64| force >= pole || gap(c, target, force, eps, eps_max, 0.0).0 > 0.0;
+        let (mut low, mut step) = (pole.min(0.0), 100.0);
+        while is_above(low) && step < 1e12 {
+            low -= step;
+            step *= 2.0;
+        }
+        low
+    };
+    root_above(low, c, target, eps, eps_max, 0.0)
+}
+
+/// The root where the pressure is linear in the force.
+fn linear_root(c: [f64; 7], target: f64, eps: f64, eps_max: f64) -> f64 {
+    let (at_zero, slope) = gap(c, target, 0.0, eps, eps_max, 0.0);
+    -at_zero / slope
 }
 
 /// The one root between a force that is below it and the pole.
@@ -239,6 +264,40 @@ mod tests {
         assert!(signed < -50.0, "{signed}");
         let back = pressure(c(), signed, 0.12, EPS_MAX, 0.0);
         assert!((back - 100.0).abs() < 1e-9, "{back}");
+    }
+
+    #[test]
+    fn the_law_of_fits_is_a_root_wherever_a_fit_may_go() {
+        // Bounds of a fit, and beyond them what k = 0 and a shifted tangent do.
+        let mut roots = 0;
+        for (w, q) in [
+            (0.2, -0.5),
+            (0.2, 1.5),
+            (2.0265, 0.4609),
+            (3.0, -0.5),
+            (3.0, 1.5),
+        ] {
+            for (a, g) in [(1.0, 0.2), (192.0, 1.229), (2000.0, 10.0)] {
+                for k in [0.0, 1e-9, 1e-5, 0.331e-3] {
+                    for (kpa, eps) in [(620.0, 0.02), (100.0, 0.19), (620.0, 0.23), (0.0, 0.3)] {
+                        let c = [254.3, a, w, q, k, g, 0.0];
+                        let found = force_signed(c, kpa, eps, EPS_MAX);
+                        assert!(found.is_finite(), "{c:?} {kpa} {eps}: {found}");
+                        let back = pressure(c, found, eps, EPS_MAX, 0.0);
+                        // Where the tangent is steep a digit of the force is many of the pressure.
+                        let (_, slope) = gap(c, kpa, found, eps, EPS_MAX, 0.0);
+                        let off = ((back - kpa) / slope).abs();
+                        assert!(
+                            off < 1e-6 * (1.0 + found.abs()),
+                            "{c:?} {kpa} {eps}: {found} {off}"
+                        );
+                        assert!(slope > 0.0, "{c:?} {kpa} {eps}: {slope}");
+                        roots += 1;
+                    }
+                }
+            }
+        }
+        assert_eq!(roots, 240);
     }
 
     #[test]

@@ -97,10 +97,11 @@ fn misfit(found: &CampaignFindings) -> String {
         Some(words) => format!("{changes} {words}"),
         None => changes,
     };
-    let (quantity, along) = if found.kind == "knee-torque" {
-        ("torque", "angle")
+    let quantity = name::load(found);
+    let along = if found.kind == "knee-torque" {
+        "angle"
     } else {
-        ("force", "pressure")
+        "pressure"
     };
     format!(
         "Smooth misfit of the law, as a share of the {quantity}: {}% common to all {}, {}% per {} along the {along}{}. {changes}",

@@ -10,7 +10,7 @@ use crate::wording::sentence::{
 };
 use pipeline_effects as effects;
 use pipeline_findings::{
-    CampaignFindings, ColumnLimit, DetectionLimit, EffectFinding, NextKind, NextMeasurement,
+    Alias, CampaignFindings, ColumnLimit, DetectionLimit, EffectFinding, NextKind, NextMeasurement,
     NotMeasurable, WhyNot,
 };
 use pipeline_torque::diagnose::terms;
@@ -54,6 +54,24 @@ fn column_limit(l: &ColumnLimit) -> [String; 4] {
         smallest,
         NONE.to_owned(),
     ]
+}
+
+/// `A and B leave nearly the same trace (cosine of their sensitivities 1.000).`: the pairs that these readings could not tell apart, in a sentence; empty
+/// where there is none.
+pub(super) fn alike(found: &CampaignFindings) -> String {
+    let pair = |a: &Alias| {
+        let [one, other] = [0, 1].map(|k| name::effect(&a.ids[k]));
+        let cosine = rounded(a.cosine, Rounding::Decimals(3));
+        format!("{one} and {other} (cosine of their sensitivities {cosine})")
+    };
+    let pairs: Vec<String> = found.aliases.iter().map(pair).collect();
+    if pairs.is_empty() {
+        return String::new();
+    }
+    format!(
+        "These readings do not tell apart: {}; what is said of one of a pair holds for the other.",
+        pairs.join("; ")
+    )
 }
 
 /// Largest size that the effect's bounds allow.
@@ -186,7 +204,7 @@ pub(super) fn worth_withheld(found: &CampaignFindings) -> String {
     let units = name::nouns(found).units;
     format!(
         "The worth of a measurement is the decrease in error that the model with the effects expects. It is omitted where that says nothing about \
-         unseen {units}: where their error rises with the effects, is more than half as large again as expected, or is less than the decrease."
+         unseen {units}: where their error rises with the effects, is more than half as large again as expected, or is smaller than what the measurement would take away."
     )
 }
 

@@ -25,10 +25,10 @@ use crate::pages::{PageData, Picture};
 use crate::typeset::Pdf;
 use crate::wording::name;
 use crate::wording::number::unit;
-use crate::wording::sentence::implausible;
+use crate::wording::sentence::{LawAlone, implausible};
 use crate::wording::{CLEARLY_LOWER, COMES_IN};
 use pipeline_base::error::Result;
-use pipeline_compare::NEW;
+use pipeline_compare::{NEW, NEW_PUBLISHED};
 use pipeline_findings::CampaignFindings;
 use pipeline_torque::CampaignTorque;
 use serde::Serialize;
@@ -127,6 +127,10 @@ pub(crate) struct Campaign {
     limits: Vec<[String; 4]>,
     /// Beside what these would have been found.
     limits_beside: &'static str,
+    /// The pairs that the readings do not tell apart, in a sentence; empty where there is none.
+    limits_alike: String,
+    /// What was measured: "force" or "torque".
+    load: &'static str,
     not_measurable: Vec<limits::Cannot>,
     next: Vec<[String; 2]>,
     worth_withheld: String,
@@ -166,19 +170,38 @@ pub fn on_the_first_page(input: &ReportInput) -> Vec<&CampaignFindings> {
     all
 }
 
-/// The error on unseen specimens of the law alone, fitted by least squares; none where nothing was left out.
-fn law_alone(group: &GroupInput) -> Option<f64> {
-    let mut comparisons = group.comparison.comparisons.iter();
-    comparisons
-        .find(|c| c.model == NEW && c.split == "loso")?
-        .rmse
+/// The law alone with its error on unseen specimens, fitted by least squares or as it is published, whichever has the smaller one; none where nothing was
+/// left out.
+fn law_alone(group: &GroupInput) -> Option<LawAlone> {
+    let fitted = LawAlone {
+        is_published: false,
+        rmse_n: of_all_readings(group, NEW)?,
+    };
+    let published = published_n(group).map(|rmse_n| LawAlone {
+        is_published: true,
+        rmse_n,
+    });
+    let better = published.filter(|p| p.rmse_n < fitted.rmse_n);
+    Some(better.unwrap_or(fitted))
+}
+
+/// The error of the new model with its published coefficients on all readings of a group, N; none where it does not answer all of them.
+pub(crate) fn published_n(group: &GroupInput) -> Option<f64> {
+    of_all_readings(group, NEW_PUBLISHED)
+}
+
+/// The error of a law on the readings of specimens that it has not seen, N, where it answers all readings.
+fn of_all_readings(group: &GroupInput, model: &str) -> Option<f64> {
+    let mut all = group.comparison.comparisons.iter();
+    let of_model = all.find(|c| c.model == model && c.split == "loso")?;
+    of_model.rmse.filter(|_| of_model.n_excluded == 0)
 }
 
 /// The same where it is clearly below that of the search.
-pub(crate) fn better_law_alone(group: &GroupInput) -> Option<f64> {
+pub(crate) fn better_law_alone(group: &GroupInput) -> Option<LawAlone> {
     let found = &group.diagnosis.as_ref()?.findings;
     let own = found.rmse_of_answer()?;
-    law_alone(group).filter(|error| *error < CLEARLY_LOWER * own)
+    law_alone(group).filter(|law| law.rmse_n < CLEARLY_LOWER * own)
 }
 
 fn entries<'a>(input: &'a ReportInput, figures: &'a Figures) -> Vec<Entry<'a>> {
@@ -187,9 +210,9 @@ fn entries<'a>(input: &'a ReportInput, figures: &'a Figures) -> Vec<Entry<'a>> {
         Some(Entry {
             found: &group.diagnosis.as_ref()?.findings,
             figures: drawn.as_ref().map(|d| d.diagnosis.as_slice()),
-            simpler: law_alone(group).map(|error| Simpler {
-                words: "the law alone (least squares)",
-                error,
+            simpler: law_alone(group).map(|law| Simpler {
+                words: law.name(),
+                error: law.rmse_n,
             }),
         })
     });
@@ -310,6 +333,8 @@ fn campaign(
         alternatives_sentence: held_out::alternatives_sentence(found),
         limits: limits::limits(found),
         limits_beside: limits::beside(found),
+        limits_alike: limits::alike(found),
+        load: name::load(found),
         not_measurable: limits::not_measurable(found),
         next: limits::next(found),
         worth_withheld: limits::worth_withheld(found),

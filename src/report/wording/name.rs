@@ -174,6 +174,15 @@ pub struct Nouns {
     pub setups: &'static str,
 }
 
+/// What was measured: a force, about a knee a torque.
+pub fn load(found: &CampaignFindings) -> &'static str {
+    if found.kind == "knee-torque" {
+        "torque"
+    } else {
+        "force"
+    }
+}
+
 /// The nouns of a campaign.
 pub fn nouns(found: &CampaignFindings) -> Nouns {
     if found.kind == "knee-torque" {

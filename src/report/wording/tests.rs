@@ -145,11 +145,20 @@ fn three_lines_have_names_numbers_and_what_is_worth_most() {
         assert!(lines[line].contains(part), "{part}: {lines:?}");
     }
     assert!(!lines[0].contains("indistinguishable"), "{lines:?}");
-    let beside = super::sentence::in_three_lines(&example(), Some(12.0)).swap_remove(1);
+    let law = |is_published| super::sentence::LawAlone {
+        is_published,
+        rmse_n: 12.0,
+    };
+    let beside = super::sentence::in_three_lines(&example(), Some(law(false))).swap_remove(1);
     let beside = beside.replace('\u{a0}', " ");
     assert!(
         beside.ends_with("; the law alone, by least squares, has 12.0 N on all readings"),
         "{beside}"
+    );
+    let published = law(true).in_words().replace('\u{a0}', " ");
+    assert_eq!(
+        published,
+        "the law as published, without effects, has 12.0 N on all readings"
     );
 }
 
@@ -202,6 +211,20 @@ fn fewer_newtons_without_the_effects_are_said_beside_those_with_them() {
 }
 
 #[test]
+fn lengths_that_forces_contradict_are_told_with_what_was_declared() {
+    let mut found = example();
+    let mut declared = found.scatter[0].clone();
+    (declared.id, declared.level) = ("contracted_length".to_owned(), Level::Specimen);
+    (declared.unit, declared.sd) = ("mm".to_owned(), 0.25);
+    (declared.declared, declared.declared_contradicted) = (Some(0.25), true);
+    found.scatter = vec![declared];
+    let line = super::sentence::in_three_lines(&found, None).swap_remove(0);
+    let line = line.replace('\u{a0}', " ");
+    let words = "; the contracted length must be off by more than the declared 0.25 mm";
+    assert!(line.ends_with(words), "{line}");
+}
+
+#[test]
 fn noise_is_the_largest_source_where_it_is() {
     let mut found = example();
     let noise = found.budget.iter_mut().find(|b| b.source == "noise");
@@ -217,7 +240,13 @@ fn noise_is_the_largest_source_where_it_is() {
 #[test]
 fn what_a_measurement_is_worth_is_said_where_the_error_is_about_as_large_as_expected() {
     let mut found = example();
-    for (observed, is_said) in [(1.49 * 13.4, true), (1.51 * 13.4, false)] {
+    for (observed, is_said) in [
+        (1.49 * 13.4, true),
+        (1.51 * 13.4, false),
+        // Where the expected error falls by 6 N the variance falls by 11.2^2.
+        (11.1, false),
+        (11.3, true),
+    ] {
         found.before.rmse_heldout = Some(30.0);
         found.after.rmse_heldout = Some(observed);
         let credible = super::sentence::is_worth_credible(&found, 6.0);

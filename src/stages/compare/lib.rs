@@ -27,6 +27,8 @@ pub const VERSION: u32 = 1;
 
 /// Id of the new model with the coefficients fitted here.
 pub const NEW: &str = "new";
+/// The same with its published coefficients.
+pub const NEW_PUBLISHED: &str = "new_published";
 
 /// One line of the comparison.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

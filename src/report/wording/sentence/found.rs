@@ -127,16 +127,19 @@ pub(super) fn in_names(found: &CampaignFindings) -> String {
 
 /// `the set length scatters by 0.83 mm, not by the declared 0.10 mm`.
 pub(super) fn contradicted(found: &CampaignFindings) -> Option<String> {
-    let of_sessions = found.scatter.iter().filter(|s| s.declared_contradicted);
-    let list: Vec<String> = of_sessions
-        .filter(|s| matches!(s.level, Level::Session | Level::Test))
+    let contradicted = found.scatter.iter().filter(|s| s.declared_contradicted);
+    let list: Vec<String> = contradicted
         .filter_map(|s| {
             let declared = plain(s.declared?, &s.unit);
-            Some(format!(
-                "the {} scatters by {}, not by the declared {declared}",
-                name::scatter(&s.id, s.level),
-                plain(s.sd, &s.unit)
-            ))
+            let what = name::scatter(&s.id, s.level);
+            // What was declared of specimens is kept, and their scatter not estimated beside it.
+            Some(match s.level {
+                Level::Session | Level::Test => format!(
+                    "the {what} scatters by {}, not by the declared {declared}",
+                    plain(s.sd, &s.unit)
+                ),
+                _ => format!("the {what} must be off by more than the declared {declared}"),
+            })
         })
         .collect();
     (!list.is_empty()).then(|| list.join("; "))
@@ -258,12 +261,7 @@ fn over_its_range(u: &Unexplained, found: &CampaignFindings) -> String {
         return String::new();
     }
     let size = if u.shape == "gain" {
-        let of = if found.kind == "knee-torque" {
-            "torque"
-        } else {
-            "force"
-        };
-        format!("{} of the {of}", percent(far))
+        format!("{} of the {}", percent(far), name::load(found))
     } else {
         plain(far, &found.unit)
     };

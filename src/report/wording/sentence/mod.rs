@@ -19,6 +19,7 @@ use found::{answer, beside, contradicted, in_names, short_answer};
 use next::{error_after_few, few_readings, worth};
 use pipeline_findings::{CampaignFindings, Verdict};
 use recording::{recording_errors, recording_errors_in_short};
+use serde::{Deserialize, Serialize};
 
 pub use budget::{scatter_behind, scatter_size};
 pub use errors::black_box_beats;
@@ -126,10 +127,10 @@ pub fn answer_in_short(found: &CampaignFindings) -> Vec<String> {
     sentences.map(|s| capitalised(&s) + ".").collect()
 }
 
-/// The campaign in three lines: what was found without its remarks, and the first of the mistakes; the errors as numbers; where they come from and what is
+/// The campaign in three lines: what was found without its remarks, the first of the mistakes, and what was declared wrongly; the errors as numbers; where they come from and what is
 /// worth measuring. A line that has nothing to say is not there.
-/// With the error of the law alone, N, where that is the better one.
-pub fn in_three_lines(found: &CampaignFindings, better_law_alone: Option<f64>) -> Vec<String> {
+/// With the law alone where that is the better one.
+pub fn in_three_lines(found: &CampaignFindings, better_law_alone: Option<LawAlone>) -> Vec<String> {
     let mistakes = recording_errors_in_short(&found.recording_errors);
     let worth = worth(found);
     // That there is no error is said with what would give one.
@@ -137,11 +138,11 @@ pub fn in_three_lines(found: &CampaignFindings, better_law_alone: Option<f64>) -
     let errors = errors_in_numbers(found).filter(|_| is_tested);
     let next = worth.map(|worth| format!("next: {worth}"));
     let lines = [
-        [Some(in_names(found)), mistakes, None],
+        [Some(in_names(found)), mistakes, contradicted(found)],
         [
             errors,
             error_after_few(found),
-            better_law_alone.map(law_alone),
+            better_law_alone.map(LawAlone::in_words),
         ],
         [largest_source(found), next, None],
     ];
@@ -149,10 +150,30 @@ pub fn in_three_lines(found: &CampaignFindings, better_law_alone: Option<f64>) -
     lines.into_iter().filter(|line| !line.is_empty()).collect()
 }
 
-/// `the law alone, by least squares, has 59.0 N on all readings`: beside the errors of a search that does not come to it.
-pub fn law_alone(error_n: f64) -> String {
-    let error = error_with_unit(error_n, "N");
-    format!("the law alone, by least squares, has {error} on all readings")
+/// The new model without effects.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LawAlone {
+    /// With its published coefficients; else fitted to the other specimens by least squares.
+    pub is_published: bool,
+    /// Its error on the readings of the search, N.
+    pub rmse_n: f64,
+}
+
+impl LawAlone {
+    /// `the law alone, by least squares, has 59.0 N on all readings`: beside the errors of a search that does not come to it.
+    pub fn in_words(self) -> String {
+        let error = error_with_unit(self.rmse_n, "N");
+        format!("{} has {error} on all readings", self.name())
+    }
+
+    /// What is called so.
+    pub fn name(self) -> &'static str {
+        if self.is_published {
+            "the law as published, without effects,"
+        } else {
+            "the law alone, by least squares,"
+        }
+    }
 }
 
 /// A count with its noun: `1 reading`, `1,290 readings`.

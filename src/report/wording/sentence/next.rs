@@ -18,12 +18,16 @@ pub(super) const READINGS_GIVEN: &str = "3";
 const BEYOND_EXPECTED: f64 = 1.5;
 
 /// Whether what a measurement would be worth can be relied on: it is a fall of the error that the model with the effects expects, and says nothing
-/// where that model is worse on unseen units than the one without, where the fall would be more than all of the error that came out, or where that is
-/// far larger than the expected one.
+/// where that model is worse on unseen units than the one without, where the variance that it takes away is more than all that came out, or where the error
+/// that came out is far larger than the expected one.
 pub fn is_worth_credible(found: &CampaignFindings, worth: f64) -> bool {
     let rises = error_change(found).is_some_and(|(.., change)| change == Change::Worse);
     let expected = found.expected_rmse_heldout.unwrap_or(f64::INFINITY);
-    let is_known = |error: f64| worth < error && error < BEYOND_EXPECTED * expected;
+    let taken = found
+        .expected_rmse_heldout
+        .map_or(worth * worth, |e| worth * (2.0 * e - worth));
+    let is_known =
+        |error: f64| worth < error && taken < error * error && error < BEYOND_EXPECTED * expected;
     !rises && found.rmse_of_answer().is_none_or(is_known)
 }
 

@@ -42,19 +42,20 @@ pub(super) fn not_needed(found: &CampaignFindings) -> Option<String> {
             "predictions have both".to_owned()
         };
         format!(
-            "beside the {} that was found, the law's {} is not needed: without it the readings fit as well, with {} instead of {} on {} (with the \
-             effects found here, not searched again); {have}",
+            "beside the {} that was found, the law's {} is not needed: without it the readings fit as well, with {} instead of {} on {}{}; \
+             {have}",
             name::part(part),
             name::part(LENGTH_LAW),
             error(of_alone, &found.unit),
             error_with_unit(of_both, &found.unit),
             name::held_out(found),
+            how_compared(found),
         )
     })
 }
 
 /// `compliance in series with the actuator (C = 14 um/N) in place of the law's dependence on the resting length fits the readings as well, with 12.1
-/// instead of 14.6 N on unseen specimens (with the effects found here, not searched again); predictions have the dependence; to tell which: ...`, where
+/// instead of 14.6 N on unseen specimens (...); predictions have the dependence; to tell which: ...`, where
 /// other parts do as well or better and predict unseen units clearly better.
 pub(super) fn undecided(found: &CampaignFindings) -> Option<String> {
     if found.coefficients.iter().any(|c| c.left_out) {
@@ -97,8 +98,7 @@ pub(super) fn undecided(found: &CampaignFindings) -> Option<String> {
     let indices = others.iter().filter_map(|(_, part)| effects::index(part));
     let measurements: Vec<&str> = indices.map(|e| effects::all()[e].measurement()).collect();
     Some(format!(
-        "{} in place of the law's {} fits the readings {}, with {} instead of {} on {} (with the effects found here, not searched again); predictions \
-         have the dependence; to tell which: {}",
+        "{} in place of the law's {} fits the readings {}, with {} instead of {} on {}{}; predictions have the dependence; to tell which: {}",
         of_others(&with_sizes),
         name::part(LENGTH_LAW),
         if others.iter().all(fits_better) {
@@ -109,8 +109,23 @@ pub(super) fn undecided(found: &CampaignFindings) -> Option<String> {
         of_others(&errors),
         error_with_unit(of_law, &found.unit),
         name::held_out(found),
+        how_compared(found),
         measurements.join("; "),
     ))
+}
+
+/// ` (each with the effects found here and without what is published of the dependence; the answer above has 19.3 N)`: why the errors of parts are others
+/// than those of the answer.
+fn how_compared(found: &CampaignFindings) -> String {
+    let own = found.rmse_of_answer().map_or_else(String::new, |own| {
+        format!(
+            "; the answer itself has {}",
+            error_with_unit(own, &found.unit)
+        )
+    });
+    format!(
+        " (each with the effects found here and without what is published of the dependence{own})"
+    )
 }
 
 #[cfg(test)]

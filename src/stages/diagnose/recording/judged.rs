@@ -33,7 +33,7 @@ impl Usual {
     }
 }
 
-/// All sessions that are left, each as far off as the fit to all of them says, furthest first.
+/// The sessions that are left and for which the law has a force, each as far off as the fit to all of them says, furthest first.
 pub(super) struct Ranked {
     sessions: Vec<(usize, f64)>,
 }
@@ -52,7 +52,10 @@ impl Ranked {
                 Seen::new(law, data, (&problem, &setting, &fit), vec![*s], group).off,
             )
         };
-        let mut sessions: Vec<(usize, f64)> = left.sessions.par_iter().map(off).collect();
+        let all: Vec<(usize, f64)> = left.sessions.par_iter().map(off).collect();
+        // Where the law has no force nothing is known of who is wrong.
+        let mut sessions: Vec<(usize, f64)> =
+            all.into_iter().filter(|(_, off)| off.is_finite()).collect();
         sessions.sort_by(|a, b| b.1.total_cmp(&a.1));
         Self { sessions }
     }
@@ -119,9 +122,10 @@ impl<'a> Judged<'a> {
         self.seen.iter().find(|(g, _)| *g == group).map(|(_, s)| s)
     }
 
-    /// The group that is furthest off.
+    /// The group that is furthest off, of those for which the law has a force.
     pub(super) fn furthest(&self) -> Option<(Group, &Seen<'a>)> {
-        let furthest = self.seen.iter().max_by(|a, b| a.1.off.total_cmp(&b.1.off));
+        let judged = self.seen.iter().filter(|(_, seen)| seen.off.is_finite());
+        let furthest = judged.max_by(|a, b| a.1.off.total_cmp(&b.1.off));
         furthest.map(|(group, seen)| (*group, seen))
     }
 

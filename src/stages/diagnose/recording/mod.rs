@@ -162,7 +162,8 @@ fn spoiling(
     }
     let group = Group::Specimen(k);
     let judged = Judged::new(law, data, left, vec![group]);
-    let (seen, usual) = (judged.of(group)?, agreeing.usual()?);
+    let seen = judged.of(group).filter(|seen| seen.off.is_finite())?;
+    let usual = agreeing.usual()?;
     let p = usual.p(seen.off) * left.groups() as f64;
     (p < LEVEL).then(|| (seen.error(group, p, &usual), rest, agreeing))
 }
