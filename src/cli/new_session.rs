@@ -263,9 +263,14 @@ fn print(draft: &Draft, out: &Path, written: &[(String, Vec<u8>)]) {
     }
     let names: Vec<&str> = written.iter().map(|(name, _)| name.as_str()).collect();
     line(format!("wrote {} into {}", names.join(", "), out.display()));
+    // A log that was copied lies beside it.
+    let place = if names.contains(&draft.file.as_str()) {
+        String::new()
+    } else {
+        format!(", put it beside {}", draft.file)
+    };
     line(format!(
-        "correct {SESSION_FILE} (lines with {}), put it beside {}, and `pipeline run`",
-        FILL_IN, draft.file
+        "correct {SESSION_FILE} (lines with {FILL_IN}){place}, and `pipeline run`"
     ));
 }
 

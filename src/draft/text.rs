@@ -37,7 +37,7 @@ diameter_mm = 10             # FILL IN: the uninflated inner diameter, in whole 
 rest_length_mm = 200         # FILL IN: the resting length, hose clamp to hose clamp
 contracted_length_mm = 165   # FILL IN: the free length at 620 kPa without load
 # How well these lengths are known, one standard deviation each: optional. Left out, the residual search
-# takes 0.29 mm (rounded to 1 mm).
+# takes 0.29 mm (rounded to 1 mm) for the resting length and estimates how contracted lengths scatter.
 # rest_length_sd_mm = 0.5
 # contracted_length_sd_mm = 1
 "#;

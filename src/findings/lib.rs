@@ -145,9 +145,18 @@ impl CampaignFindings {
     /// The error on unseen units of the model that is the answer: with what was found, and without effects where nothing was, whatever the searches
     /// without one unit found.
     pub fn rmse_of_answer(&self) -> Option<f64> {
-        let has_terms = !self.effects.is_empty() || !self.unexplained.is_empty();
-        let with = self.after.rmse_heldout.filter(|_| has_terms);
-        with.or(self.before.rmse_heldout)
+        self.errors_of_answer()
+            .rmse_heldout
+            .or(self.before.rmse_heldout)
+    }
+
+    /// All errors of that model.
+    pub fn errors_of_answer(&self) -> &Errors {
+        if self.effects.is_empty() && self.unexplained.is_empty() {
+            &self.before
+        } else {
+            &self.after
+        }
     }
 
     /// The standard deviation that predictions take of what varies from group to group, by its id, in its unit.

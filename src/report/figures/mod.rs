@@ -29,6 +29,7 @@ use pipeline_base::error::Result;
 use pipeline_base::group::Group;
 use pipeline_base::names::file_name;
 use pipeline_config::{Config, FigureWidths, ReportOptions};
+use pipeline_findings::CampaignFindings;
 use pipeline_torque::diagnose::JointDiagnosis;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -147,10 +148,16 @@ pub fn of_diagnosis(group: &GroupInput) -> Vec<(found::Kind, Composed)> {
     })
 }
 
+/// The part of a campaign, such as `pinned-knee-flexor`, as names of files have it.
+pub(crate) fn part_in_names(found: &CampaignFindings) -> String {
+    let part = found.part.as_deref().unwrap_or_default();
+    part.replace(", ", "-").replace(' ', "-")
+}
+
 /// The figures of what was found of one joint.
 pub fn of_joint(joint: &JointDiagnosis) -> Vec<(found::Kind, Composed)> {
     let found = &joint.findings;
-    let part = found.part.as_deref().unwrap_or_default();
+    let part = part_in_names(found);
     found::figures(&found::Shown {
         found,
         residuals: &joint.residuals,

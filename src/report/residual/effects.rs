@@ -177,9 +177,19 @@ pub(super) fn tested(found: &CampaignFindings) -> Vec<TestedRow> {
             gain(t.log_likelihood_gain),
             familywise(found, t.p_familywise),
         ],
-        significant: t.p_familywise <= COMES_IN && t.id != PLACEBO,
+        significant: is_significant(t),
     };
     found.tested.iter().take(TESTED).map(row).collect()
+}
+
+fn is_significant(t: &Tested) -> bool {
+    t.p_familywise <= COMES_IN && t.id != PLACEBO
+}
+
+/// Whether nothing is in the answer though the linearised gain of a candidate would let it in.
+pub(super) fn is_some_not_accepted(found: &CampaignFindings) -> bool {
+    let is_empty = found.effects.is_empty() && found.unexplained.is_empty();
+    is_empty && found.tested.iter().take(TESTED).any(is_significant)
 }
 
 /// The linearised amplitude of a candidate; one that is physically impossible by the bound that it passes.

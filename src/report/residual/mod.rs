@@ -107,6 +107,8 @@ pub(crate) struct Campaign {
     alias_sets: Vec<effects::AliasRow>,
     tested: Vec<effects::TestedRow>,
     tested_in_all: usize,
+    /// Whether a candidate that its linearised gain would let in is no part of the answer.
+    tested_not_accepted: bool,
     /// Below which a candidate comes in.
     level: f64,
     /// A remark on the shuffled column; empty where there is nothing to say.
@@ -315,6 +317,7 @@ fn campaign(
         alias_sets: effects::alias_sets(found),
         tested: effects::tested(found),
         tested_in_all: found.tested.len(),
+        tested_not_accepted: effects::is_some_not_accepted(found),
         level: COMES_IN,
         shuffled: effects::shuffled(found),
         unexplained: { found.unexplained.iter() }

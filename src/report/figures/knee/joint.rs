@@ -1,8 +1,8 @@
 //! One joint before and after the loop: measured torque, the rigid leg, the leg with what was found, one panel a configuration.
 
 use super::{angle_axis, configuration, over_angle};
-use crate::figures::Named;
 use crate::figures::formatting::{largest, listed};
+use crate::figures::{Named, part_in_names};
 use crate::plot::{
     Axis, DOUBLE_MM, Dash, Figure, Ink, Layer, Mark, Panel, SINGLE_MM, Series, Stroke,
 };
@@ -21,7 +21,7 @@ const MOST_PANELS: usize = 8;
 /// The name of a joint's figure.
 pub fn name(campaign: &CampaignTorque, joint: &JointDiagnosis) -> String {
     let found = &joint.findings;
-    let part = found.part.as_deref().unwrap_or_default();
+    let part = part_in_names(found);
     file_name(&format!(
         "knee-loop-{}-{part}-{}",
         campaign.campaign, found.diameter_mm

@@ -38,7 +38,7 @@ pub fn found(campaigns: &[CampaignTorque]) -> Table {
         .number("stiffness_n_m", "1/\\v{C}", NPerM, Digits(2), |(_, e)| finite(e.and_then(stiffness)))
         .number("p_familywise", "\\v{p}", One, Digits(2), |(_, e)| finite(e.map(|e| e.p_familywise)))
         .number("log_likelihood_gain", "Gain", One, Decimals(1), |(_, e)| finite(e.and_then(|e| e.log_likelihood_gain))).machines()
-        .number("found_in_folds", "In folds", PerCent, Decimals(0), |(_, e)| finite(e.and_then(|e| Some(100.0 * e.found_in_folds?)))).machines()
+        .number("found_in_folds", "In folds", One, Percent(0), |(_, e)| finite(e.and_then(|e| e.found_in_folds))).machines()
         .number("rms_nm", "RMS", Nm, Decimals(2), |(_, e)| finite(e.map(|e| e.rms)))
         .text("class", "Alias set", |(_, e)| e.map(|e| e.class.join(" "))).machines()
         .note("\\v{p}: family-wise probability of so strong a candidate if there were no effect. RMS: of the change that it makes to the torques.")

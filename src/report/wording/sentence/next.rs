@@ -97,8 +97,9 @@ pub fn assumed(found: &CampaignFindings, next: &NextMeasurement) -> &'static str
 /// `three readings spread over each session of a new specimen reduce the error to 5.1 N`.
 pub(super) fn few_readings(found: &CampaignFindings) -> Option<String> {
     let nouns = nouns(found);
-    let after = found.after.rmse_heldout_spread.get(READINGS_GIVEN)?;
-    let unseen = found.after.rmse_heldout?;
+    let answer = found.errors_of_answer();
+    let after = answer.rmse_heldout_spread.get(READINGS_GIVEN)?;
+    let unseen = answer.rmse_heldout?;
     let error = error_with_unit(*after, &found.unit);
     let verb = if *after < (1.0 - WORTH_SAYING) * unseen {
         "reduce the error to"
@@ -115,8 +116,9 @@ pub(super) fn few_readings(found: &CampaignFindings) -> Option<String> {
 
 /// `3.4 N after three readings spread over each session`, where that is less than on units of which nothing is known.
 pub(super) fn error_after_few(found: &CampaignFindings) -> Option<String> {
-    let after = *found.after.rmse_heldout_spread.get(READINGS_GIVEN)?;
-    let falls = after < (1.0 - WORTH_SAYING) * found.after.rmse_heldout?;
+    let answer = found.errors_of_answer();
+    let after = *answer.rmse_heldout_spread.get(READINGS_GIVEN)?;
+    let falls = after < (1.0 - WORTH_SAYING) * answer.rmse_heldout?;
     let without = less_without_effects(found, after);
     let without = without.map_or_else(String::new, |e| format!(" ({e} without the effects)"));
     falls.then(|| {
