@@ -62,6 +62,7 @@ fn form(kind: usize, column: Coordinates) -> Form {
         term: Term {
             kind,
             named: true,
+            whole: true,
             decoy: false,
             bounds: vec![(-1e6, 1e6)],
             amplitudes: 1,
@@ -78,6 +79,11 @@ impl Form {
     fn decoy(mut self) -> Self {
         self.term.decoy = true;
         self.without_name()
+    }
+
+    fn of_some(mut self) -> Self {
+        self.term.whole = false;
+        self
     }
 
     fn without_name(mut self) -> Self {
@@ -669,6 +675,22 @@ fn a_name_is_preferred_where_both_are_alike() {
         };
         let found = found(&problem, QUICK, 9.0);
         assert_eq!(accepted(&found), [usize::from(!differs)], "{square}");
+    }
+}
+
+#[test]
+fn what_acts_on_all_readings_is_preferred_where_both_are_alike() {
+    // e^2/2 against 2.
+    for (square, differs) in sides(4.0) {
+        let (problem, [best, other]) = rivals(square);
+        let problem = Line {
+            terms: vec![best.of_some().term, other.term],
+            ..problem
+        };
+        for decision in [DECISION, QUICK] {
+            let found = found(&problem, decision, 9.0);
+            assert_eq!(accepted(&found), [usize::from(!differs)], "{square}");
+        }
     }
 }
 

@@ -38,6 +38,8 @@ pub struct Term {
     pub kind: usize,
     /// Whether it has a physical name.
     pub named: bool,
+    /// Whether it acts on all readings alike: of two terms that explain alike it is the simpler one than one that acts on some.
+    pub whole: bool,
     /// Whether it is known to be nothing: it is tested as every other, so that its probability can be read, and never comes in.
     pub decoy: bool,
     /// Bounds of every value: amplitudes first, then the shape, if it has one.

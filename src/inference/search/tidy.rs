@@ -6,6 +6,7 @@ use crate::fit::Fitted;
 use crate::problem::Point;
 use crate::screen::Screen;
 use crate::statistic::deviate;
+use std::cmp::Ordering;
 
 impl Search<'_> {
     /// Deletions and swaps, and the alternatives to every term.
@@ -85,11 +86,11 @@ impl Search<'_> {
         way: Way,
     ) -> Option<(&'f usize, &'f Fitted)> {
         let own = self.worth(model, term, way);
-        // A name gives way to none only where they are not alike.
-        let least = |other: usize| match (self.is_named(term), self.is_named(other)) {
-            (true, false) => self.decision.alike,
-            (false, true) => -self.decision.alike,
-            _ => WORTH_A_SWAP,
+        // What is simpler gives way only where they are not alike.
+        let least = |other: usize| match self.simplicity(term).cmp(&self.simplicity(other)) {
+            Ordering::Greater => self.decision.alike,
+            Ordering::Less => -self.decision.alike,
+            Ordering::Equal => WORTH_A_SWAP,
         };
         let better = others
             .iter()

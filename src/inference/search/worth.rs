@@ -28,14 +28,22 @@ impl Search<'_> {
         fitted.log_likelihood - fitted.point.terms.iter().map(cost).sum::<f64>()
     }
 
-    /// The best of some fits, by the last term of each; a term with a name before one without where both are alike.
+    /// The simplest of the fits that are alike to the best, by the last term of each, and of these the best.
     pub(super) fn preferred(&self, fits: &[(Fitted, usize)], way: Way) -> Option<(Fitted, usize)> {
-        let problem = self.setting.problem;
         let worth = |(f, t): &(Fitted, usize)| self.worth(f, *t, way);
         let best_of = |a: &&(Fitted, usize), b: &&(Fitted, usize)| worth(a).total_cmp(&worth(b));
         let best = fits.iter().max_by(best_of)?;
-        let named = fits.iter().filter(|(_, t)| problem.terms()[*t].named);
-        let alike = |n: &&(Fitted, usize)| worth(n) > worth(best) - self.decision.alike;
-        Some(named.max_by(best_of).filter(alike).unwrap_or(best).clone())
+        let alike = |f: &&(Fitted, usize)| worth(f) > worth(best) - self.decision.alike;
+        let simpler = |a: &&(Fitted, usize), b: &&(Fitted, usize)| {
+            let by_simplicity = self.simplicity(a.1).cmp(&self.simplicity(b.1));
+            by_simplicity.then(best_of(a, b))
+        };
+        fits.iter().filter(alike).max_by(simpler).cloned()
+    }
+
+    /// Of terms that explain alike, one with a name is simpler than one without, and one that acts on all readings than one that acts on some.
+    pub(super) fn simplicity(&self, term: usize) -> (bool, bool) {
+        let term = &self.setting.problem.terms()[term];
+        (term.named, term.whole)
     }
 }

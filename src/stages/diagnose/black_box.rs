@@ -5,7 +5,8 @@
 //! model that was fitted without the held-out readings as well. Its noise is chosen from a short grid by the held-out error itself, which favours it: it
 //! is a limit, not a competitor.
 
-use super::data::{Data, PLACEBO};
+use super::data::{Data, Extra, PLACEBO};
+use pipeline_base::columns::TEMPERATURE;
 use pipeline_effects::Conditions;
 use pipeline_numerics::cholesky::Cholesky;
 use pipeline_numerics::matrix::Matrix;
@@ -45,7 +46,9 @@ impl Features {
             column(&|c| c.temperature_c),
             column(&|c| c.cycles),
         ];
-        let extras = data.extras.iter().filter(|e| e.name != PLACEBO);
+        // The temperature is there already.
+        let is_further = |e: &&Extra| e.name != PLACEBO && e.name != TEMPERATURE;
+        let extras = data.extras.iter().filter(is_further);
         others.extend(extras.map(|e| e.values.clone()));
         others.retain(|v| v.iter().any(|x| *x != 0.0));
         let largest = predicted.iter().copied().fold(1e-9, f64::max);

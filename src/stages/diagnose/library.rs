@@ -252,6 +252,7 @@ impl Term {
         problem::Term {
             kind,
             named: self.id().is_some(),
+            whole: self.scope == Scope::All,
             decoy: matches!(self.what, What::Column(c) if c.name(data) == PLACEBO),
             bounds,
             amplitudes: self.amplitudes,

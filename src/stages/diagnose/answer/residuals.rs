@@ -57,8 +57,10 @@ fn columns(data: &Data) -> Vec<(String, Vec<f64>)> {
         ("temperature_c".to_owned(), of(&|c| c.temperature_c)),
         ("cycles".to_owned(), of(&|c| c.cycles)),
     ];
-    let extras = data.extras.iter().filter(|e| e.name != PLACEBO);
-    columns.extend(extras.map(|e| {
+    let extras = || data.extras.iter().filter(|e| e.name != PLACEBO);
+    // The temperature, as it was logged.
+    columns.retain(|(name, _)| extras().all(|e| e.name != *name));
+    columns.extend(extras().map(|e| {
         let values = e.values.iter().map(|x| e.scale.0 + e.scale.1 * x);
         (e.name.clone(), values.collect())
     }));

@@ -24,7 +24,7 @@ pub(super) fn is_named(column: &str, names: &[&str]) -> bool {
 /// Name of the column that says in which sessions the zero is not known: its second level.
 pub const ZERO_UNKNOWN: &str = "zero_unknown";
 
-/// An extra column that no effect of the library has a name for.
+/// An extra column, on which the force may depend in a way that no effect of the library has.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extra {
     /// Name, as the session's author gave it.
@@ -75,20 +75,19 @@ impl Data {
     }
 }
 
-/// The columns that the user added and no effect claims, if they vary.
+/// The columns that the user added and that are no history of the actuator, if they vary. The temperature is among them: the library has what it does to
+/// the size of the force, and not that it moves the zero of a load cell.
 pub(super) fn extras(rows: &[&Row], data: &Data) -> Vec<Extra> {
     let words = label_names(rows.iter().copied());
     let names = rows.iter().flat_map(|r| r.extras.keys());
     let names: BTreeSet<&String> = names.filter(|n| !words.contains(*n)).collect();
-    let claimed = |name: &str| {
-        name == TEMPERATURE
-            || [SINCE_STEP, RATE, CYCLES]
-                .iter()
-                .any(|names| is_named(name, names))
+    let is_history = |name: &str| {
+        let histories = [SINCE_STEP, RATE, CYCLES];
+        histories.iter().any(|names| is_named(name, names))
     };
     names
         .into_iter()
-        .filter(|n| !claimed(n))
+        .filter(|n| !is_history(n))
         .filter_map(|n| extra(rows, data, n))
         .collect()
 }
@@ -107,7 +106,10 @@ fn extra(rows: &[&Row], data: &Data, name: &str) -> Option<Extra> {
         .iter()
         .map(|r| r.extras.get(name).copied().unwrap_or(f64::NAN))
         .collect();
-    column(data, name, raw)
+    let mut extra = column(data, name, raw)?;
+    // Whole degrees name no group.
+    extra.names_groups &= name != TEMPERATURE;
+    Some(extra)
 }
 
 fn column(data: &Data, name: &str, raw: Vec<f64>) -> Option<Extra> {

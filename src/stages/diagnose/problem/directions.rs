@@ -3,7 +3,9 @@
 use super::ForceProblem;
 use super::misfit::LawSpan;
 use crate::bent::Bent;
-use crate::library::{Scope, Term, What};
+use crate::library::{Column, Scope, Term, What};
+use crate::settings;
+use crate::smooth::cosines;
 use pipeline_effects as effects;
 use pipeline_inference::problem::{Direction, Point, Problem};
 use rayon::prelude::*;
@@ -41,6 +43,9 @@ impl ForceProblem<'_> {
     /// Columns by which the size of a term in the model may bend along its own argument.
     pub(super) fn bent_columns(&self, point: &Point, term: usize) -> Vec<Vec<f64>> {
         let linear = self.linearise(point);
+        if let What::Column(column) = self.library[term].what {
+            return self.curved_columns(column, &linear.predicted);
+        }
         let mut place = 0;
         for (t, values) in &point.terms {
             let of_term = &linear.by_terms[place..place + values.len()];
@@ -60,6 +65,26 @@ impl ForceProblem<'_> {
             }
         }
         Vec::new()
+    }
+
+    /// Columns of what a dependence on a logged column may be beside a polynomial of second degree: a smooth function of it, times the force or by itself.
+    fn curved_columns(&self, column: Column, predicted: &[f64]) -> Vec<Vec<f64>> {
+        let (Column::Gain(k) | Column::Offset(k)) = column else {
+            return Vec::new();
+        };
+        let along = &self.data.extras[k].values;
+        let low = along.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = along.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let mut columns = vec![vec![0.0; predicted.len()]; settings::COLUMN_COSINES - 1];
+        for (i, x) in along.iter().enumerate() {
+            let share = (x - low) / (high - low);
+            let basis = cosines(settings::COLUMN_COSINES, share, settings::COLUMN_LENGTH);
+            let size = if column.is_gain() { predicted[i] } else { 1.0 };
+            for (of, c) in columns.iter_mut().zip(&basis[1..]) {
+                of[i] = size * c;
+            }
+        }
+        columns
     }
 
     /// Columns by which the size of a term that acts on parts of the sessions may scatter among sessions: the operator with a value for each of them.

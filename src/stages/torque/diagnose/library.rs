@@ -74,6 +74,7 @@ impl What {
         problem::Term {
             kind,
             named: self.form().is_some(),
+            whole: true,
             decoy: self.name(data) == PLACEBO,
             bounds: vec![self.form().map_or(correction, |f| f.bounds); self.values(data)],
             amplitudes: self.values(data),
