@@ -8,7 +8,7 @@ use crate::print::{line, print_json};
 use pipeline_base::error::Result;
 use pipeline_diagnose::mixed_law::Whose;
 use pipeline_mechanics::models::festo_tool::TOLERANCE;
-use pipeline_predict::answer::{Measured, Other};
+use pipeline_predict::answer::{LEAST_CHANGE_N, Measured, Other};
 use pipeline_predict::interval::CONFIDENCE;
 use pipeline_predict::inverse::{Solved, Wanted};
 use pipeline_predict::sweep::{Axis, TABLE_KPA};
@@ -215,9 +215,6 @@ fn force(predictor: &Predictor, answer: &Answer) -> String {
         ),
     }
 }
-
-/// A change of the force below this is none, N.
-const LEAST_CHANGE_N: f64 = 0.05;
 
 /// What the effects of the mixed model change here.
 fn effects(answer: &Answer) {

@@ -419,10 +419,14 @@ impl<'a> Predictor<'a> {
     }
 }
 
+/// A change of the force below this is none, N.
+pub const LEAST_CHANGE_N: f64 = 0.05;
+
 /// That the force is far from what was read, because of effects that were taken off as the rig's; none where the reading lies in the interval.
 fn inferred(answer: &Answer) -> Option<String> {
     let (force, interval) = (answer.force_n?, answer.interval?);
-    let left_out = || answer.effects.iter().filter(|e| !e.included);
+    let counts = |e: &&OfEffect| !e.included && e.change_n.abs() >= LEAST_CHANGE_N;
+    let left_out = || answer.effects.iter().filter(counts);
     let of_rig: f64 = left_out().map(|e| e.change_n).sum();
     let read = (force + of_rig).max(0.0);
     let names: Vec<&str> = left_out().map(|e| e.effect.as_str()).collect();

@@ -34,7 +34,7 @@ fn the_answer_of_the_issue() {
              specimens falls from 18.7 to 15.8 N.",
             "The zero of the force scatters by 0.60 N, not by the declared 0.20 N.",
             "What the effects leave is not all noise: the error depends on humidity (5% of the force over its range, p = 0.0020; \
-             temperature and creep after a step explain it as well), for which the library has no effect (12% of its variance).",
+             temperature and creep after a step explain it as well), in a way that no effect of the library has (12% of its variance).",
             "The 13.4 N error expected on an unseen specimen combines, in quadrature, 12.0 from set lengths (0.90 mm), 4.1 from specimen gain \
              (4.2%), 3.0 from \
              estimation, 1.4 from other sources and 2.6 from noise; knowing set lengths to 0.2 mm would lower the error by 6.0 N; three readings \

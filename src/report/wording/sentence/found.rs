@@ -223,7 +223,7 @@ pub fn alias_set(effect: &EffectFinding) -> Vec<String> {
     others.map(|id| name::effect(id)).chain(columns).collect()
 }
 
-/// `the error depends on humidity (p = 0.002; temperature explains it as well), for which the library has no effect`.
+/// `the error depends on humidity (p = 0.002; temperature explains it as well), in a way that no effect of the library has`.
 pub(super) fn unexplained(found: &CampaignFindings) -> String {
     let columns: Vec<String> = found
         .unexplained
@@ -248,7 +248,7 @@ pub(super) fn unexplained(found: &CampaignFindings) -> String {
         })
         .collect();
     format!(
-        "the error depends on {}, for which the library has no effect",
+        "the error depends on {}, in a way that no effect of the library has",
         listed(&columns)
     )
 }
