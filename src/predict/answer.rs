@@ -408,7 +408,11 @@ impl<'a> Predictor<'a> {
             class: term.class.clone(),
         };
         answer.effects = terms.map(of).collect();
-        answer.inferred = inferred(answer);
+        let ends = answer.interval.map(|i| (i.low_n, i.high_n));
+        answer.inferred = answer
+            .force_n
+            .zip(ends)
+            .and_then(|(force, ends)| inferred(force, ends, &answer.effects));
     }
 
     fn needs(&self) -> Error {
@@ -423,18 +427,16 @@ impl<'a> Predictor<'a> {
 pub const LEAST_CHANGE_N: f64 = 0.05;
 
 /// That the force is far from what was read, because of effects that were taken off as the rig's; none where the reading lies in the interval.
-fn inferred(answer: &Answer) -> Option<String> {
-    let (force, interval) = (answer.force_n?, answer.interval?);
+fn inferred(force: f64, interval: (f64, f64), effects: &[OfEffect]) -> Option<String> {
     let counts = |e: &&OfEffect| !e.included && e.change_n.abs() >= LEAST_CHANGE_N;
-    let left_out = || answer.effects.iter().filter(counts);
+    let left_out = || effects.iter().filter(counts);
     let of_rig: f64 = left_out().map(|e| e.change_n).sum();
     let read = (force + of_rig).max(0.0);
     let names: Vec<&str> = left_out().map(|e| e.effect.as_str()).collect();
-    (read < interval.low_n || read > interval.high_n).then(|| {
+    (read < interval.0 || read > interval.1).then(|| {
         format!(
-            "the rig would read {read:.1} N: {:+.1} N are taken for the rig's own ({}), which is inferred from forces and was not measured; residual.pdf has \
-             the evidence, `pipeline predict --as-read` the reading",
-            of_rig,
+            "the rig would read {read:.1} N: {of_rig:+.1} N are taken for the rig's own ({}), which is inferred from forces and was not measured; \
+             residual.pdf has the evidence, `pipeline predict --as-read` the reading",
             names.join(", ")
         )
     })
@@ -555,4 +557,44 @@ fn beyond_limit(diameter_mm: u32, pressure_kpa: f64) -> Option<String> {
     Some(format!(
         "{pressure_kpa:.0} kPa is above the manufacturer's limit of {limit:.0} kPa for {diameter_mm} mm: do not apply it"
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn effect(id: &str, change_n: f64, of_actuator: bool) -> OfEffect {
+        OfEffect {
+            effect: id.to_owned(),
+            of_actuator,
+            included: of_actuator,
+            change_n,
+            class: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn what_is_taken_for_the_rigs_is_told_where_the_reading_is_outside_of_the_interval() {
+        let said = |change_n: f64| {
+            let effects = [
+                effect("series_compliance", change_n, false),
+                effect("force_drift", 0.04, false),
+                effect("bladder_threshold", -90.0, true),
+            ];
+            inferred(500.0, (450.0, 550.0), &effects)
+        };
+        assert_eq!((said(-49.9), said(49.9)), (None, None));
+        let low = said(-50.1).unwrap();
+        assert!(low.starts_with(
+            "the rig would read 449.9 N: -50.1 N are taken for the rig's own (series_compliance),"
+        ));
+        assert!(said(50.1).is_some());
+        // A rig pulls no less than nothing.
+        let slack = inferred(
+            10.0,
+            (0.0, 20.0),
+            &[effect("force_zero_offset", -40.0, false)],
+        );
+        assert_eq!(slack, None);
+    }
 }
