@@ -75,7 +75,39 @@ fn scatter_alone_is_no_effect_and_is_reported_as_scatter() {
         .map(|l| l.column.as_str())
         .collect();
     columns.dedup();
-    assert_eq!(columns, ["age_days", "humidity", "force_n", "pressure_kpa"]);
+    assert_eq!(
+        columns,
+        [
+            "age_days",
+            "humidity",
+            "temperature_c",
+            "force_n",
+            "pressure_kpa"
+        ]
+    );
+}
+
+/// The library has what the temperature does to the size of the force, not to the zero of a load cell.
+#[test]
+fn a_zero_that_moves_with_the_temperature_is_told_as_a_dependence_on_it() {
+    let settings = Settings {
+        specimens: Some(5),
+        ..Settings::default()
+    };
+    let mut rows = campaign(211, &settings).rows;
+    let temperature = |row: &Row| row.extras["temperature_c"];
+    let mean = rows.iter().map(temperature).sum::<f64>() / rows.len() as f64;
+    for row in &mut rows {
+        row.force_n += 1.5 * (temperature(row) - mean);
+    }
+    let found = search(&rows, "new");
+    assert_eq!(names(&found), [""; 0]);
+    let columns: Vec<(&str, &str)> = found
+        .unexplained
+        .iter()
+        .map(|u| (u.column.as_str(), u.shape.as_str()))
+        .collect();
+    assert_eq!(columns, [("temperature_c", "offset")]);
 }
 
 #[test]

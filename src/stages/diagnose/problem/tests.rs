@@ -6,13 +6,14 @@ use super::forward::{CONTRACTED, REST, SLOTS};
 use super::misfit::common_pairs;
 use crate::base::Base;
 use crate::data::Data;
-use crate::library::Scope;
+use crate::library::{Column, Scope, What};
 use crate::slack::Side;
 use pipeline_inference::problem::Problem;
 
 use crate::library;
 use pipeline_config::FitOptions;
-use pipeline_numerics::matrix::norm;
+use pipeline_numerics::matrix::{Matrix, norm};
+use pipeline_numerics::qr::PivotedQr;
 use pipeline_simulate::rig_like;
 
 #[test]
@@ -49,6 +50,46 @@ fn derivatives_by_the_lengths_of_a_specimen_are_those_of_other_conditions() {
             );
         }
     }
+}
+
+#[test]
+fn what_a_column_may_be_beside_its_polynomial_has_a_bump() {
+    let rows = rig_like::campaign(1, &rig_like::Settings::default()).rows;
+    let rows: Vec<&_> = rows.iter().collect();
+    let data = Data::new(&rows);
+    let library = library::terms(&data);
+    let base = Base::new(10, true, 4, &FitOptions::default());
+    let problem = ForceProblem::new(&base, &data, &library);
+    let humidity = data.extras.iter().position(|e| e.name == "humidity");
+    let offset = Column::Offset(humidity.unwrap());
+    let place = |column: Column| library.iter().position(|t| t.what == What::Column(column));
+    let mut point = problem.start();
+    let offset_term = place(offset).unwrap();
+    point.terms.push((offset_term, vec![1.0, 0.0]));
+    let columns = problem.bends(&point, offset_term);
+    // The share of a bump's variance that columns leave, and that a parabola leaves of it.
+    let along = &data.extras[humidity.unwrap()].values;
+    let bump: Vec<f64> = along.iter().map(|x| (-8.0 * x * x).exp()).collect();
+    let left = |columns: Vec<Vec<f64>>| {
+        let mut all = Matrix::zeros(along.len(), columns.len() + 1);
+        all.column_mut(0).fill(1.0);
+        for (k, column) in columns.iter().enumerate() {
+            all.column_mut(k + 1)
+                .copy_from_slice(&column[..along.len()]);
+        }
+        let factor = PivotedQr::new(all);
+        let mut rest = bump.clone();
+        factor.apply_q_transposed(&mut rest);
+        let rank = factor.rank(factor.default_tolerance());
+        norm(&rest[rank..]) / norm(&bump)
+    };
+    let powers = [1, 2].map(|k| along.iter().map(|x| x.powi(k)).collect());
+    assert!(left(powers.to_vec()) > 0.3);
+    assert!(left(columns) < 0.1);
+    // The channels of force and pressure are part of the law, not columns beside it.
+    let force = place(Column::Force).unwrap();
+    point.terms = vec![(force, vec![0.1, 0.0])];
+    assert!(problem.bends(&point, force).is_empty());
 }
 
 #[test]
