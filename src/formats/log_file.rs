@@ -55,11 +55,14 @@ pub fn check(
     Ok(Ok(()))
 }
 
+/// Whether the beginning of a file is of a format that is no text.
+pub(super) fn is_known_binary(head: &[u8]) -> bool {
+    let mut binary = FORMATS.iter().filter(|f| f.name != csv::FORMAT.name);
+    binary.any(|f| (f.recognises)(head))
+}
+
 fn is_binary(head: &[u8]) -> bool {
-    let known = FORMATS
-        .iter()
-        .any(|f| f.name != csv::FORMAT.name && (f.recognises)(head));
-    known || gzip::is_compressed(head) || foreign::refuse("", head, "").is_err()
+    is_known_binary(head) || gzip::is_compressed(head) || foreign::refuse("", head, "").is_err()
 }
 
 fn read_full(read: &mut impl Read, buffer: &mut [u8]) -> std::io::Result<usize> {

@@ -2,10 +2,11 @@
 
 use crate::dialect::{Dialect, is_number};
 use crate::discover::Discovery;
-use crate::{FORMATS, csv, gzip};
+use crate::{gzip, log_file};
 use flate2::read::MultiGzDecoder;
 use pipeline_base::diagnostics::{Diagnostic, Severity};
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
@@ -86,28 +87,24 @@ fn without_dots(path: &Path) -> PathBuf {
 
 /// Whether a file looks like a log: a format that is no text, or lines of numbers.
 fn is_log(path: &Path) -> bool {
-    let head = |read: &mut dyn Read| {
-        let mut head = Vec::new();
-        read.take(HEAD).read_to_end(&mut head).ok().map(|_| head)
-    };
-    let Some(bytes) = std::fs::File::open(path)
-        .ok()
-        .and_then(|mut f| head(&mut f))
-    else {
+    let Ok(mut bytes) = head(path) else {
         return false;
     };
-    let bytes = if gzip::is_compressed(&bytes) {
-        // The end of what was cut off is missing: what comes before it is enough.
+    if gzip::is_compressed(&bytes) {
         let mut plain = Vec::new();
+        // The end was cut off, which is an error: what comes before it is enough.
         let _cut = MultiGzDecoder::new(&bytes[..])
             .take(HEAD)
             .read_to_end(&mut plain);
-        plain
-    } else {
-        bytes
-    };
-    let binary = FORMATS.iter().filter(|f| f.name != csv::FORMAT.name);
-    binary.into_iter().any(|f| (f.recognises)(&bytes)) || has_numbers(&bytes)
+        bytes = plain;
+    }
+    log_file::is_known_binary(&bytes) || has_numbers(&bytes)
+}
+
+fn head(path: &Path) -> std::io::Result<Vec<u8>> {
+    let mut head = Vec::new();
+    File::open(path)?.take(HEAD).read_to_end(&mut head)?;
+    Ok(head)
 }
 
 /// Whether lines of a text are rows of numbers.

@@ -665,31 +665,19 @@ fn rivals(square: f64) -> (Line, [Form; 2]) {
 }
 
 #[test]
-fn a_name_is_preferred_where_both_are_alike() {
+fn a_name_and_what_acts_on_all_readings_are_preferred_where_both_are_alike() {
     // e^2/2 against 2.
-    for (square, differs) in sides(4.0) {
-        let (problem, [best, other]) = rivals(square);
-        let problem = Line {
-            terms: vec![best.without_name().term, other.term],
-            ..problem
-        };
-        let found = found(&problem, QUICK, 9.0);
-        assert_eq!(accepted(&found), [usize::from(!differs)], "{square}");
-    }
-}
-
-#[test]
-fn what_acts_on_all_readings_is_preferred_where_both_are_alike() {
-    // e^2/2 against 2.
-    for (square, differs) in sides(4.0) {
-        let (problem, [best, other]) = rivals(square);
-        let problem = Line {
-            terms: vec![best.of_some().term, other.term],
-            ..problem
-        };
-        for decision in [DECISION, QUICK] {
-            let found = found(&problem, decision, 9.0);
-            assert_eq!(accepted(&found), [usize::from(!differs)], "{square}");
+    for less_simple in [Form::without_name, Form::of_some] {
+        for (square, differs) in sides(4.0) {
+            let (problem, [best, other]) = rivals(square);
+            let problem = Line {
+                terms: vec![less_simple(best).term, other.term],
+                ..problem
+            };
+            for decision in [DECISION, QUICK] {
+                let found = found(&problem, decision, 9.0);
+                assert_eq!(accepted(&found), [usize::from(!differs)], "{square}");
+            }
         }
     }
 }

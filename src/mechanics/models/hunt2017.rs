@@ -116,7 +116,7 @@ fn signed_root(c: [f64; 7], target: f64, eps: f64, eps_max: f64) -> f64 {
     let [_, _, w, q, k, ..] = c;
     // The strain is then the same at any force.
     if k == 0.0 {
-        return linear_root(c, target, eps, eps_max);
+        return linear_root(c, target, eps, eps_max, 0.0);
     }
     let pole = pole(c, eps, eps_max);
     let lowest_strain = q - FRAC_PI_2 / w;
@@ -136,16 +136,15 @@ fn signed_root(c: [f64; 7], target: f64, eps: f64, eps_max: f64) -> f64 {
 }
 
 /// The root where the pressure is linear in the force.
-fn linear_root(c: [f64; 7], target: f64, eps: f64, eps_max: f64) -> f64 {
-    let (at_zero, slope) = gap(c, target, 0.0, eps, eps_max, 0.0);
+fn linear_root(c: [f64; 7], target: f64, eps: f64, eps_max: f64, s: f64) -> f64 {
+    let (at_zero, slope) = gap(c, target, 0.0, eps, eps_max, s);
     -at_zero / slope
 }
 
 /// The one root between a force that is below it and the pole.
 fn root_above(from: f64, c: [f64; 7], target: f64, eps: f64, eps_max: f64, s: f64) -> f64 {
     if eps == 0.0 {
-        let (at_zero, slope) = gap(c, target, 0.0, eps, eps_max, s);
-        return -at_zero / slope;
+        return linear_root(c, target, eps, eps_max, s);
     }
     let pole = pole(c, eps, eps_max);
     let (mut low, mut high, mut force) = (from, pole, 0.5 * (from + pole));
@@ -268,7 +267,7 @@ mod tests {
 
     #[test]
     fn the_law_of_fits_is_a_root_wherever_a_fit_may_go() {
-        // Bounds of a fit, and beyond them what k = 0 and a shifted tangent do.
+        // Corners of the bounds of a fit, and the published k, which is beyond them.
         let mut roots = 0;
         for (w, q) in [
             (0.2, -0.5),

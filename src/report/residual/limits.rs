@@ -56,8 +56,8 @@ fn column_limit(l: &ColumnLimit) -> [String; 4] {
     ]
 }
 
-/// `A and B leave nearly the same trace (cosine of their sensitivities 1.000).`: the pairs that these readings could not tell apart, in a sentence; empty
-/// where there is none.
+/// `These readings do not tell apart: A and B (cosine of their sensitivities 1.000); ...`: the pairs of effects of nearly one sensitivity; empty where there
+/// is none.
 pub(super) fn alike(found: &CampaignFindings) -> String {
     let pair = |a: &Alias| {
         let [one, other] = [0, 1].map(|k| name::effect(&a.ids[k]));
@@ -69,7 +69,7 @@ pub(super) fn alike(found: &CampaignFindings) -> String {
         return String::new();
     }
     format!(
-        "These readings do not tell apart: {}; what is said of one of a pair holds for the other.",
+        "These readings do not tell apart: {}; what is found as one of a pair may be the other.",
         pairs.join("; ")
     )
 }
@@ -204,7 +204,8 @@ pub(super) fn worth_withheld(found: &CampaignFindings) -> String {
     let units = name::nouns(found).units;
     format!(
         "The worth of a measurement is the decrease in error that the model with the effects expects. It is omitted where that says nothing about \
-         unseen {units}: where their error rises with the effects, is more than half as large again as expected, or is smaller than what the measurement would take away."
+         unseen {units}: where their error rises with the effects, is more than half as large again as expected, or is smaller \
+         than what the measurement would take away."
     )
 }
 
